@@ -1,0 +1,130 @@
+//! Triplets laid out for the solver: coordinates apart, each station's points about their own centroid.
+//!
+//! With centred points the yaw turns about the middle of the track instead of about a station 100 m away, so
+//! that yaw and translation hardly correlate and the normal equations are well conditioned.
+
+use nalgebra::{SVector, Vector3};
+
+use crate::geometry::LevelTransform;
+use crate::pipeline::Triplets;
+
+/// (x, y, z, yaw) of station 2, then of station 3: m and rad, about the centroids.
+pub type Parameters = SVector<f64, 8>;
+
+/// Three lists of points, as nine lists of coordinates (m) about their centroids.
+#[derive(Clone, Debug)]
+pub struct CentredTriplets {
+    /// Centroid of each station's points in its own frame (m).
+    pub centre_m: [Vector3<f64>; 3],
+    /// `coordinates[station][axis][instant]`.
+    pub coordinates: [[Vec<f64>; 3]; 3],
+    /// α, β, γ (m).
+    pub inter_prism_m: [f64; 3],
+}
+
+impl CentredTriplets {
+    pub fn new(triplets: &Triplets, inter_prism_m: [f64; 3]) -> Self {
+        let centre_m = triplets
+            .points_m
+            .each_ref()
+            .map(|points| points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64);
+        let coordinates = std::array::from_fn(|station| {
+            let centre = centre_m[station];
+            let points = &triplets.points_m[station];
+            std::array::from_fn(|axis| points.iter().map(|p| p[axis] - centre[axis]).collect())
+        });
+        Self { centre_m, coordinates, inter_prism_m }
+    }
+
+    /// The chosen instants in the given order, about the same centroids as all.
+    pub fn select(&self, instants: &[usize]) -> Self {
+        self.map(|list| instants.iter().map(|i| list[*i]).collect())
+    }
+
+    /// The first instants, about the same centroids as all.
+    pub fn first(&self, count: usize) -> Self {
+        self.map(|list| list[..count].to_vec())
+    }
+
+    /// At most `count` instants, evenly spread, about the same centroids as all.
+    pub fn thinned(&self, count: usize) -> Self {
+        let step = self.len().div_ceil(count).max(1);
+        self.map(|list| list.iter().step_by(step).copied().collect())
+    }
+
+    fn map(&self, pick: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        let coordinates =
+            self.coordinates.each_ref().map(|station| station.each_ref().map(|list| pick(list)));
+        Self { centre_m: self.centre_m, coordinates, inter_prism_m: self.inter_prism_m }
+    }
+
+    pub fn len(&self) -> usize {
+        self.coordinates[0][0].len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Parameters of given transforms. `q1 − c1 = R (q − c) + t'` with `t' = t + R c − c1`.
+    pub fn parameters(&self, station1_from_station: &[LevelTransform; 3]) -> Parameters {
+        let mut parameters = Parameters::zeros();
+        for (slot, station) in [1, 2].into_iter().enumerate() {
+            let transform = &station1_from_station[station];
+            let moved = transform.apply(&self.centre_m[station]) - self.centre_m[0];
+            parameters.fixed_rows_mut::<3>(4 * slot).copy_from(&moved);
+            parameters[4 * slot + 3] = transform.yaw_rad;
+        }
+        parameters
+    }
+
+    /// The inverse of [`CentredTriplets::parameters`].
+    pub fn transforms(&self, parameters: &Parameters) -> [LevelTransform; 3] {
+        let transform = |slot: usize| {
+            let moved = parameters.fixed_rows::<3>(4 * slot).into_owned();
+            let turn = LevelTransform::new(Vector3::zeros(), parameters[4 * slot + 3]);
+            let translation_m = self.centre_m[0] + moved - turn.rotate(&self.centre_m[slot + 1]);
+            LevelTransform::new(translation_m, turn.yaw_rad)
+        };
+        [LevelTransform::IDENTITY, transform(0), transform(1)]
+    }
+
+    /// Mean height of prism 1 above prisms 2 and 3 (m). The centred points have mean zero.
+    pub fn height_differences_m(&self, parameters: &Parameters) -> [f64; 2] {
+        [-parameters[2], -parameters[6]]
+    }
+
+    /// The same solution with the heights of the chosen stations' prisms mirrored in prism 1's.
+    pub fn mirrored(&self, parameters: &Parameters, flips: [bool; 2]) -> Parameters {
+        let mut mirrored = *parameters;
+        for (slot, _) in flips.iter().enumerate().filter(|(_, flip)| **flip) {
+            mirrored[4 * slot + 2] = -mirrored[4 * slot + 2];
+        }
+        mirrored
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_and_transforms_are_inverse() {
+        let points = |offset: f64| {
+            (0..5).map(|i| Vector3::new(f64::from(i), offset, 0.3 * f64::from(i * i))).collect()
+        };
+        let triplets =
+            Triplets::new(vec![0.0; 5], vec![0; 5], [points(10.0), points(-30.0), points(55.0)]);
+        let data = CentredTriplets::new(&triplets, [1.0; 3]);
+        let transforms = [
+            LevelTransform::IDENTITY,
+            LevelTransform::new(Vector3::new(5.0, -2.0, 0.4), 0.7),
+            LevelTransform::new(Vector3::new(-3.0, 1.0, 0.1), -2.9),
+        ];
+        let back = data.transforms(&data.parameters(&transforms));
+        for (a, b) in transforms.iter().zip(back) {
+            assert!((a.translation_m - b.translation_m).norm() < 1e-12);
+            assert!((a.yaw_rad - b.yaw_rad).abs() < 1e-12);
+        }
+    }
+}

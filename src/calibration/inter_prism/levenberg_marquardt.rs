@@ -1,0 +1,91 @@
+//! Levenberg–Marquardt on the fused normal equations.
+
+use super::{CentredTriplets, NormalEquations, Parameters};
+
+/// Steps below this (m, and rad times the track's size) end the search: a thousandth of a micrometre.
+const STEP_TOLERANCE_M: f64 = 1e-9;
+const MOST_ITERATIONS: usize = 60;
+
+/// Where the search ended.
+#[derive(Clone, Copy, Debug)]
+pub struct Minimum {
+    pub parameters: Parameters,
+    /// At the parameters.
+    pub normal: NormalEquations,
+    pub converged: bool,
+    /// Passes over the data.
+    pub passes: usize,
+}
+
+/// Goes downhill from `start` to the nearest minimum.
+///
+/// Marquardt's scaling by the diagonal of JᵀJ; every pass gives cost and derivatives together, so an accepted
+/// step costs one pass. Ends when a step is below a nanometre or the cost no longer changes.
+pub fn minimise(data: &CentredTriplets, start: Parameters) -> Minimum {
+    let mut parameters = start;
+    let mut normal = NormalEquations::at(data, &parameters);
+    let mut damping = 1e-6;
+    let radius_m = track_radius_m(data);
+    let mut passes = 1;
+    let mut converged = false;
+    while passes < MOST_ITERATIONS {
+        let mut damped = normal.matrix;
+        for k in 0..8 {
+            let diagonal = normal.matrix[(k, k)];
+            damped[(k, k)] = diagonal * (1.0 + damping) + 1e-12 * normal.matrix.trace();
+        }
+        let Some(cholesky) = damped.cholesky() else {
+            damping = (damping * 10.0).max(1e-6);
+            if damping > 1e12 {
+                break;
+            }
+            continue;
+        };
+        let step = -cholesky.solve(&normal.gradient);
+        let step_size_m = (0..8)
+            .map(|k| if k % 4 == 3 { step[k].abs() * radius_m } else { step[k].abs() })
+            .fold(0.0, f64::max);
+        if !step_size_m.is_finite() {
+            break;
+        }
+        if step_size_m < STEP_TOLERANCE_M {
+            converged = true;
+            break;
+        }
+        let trial = parameters + step;
+        let next = NormalEquations::at(data, &trial);
+        passes += 1;
+        if next.cost <= normal.cost {
+            let change = normal.cost - next.cost;
+            parameters = trial;
+            normal = next;
+            damping = (damping * 0.1).max(1e-9);
+            if change <= 1e-15 * normal.cost {
+                converged = true;
+                break;
+            }
+        } else {
+            // Rounding hides any further descent.
+            if next.cost - normal.cost <= 1e-14 * normal.cost {
+                converged = true;
+                break;
+            }
+            damping *= 10.0;
+            if damping > 1e12 {
+                break;
+            }
+        }
+    }
+    for yaw in [3, 7] {
+        parameters[yaw] = crate::geometry::wrap_to_pi(parameters[yaw]);
+    }
+    Minimum { parameters, normal, converged, passes }
+}
+
+/// Root mean square horizontal distance of the points from their centroid (m), 1 at least: what a radian of yaw
+/// moves.
+pub fn track_radius_m(data: &CentredTriplets) -> f64 {
+    let [x, y, _] = &data.coordinates[1];
+    let sum: f64 = x.iter().zip(y).map(|(x, y)| x * x + y * y).sum();
+    (sum / data.len().max(1) as f64).sqrt().max(1.0)
+}

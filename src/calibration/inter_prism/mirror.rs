@@ -1,0 +1,177 @@
+//! The mirror twin: which of two solutions is the real one.
+//!
+//! On level ground every distance stays the same when the prisms of stations 2 and 3 are mirrored in the
+//! horizontal plane through prism 1: their stations rise or sink by twice the height difference. The rig
+//! tells the two apart (which prism stands higher), or control points do, or the cost where the vehicle
+//! pitched and rolled.
+
+use crate::calibration::{Basin, Mirror, ResolvedBy};
+use crate::deployment::{Deployment, Finding};
+
+/// The twin must cost this much more before the cost alone decides: a clock offset or a wrong distance
+/// can move a ratio by tens of per cent.
+const DECISIVE_COST_RATIO: f64 = 2.0;
+/// Against another witness, the cost must speak this clearly before the answer is called ambiguous.
+const CONTRADICTING_COST_RATIO: f64 = 3.0;
+/// One solution must fit heights or control points this many times better than the other.
+const DECISIVE_FIT_RATIO: f64 = 2.0;
+
+/// The answer, and what was weighed.
+pub struct Choice {
+    pub answer: Basin,
+    pub mirror: Mirror,
+    pub findings: Vec<Finding>,
+    /// Two witnesses contradict each other, or none was there.
+    pub ambiguous: bool,
+}
+
+/// Chooses between the lowest minimum and its twin.
+pub fn choose(deployment: &Deployment, lowest: Basin, twin: Option<Basin>) -> Choice {
+    let Some(twin) = twin else {
+        let mirror = Mirror { twin: None, cost_ratio: None, resolved_by: ResolvedBy::Cost };
+        let findings = vec![Finding::note(
+            "the mirror twin is no minimum of its own here: pitch and roll of the vehicle rule it out",
+        )];
+        return Choice { answer: lowest, mirror, findings, ambiguous: false };
+    };
+    let (witness, twin_is_real) = if let Some(decided) = by_rig(deployment, &lowest, &twin) {
+        (ResolvedBy::Rig, decided)
+    } else if let Some(decided) = by_control_points(deployment, &lowest, &twin) {
+        (ResolvedBy::ControlPoints, decided)
+    } else if twin.mean_square_m2 >= DECISIVE_COST_RATIO * lowest.mean_square_m2 {
+        (ResolvedBy::Cost, false)
+    } else {
+        (ResolvedBy::Nothing, twin.mean_square_m2 < lowest.mean_square_m2)
+    };
+    let (answer, other) = if twin_is_real { (twin, lowest) } else { (lowest, twin) };
+    let cost_ratio = other.mean_square_m2 / answer.mean_square_m2;
+    let apart_m = (1..3)
+        .map(|s| {
+            (answer.station1_from_station[s].translation_m
+                - other.station1_from_station[s].translation_m)
+                .z
+                .abs()
+        })
+        .fold(0.0, f64::max);
+    let said = match witness {
+        ResolvedBy::Rig => "the rig decides (which prism stands higher)",
+        ResolvedBy::ControlPoints => "the control points decide",
+        ResolvedBy::Cost => "the cost decides",
+        ResolvedBy::Nothing => "nothing decides between them",
+    };
+    let contradicted = cost_ratio < 1.0 / CONTRADICTING_COST_RATIO;
+    let ambiguous = witness == ResolvedBy::Nothing || contradicted;
+    let message = format!(
+        "a mirror twin {apart_m:.2} m away in height costs {cost_ratio:.2} times the answer; {said}"
+    );
+    let mut findings =
+        vec![if ambiguous { Finding::warning(message) } else { Finding::note(message) }];
+    if contradicted {
+        findings.push(Finding::warning(format!(
+            "the {} says one solution, the cost clearly the other; check the order of the prisms",
+            witness.name().unwrap_or("witness")
+        )));
+    } else if ambiguous {
+        findings.push(Finding::warning(
+            "to tell the twins apart, add calibration_raw.csv (heights of the prisms) or control points, or \
+             drive over uneven ground",
+        ));
+    }
+    let mirror = Mirror { twin: Some(other), cost_ratio: Some(cost_ratio), resolved_by: witness };
+    Choice { answer, mirror, findings, ambiguous }
+}
+
+/// `Some(true)` when the rig's heights fit the twin.
+fn by_rig(deployment: &Deployment, lowest: &Basin, twin: &Basin) -> Option<bool> {
+    let heights = deployment.rig.as_ref()?.height_differences_m()?;
+    let misfit = |basin: &Basin| {
+        (0..2).map(|i| (basin.height_differences_m[i] - heights[i]).powi(2)).sum::<f64>().sqrt()
+    };
+    better(misfit(lowest), misfit(twin))
+}
+
+/// `Some(true)` when the control points fit the twin.
+fn by_control_points(deployment: &Deployment, lowest: &Basin, twin: &Basin) -> Option<bool> {
+    let misfit = |basin: &Basin| {
+        let mut distances: Vec<f64> = deployment
+            .control_points
+            .iter()
+            .flat_map(|set| set.disagreements_m(&basin.station1_from_station))
+            .collect();
+        distances.sort_by(f64::total_cmp);
+        distances.get(distances.len() / 2).copied()
+    };
+    better(misfit(lowest)?, misfit(twin)?)
+}
+
+fn better(lowest: f64, twin: f64) -> Option<bool> {
+    if twin > DECISIVE_FIT_RATIO * lowest {
+        Some(false)
+    } else if lowest > DECISIVE_FIT_RATIO * twin {
+        Some(true)
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deployment::{Rig, Track};
+    use crate::geometry::LevelTransform;
+    use nalgebra::Vector3;
+
+    fn basin(height_m: f64, mean_square_m2: f64) -> Basin {
+        Basin {
+            station1_from_station: [LevelTransform::IDENTITY; 3],
+            mean_square_m2,
+            height_differences_m: [height_m, height_m],
+        }
+    }
+
+    fn deployment(prism1_above_m: Option<f64>) -> Deployment {
+        let rig = prism1_above_m.map(|h| Rig {
+            inter_prism_m: [1.0; 3],
+            prisms_m: Some([Vector3::new(0.0, 0.0, h), Vector3::x(), Vector3::y()]),
+            inter_antenna_m: None,
+        });
+        Deployment {
+            name: "test".into(),
+            tracks: [Track::default(), Track::default(), Track::default()],
+            control_points: Vec::new(),
+            rig,
+            ingredients: Vec::new(),
+            findings: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn the_rig_overrules_a_slightly_lower_cost() {
+        let choice = choose(&deployment(Some(0.4)), basin(-0.38, 1.0), Some(basin(0.38, 1.3)));
+        assert_eq!(choice.mirror.resolved_by, ResolvedBy::Rig);
+        assert_eq!(choice.answer.height_differences_m[0], 0.38);
+        assert!(!choice.ambiguous);
+    }
+
+    #[test]
+    fn the_rig_against_a_clear_cost_is_ambiguous() {
+        let choice = choose(&deployment(Some(0.4)), basin(-0.38, 1.0), Some(basin(0.38, 9.0)));
+        assert!(choice.ambiguous);
+    }
+
+    #[test]
+    fn without_a_witness_equal_costs_stay_ambiguous_and_unequal_ones_decide() {
+        let choice = choose(&deployment(None), basin(0.4, 1.0), Some(basin(-0.4, 1.1)));
+        assert_eq!(choice.mirror.resolved_by, ResolvedBy::Nothing);
+        assert!(choice.ambiguous);
+        let choice = choose(&deployment(None), basin(0.4, 1.0), Some(basin(-0.4, 4.0)));
+        assert_eq!(choice.mirror.resolved_by, ResolvedBy::Cost);
+        assert!(!choice.ambiguous);
+    }
+
+    #[test]
+    fn a_flat_rig_is_no_witness() {
+        let choice = choose(&deployment(Some(0.0)), basin(0.1, 1.0), Some(basin(-0.1, 1.1)));
+        assert_eq!(choice.mirror.resolved_by, ResolvedBy::Nothing);
+    }
+}

@@ -1,0 +1,191 @@
+//! Method D: the dynamic inter-prism calibration.
+//!
+//! Minimises Σ (‖q1−T12 q2‖−α)² + (‖q1−T13 q3‖−β)² + (‖T12 q2−T13 q3‖−γ)² over the translation and yaw of
+//! stations 2 and 3 (`paper.tex`, eq. `cost_function_2`).
+//!
+//! The way to the answer: a prior ([`closed_form`] or [`prior_search`]) → Levenberg–Marquardt from it and from
+//! its mirrored heights on a thinned set of triplets → the best minimum and its mirror twin finished on all
+//! triplets ([`normal_equations`] is the one fused pass over the data) → [`mirror`] decides between the two
+//! → [`uncertainty`] → [`diagnosis`].
+
+mod centred;
+mod closed_form;
+mod diagnosis;
+mod levenberg_marquardt;
+mod mirror;
+mod normal_equations;
+mod prior_search;
+mod uncertainty;
+
+use std::time::Instant;
+
+use nalgebra::Vector3;
+
+pub use centred::{CentredTriplets, Parameters};
+pub use closed_form::closed_form_priors;
+pub use levenberg_marquardt::{Minimum, minimise};
+pub use normal_equations::NormalEquations;
+pub use prior_search::{PriorSearch, SearchRun};
+
+use super::{Basin, Calibration, CalibrationError, CalibrationSettings, Method, PriorMethod};
+use crate::deployment::{Deployment, Finding, PAIRS};
+use crate::geometry::LevelTransform;
+use crate::pipeline::Triplets;
+
+/// Eight unknowns, three residuals a triplet: below this there is nothing to average.
+const FEWEST_TRIPLETS: usize = 10;
+/// Starts are tried out on about this many triplets, evenly thinned; the answer uses all.
+const THINNED: usize = 2048;
+
+/// Two solutions are the same minimum within these; the paper's limits for its prior.
+pub const SAME_TRANSLATION_M: f64 = 0.05;
+pub const SAME_YAW_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
+
+/// Calibrates by the inter-prism distances.
+pub fn solve(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+) -> Result<Calibration, CalibrationError> {
+    let name = || deployment.name.clone();
+    if triplets.is_empty() {
+        return Err(CalibrationError::NoTriplets { deployment: name(), why: why_none(deployment) });
+    }
+    if triplets.len() < FEWEST_TRIPLETS {
+        let (found, needed) = (triplets.len(), FEWEST_TRIPLETS);
+        return Err(CalibrationError::TooFewTriplets { deployment: name(), found, needed });
+    }
+    let rig =
+        deployment.rig.as_ref().ok_or_else(|| CalibrationError::NoRig { deployment: name() })?;
+
+    let started = Instant::now();
+    let mut findings = Vec::new();
+    let data = CentredTriplets::new(triplets, rig.inter_prism_m);
+    let thinned = data.thinned(THINNED);
+    let mut prior_search = None;
+    let priors = match settings.prior {
+        PriorMethod::ClosedForm => closed_form_priors(&thinned),
+        PriorMethod::Search => {
+            let search = prior_search::search(triplets, rig.inter_prism_m);
+            if !search.agreed {
+                findings.push(Finding::warning(
+                    "the search of the prior found no optimum that three other runs agree with; \
+                     compare with --prior closed-form",
+                ));
+            }
+            let prior = data.parameters(&search.chosen);
+            prior_search = Some(search);
+            vec![prior]
+        }
+    };
+    let prior_ms = started.elapsed().as_secs_f64() * 1e3;
+
+    let started = Instant::now();
+    let (first, second) = two_best(&data, &thinned, &priors);
+    let first = basin(&data, first);
+    let second = second.map(|minimum| basin(&data, minimum));
+    let choice = mirror::choose(deployment, first, second);
+    let answer = choice.answer;
+    let uncertainty =
+        uncertainty::estimate(&data, &triplets.time_s, &triplets.interval, &answer, settings);
+    let verdict = diagnosis::judge(&data, &uncertainty, &choice, &mut findings);
+    Ok(Calibration {
+        method: Method::InterPrism,
+        basin: answer,
+        sigma: uncertainty.sigma(),
+        covariance: uncertainty.covariance,
+        mirror: choice.mirror,
+        verdict,
+        findings,
+        prior_search,
+        prior_ms,
+        solve_ms: started.elapsed().as_secs_f64() * 1e3,
+    })
+}
+
+/// Errors of the three distances of every triplet (m): apparent minus known, for pairs 12, 13, 23.
+pub fn distance_errors_m(
+    triplets: &Triplets,
+    station1_from_station: &[LevelTransform; 3],
+    inter_prism_m: &[f64; 3],
+) -> [Vec<f64>; 3] {
+    let mut errors: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(triplets.len()));
+    let turns = station1_from_station.map(|t| (t.yaw_rad.sin_cos(), t.translation_m));
+    for index in 0..triplets.len() {
+        let placed: [Vector3<f64>; 3] = std::array::from_fn(|station| {
+            let ((sin, cos), t) = turns[station];
+            let q = &triplets.points_m[station][index];
+            Vector3::new(cos * q.x - sin * q.y + t.x, sin * q.x + cos * q.y + t.y, q.z + t.z)
+        });
+        for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+            errors[pair].push((placed[a] - placed[b]).norm() - inter_prism_m[pair]);
+        }
+    }
+    errors
+}
+
+/// Whether two solutions are the same minimum.
+pub fn same_solution(a: &[LevelTransform; 3], b: &[LevelTransform; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| {
+        (a.translation_m - b.translation_m).norm() < SAME_TRANSLATION_M
+            && crate::geometry::wrap_to_pi(a.yaw_rad - b.yaw_rad).abs() < SAME_YAW_RAD
+    })
+}
+
+/// The lowest minimum and its mirror twin, if that is a minimum of its own.
+///
+/// Heights are tried with every combination of signs: a pair's height difference is free to flip alone, and
+/// only the third distance ties stations 2 and 3 together.
+fn two_best(
+    data: &CentredTriplets,
+    thinned: &CentredTriplets,
+    priors: &[Parameters],
+) -> (Minimum, Option<Minimum>) {
+    let mut minima: Vec<Minimum> = Vec::new();
+    let mut add = |start: Parameters| {
+        let minimum = minimise(thinned, start);
+        let transforms = data.transforms(&minimum.parameters);
+        if !minima.iter().any(|m| same_solution(&data.transforms(&m.parameters), &transforms)) {
+            minima.push(minimum);
+        }
+    };
+    for prior in priors {
+        add(*prior);
+    }
+    for prior in &priors[..1] {
+        for flips in [[true, true], [true, false], [false, true]] {
+            add(data.mirrored(prior, flips));
+        }
+    }
+    minima.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
+    let first = minimise(data, minima[0].parameters);
+    let heights = data.height_differences_m(&first.parameters);
+    let opposite = |p: &Parameters| {
+        let other = data.height_differences_m(p);
+        heights[0] * other[0] + heights[1] * other[1] < 0.0
+    };
+    let start = minima[1..]
+        .iter()
+        .find(|m| opposite(&m.parameters))
+        .map_or_else(|| data.mirrored(&first.parameters, [true, true]), |m| m.parameters);
+    let second = minimise(data, start);
+    let same =
+        same_solution(&data.transforms(&first.parameters), &data.transforms(&second.parameters));
+    (first, (!same && second.converged).then_some(second))
+}
+
+fn basin(data: &CentredTriplets, minimum: Minimum) -> Basin {
+    Basin {
+        station1_from_station: data.transforms(&minimum.parameters),
+        mean_square_m2: minimum.normal.cost / (3 * data.len()) as f64,
+        height_differences_m: data.height_differences_m(&minimum.parameters),
+    }
+}
+
+fn why_none(deployment: &Deployment) -> String {
+    match deployment.tracks.iter().position(|track| track.measurements.is_empty()) {
+        Some(station) => format!("station {} has no measurement; all three are needed", station + 1),
+        None => "the stations never measured together for longer than τ_l; relax τ_s, τ_l or the outlier filter"
+            .to_owned(),
+    }
+}

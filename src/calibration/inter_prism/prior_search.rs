@@ -1,0 +1,145 @@
+//! The paper's search of a prior: growing speed limits, twice.
+//!
+//! Step 1 starts from the point-to-point alignment, solves with the triplets slower than τ_v = 1 cm/s, raises τ_v
+//! by 10 cm/s over the speed range, and hands each solution to the next as its prior. Step 2 repeats from the
+//! best of step 1, the same prior for every τ_v. The inter-prism metric picks the best among the optima that
+//! at least three other runs agree with (`paper.tex`, "Search of prior").
+
+use super::{CentredTriplets, FEWEST_TRIPLETS, distance_errors_m, minimise, same_solution};
+use crate::geometry::{LevelTransform, align_level};
+use crate::pipeline::Triplets;
+
+const FIRST_LIMIT_M_PER_S: f64 = 0.01;
+const LIMIT_STEP_M_PER_S: f64 = 0.10;
+/// An optimum counts when this many other runs end in it.
+const AGREEING_RUNS: usize = 3;
+/// An outlier's speed must not make the search endless; no vehicle here drives faster.
+const HIGHEST_LIMIT_M_PER_S: f64 = 10.0;
+
+/// One solution on the way.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchRun {
+    pub tau_v_m_per_s: f64,
+    /// Triplets slower than τ_v.
+    pub triplets: usize,
+    pub station1_from_station: [LevelTransform; 3],
+    /// Median of |distance error| over all triplets (m).
+    pub metric_m: f64,
+    /// Other runs of the same step with the same solution.
+    pub agreeing: usize,
+}
+
+/// What the search did and what it chose.
+#[derive(Clone, Debug)]
+pub struct PriorSearch {
+    pub steps: [Vec<SearchRun>; 2],
+    pub chosen: [LevelTransform; 3],
+    /// Whether the choice met the rule of three agreeing runs in both steps.
+    pub agreed: bool,
+}
+
+/// Runs both steps over all triplets.
+pub fn search(triplets: &Triplets, inter_prism_m: [f64; 3]) -> PriorSearch {
+    let mut by_speed: Vec<usize> = (0..triplets.len()).collect();
+    by_speed.sort_by(|a, b| triplets.speed_m_per_s[*a].total_cmp(&triplets.speed_m_per_s[*b]));
+    let data = CentredTriplets::new(triplets, inter_prism_m).select(&by_speed);
+    let points = &triplets.points_m;
+    let aligned = |station: usize| {
+        align_level(&points[0], &points[station]).unwrap_or(LevelTransform::IDENTITY)
+    };
+    let first_guess = [LevelTransform::IDENTITY, aligned(1), aligned(2)];
+
+    let slower_than = |limit: f64| by_speed.partition_point(|i| triplets.speed_m_per_s[*i] < limit);
+    let step = |prior: [LevelTransform; 3], chained: bool| {
+        let mut runs: Vec<SearchRun> = Vec::new();
+        let mut prior = prior;
+        let mut limit = FIRST_LIMIT_M_PER_S;
+        loop {
+            let count = slower_than(limit);
+            if count >= FEWEST_TRIPLETS {
+                let subset = data.first(count);
+                let minimum = minimise(&subset, data.parameters(&prior));
+                let found = data.transforms(&minimum.parameters);
+                let metric_m = metric_m(triplets, &found, &inter_prism_m);
+                runs.push(SearchRun {
+                    tau_v_m_per_s: limit,
+                    triplets: count,
+                    station1_from_station: found,
+                    metric_m,
+                    agreeing: 0,
+                });
+                if chained {
+                    prior = found;
+                }
+            }
+            if count == triplets.len() || limit > HIGHEST_LIMIT_M_PER_S {
+                break;
+            }
+            limit += LIMIT_STEP_M_PER_S;
+        }
+        for index in 0..runs.len() {
+            let this = runs[index].station1_from_station;
+            let same =
+                runs.iter().filter(|r| same_solution(&r.station1_from_station, &this)).count();
+            runs[index].agreeing = same - 1;
+        }
+        runs
+    };
+
+    let first = step(first_guess, true);
+    let (best, first_agreed) = best_run(&first)
+        .map_or((first_guess, false), |(run, agreed)| (run.station1_from_station, agreed));
+    let second = step(best, false);
+    let (chosen, second_agreed) = best_run(&second)
+        .map_or((best, false), |(run, agreed)| (run.station1_from_station, agreed));
+    PriorSearch { steps: [first, second], chosen, agreed: first_agreed && second_agreed }
+}
+
+/// The best run that enough others agree with; failing that the best of all, and `false`.
+fn best_run(runs: &[SearchRun]) -> Option<(&SearchRun, bool)> {
+    let best = |candidates: &mut dyn Iterator<Item = &'_ SearchRun>| -> Option<usize> {
+        candidates
+            .min_by(|a, b| a.metric_m.total_cmp(&b.metric_m))
+            .and_then(|best| runs.iter().position(|r| std::ptr::eq(r, best)))
+    };
+    match best(&mut runs.iter().filter(|r| r.agreeing >= AGREEING_RUNS)) {
+        Some(index) => Some((&runs[index], true)),
+        None => best(&mut runs.iter()).map(|index| (&runs[index], false)),
+    }
+}
+
+fn metric_m(
+    triplets: &Triplets,
+    transforms: &[LevelTransform; 3],
+    inter_prism_m: &[f64; 3],
+) -> f64 {
+    let [a, b, c] = distance_errors_m(triplets, transforms, inter_prism_m);
+    let mut all: Vec<f64> = a.into_iter().chain(b).chain(c).map(f64::abs).collect();
+    let middle = all.len() / 2;
+    *all.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(x: f64, metric_m: f64, agreeing: usize) -> SearchRun {
+        let moved = LevelTransform::new(nalgebra::Vector3::new(x, 0.0, 0.0), 0.0);
+        SearchRun {
+            tau_v_m_per_s: 0.1,
+            triplets: 10,
+            station1_from_station: [LevelTransform::IDENTITY, moved, moved],
+            metric_m,
+            agreeing,
+        }
+    }
+
+    #[test]
+    fn a_lonely_optimum_does_not_count_however_good() {
+        let runs = [run(0.0, 0.001, 0), run(1.0, 0.002, 3), run(1.0, 0.003, 3)];
+        let (best, agreed) = best_run(&runs).expect("three runs");
+        assert_eq!((best.metric_m, agreed), (0.002, true));
+        let (best, agreed) = best_run(&runs[..1]).expect("one run");
+        assert_eq!((best.metric_m, agreed), (0.001, false));
+    }
+}

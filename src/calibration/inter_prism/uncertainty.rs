@@ -1,0 +1,179 @@
+//! How far the answer may be off: a covariance that does not take interpolated points for measurements.
+//!
+//! Ten triplets a second from 2.5 readings a second share their errors, and so do the chords of one bend, so the
+//! inverse of JᵀJ alone is several times too small. The sandwich estimator H⁻¹ (Σ g gᵀ) H⁻¹ with one
+//! gradient g for each block of consecutive time asks only that blocks be independent (Liang & Zeger 1986).
+//! Errors of the inter-prism distances act on every triplet alike, so no residual shows them; they are
+//! propagated with their own σ.
+
+use nalgebra::{SMatrix, Vector3};
+
+use super::{CentredTriplets, NormalEquations};
+use crate::calibration::{Basin, CalibrationSettings, TransformSigma};
+use crate::deployment::PAIRS;
+
+/// Consecutive time that is taken to be independent of the rest (s).
+const BLOCK_SECONDS: f64 = 5.0;
+/// The sandwich needs clearly more blocks than unknowns.
+const FEWEST_BLOCKS: usize = 16;
+/// Readings a second that the fallback takes for independent.
+const READINGS_HZ: f64 = 2.5;
+/// Ratio of smallest to largest scaled eigenvalue of JᵀJ below which a direction is free.
+const FREE_DIRECTION: f64 = 1e-9;
+
+/// What is known about the answer's error.
+pub struct Uncertainty {
+    /// (x, y, z, yaw) of stations 2 and 3 into station 1's frame (m, rad); `None` if a direction is free.
+    pub covariance: Option<SMatrix<f64, 8, 8>>,
+    /// Eigenvalues of JᵀJ, yaw scaled by the track's radius, smallest first (dimensionless counts).
+    pub spectrum: [f64; 8],
+    /// The direction of the largest standard deviation: centred parameters, yaw in metres at the radius.
+    pub weakest: [f64; 8],
+    /// Standard deviation along it (m); infinite if free.
+    pub weakest_sigma_m: f64,
+}
+
+impl Uncertainty {
+    pub fn sigma(&self) -> Option<[TransformSigma; 2]> {
+        let covariance = self.covariance?;
+        let sigma = |k: usize| covariance[(k, k)].max(0.0).sqrt();
+        Some([0, 4].map(|k| TransformSigma {
+            translation_m: Vector3::new(sigma(k), sigma(k + 1), sigma(k + 2)),
+            yaw_rad: sigma(k + 3),
+        }))
+    }
+}
+
+pub fn estimate(
+    data: &CentredTriplets,
+    time_s: &[f64],
+    interval: &[u32],
+    answer: &Basin,
+    settings: &CalibrationSettings,
+) -> Uncertainty {
+    let parameters = data.parameters(&answer.station1_from_station);
+    let mut total: Option<NormalEquations> = None;
+    let mut meat = SMatrix::<f64, 8, 8>::zeros();
+    let mut blocks = 0;
+    for block in blocks_of_time(time_s, interval) {
+        let normal = NormalEquations::over(data, &parameters, block);
+        meat += normal.gradient * normal.gradient.transpose();
+        blocks += 1;
+        total = Some(match total {
+            None => normal,
+            Some(sum) => NormalEquations {
+                matrix: sum.matrix + normal.matrix,
+                gradient: sum.gradient + normal.gradient,
+                cost: sum.cost + normal.cost,
+                pair_sums: std::array::from_fn(|pair| sum.pair_sums[pair] + normal.pair_sums[pair]),
+            },
+        });
+    }
+    let normal = total.unwrap_or_else(|| NormalEquations::at(data, &parameters));
+
+    // Yaw in metres at the track's radius, so that directions can be compared.
+    let radius_m = super::levenberg_marquardt::track_radius_m(data);
+    let scale = SMatrix::<f64, 8, 8>::from_fn(|i, j| match (i == j, i % 4) {
+        (true, 3) => 1.0 / radius_m,
+        (true, _) => 1.0,
+        _ => 0.0,
+    });
+    let scaled = (scale * normal.matrix * scale).symmetric_eigen();
+    let mut order: Vec<usize> = (0..8).collect();
+    order.sort_by(|a, b| scaled.eigenvalues[*a].total_cmp(&scaled.eigenvalues[*b]));
+    let spectrum = std::array::from_fn(|k| scaled.eigenvalues[order[k]]);
+    let inverse = (spectrum[0] > FREE_DIRECTION * spectrum[7])
+        .then(|| normal.matrix.cholesky())
+        .flatten()
+        .map(|cholesky| cholesky.inverse());
+    let Some(inverse) = inverse else {
+        let weakest = scaled.eigenvectors.column(order[0]).into_owned();
+        return Uncertainty {
+            covariance: None,
+            spectrum,
+            weakest: weakest.as_slice().try_into().expect("eight"),
+            weakest_sigma_m: f64::INFINITY,
+        };
+    };
+
+    let mut centred = if blocks >= FEWEST_BLOCKS {
+        let few_blocks = blocks as f64 / (blocks as f64 - 1.0);
+        inverse * meat * inverse * few_blocks
+    } else {
+        // Too few blocks: one residual variance, and as many independent triplets as readings.
+        let duration_s: f64 = time_s.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap < 1.0).sum();
+        let independent = (duration_s * READINGS_HZ).clamp(3.0, data.len() as f64);
+        let degrees = (3.0 * independent - 8.0).max(1.0);
+        let variance = normal.cost / data.len() as f64 * independent / degrees;
+        inverse * variance * (data.len() as f64 / independent)
+    };
+    for pair in 0..PAIRS.len() {
+        let pull = inverse * normal.pair_sums[pair] * settings.inter_prism_sigma_m;
+        centred += pull * pull.transpose();
+    }
+
+    let unscale = scale.try_inverse().expect("diagonal, positive");
+    let in_metres = (unscale * centred * unscale).symmetric_eigen();
+    let worst = (0..8)
+        .max_by(|a, b| in_metres.eigenvalues[*a].total_cmp(&in_metres.eigenvalues[*b]))
+        .expect("eight");
+    let weakest = in_metres.eigenvectors.column(worst).into_owned();
+    Uncertainty {
+        covariance: Some(at_the_stations(data, answer, &centred)),
+        spectrum,
+        weakest: weakest.as_slice().try_into().expect("eight"),
+        weakest_sigma_m: in_metres.eigenvalues[worst].max(0.0).sqrt(),
+    }
+}
+
+/// From centred parameters to (translation, yaw): t = t' − R c + const, so ∂t/∂ψ = −R' c.
+fn at_the_stations(
+    data: &CentredTriplets,
+    answer: &Basin,
+    centred: &SMatrix<f64, 8, 8>,
+) -> SMatrix<f64, 8, 8> {
+    let mut jacobian = SMatrix::<f64, 8, 8>::identity();
+    for slot in 0..2 {
+        let turned = answer.station1_from_station[slot + 1].rotate(&data.centre_m[slot + 1]);
+        jacobian[(4 * slot, 4 * slot + 3)] = turned.y;
+        jacobian[(4 * slot + 1, 4 * slot + 3)] = -turned.x;
+    }
+    jacobian * centred * jacobian.transpose()
+}
+
+/// Ranges of consecutive triplets of one interval, none longer than [`BLOCK_SECONDS`].
+fn blocks_of_time(time_s: &[f64], interval: &[u32]) -> Vec<std::ops::Range<usize>> {
+    let mut blocks = Vec::new();
+    let mut start = 0;
+    for i in 1..=time_s.len() {
+        let ends = i == time_s.len()
+            || interval[i] != interval[start]
+            || time_s[i] - time_s[start] >= BLOCK_SECONDS;
+        if ends {
+            blocks.push(start..i);
+            start = i;
+        }
+    }
+    blocks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_cover_everything_once_and_stay_in_their_interval() {
+        let time_s: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.1).collect();
+        let interval: Vec<u32> = (0..200).map(|i| u32::from(i >= 73)).collect();
+        let blocks = blocks_of_time(&time_s, &interval);
+        let mut next = 0;
+        for block in &blocks {
+            assert_eq!(block.start, next);
+            assert!(interval[block.start] == interval[block.end - 1]);
+            assert!(time_s[block.end - 1] - time_s[block.start] < BLOCK_SECONDS);
+            next = block.end;
+        }
+        assert_eq!(next, 200);
+        assert_eq!(blocks.len(), 2 + 3);
+    }
+}

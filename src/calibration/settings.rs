@@ -1,0 +1,39 @@
+//! What a user can change about a calibration.
+
+use serde::{Deserialize, Serialize};
+
+/// Where method D starts from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PriorMethod {
+    /// One small linear least squares per pair; needs no guess.
+    #[default]
+    ClosedForm,
+    /// The paper's two-step search over the speed limit τ_v.
+    Search,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CalibrationSettings {
+    pub prior: PriorMethod,
+    /// How well the inter-prism distances are known (m, 1 σ); widens every σ of the answer.
+    pub inter_prism_sigma_m: f64,
+}
+
+impl Default for CalibrationSettings {
+    fn default() -> Self {
+        Self { prior: PriorMethod::ClosedForm, inter_prism_sigma_m: 0.001 }
+    }
+}
+
+impl CalibrationSettings {
+    pub fn check(&self) -> Result<(), String> {
+        let sigma = self.inter_prism_sigma_m;
+        if sigma >= 0.0 && sigma.is_finite() {
+            Ok(())
+        } else {
+            Err(format!("inter_prism_sigma_m is {sigma}; it must not be negative"))
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! Static points that the stations measured by hand.
+
+use nalgebra::Vector3;
+
+use crate::geometry::{LevelTransform, Polar};
+
+/// A static target and what each station read on it (prism constant included).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControlPoint {
+    /// A marker number means something inside its own file only.
+    pub marker: i64,
+    pub readings: [Option<Polar>; 3],
+}
+
+/// The control points of one file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControlPointSet {
+    pub file: String,
+    pub points: Vec<ControlPoint>,
+    /// Geodetic pillars with surveyed coordinates: they serve the two-point resection, and the
+    /// control-point metric leaves them out, as the paper does.
+    pub pillars: bool,
+}
+
+impl ControlPointSet {
+    /// Distances (m) between what pairs of stations make of the same point, once in station 1's frame.
+    ///
+    /// The control-point metric of the paper is the median of these: up to three per point, fewer where
+    /// a station did not measure it. `station1_from_station[0]` is the identity.
+    pub fn disagreements_m(&self, station1_from_station: &[LevelTransform; 3]) -> Vec<f64> {
+        let mut distances = Vec::with_capacity(3 * self.points.len());
+        for point in &self.points {
+            let placed: [Option<Vector3<f64>>; 3] = std::array::from_fn(|station| {
+                point.readings[station]
+                    .map(|polar| station1_from_station[station].apply(&polar.to_cartesian()))
+            });
+            for (a, b) in super::PAIRS {
+                if let (Some(a), Some(b)) = (placed[a], placed[b]) {
+                    distances.push((a - b).norm());
+                }
+            }
+        }
+        distances
+    }
+}

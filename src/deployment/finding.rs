@@ -1,0 +1,43 @@
+//! Warnings as data: what a reader, the pipeline or a solver noticed on the way.
+
+use std::fmt;
+
+use serde::Serialize;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Worth knowing; nothing is wrong.
+    Note,
+    /// Something was repaired or left out, or limits how far an answer can be trusted.
+    Warning,
+    /// Something needed is missing; an answer will not come, or must not be used.
+    Problem,
+}
+
+/// One line for the user. Shown in the window, printed by the commands, and part of the JSON.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    pub severity: Severity,
+    pub message: String,
+}
+
+impl Finding {
+    pub fn note(message: impl Into<String>) -> Self {
+        Self { severity: Severity::Note, message: message.into() }
+    }
+
+    pub fn warning(message: impl Into<String>) -> Self {
+        Self { severity: Severity::Warning, message: message.into() }
+    }
+
+    pub fn problem(message: impl Into<String>) -> Self {
+        Self { severity: Severity::Problem, message: message.into() }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}

@@ -1,0 +1,82 @@
+//! Control points as the authors' tools write them: one line for each station and marker.
+//!
+//! The column called `elevation` is a zenith angle; distances lack the prism constant; the clocks of
+//! the stations are not comparable, so the stamps are not read.
+
+use super::{OpenError, table};
+use crate::deployment::track::station_index;
+use crate::deployment::{ControlPoint, ControlPointSet, Finding};
+use crate::geometry::Polar;
+
+pub const COLUMNS: [&str; 6] =
+    ["theodolite_number", "marker_number", "status", "elevation", "azimuth", "distance"];
+
+/// The points of one file, the prism constant added to every range.
+pub fn read(
+    file: &str,
+    text: &str,
+    prism_constant_m: f64,
+) -> Result<(ControlPointSet, Vec<Finding>), OpenError> {
+    let mut points: Vec<ControlPoint> = Vec::new();
+    let mut findings = Vec::new();
+    for row in table::read_columns(file, text, &COLUMNS)? {
+        let [number, marker, status, zenith_rad, azimuth_rad, distance_m] = row.values[..] else {
+            unreachable!("read_columns gives as many values as columns");
+        };
+        let place = format!("{file}:{}", row.line);
+        let marker = marker as i64;
+        let Some(station) = station_index(number as i64) else {
+            findings.push(Finding::warning(format!(
+                "{place}: station {number} left out; stations are 1, 2, 3"
+            )));
+            continue;
+        };
+        if status != 0.0 {
+            findings.push(Finding::warning(format!(
+                "{place}: marker {marker} of station {number} left out: status {status} (no valid reading)"
+            )));
+            continue;
+        }
+        if ![zenith_rad, azimuth_rad, distance_m].iter().all(|v| v.is_finite()) || distance_m <= 0.0
+        {
+            findings.push(Finding::warning(format!(
+                "{place}: marker {marker} of station {number} left out: not a usable reading"
+            )));
+            continue;
+        }
+        let polar = Polar { range_m: distance_m + prism_constant_m, azimuth_rad, zenith_rad };
+        let index = points.iter().position(|p| p.marker == marker).unwrap_or_else(|| {
+            points.push(ControlPoint { marker, readings: [None; 3] });
+            points.len() - 1
+        });
+        let reading = &mut points[index].readings[station];
+        if reading.is_some() {
+            findings.push(Finding::warning(format!(
+                "{place}: marker {marker} of station {number} stands twice; the first reading is used"
+            )));
+        } else {
+            *reading = Some(polar);
+        }
+    }
+    Ok((ControlPointSet { file: file.to_owned(), points, pillars: false }, findings))
+}
+
+/// The text that [`read`] reads.
+pub fn write(set: &ControlPointSet, prism_constant_m: f64) -> String {
+    let mut text = COLUMNS.join(" , ") + " , sec , nsec\n";
+    for station in 0..3 {
+        for (order, point) in set.points.iter().enumerate() {
+            let Some(p) = point.readings[station] else { continue };
+            text += &format!(
+                "{} , {} , 0 , {:.7} , {:.7} , {:.4} , {} , 0\n",
+                station + 1,
+                point.marker,
+                p.zenith_rad,
+                p.azimuth_rad,
+                p.range_m - prism_constant_m,
+                30 * order,
+            );
+        }
+    }
+    text
+}

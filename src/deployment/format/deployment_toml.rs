@@ -1,0 +1,33 @@
+//! `deployment.toml`: what the user knows better than any guess.
+
+use serde::Deserialize;
+
+use super::OpenError;
+
+/// Overrides; a key that is absent leaves the guess alone.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Overrides {
+    pub name: Option<String>,
+    /// The file with the stations' tracks, where a folder holds several.
+    pub tracks: Option<String>,
+    /// Added to every range of tracks, control points and rig reading (m).
+    pub prism_constant_m: Option<f64>,
+    /// α, β, γ (m).
+    pub inter_prism_m: Option<[f64; 3]>,
+    /// The control-point files to use.
+    pub control_points: Option<Vec<String>>,
+}
+
+pub fn read(file: &str, text: &str) -> Result<Overrides, OpenError> {
+    toml::from_str(text).map_err(|error| {
+        let line = error.span().map_or(1, |span| text[..span.start].lines().count().max(1));
+        let what = error.message().lines().next().unwrap_or("not valid TOML").to_owned();
+        OpenError::line(
+            file,
+            line,
+            what,
+            "keys are name, tracks, prism_constant_m, inter_prism_m, control_points",
+        )
+    })
+}

@@ -1,0 +1,84 @@
+//! Comma-separated tables of numbers with a header.
+
+use super::OpenError;
+
+/// One row: the wanted columns in the order they were asked for.
+pub struct Row {
+    pub line: usize,
+    pub values: Vec<f64>,
+}
+
+/// Whether a header names all these columns, whatever separates them.
+pub fn header_has(header: &str, columns: &[&str]) -> bool {
+    let names: Vec<_> = header.split([',', ';', '\t', '|', ' ']).map(str::trim).collect();
+    columns.iter().all(|column| names.iter().any(|name| name.eq_ignore_ascii_case(column)))
+}
+
+/// Reads the named columns of a comma-separated table, wherever they stand.
+///
+/// A field that is not a number, a missing column, a row of another length or another separator is an
+/// error with its line; `NaN` is a number here, and the caller's business.
+pub fn read_columns(file: &str, text: &str, columns: &[&str]) -> Result<Vec<Row>, OpenError> {
+    let header = text.lines().next().unwrap_or_default();
+    if !header.contains(',') {
+        let found = [(';', "semicolons"), ('\t', "tabs"), ('|', "bars"), (' ', "spaces")];
+        let what = match found.iter().find(|(separator, _)| header.trim().contains(*separator)) {
+            Some((_, name)) => format!("the columns are separated by {name}, not commas"),
+            None => format!("the header `{}` is not comma-separated", header.trim()),
+        };
+        return Err(OpenError::line(file, 1, what, "save the table with commas"));
+    }
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    let names = reader.headers().map_err(|error| csv_error(file, &error))?.clone();
+    let mut positions = Vec::with_capacity(columns.len());
+    for column in columns {
+        match names.iter().position(|name| name.eq_ignore_ascii_case(column)) {
+            Some(position) => positions.push(position),
+            None => {
+                return Err(OpenError::line(
+                    file,
+                    1,
+                    format!("no column `{column}`"),
+                    format!("the header must name {}", columns.join(", ")),
+                ));
+            }
+        }
+    }
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| csv_error(file, &error))?;
+        let line = record.position().map_or(0, |position| position.line() as usize);
+        let mut values = Vec::with_capacity(positions.len());
+        for (position, column) in positions.iter().zip(columns) {
+            let field = &record[*position];
+            values.push(field.parse().map_err(|_| {
+                OpenError::line(
+                    file,
+                    line,
+                    format!("`{field}` in column `{column}` is not a number"),
+                    "correct or delete the line",
+                )
+            })?);
+        }
+        rows.push(Row { line, values });
+    }
+    Ok(rows)
+}
+
+fn csv_error(file: &str, error: &csv::Error) -> OpenError {
+    let line = error.position().map_or(1, |position| position.line() as usize);
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => OpenError::line(
+            file,
+            line,
+            format!("{len} fields where the header has {expected_len}"),
+            "the line may be cut short; complete or delete it",
+        ),
+        _ => OpenError::line(
+            file,
+            line,
+            error.to_string(),
+            "save the table as UTF-8 text with commas",
+        ),
+    }
+}

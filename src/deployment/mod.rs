@@ -1,0 +1,65 @@
+//! The data model: one field session of three robotic total stations, as it was measured.
+//!
+//! [`open`] is the one way in. Everything downstream (pipeline, calibration, window, commands) takes a
+//! [`Deployment`] and never looks at a file again.
+
+mod control_points;
+mod finding;
+mod format;
+mod open;
+mod rig;
+mod sample;
+mod track;
+
+pub use control_points::{ControlPoint, ControlPointSet};
+pub use finding::{Finding, Severity};
+pub use format::{OpenError, control_points::read as read_control_points, rig_files};
+pub use open::{Ingredient, open, open_files, open_with};
+pub use rig::Rig;
+pub use sample::Sample;
+pub use track::{Measurement, RawRecord, Track, assemble_tracks};
+
+/// Names of the pairs of prisms in the order of every `[f64; 3]` of distances: α, β, γ.
+pub const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
+
+/// Label of a pair for people: "1–2".
+pub fn pair_label(pair: usize) -> String {
+    let (a, b) = PAIRS[pair];
+    format!("{}–{}", a + 1, b + 1)
+}
+
+/// One field session: three stations' measurements, control points and the prism rig.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deployment {
+    pub name: String,
+    /// What stations 1, 2 and 3 measured; a missing station has an empty track.
+    pub tracks: [Track; 3],
+    /// Static points, one set per file.
+    pub control_points: Vec<ControlPointSet>,
+    /// The prisms on the vehicle, where a file describes them.
+    pub rig: Option<Rig>,
+    /// What was read and what was passed over, file by file.
+    pub ingredients: Vec<Ingredient>,
+    /// What the readers noticed.
+    pub findings: Vec<Finding>,
+}
+
+impl Deployment {
+    /// Time of the first measurement of any station (s, in the stations' common clock).
+    pub fn start_s(&self) -> Option<f64> {
+        self.tracks
+            .iter()
+            .filter_map(|track| track.measurements.first())
+            .map(|m| m.time_s)
+            .min_by(f64::total_cmp)
+    }
+
+    /// Time of the last measurement of any station (s).
+    pub fn end_s(&self) -> Option<f64> {
+        self.tracks
+            .iter()
+            .filter_map(|track| track.measurements.last())
+            .map(|m| m.time_s)
+            .max_by(f64::total_cmp)
+    }
+}

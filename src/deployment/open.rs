@@ -1,0 +1,431 @@
+//! From a path to a deployment: what is in a folder, which file plays which part, and what is missing.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::format::{self, Format, OpenError, deployment_toml::Overrides, recognise};
+use super::rig::pairwise_distances;
+use super::{ControlPointSet, Deployment, Finding, RawRecord, Rig, assemble_tracks};
+
+/// What the MT1000 prism adds to a range (m), unless `deployment.toml` says otherwise.
+const PRISM_CONSTANT_M: f64 = 0.010;
+/// How deep below the given folder files are looked for.
+const FOLDER_DEPTH: usize = 3;
+/// Distances of one rig in two files may differ by this much (m) before it is worth a word.
+const RIG_TOLERANCE_M: f64 = 0.005;
+
+/// A file that was looked at, and what became of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ingredient {
+    /// Relative to the folder.
+    pub file: String,
+    /// What it holds, or why it was passed over.
+    pub what: &'static str,
+    pub used: bool,
+}
+
+/// A file before it is parsed: small ones in memory, bags where they lie.
+struct Source {
+    file: String,
+    format: Format,
+    place: Place,
+}
+
+enum Place {
+    Disk(PathBuf),
+    Memory(String),
+}
+
+impl Source {
+    fn text(&self) -> Result<String, OpenError> {
+        match &self.place {
+            Place::Memory(text) => Ok(text.clone()),
+            Place::Disk(path) => std::fs::read_to_string(path)
+                .map_err(|source| OpenError::Io { path: path.clone(), source }),
+        }
+    }
+}
+
+/// Opens a folder by looking at what is in it, or a file of tracks with the rest of its folder.
+pub fn open(path: &Path) -> Result<Deployment, OpenError> {
+    open_with(path, None)
+}
+
+/// Like [`open`], with the rig taken from another folder or file where the data has none beside it.
+pub fn open_with(path: &Path, rig_path: Option<&Path>) -> Result<Deployment, OpenError> {
+    let io = |source| OpenError::Io { path: path.to_owned(), source };
+    let metadata = std::fs::metadata(path).map_err(io)?;
+    let path = &path.canonicalize().map_err(io)?;
+    let (folder, chosen) = if metadata.is_dir() {
+        (path.as_path(), None)
+    } else {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        (folder, Some(name))
+    };
+    let mut sources = if let Some(chosen) = &chosen
+        && chosen != "deployment.toml"
+    {
+        // A single file: its neighbours can help, the folders below them are none of its business.
+        list_folder(folder, 1)?
+    } else {
+        list_folder(folder, FOLDER_DEPTH)?
+    };
+    if let Some(rig_path) = rig_path {
+        sources.retain(|s| !matches!(s.format, Format::RigReading | Format::RigDistances));
+        let extra = if rig_path.is_dir() {
+            list_folder(rig_path, FOLDER_DEPTH)?
+        } else {
+            vec![source_at(rig_path, rig_path.to_string_lossy().into_owned())?]
+        };
+        sources.extend(
+            extra
+                .into_iter()
+                .filter(|s| matches!(s.format, Format::RigReading | Format::RigDistances)),
+        );
+    }
+    let name = match &chosen {
+        Some(file) if file != "deployment.toml" => {
+            Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+        }
+        _ => folder.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+    };
+    let chosen = chosen.filter(|file| file != "deployment.toml");
+    if let Some(file) = &chosen
+        && let Some(source) = sources.iter().find(|s| &s.file == file)
+        && !source.format.is_track()
+    {
+        return Err(OpenError::file(
+            file,
+            format!("holds no tracks of the stations ({})", source.format.describe()),
+            "open its folder, or a polar CSV (timestamp,id,distance,ha,va) or a ROS 1 bag",
+        ));
+    }
+    combine(name, chosen.as_deref(), sources)
+}
+
+/// Opens files that are already in memory, as the built-in samples are.
+pub fn open_files(name: &str, files: &[(&str, &str)]) -> Result<Deployment, OpenError> {
+    let sources = files
+        .iter()
+        .map(|(file, text)| Source {
+            file: (*file).to_owned(),
+            format: recognise(file, text.as_bytes()),
+            place: Place::Memory((*text).to_owned()),
+        })
+        .collect();
+    combine(name.to_owned(), None, sources)
+}
+
+fn list_folder(folder: &Path, depth: usize) -> Result<Vec<Source>, OpenError> {
+    fn visit(
+        top: &Path,
+        folder: &Path,
+        depth: usize,
+        into: &mut Vec<Source>,
+    ) -> Result<(), OpenError> {
+        let io = |source| OpenError::Io { path: folder.to_owned(), source };
+        for entry in std::fs::read_dir(folder).map_err(io)? {
+            let path = entry.map_err(io)?.path();
+            let hidden =
+                path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+            if hidden {
+                continue;
+            } else if path.is_dir() {
+                if depth > 1 {
+                    visit(top, &path, depth - 1, into)?;
+                }
+            } else if path.is_file() {
+                let file = path.strip_prefix(top).unwrap_or(&path).to_string_lossy().into_owned();
+                into.push(source_at(&path, file)?);
+            }
+        }
+        Ok(())
+    }
+    let mut sources = Vec::new();
+    visit(folder, folder, depth, &mut sources)?;
+    sources.sort_by(|a, b| a.file.cmp(&b.file));
+    Ok(sources)
+}
+
+fn source_at(path: &Path, file: String) -> Result<Source, OpenError> {
+    let io = |source| OpenError::Io { path: path.to_owned(), source };
+    let mut head = Vec::new();
+    std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head)).map_err(io)?;
+    let base_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Source { file, format: recognise(&base_name, &head), place: Place::Disk(path.to_owned()) })
+}
+
+/// Gives every source its part, reads those that have one, and says what was passed over.
+fn combine(
+    name: String,
+    chosen: Option<&str>,
+    sources: Vec<Source>,
+) -> Result<Deployment, OpenError> {
+    let overrides = match sources.iter().find(|s| s.format == Format::DeploymentToml) {
+        Some(source) => format::deployment_toml::read(&source.file, &source.text()?)?,
+        None => Overrides::default(),
+    };
+    let prism_constant_m = overrides.prism_constant_m.unwrap_or(PRISM_CONSTANT_M);
+    let name = overrides.name.clone().unwrap_or(name);
+    let mut findings = Vec::new();
+    let mut used: Vec<&str> = Vec::new();
+    used.extend(
+        sources.iter().filter(|s| s.format == Format::DeploymentToml).map(|s| s.file.as_str()),
+    );
+
+    let track_source = choose_tracks(&name, chosen.or(overrides.tracks.as_deref()), &sources)?;
+    used.push(&track_source.file);
+    let (records, place_word) = read_records(track_source)?;
+    let (tracks, track_findings) =
+        assemble_tracks(&records, prism_constant_m, &track_source.file, place_word);
+    findings.extend(track_findings);
+    if tracks.iter().all(|track| track.measurements.is_empty()) {
+        return Err(OpenError::file(
+            &track_source.file,
+            "no usable measurement of any station",
+            "stations are numbered 1, 2, 3 and a valid reading has status 0",
+        ));
+    }
+
+    let (control_points, used_sets) =
+        read_control_point_sets(&sources, &overrides, prism_constant_m, &mut findings)?;
+    used.extend(used_sets);
+
+    let rig = read_rig(&sources, &overrides, prism_constant_m, &mut used, &mut findings)?;
+    let constant_from =
+        if overrides.prism_constant_m.is_some() { "deployment.toml" } else { "the MT1000" };
+    findings.push(Finding::note(format!(
+        "prism constant of {constant_from}, {:+.1} mm, added to every range",
+        prism_constant_m * 1e3
+    )));
+
+    let ingredients = sources
+        .iter()
+        .map(|s| Ingredient {
+            file: s.file.clone(),
+            what: s.format.describe(),
+            used: used.contains(&s.file.as_str()),
+        })
+        .collect();
+    Ok(Deployment { name, tracks, control_points, rig, ingredients, findings })
+}
+
+/// The one source of tracks. Two representations in one folder are a question to the user.
+fn choose_tracks<'a>(
+    name: &str,
+    chosen: Option<&str>,
+    sources: &'a [Source],
+) -> Result<&'a Source, OpenError> {
+    let candidates: Vec<_> = sources.iter().filter(|s| s.format.is_track()).collect();
+    let names = || candidates.iter().map(|s| s.file.as_str()).collect::<Vec<_>>().join(", ");
+    if let Some(chosen) = chosen {
+        return candidates.iter().find(|s| s.file == chosen).copied().ok_or_else(|| {
+            OpenError::file(
+                "deployment.toml",
+                format!("tracks = \"{chosen}\" names no file with tracks"),
+                format!("the candidates here: {}", names()),
+            )
+        });
+    }
+    match candidates[..] {
+        [only] => Ok(only),
+        [] => {
+            let mut seen: Vec<_> =
+                sources.iter().map(|s| format!("{} ({})", s.file, s.format.describe())).collect();
+            seen.truncate(4);
+            let seen = if seen.is_empty() { "no file".to_owned() } else { seen.join(", ") };
+            Err(OpenError::file(
+                name,
+                format!("no tracks of the stations among: {seen}"),
+                "open a folder with a polar CSV (timestamp,id,distance,ha,va) or a ROS 1 bag",
+            ))
+        }
+        _ => Err(OpenError::file(
+            name,
+            format!("several files hold tracks: {}", names()),
+            "open one of these files, or name it in deployment.toml: tracks = \"…\"",
+        )),
+    }
+}
+
+fn read_records(source: &Source) -> Result<(Vec<RawRecord>, &'static str), OpenError> {
+    match (&source.place, source.format) {
+        (Place::Disk(path), Format::Ros1Bag) => {
+            Ok((format::ros1_bag::read(path, &source.file)?, "message"))
+        }
+        _ => Ok((format::polar_csv::read(&source.file, &source.text()?)?, "line")),
+    }
+}
+
+fn read_control_point_sets<'a>(
+    sources: &'a [Source],
+    overrides: &Overrides,
+    prism_constant_m: f64,
+    findings: &mut Vec<Finding>,
+) -> Result<(Vec<ControlPointSet>, Vec<&'a str>), OpenError> {
+    let mut used = Vec::new();
+    let mut sets = Vec::new();
+    let mut pillar_markers = None;
+    if let Some(source) = sources.iter().find(|s| s.format == Format::Pillars) {
+        pillar_markers = Some(format::pillars::read_markers(&source.file, &source.text()?)?);
+        used.push(source.file.as_str());
+    }
+    for source in sources.iter().filter(|s| s.format == Format::ControlPoints) {
+        if overrides.control_points.as_ref().is_some_and(|files| !files.contains(&source.file)) {
+            continue;
+        }
+        let (mut set, set_findings) =
+            format::control_points::read(&source.file, &source.text()?, prism_constant_m)?;
+        findings.extend(set_findings);
+        if set.points.is_empty() {
+            findings.push(Finding::warning(format!("{}: no usable control point", source.file)));
+            continue;
+        }
+        // Pillars are listed with the markers of the survey; failing that, the authors' file name tells.
+        let markers: Vec<_> = set.points.iter().map(|p| p.marker).collect();
+        set.pillars = match &pillar_markers {
+            Some(pillars) => *pillars == markers,
+            None => source.file.to_lowercase().contains("two_points"),
+        };
+        used.push(source.file.as_str());
+        sets.push(set);
+    }
+    if let Some(wanted) = &overrides.control_points
+        && let Some(missing) = wanted.iter().find(|file| !sources.iter().any(|s| s.file == **file))
+    {
+        return Err(OpenError::file(
+            "deployment.toml",
+            format!("control_points names `{missing}`, which is not here"),
+            "give names relative to the folder",
+        ));
+    }
+    Ok((sets, used))
+}
+
+fn read_rig<'a>(
+    sources: &'a [Source],
+    overrides: &Overrides,
+    prism_constant_m: f64,
+    used: &mut Vec<&'a str>,
+    findings: &mut Vec<Finding>,
+) -> Result<Option<Rig>, OpenError> {
+    let mut only = |format: Format| -> Result<Option<&'a Source>, OpenError> {
+        let found: Vec<_> = sources.iter().filter(|s| s.format == format).collect();
+        match found[..] {
+            [] => Ok(None),
+            [one] => {
+                used.push(&one.file);
+                Ok(Some(one))
+            }
+            [first, second, ..] => Err(OpenError::file(
+                &first.file,
+                format!("and {} both hold {}", second.file, format.describe()),
+                "leave one of them in the folder",
+            )),
+        }
+    };
+    let prisms_m = match only(Format::RigReading)? {
+        Some(s) => {
+            Some(format::rig_files::read_rig_reading(&s.file, &s.text()?, prism_constant_m)?)
+        }
+        None => None,
+    };
+    let distances = match only(Format::RigDistances)? {
+        Some(s) => Some(format::rig_files::read_distances(&s.file, &s.text()?)?),
+        None => None,
+    };
+    let inter_antenna_m = distances.and_then(|(_, antennas)| antennas);
+    let measured = prisms_m.as_ref().map(pairwise_distances);
+    let inter_prism_m =
+        overrides.inter_prism_m.or(distances.map(|(prisms, _)| prisms)).or(measured);
+    let Some(inter_prism_m) = inter_prism_m else {
+        findings.push(Finding::problem(
+            "the inter-prism distances are not known; put calibration_results.csv beside the tracks, \
+             set inter_prism_m in deployment.toml, or give --rig",
+        ));
+        return Ok(None);
+    };
+    let [d12, d13, d23] = inter_prism_m;
+    if inter_prism_m.iter().any(|d| !d.is_finite() || *d <= 0.0)
+        || d12 > d13 + d23
+        || d13 > d12 + d23
+        || d23 > d12 + d13
+    {
+        return Err(OpenError::file(
+            "inter-prism distances",
+            format!("{d12} m, {d13} m and {d23} m are not the sides of a triangle"),
+            "the order is 12, 13, 23, in metres",
+        ));
+    }
+    if let Some(measured) = measured {
+        let worst = (0..3).map(|i| (measured[i] - inter_prism_m[i]).abs()).fold(0.0, f64::max);
+        if worst > RIG_TOLERANCE_M {
+            findings.push(Finding::warning(format!(
+                "the inter-prism distances and the reading of the rig disagree by {:.1} mm",
+                worst * 1e3
+            )));
+        }
+    }
+    Ok(Some(Rig { inter_prism_m, prisms_m, inter_antenna_m }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRACKS: &str =
+        "timestamp,id,distance,ha,va\n0.0,1,10,0.1,1.5\n0.1,2,11,0.1,1.5\n0.2,3,12,0.1,1.5\n";
+
+    #[test]
+    fn two_representations_are_a_question() {
+        let error =
+            open_files("d", &[("a.csv", TRACKS), ("b.csv", TRACKS)]).expect_err("ambiguous");
+        assert!(error.to_string().contains("several files hold tracks: a.csv, b.csv"), "{error}");
+        let toml = "tracks = \"b.csv\"\nprism_constant_m = 0.0\ninter_prism_m = [0.7, 0.9, 1.0]\n";
+        let files = [("a.csv", TRACKS), ("b.csv", TRACKS), ("deployment.toml", toml)];
+        let deployment = open_files("d", &files).expect("the override decides");
+        assert_eq!(deployment.tracks[0].prism_constant_m, 0.0);
+        assert_eq!(deployment.rig.expect("given").inter_prism_m, [0.7, 0.9, 1.0]);
+        let unused: Vec<_> = deployment.ingredients.iter().filter(|i| !i.used).collect();
+        assert_eq!(unused.len(), 1);
+        assert_eq!(unused[0].file, "a.csv");
+    }
+
+    #[test]
+    fn errors_name_file_line_and_remedy() {
+        let cases: [(&str, &str); 5] = [
+            (
+                "timestamp;id;distance;ha;va\n0;1;2;3;4\n",
+                "a.csv:1: the columns are separated by semicolons",
+            ),
+            (
+                "timestamp,id,distance,ha,va\n0.0,1,10,x,1.5\n",
+                "a.csv:2: `x` in column `ha` is not a number",
+            ),
+            ("timestamp,id,distance,ha,va\n0.0,1,10\n", "a.csv:2: 3 fields where the header has 5"),
+            ("timestamp,id,distance,ha,va\n", "a.csv: has a header but no measurement"),
+            ("", "no tracks of the stations"),
+        ];
+        for (text, expected) in cases {
+            let error = open_files("d", &[("a.csv", text)]).expect_err(expected).to_string();
+            assert!(error.contains(expected), "expected `{expected}`, got `{error}`");
+            assert!(error.contains("; "), "no remedy in `{error}`");
+        }
+    }
+
+    #[test]
+    fn an_impossible_rig_is_refused() {
+        let error = open_files("d", &[("a.csv", TRACKS), ("rig.txt", "0.1 0.2 1.0")])
+            .expect_err("triangle");
+        assert!(error.to_string().contains("not the sides of a triangle"), "{error}");
+    }
+
+    #[test]
+    fn a_typo_in_the_overrides_is_refused() {
+        let files =
+            [("a.csv", TRACKS), ("deployment.toml", "name = \"x\"\nprism_constant = 0.0\n")];
+        let error = open_files("d", &files).expect_err("unknown key").to_string();
+        assert!(error.starts_with("deployment.toml:2: unknown field"), "{error}");
+    }
+}

@@ -1,0 +1,28 @@
+//! From raw polar tracks to triplets: the four modules of the paper's pre-processing pipeline.
+//!
+//! ```text
+//! tracks ─1 outlier filter─▶ filtered ─2 interval split─▶ intervals ─3 interval filter─▶ kept ─4 interpolation─▶ triplets
+//! ```
+//! Each stage is a pure function of the one before it and of its own settings. [`StagedPipeline`] keeps
+//! the last output of each, so that a change re-runs only what depends on it.
+
+pub mod interpolation;
+pub mod interval_filter;
+pub mod interval_split;
+pub mod outlier_filter;
+mod settings;
+mod staged;
+mod triplets;
+
+pub use interval_split::Interval;
+pub use outlier_filter::{FilteredTrack, OutlierReason};
+pub use settings::{Interpolation, PipelineSettings, Thresholds};
+pub use staged::{PipelineOutput, SampleFate, StagedPipeline};
+pub use triplets::Triplets;
+
+use crate::deployment::Deployment;
+
+/// Runs all stages.
+pub fn run(deployment: &Deployment, settings: &PipelineSettings) -> PipelineOutput {
+    StagedPipeline::default().run(deployment, settings)
+}

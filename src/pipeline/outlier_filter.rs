@@ -1,0 +1,130 @@
+//! Module 1: drops readings that move faster than the vehicle can, and turns the rest to Cartesian.
+
+use nalgebra::Vector3;
+
+use super::Thresholds;
+use crate::deployment::{Deployment, Measurement, Track};
+use crate::geometry::wrap_to_pi;
+
+/// Which rate gave a reading away; the first that exceeds its threshold, in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum OutlierReason {
+    Range,
+    Azimuth,
+    Zenith,
+}
+
+/// Rates of change from the previous raw reading of the same station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    pub range_m_per_s: f64,
+    pub azimuth_deg_per_s: f64,
+    pub zenith_deg_per_s: f64,
+}
+
+/// A station's readings after the filter, in Cartesian coordinates of its own frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FilteredTrack {
+    pub time_s: Vec<f64>,
+    pub position_m: Vec<Vector3<f64>>,
+    /// Index of each kept reading in the raw track.
+    pub source: Vec<u32>,
+    /// For every raw reading, why it was dropped.
+    pub rejected: Vec<Option<OutlierReason>>,
+}
+
+/// Filters the three tracks; `None` keeps everything, as the paper's pipeline without module 1.
+pub fn filter(deployment: &Deployment, thresholds: Option<&Thresholds>) -> [FilteredTrack; 3] {
+    deployment.tracks.each_ref().map(|track| filter_track(track, thresholds))
+}
+
+/// Rates between two readings; the azimuth takes the short way round.
+pub fn rates(previous: &Measurement, this: &Measurement) -> Rates {
+    let elapsed_s = this.time_s - previous.time_s;
+    Rates {
+        range_m_per_s: (this.range_m - previous.range_m) / elapsed_s,
+        azimuth_deg_per_s: wrap_to_pi(this.azimuth_rad - previous.azimuth_rad).to_degrees()
+            / elapsed_s,
+        zenith_deg_per_s: (this.zenith_rad - previous.zenith_rad).to_degrees() / elapsed_s,
+    }
+}
+
+/// The previous raw reading counts whether it was kept or not: after a jump, the way back is a jump too.
+fn filter_track(track: &Track, thresholds: Option<&Thresholds>) -> FilteredTrack {
+    let readings = &track.measurements;
+    let mut out = FilteredTrack {
+        time_s: Vec::with_capacity(readings.len()),
+        position_m: Vec::with_capacity(readings.len()),
+        source: Vec::with_capacity(readings.len()),
+        rejected: Vec::with_capacity(readings.len()),
+    };
+    for (index, reading) in readings.iter().enumerate() {
+        let reason = match (thresholds, index.checked_sub(1)) {
+            (Some(thresholds), Some(previous)) => {
+                too_fast(&rates(&readings[previous], reading), thresholds)
+            }
+            _ => None,
+        };
+        out.rejected.push(reason);
+        if reason.is_none() {
+            out.time_s.push(reading.time_s);
+            out.position_m.push(track.position_m(reading));
+            out.source.push(index as u32);
+        }
+    }
+    out
+}
+
+fn too_fast(rates: &Rates, thresholds: &Thresholds) -> Option<OutlierReason> {
+    if rates.range_m_per_s.abs() > thresholds.tau_r_m_per_s {
+        Some(OutlierReason::Range)
+    } else if rates.azimuth_deg_per_s.abs() > thresholds.tau_a_deg_per_s {
+        Some(OutlierReason::Azimuth)
+    } else if rates.zenith_deg_per_s.abs() > thresholds.tau_e_deg_per_s {
+        Some(OutlierReason::Zenith)
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn track(readings: &[(f64, f64, f64, f64)]) -> Track {
+        let measurements = readings
+            .iter()
+            .map(|&(time_s, range_m, azimuth_rad, zenith_rad)| Measurement {
+                time_s,
+                range_m,
+                azimuth_rad,
+                zenith_rad,
+            })
+            .collect();
+        Track { measurements, prism_constant_m: 0.01 }
+    }
+
+    #[test]
+    fn each_rate_has_its_threshold_and_the_way_back_counts() {
+        let track = track(&[
+            (0.0, 10.0, 0.0, 1.5),
+            (1.0, 11.9, 0.0, 1.5),
+            (2.0, 14.0, 0.0, 1.5),   // 2.1 m/s
+            (3.0, 14.0, 0.02, 1.5),  // 1.15 deg/s
+            (4.0, 14.0, 0.02, 1.52), // 1.15 deg/s
+            (5.0, 14.0, 0.02, 1.52),
+        ]);
+        let out = filter_track(&track, Some(&Thresholds::default()));
+        use OutlierReason::*;
+        assert_eq!(out.rejected, [None, None, Some(Range), Some(Azimuth), Some(Zenith), None]);
+        assert_eq!(out.source, [0, 1, 5]);
+        assert_eq!(filter_track(&track, None).source.len(), 6);
+    }
+
+    #[test]
+    fn azimuth_wraps() {
+        let eps = 1e-3;
+        let track = track(&[(0.0, 10.0, std::f64::consts::TAU - eps, 1.5), (1.0, 10.0, eps, 1.5)]);
+        assert_eq!(filter_track(&track, Some(&Thresholds::default())).rejected, [None, None]);
+    }
+}

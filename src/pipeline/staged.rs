@@ -1,0 +1,211 @@
+//! The pipeline with a memory: a change of a setting re-runs its stage and those after it.
+
+use std::sync::Arc;
+
+use super::{
+    FilteredTrack, Interpolation, Interval, OutlierReason, PipelineSettings, Thresholds, Triplets,
+    interpolation, interval_filter, interval_split, outlier_filter,
+};
+use crate::deployment::Deployment;
+
+/// What became of a raw reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SampleFate {
+    /// Interpolation between readings uses it.
+    Kept,
+    Rejected(OutlierReason),
+    /// Another station (or this one) was silent for longer than τ_s.
+    InNoInterval,
+    /// Its interval is not longer than τ_l.
+    IntervalTooShort,
+}
+
+impl SampleFate {
+    pub const ALL: [Self; 6] = [
+        Self::Kept,
+        Self::Rejected(OutlierReason::Range),
+        Self::Rejected(OutlierReason::Azimuth),
+        Self::Rejected(OutlierReason::Zenith),
+        Self::InNoInterval,
+        Self::IntervalTooShort,
+    ];
+
+    /// In words, for legends and exports.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Kept => "kept",
+            Self::Rejected(OutlierReason::Range) => "rejected: range rate",
+            Self::Rejected(OutlierReason::Azimuth) => "rejected: azimuth rate",
+            Self::Rejected(OutlierReason::Zenith) => "rejected: zenith rate",
+            Self::InNoInterval => "in no interval",
+            Self::IntervalTooShort => "interval too short",
+        }
+    }
+}
+
+/// Everything the pipeline found; cheap to clone.
+#[derive(Clone, Debug)]
+pub struct PipelineOutput {
+    pub filtered: Arc<[FilteredTrack; 3]>,
+    /// After the split.
+    pub intervals: Arc<Vec<Interval>>,
+    /// After the interval filter; [`Triplets::interval`] counts these.
+    pub kept_intervals: Arc<Vec<Interval>>,
+    pub triplets: Arc<Triplets>,
+    /// For each station, the fate of each raw reading.
+    pub fates: Arc<[Vec<SampleFate>; 3]>,
+}
+
+impl PipelineOutput {
+    /// How many of a station's readings met this fate.
+    pub fn count(&self, station: usize, fate: SampleFate) -> usize {
+        self.fates[station].iter().filter(|f| **f == fate).count()
+    }
+
+    /// Readings of each station that interpolation uses.
+    pub fn kept(&self) -> [usize; 3] {
+        std::array::from_fn(|station| self.count(station, SampleFate::Kept))
+    }
+}
+
+type Memory<Key, Output> = Option<(Key, Arc<Output>)>;
+
+/// Keeps the last output of each stage beside the settings that made it. One deployment each.
+#[derive(Default)]
+pub struct StagedPipeline {
+    filtered: Memory<Option<RateThresholds>, [FilteredTrack; 3]>,
+    intervals: Memory<f64, Vec<Interval>>,
+    kept: Memory<Option<f64>, Vec<Interval>>,
+    triplets: Memory<(Interpolation, f64), Triplets>,
+    fates: Memory<(), [Vec<SampleFate>; 3]>,
+}
+
+/// The settings of module 1 alone.
+#[derive(Clone, Copy, PartialEq)]
+struct RateThresholds(f64, f64, f64);
+
+impl StagedPipeline {
+    /// Runs the stages whose settings, or whose input, changed since the last call.
+    pub fn run(&mut self, deployment: &Deployment, settings: &PipelineSettings) -> PipelineOutput {
+        let thresholds = &settings.thresholds;
+        let outliers = settings.outlier_filter.then_some(thresholds);
+        let key = outliers.map(
+            |Thresholds { tau_r_m_per_s, tau_a_deg_per_s, tau_e_deg_per_s, .. }| {
+                RateThresholds(*tau_r_m_per_s, *tau_a_deg_per_s, *tau_e_deg_per_s)
+            },
+        );
+        let mut stale = false;
+        let filtered = remember(&mut self.filtered, key, &mut stale, || {
+            outlier_filter::filter(deployment, outliers)
+        });
+        let intervals = remember(&mut self.intervals, thresholds.tau_s_seconds, &mut stale, || {
+            interval_split::split(&filtered, thresholds.tau_s_seconds)
+        });
+        let tau_l = settings.interval_filter.then_some(thresholds.tau_l_seconds);
+        let kept_intervals = remember(&mut self.kept, tau_l, &mut stale, || {
+            interval_filter::filter(&intervals, tau_l)
+        });
+        // Fates depend on the intervals alone, not on how positions are interpolated between readings.
+        let mut fates_stale = stale;
+        let fates = remember(&mut self.fates, (), &mut fates_stale, || {
+            filtered.each_ref().map(|track| fates(track, &intervals, &kept_intervals))
+        });
+        let key = (settings.interpolation, settings.rate_hz);
+        let triplets = remember(&mut self.triplets, key, &mut stale, || {
+            interpolation::interpolate(
+                &filtered,
+                &kept_intervals,
+                settings.interpolation,
+                settings.rate_hz,
+            )
+        });
+        PipelineOutput { filtered, intervals, kept_intervals, triplets, fates }
+    }
+}
+
+fn remember<Key: PartialEq, Output>(
+    memory: &mut Memory<Key, Output>,
+    key: Key,
+    stale: &mut bool,
+    run: impl FnOnce() -> Output,
+) -> Arc<Output> {
+    match memory {
+        Some((known, output)) if *known == key && !*stale => Arc::clone(output),
+        _ => {
+            *stale = true;
+            let output = Arc::new(run());
+            *memory = Some((key, Arc::clone(&output)));
+            output
+        }
+    }
+}
+
+/// Fates of one station's raw readings. The readings that bracket an interval count as inside it, because
+/// the first and last positions in the interval are interpolated from them.
+fn fates(track: &FilteredTrack, intervals: &[Interval], kept: &[Interval]) -> Vec<SampleFate> {
+    let used_by = |intervals: &[Interval]| {
+        let mut used = vec![false; track.time_s.len()];
+        for interval in intervals {
+            let from = track.time_s.partition_point(|t| *t <= interval.start_s).saturating_sub(1);
+            let to = track.time_s.partition_point(|t| *t < interval.end_s);
+            let to = to.min(track.time_s.len().saturating_sub(1));
+            used[from..=to].fill(true);
+        }
+        used
+    };
+    let (in_kept, in_any) = (used_by(kept), used_by(intervals));
+    let mut fates: Vec<_> = track
+        .rejected
+        .iter()
+        .map(|reason| reason.map_or(SampleFate::InNoInterval, SampleFate::Rejected))
+        .collect();
+    for (index, source) in track.source.iter().enumerate() {
+        fates[*source as usize] = match (in_kept[index], in_any[index]) {
+            (true, _) => SampleFate::Kept,
+            (false, true) => SampleFate::IntervalTooShort,
+            (false, false) => SampleFate::InNoInterval,
+        };
+    }
+    fates
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deployment::Sample;
+
+    #[test]
+    fn a_change_reruns_only_what_depends_on_it() {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let mut pipeline = StagedPipeline::default();
+        let mut settings = PipelineSettings::default();
+        let first = pipeline.run(&deployment, &settings);
+        settings.thresholds.tau_l_seconds = 20.0;
+        let longer = pipeline.run(&deployment, &settings);
+        assert!(Arc::ptr_eq(&first.filtered, &longer.filtered));
+        assert!(Arc::ptr_eq(&first.intervals, &longer.intervals));
+        assert!(!Arc::ptr_eq(&first.triplets, &longer.triplets));
+        settings.rate_hz = 5.0;
+        let coarser = pipeline.run(&deployment, &settings);
+        assert!(Arc::ptr_eq(&longer.kept_intervals, &coarser.kept_intervals));
+        assert!(Arc::ptr_eq(&longer.fates, &coarser.fates));
+        settings.thresholds.tau_a_deg_per_s = 0.5;
+        let stricter = pipeline.run(&deployment, &settings);
+        assert!(!Arc::ptr_eq(&coarser.filtered, &stricter.filtered));
+        // Whatever the path, the answer is that of a fresh run.
+        let fresh = super::super::run(&deployment, &settings);
+        assert_eq!(*fresh.triplets, *stricter.triplets);
+        assert_eq!(*fresh.fates, *stricter.fates);
+    }
+
+    #[test]
+    fn every_reading_has_one_fate() {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let out = super::super::run(&deployment, &PipelineSettings::default());
+        for station in 0..3 {
+            let total: usize = SampleFate::ALL.iter().map(|fate| out.count(station, *fate)).sum();
+            assert_eq!(total, deployment.tracks[station].measurements.len());
+        }
+        assert!(out.kept().iter().all(|kept| *kept > 0));
+    }
+}

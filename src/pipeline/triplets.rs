@@ -1,0 +1,64 @@
+//! The pipeline's product.
+
+use nalgebra::Vector3;
+
+/// `Q_1, Q_2, Q_3` of the paper: positions of the three prisms at common instants.
+///
+/// All lists have the same length, in order of time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Triplets {
+    pub time_s: Vec<f64>,
+    /// The interval each instant belongs to, numbered from 0.
+    pub interval: Vec<u32>,
+    /// For each station the position of its prism (m), in its own frame.
+    pub points_m: [Vec<Vector3<f64>>; 3],
+    /// How fast prism 1 moves (m/s), by differences with the neighbouring instants.
+    pub speed_m_per_s: Vec<f64>,
+}
+
+impl Triplets {
+    pub fn new(time_s: Vec<f64>, interval: Vec<u32>, points_m: [Vec<Vector3<f64>>; 3]) -> Self {
+        let speed_m_per_s = speeds(&time_s, &interval, &points_m[0]);
+        Self { time_s, interval, points_m, speed_m_per_s }
+    }
+
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// The three positions at one instant (m), each in its station's frame.
+    pub fn triplet_m(&self, index: usize) -> [Vector3<f64>; 3] {
+        std::array::from_fn(|station| self.points_m[station][index])
+    }
+
+    /// Index of the instant nearest in time.
+    pub fn nearest(&self, time_s: f64) -> Option<usize> {
+        let after = self.time_s.partition_point(|t| *t < time_s);
+        [after.checked_sub(1), Some(after)]
+            .into_iter()
+            .flatten()
+            .filter(|index| *index < self.len())
+            .min_by(|a, b| {
+                (self.time_s[*a] - time_s).abs().total_cmp(&(self.time_s[*b] - time_s).abs())
+            })
+    }
+}
+
+fn speeds(time_s: &[f64], interval: &[u32], points_m: &[Vector3<f64>]) -> Vec<f64> {
+    let last = time_s.len().saturating_sub(1);
+    (0..time_s.len())
+        .map(|i| {
+            let same = |j: usize| interval[j] == interval[i];
+            let before = if i > 0 && same(i - 1) { i - 1 } else { i };
+            let after = if i < last && same(i + 1) { i + 1 } else { i };
+            if before == after {
+                return 0.0;
+            }
+            (points_m[after] - points_m[before]).norm() / (time_s[after] - time_s[before])
+        })
+        .collect()
+}
