@@ -5,7 +5,7 @@
 
 mod control_points;
 mod finding;
-mod format;
+pub mod format;
 mod open;
 mod rig;
 mod sample;
@@ -13,9 +13,9 @@ mod track;
 
 pub use control_points::{ControlPoint, ControlPointSet};
 pub use finding::{Finding, Severity};
-pub use format::{OpenError, control_points::read as read_control_points, rig_files};
+pub use format::OpenError;
 pub use open::{Ingredient, open, open_files, open_with};
-pub use rig::Rig;
+pub use rig::{Rig, pairwise_distances};
 pub use sample::Sample;
 pub use track::{Measurement, RawRecord, Track, assemble_tracks};
 

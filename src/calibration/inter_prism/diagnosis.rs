@@ -4,22 +4,30 @@ use super::CentredTriplets;
 use super::mirror::Choice;
 use super::uncertainty::Uncertainty;
 use crate::calibration::Verdict;
-use crate::deployment::Finding;
+use crate::deployment::{Deployment, Finding};
 
 /// An answer whose largest standard deviation exceeds this is weak (m). The paper's deployments reach a few
 /// millimetres; two centimetres is what its failed ones show.
 const WEAK_SIGMA_M: f64 = 0.020;
+/// What two readings of a control point may differ by (m): ranges, centring, angles at a hundred metres.
+const CONTROL_POINT_SIGMA_M: f64 = 0.005;
+/// Control points this many times further apart than expected contradict the answer.
+const CONTRADICTION: f64 = 3.0;
 /// Beyond this the direction is as good as free (m).
 const FREE_SIGMA_M: f64 = 0.5;
 
 /// Judges the answer; reasons are added to the findings, the mirror's first.
 pub fn judge(
+    deployment: &Deployment,
     data: &CentredTriplets,
     uncertainty: &Uncertainty,
     choice: &Choice,
     findings: &mut Vec<Finding>,
 ) -> Verdict {
     findings.splice(0..0, choice.findings.iter().cloned());
+    let contradiction = control_points_contradict(deployment, uncertainty, choice);
+    let contradicted = contradiction.is_some();
+    findings.extend(contradiction);
     let direction = describe(data, &uncertainty.weakest);
     let advice = "drive a figure-eight with turns to both sides";
     if uncertainty.weakest_sigma_m > FREE_SIGMA_M {
@@ -40,8 +48,51 @@ pub fn judge(
             "least certain: {direction} (σ {:.1} mm)",
             uncertainty.weakest_sigma_m * 1e3
         )));
-        Verdict::Good
+        if contradicted { Verdict::Weak } else { Verdict::Good }
     }
+}
+
+/// Control points that lie further apart than their noise and the answer's own uncertainty allow.
+///
+/// Where they do, either they or a station moved, or something that this method does not model biases it.
+fn control_points_contradict(
+    deployment: &Deployment,
+    uncertainty: &Uncertainty,
+    choice: &Choice,
+) -> Option<Finding> {
+    let sigma = uncertainty.sigma()?;
+    let mut worst: Option<(f64, f64, &str)> = None;
+    for set in deployment.control_points.iter().filter(|set| !set.pillars) {
+        let mut apart_m = set.disagreements_m(&choice.answer.station1_from_station);
+        apart_m.sort_by(f64::total_cmp);
+        let Some(median_m) = apart_m.get(apart_m.len() / 2).copied() else { continue };
+        let mut ranges_m: Vec<f64> = set
+            .points
+            .iter()
+            .flat_map(|p| p.readings)
+            .flatten()
+            .map(|polar| polar.range_m)
+            .collect();
+        ranges_m.sort_by(f64::total_cmp);
+        let range_m = ranges_m[ranges_m.len() / 2];
+        let expected_m = sigma
+            .iter()
+            .map(|s| s.translation_m.norm_squared() + (s.yaw_rad * range_m).powi(2))
+            .fold(CONTROL_POINT_SIGMA_M.powi(2), f64::max)
+            .sqrt()
+            .max(CONTROL_POINT_SIGMA_M);
+        if median_m > CONTRADICTION * expected_m && worst.is_none_or(|(known, ..)| median_m > known)
+        {
+            worst = Some((median_m, expected_m, &set.file));
+        }
+    }
+    let (median_m, expected_m, file) = worst?;
+    Some(Finding::warning(format!(
+        "control points contradict this answer: {:.0} mm apart in {file} (median) where about {:.0} mm are expected; \
+         a station moved between the two, or a bias is not modelled",
+        median_m * 1e3,
+        expected_m * 1e3
+    )))
 }
 
 /// The motion that a direction of the centred parameters stands for, by its largest part.

@@ -88,7 +88,7 @@ pub fn solve(
     let answer = choice.answer;
     let uncertainty =
         uncertainty::estimate(&data, &triplets.time_s, &triplets.interval, &answer, settings);
-    let verdict = diagnosis::judge(&data, &uncertainty, &choice, &mut findings);
+    let verdict = diagnosis::judge(deployment, &data, &uncertainty, &choice, &mut findings);
     Ok(Calibration {
         method: Method::InterPrism,
         basin: answer,

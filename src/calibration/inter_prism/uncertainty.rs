@@ -25,8 +25,6 @@ const FREE_DIRECTION: f64 = 1e-9;
 pub struct Uncertainty {
     /// (x, y, z, yaw) of stations 2 and 3 into station 1's frame (m, rad); `None` if a direction is free.
     pub covariance: Option<SMatrix<f64, 8, 8>>,
-    /// Eigenvalues of JᵀJ, yaw scaled by the track's radius, smallest first (dimensionless counts).
-    pub spectrum: [f64; 8],
     /// The direction of the largest standard deviation: centred parameters, yaw in metres at the radius.
     pub weakest: [f64; 8],
     /// Standard deviation along it (m); infinite if free.
@@ -79,18 +77,14 @@ pub fn estimate(
         _ => 0.0,
     });
     let scaled = (scale * normal.matrix * scale).symmetric_eigen();
-    let mut order: Vec<usize> = (0..8).collect();
-    order.sort_by(|a, b| scaled.eigenvalues[*a].total_cmp(&scaled.eigenvalues[*b]));
-    let spectrum = std::array::from_fn(|k| scaled.eigenvalues[order[k]]);
-    let inverse = (spectrum[0] > FREE_DIRECTION * spectrum[7])
+    let inverse = (scaled.eigenvalues.min() > FREE_DIRECTION * scaled.eigenvalues.max())
         .then(|| normal.matrix.cholesky())
         .flatten()
         .map(|cholesky| cholesky.inverse());
     let Some(inverse) = inverse else {
-        let weakest = scaled.eigenvectors.column(order[0]).into_owned();
+        let weakest = scaled.eigenvectors.column(scaled.eigenvalues.imin()).into_owned();
         return Uncertainty {
             covariance: None,
-            spectrum,
             weakest: weakest.as_slice().try_into().expect("eight"),
             weakest_sigma_m: f64::INFINITY,
         };
@@ -114,13 +108,10 @@ pub fn estimate(
 
     let unscale = scale.try_inverse().expect("diagonal, positive");
     let in_metres = (unscale * centred * unscale).symmetric_eigen();
-    let worst = (0..8)
-        .max_by(|a, b| in_metres.eigenvalues[*a].total_cmp(&in_metres.eigenvalues[*b]))
-        .expect("eight");
+    let worst = in_metres.eigenvalues.imax();
     let weakest = in_metres.eigenvectors.column(worst).into_owned();
     Uncertainty {
         covariance: Some(at_the_stations(data, answer, &centred)),
-        spectrum,
         weakest: weakest.as_slice().try_into().expect("eight"),
         weakest_sigma_m: in_metres.eigenvalues[worst].max(0.0).sqrt(),
     }

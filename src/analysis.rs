@@ -1,0 +1,93 @@
+//! The one path: deployment → pipeline → calibration → evaluation.
+//!
+//! The window, the commands, the tests and the benchmarks all come through [`Analyst::run`].
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use crate::calibration::{self, Calibration, CalibrationError, CalibrationSettings};
+use crate::deployment::Deployment;
+use crate::evaluation::{self, Evaluation};
+use crate::pipeline::{PipelineOutput, PipelineSettings, StagedPipeline};
+
+/// Everything a user can set; a `--config` file and the window's sliders are this.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    pub pipeline: PipelineSettings,
+    pub calibration: CalibrationSettings,
+}
+
+impl Settings {
+    /// The first setting that makes no sense, as one line.
+    pub fn check(&self) -> Result<(), String> {
+        self.pipeline.check()?;
+        self.calibration.check()
+    }
+}
+
+/// An answer with its evaluation.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    pub calibration: Calibration,
+    pub evaluation: Evaluation,
+}
+
+/// What came of one run.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    pub settings: Settings,
+    pub pipeline: PipelineOutput,
+    /// Or why there is none; the pipeline's part stands either way.
+    pub answer: Result<Arc<Answer>, CalibrationError>,
+    pub pipeline_ms: f64,
+    pub evaluation_ms: f64,
+}
+
+impl Analysis {
+    /// Wall time of all parts (ms).
+    pub fn total_ms(&self) -> f64 {
+        let calibration = self
+            .answer
+            .as_ref()
+            .map_or(0.0, |answer| answer.calibration.prior_ms + answer.calibration.solve_ms);
+        self.pipeline_ms + calibration + self.evaluation_ms
+    }
+}
+
+/// Runs one deployment again and again, remembering the stages that a change leaves alone.
+pub struct Analyst {
+    deployment: Arc<Deployment>,
+    pipeline: StagedPipeline,
+}
+
+impl Analyst {
+    pub fn new(deployment: Arc<Deployment>) -> Self {
+        Self { deployment, pipeline: StagedPipeline::default() }
+    }
+
+    pub fn deployment(&self) -> &Arc<Deployment> {
+        &self.deployment
+    }
+
+    pub fn run(&mut self, settings: &Settings) -> Analysis {
+        let started = Instant::now();
+        let pipeline = self.pipeline.run(&self.deployment, &settings.pipeline);
+        let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
+        let calibration =
+            calibration::solve(&self.deployment, &pipeline.triplets, &settings.calibration);
+        let started = Instant::now();
+        let answer = calibration.map(|calibration| {
+            let evaluation = evaluation::evaluate(
+                &self.deployment,
+                &pipeline.triplets,
+                calibration.station1_from_station(),
+            );
+            Arc::new(Answer { calibration, evaluation })
+        });
+        let evaluation_ms = started.elapsed().as_secs_f64() * 1e3;
+        Analysis { settings: *settings, pipeline, answer, pipeline_ms, evaluation_ms }
+    }
+}

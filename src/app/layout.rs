@@ -1,0 +1,175 @@
+//! Where the panes are: docked, split and tabbed by the user, sized by the window until then.
+
+use eframe::egui;
+use egui_tiles::{
+    Behavior, Container, Linear, LinearDir, SimplificationOptions, TileId, Tiles, Tree, UiResponse,
+};
+
+use super::scene::SceneView;
+use super::state::{Commands, State};
+
+/// The panes there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pane {
+    Deployment,
+    Pipeline,
+    Scene,
+    Result,
+    Findings,
+    Residuals,
+    Histogram,
+}
+
+impl Pane {
+    fn title(self) -> &'static str {
+        match self {
+            Self::Deployment => "Deployment",
+            Self::Pipeline => "Pipeline",
+            Self::Scene => "Scene",
+            Self::Result => "Result",
+            Self::Findings => "Findings",
+            Self::Residuals => "Distance errors over time",
+            Self::Histogram => "Histogram",
+        }
+    }
+}
+
+/// What a pane is drawn from.
+pub struct Panes<'a> {
+    pub state: &'a State,
+    pub commands: &'a mut Commands,
+    pub scene: &'a mut SceneView,
+}
+
+/// The tree of panes.
+pub struct Layout {
+    tree: Tree<Pane>,
+    /// Columns and rows whose shares follow the window until the user moves something.
+    root: TileId,
+    columns: [TileId; 3],
+    left_rows: (TileId, [TileId; 2]),
+    centre_rows: (TileId, [TileId; 2]),
+    touched: bool,
+}
+
+/// Widths that the side columns need for their numbers (points).
+const LEFT_POINTS: f32 = 286.0;
+const RIGHT_POINTS: f32 = 372.0;
+/// The part of the height that the plots get, and the deployment pane.
+const PLOTS_SHARE: f32 = 0.32;
+const DEPLOYMENT_POINTS: f32 = 270.0;
+
+impl Default for Layout {
+    fn default() -> Self {
+        let mut tiles = Tiles::default();
+        let [deployment, pipeline, scene, result, findings, residuals, histogram] = [
+            Pane::Deployment,
+            Pane::Pipeline,
+            Pane::Scene,
+            Pane::Result,
+            Pane::Findings,
+            Pane::Residuals,
+            Pane::Histogram,
+        ]
+        .map(|pane| {
+            let pane = tiles.insert_pane(pane);
+            (pane, tiles.insert_tab_tile(vec![pane]))
+        });
+        let linear = |tiles: &mut Tiles<Pane>, direction, children: &[TileId]| {
+            tiles.insert_container(Linear::new(direction, children.to_vec()))
+        };
+        let left = linear(&mut tiles, LinearDir::Vertical, &[deployment.1, pipeline.1]);
+        // Findings are a second tab of the residuals.
+        if let Some(egui_tiles::Tile::Container(Container::Tabs(tabs))) = tiles.get_mut(residuals.1)
+        {
+            tabs.add_child(findings.0);
+            tabs.set_active(residuals.0);
+        }
+        tiles.remove(findings.1);
+        let plots = tiles.insert_container(Linear::new_binary(
+            LinearDir::Horizontal,
+            [residuals.1, histogram.1],
+            0.66,
+        ));
+        let centre = linear(&mut tiles, LinearDir::Vertical, &[scene.1, plots]);
+        let root = linear(&mut tiles, LinearDir::Horizontal, &[left, centre, result.1]);
+        Self {
+            tree: Tree::new(egui::Id::unique("panes"), root, tiles),
+            root,
+            columns: [left, centre, result.1],
+            left_rows: (left, [deployment.1, pipeline.1]),
+            centre_rows: (centre, [scene.1, plots]),
+            touched: false,
+        }
+    }
+}
+
+impl Layout {
+    pub fn ui(&mut self, ui: &mut egui::Ui, panes: &mut Panes<'_>) {
+        if !self.touched {
+            self.fit(ui.available_size());
+        }
+        let mut behaviour = PaneBehaviour { panes, edited: false };
+        self.tree.ui(&mut behaviour, ui);
+        self.touched |= behaviour.edited;
+    }
+
+    /// Side columns as wide as their numbers need, the scene takes the rest.
+    fn fit(&mut self, size: egui::Vec2) {
+        let side = |points: f32| (points / size.x).clamp(0.1, 0.32);
+        let (left, right) = (side(LEFT_POINTS), side(RIGHT_POINTS));
+        self.share(
+            self.root,
+            &[
+                (self.columns[0], left),
+                (self.columns[1], 1.0 - left - right),
+                (self.columns[2], right),
+            ],
+        );
+        let top = (DEPLOYMENT_POINTS / size.y).clamp(0.2, 0.4);
+        let (rows, [deployment, pipeline]) = self.left_rows;
+        self.share(rows, &[(deployment, top), (pipeline, 1.0 - top)]);
+        let (rows, [scene, plots]) = self.centre_rows;
+        self.share(rows, &[(scene, 1.0 - PLOTS_SHARE), (plots, PLOTS_SHARE)]);
+    }
+
+    fn share(&mut self, container: TileId, shares: &[(TileId, f32)]) {
+        if let Some(egui_tiles::Tile::Container(Container::Linear(linear))) =
+            self.tree.tiles.get_mut(container)
+        {
+            for (child, share) in shares {
+                linear.shares.set_share(*child, *share);
+            }
+        }
+    }
+}
+
+struct PaneBehaviour<'a, 'b> {
+    panes: &'a mut Panes<'b>,
+    edited: bool,
+}
+
+impl Behavior<Pane> for PaneBehaviour<'_, '_> {
+    fn pane_ui(&mut self, ui: &mut egui::Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
+        ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
+        self.panes.pane(*pane, ui);
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, pane: &Pane) -> egui::WidgetText {
+        pane.title().into()
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions { all_panes_must_have_tabs: true, ..Default::default() }
+    }
+
+    fn gap_width(&self, _style: &egui::Style) -> f32 {
+        3.0
+    }
+
+    fn on_edit(&mut self, edit: egui_tiles::EditAction) {
+        use egui_tiles::EditAction::{TileDropped, TileResized};
+        self.edited |= matches!(edit, TileResized | TileDropped);
+    }
+}

@@ -1,0 +1,17 @@
+//! The window.
+//!
+//! [`state`] holds everything and changes it in one place, [`worker`] computes beside it, [`layout`] arranges the
+//! panes, and each pane is a function in [`panels`], [`plots`] or [`scene`] that reads the state and sends
+//! commands.
+
+mod layout;
+mod panels;
+mod plots;
+mod scene;
+mod state;
+mod theme;
+mod window;
+mod worker;
+
+pub use state::{Command, Notice, State, Visibility};
+pub use window::{ResectWindow, Start, open_window, picture};

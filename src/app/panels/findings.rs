@@ -1,0 +1,29 @@
+//! Everything that the readers, the pipeline and the solver noticed.
+
+use eframe::egui;
+
+use super::{finding, heading, scrolled};
+use crate::app::state::State;
+
+pub fn ui(ui: &mut egui::Ui, state: &State) {
+    scrolled(ui, |ui| {
+        let Some(deployment) = &state.deployment else {
+            ui.weak("Nothing open.");
+            return;
+        };
+        heading(ui, "Reading");
+        for one in &deployment.findings {
+            finding(ui, one);
+        }
+        let Some(analysis) = &state.analysis else { return };
+        heading(ui, "Calibration");
+        match &analysis.answer {
+            Ok(answer) => {
+                for one in &answer.calibration.findings {
+                    finding(ui, one);
+                }
+            }
+            Err(error) => finding(ui, &crate::deployment::Finding::problem(error.to_string())),
+        }
+    });
+}

@@ -1,0 +1,39 @@
+//! The panes that are lists of widgets: each a function that reads the state and sends commands.
+
+pub mod deployment;
+pub mod drop_hint;
+pub mod findings;
+pub mod notice;
+pub mod pipeline;
+pub mod result;
+pub mod top_bar;
+
+use eframe::egui;
+
+use crate::app::theme;
+use crate::deployment::Finding;
+
+/// A pane's content with a margin, scrolling where it does not fit.
+fn scrolled(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
+    egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            add(ui);
+        });
+    });
+}
+
+/// A finding with its sign; the text wraps beside it.
+fn finding(ui: &mut egui::Ui, finding: &Finding) {
+    let (colour, sign) = theme::severity(finding.severity, ui.visuals().dark_mode);
+    ui.horizontal_top(|ui| {
+        ui.colored_label(colour, sign);
+        ui.add(egui::Label::new(&finding.message).wrap());
+    });
+}
+
+/// A heading inside a pane.
+fn heading(ui: &mut egui::Ui, text: &str) {
+    ui.add_space(4.0);
+    ui.strong(text);
+}

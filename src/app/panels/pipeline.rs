@@ -1,0 +1,232 @@
+//! The four modules of the pipeline as in the paper's figure (solid frame required, dotted optional), and the
+//! calibration they feed.
+
+use std::ops::RangeInclusive;
+
+use eframe::egui::{self, Shape, Stroke};
+
+use super::scrolled;
+use crate::analysis::{Analysis, Settings};
+use crate::app::state::{Command, Commands, State};
+use crate::calibration::{CalibrationSettings, PriorMethod};
+use crate::deployment::Deployment;
+use crate::pipeline::{PipelineSettings, SampleFate, Thresholds};
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    scrolled(ui, |ui| {
+        let mut settings = state.settings;
+        let counts = match (&state.deployment, &state.analysis) {
+            (Some(deployment), Some(analysis)) => Some(Counts::of(deployment, analysis)),
+            _ => None,
+        };
+        modules(ui, &mut settings, counts.as_ref());
+        calibration(ui, &mut settings.calibration);
+        ui.add_space(4.0);
+        let paper = settings == Settings::default();
+        if ui
+            .add_enabled(!paper, egui::Button::new("Reset to the paper's values"))
+            .on_disabled_hover_text("These are the paper's values")
+            .clicked()
+        {
+            settings = Settings::default();
+        }
+        if settings != state.settings {
+            commands.push(Command::Set(settings));
+        }
+    });
+}
+
+/// What goes into and comes out of each module.
+struct Counts {
+    raw: usize,
+    filtered: usize,
+    split: usize,
+    kept: usize,
+    kept_seconds: f64,
+    triplets: usize,
+}
+
+impl Counts {
+    fn of(deployment: &Deployment, analysis: &Analysis) -> Self {
+        let out = &analysis.pipeline;
+        let rejected: usize = SampleFate::ALL
+            .into_iter()
+            .filter(|fate| matches!(fate, SampleFate::Rejected(_)))
+            .map(|fate| (0..3).map(|station| out.count(station, fate)).sum::<usize>())
+            .sum();
+        let raw = deployment.tracks.iter().map(|track| track.measurements.len()).sum();
+        Self {
+            raw,
+            filtered: raw - rejected,
+            split: out.intervals.len(),
+            kept: out.kept_intervals.len(),
+            kept_seconds: out.kept_intervals.iter().map(|interval| interval.length_s()).sum(),
+            triplets: out.triplets.len(),
+        }
+    }
+}
+
+fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) {
+    let PipelineSettings { outlier_filter, interval_filter, thresholds, rate_hz, .. } =
+        &mut settings.pipeline;
+    let paper = Thresholds::default();
+    let line = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
+
+    module(ui, Some(outlier_filter), "1  Outlier filter", |ui, on| {
+        ui.add_enabled_ui(on, |ui| {
+            threshold(
+                ui,
+                "τ_r  range",
+                &mut thresholds.tau_r_m_per_s,
+                0.05..=20.0,
+                " m/s",
+                paper.tau_r_m_per_s,
+            );
+            threshold(
+                ui,
+                "τ_a  azimuth",
+                &mut thresholds.tau_a_deg_per_s,
+                0.05..=20.0,
+                " °/s",
+                paper.tau_a_deg_per_s,
+            );
+            threshold(
+                ui,
+                "τ_e  zenith",
+                &mut thresholds.tau_e_deg_per_s,
+                0.05..=20.0,
+                " °/s",
+                paper.tau_e_deg_per_s,
+            );
+        });
+        ui.small(line(counts.map(|c| format!("{} → {} readings", c.raw, c.filtered))));
+    });
+    module(ui, None, "2  Interval split", |ui, _| {
+        threshold(
+            ui,
+            "τ_s  gap",
+            &mut thresholds.tau_s_seconds,
+            0.1..=10.0,
+            " s",
+            paper.tau_s_seconds,
+        );
+        ui.small(line(counts.map(|c| format!("{} readings → {} intervals", c.filtered, c.split))));
+    });
+    module(ui, Some(interval_filter), "3  Interval filter", |ui, on| {
+        ui.add_enabled_ui(on, |ui| {
+            threshold(
+                ui,
+                "τ_l  length",
+                &mut thresholds.tau_l_seconds,
+                0.0..=60.0,
+                " s",
+                paper.tau_l_seconds,
+            );
+        });
+        ui.small(line(
+            counts.map(|c| format!("{} → {} intervals ({:.0} s)", c.split, c.kept, c.kept_seconds)),
+        ));
+    });
+    module(ui, None, "4  Interpolation, linear", |ui, _| {
+        threshold(ui, "rate", rate_hz, 0.5..=100.0, " Hz", PipelineSettings::default().rate_hz);
+        ui.small(line(counts.map(|c| format!("{} intervals → {} triplets", c.kept, c.triplets))));
+    });
+}
+
+fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
+    module(ui, None, "D  Inter-prism calibration", |ui, _| {
+        ui.horizontal(|ui| {
+            ui.label("prior");
+            ui.radio_value(&mut settings.prior, PriorMethod::ClosedForm, "closed form")
+                .on_hover_text("Lifted linear least squares: needs no guess");
+            ui.radio_value(&mut settings.prior, PriorMethod::Search, "search")
+                .on_hover_text("The paper's two-step search over the speed limit τ_v");
+        });
+        let mut sigma_mm = settings.inter_prism_sigma_m * 1e3;
+        threshold(ui, "σ distances", &mut sigma_mm, 0.0..=20.0, " mm", 1.0).on_hover_text(
+            "How well the inter-prism distances are known (1 σ); widens every σ of the result",
+        );
+        settings.inter_prism_sigma_m = sigma_mm / 1e3;
+    });
+}
+
+/// A frame with a title: dotted and with a switch when the module is optional.
+fn module(
+    ui: &mut egui::Ui,
+    switch: Option<&mut bool>,
+    title: &str,
+    add: impl FnOnce(&mut egui::Ui, bool),
+) {
+    let optional = switch.is_some();
+    let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(8, 6));
+    let inner = frame.show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        let on = match switch {
+            Some(on) => {
+                ui.checkbox(on, egui::RichText::new(title).strong());
+                *on
+            }
+            None => {
+                ui.strong(title);
+                true
+            }
+        };
+        add(ui, on);
+    });
+    let rect = inner.response.rect.shrink(0.5);
+    let stroke = Stroke::new(
+        1.0,
+        ui.visuals()
+            .widgets
+            .noninteractive
+            .bg_stroke
+            .color
+            .lerp_to_gamma(ui.visuals().text_color(), 0.25),
+    );
+    if optional {
+        let corners = [
+            rect.left_top(),
+            rect.right_top(),
+            rect.right_bottom(),
+            rect.left_bottom(),
+            rect.left_top(),
+        ];
+        ui.painter().extend(Shape::dashed_line(&corners, stroke, 2.0, 3.0));
+    } else {
+        ui.painter().rect_stroke(rect, 2.0, stroke, egui::StrokeKind::Middle);
+    }
+}
+
+/// A slider with its unit and typed entry; a click with the right button brings the paper's value back.
+fn threshold(
+    ui: &mut egui::Ui,
+    name: &str,
+    value: &mut f64,
+    range: RangeInclusive<f64>,
+    unit: &str,
+    paper: f64,
+) -> egui::Response {
+    ui.horizontal(|ui| {
+        let name_size = egui::vec2(76.0, ui.spacing().interact_size.y);
+        let left = egui::Layout::left_to_right(egui::Align::Center);
+        let label = ui.allocate_ui_with_layout(name_size, left, |ui| {
+            ui.set_min_width(name_size.x);
+            ui.label(name)
+        });
+        ui.spacing_mut().slider_width = (ui.available_width() - 84.0).max(40.0);
+        let slider = egui::Slider::new(value, range)
+            .logarithmic(true)
+            .smallest_positive(0.05)
+            .max_decimals(2)
+            .clamping(egui::SliderClamping::Edits)
+            .suffix(unit);
+        let response = ui.add(slider).labelled_by(label.inner.id);
+        if response.secondary_clicked() {
+            *value = paper;
+        }
+        response.on_hover_text(format!(
+            "Paper: {paper}{unit} (right click). Drag, or click the number to type."
+        ))
+    })
+    .inner
+}

@@ -1,0 +1,142 @@
+//! Distance errors over time, one colour a pair, with the kept intervals behind and the time cursor.
+
+use eframe::egui;
+use egui_plot::{Corner, HoverPosition, Legend, Plot, PlotPoints, Points, Span, VLine};
+
+use super::{answer, half_range_mm};
+use crate::app::state::{Command, Commands, State};
+use crate::app::theme;
+use crate::deployment::pair_label;
+use crate::palette;
+
+/// More dots than this a pair are thinned to the extremes of short spans: what the eye would see anyway.
+const MOST_DOTS: usize = 4000;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let Some((analysis, answer)) = answer(state) else {
+        ui.centered_and_justified(|ui| ui.weak("No result to plot."));
+        return;
+    };
+    if state.is_stale() {
+        ui.multiply_opacity(0.45);
+    }
+    let dark = ui.visuals().dark_mode;
+    let start_s = state.start_s();
+    let time_s = &analysis.pipeline.triplets.time_s;
+    let half_range = half_range_mm(answer);
+    let end_s = state.deployment.as_ref().and_then(|d| d.end_s()).unwrap_or(start_s) - start_s;
+    let plot = Plot::new(("residuals", state.start_s().to_bits()))
+        .x_axis_label("time since the first measurement (s)")
+        .y_axis_label("distance error (mm)")
+        .legend(Legend::default().position(Corner::RightTop))
+        .default_x_bounds(0.0, end_s.max(1.0))
+        .default_y_bounds(-half_range, half_range)
+        .label_formatter(|position| match position {
+            HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                Some(format!("{plot_name}\n{:.1} s\n{:+.2} mm", position.x, position.y))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        });
+    let response = plot.show(ui, |plot_ui| {
+        let shade = ui_shade(dark);
+        for interval in analysis.pipeline.kept_intervals.iter() {
+            plot_ui.span(
+                Span::new("", interval.start_s - start_s..=interval.end_s - start_s).fill(shade),
+            );
+        }
+        for (pair, errors) in answer.evaluation.distance_errors_mm.iter().enumerate() {
+            let dots: PlotPoints<'_> = thinned(errors)
+                .into_iter()
+                .map(|index| [time_s[index] - start_s, errors[index]])
+                .collect();
+            plot_ui.points(
+                Points::new(format!("prisms {}", pair_label(pair)), dots)
+                    .color(theme::rgb(palette::PAIRS[pair]))
+                    .radius(1.4),
+            );
+        }
+        if let Some(cursor_s) = state.cursor_s {
+            let colour = theme::rgb(theme::cursor(dark));
+            plot_ui.vline(VLine::new("", cursor_s - start_s).color(colour).width(1.0));
+        }
+    });
+    if response.response.clicked()
+        && let Some(at) = response.response.interact_pointer_pos()
+    {
+        commands.push(Command::MoveCursor(response.transform.value_from_position(at).x + start_s));
+    }
+    beyond(ui, &response, answer, state);
+}
+
+fn ui_shade(dark: bool) -> egui::Color32 {
+    if dark { egui::Color32::from_white_alpha(7) } else { egui::Color32::from_black_alpha(9) }
+}
+
+/// How many errors lie above or below what is shown: nothing is hidden without a word.
+fn beyond(
+    ui: &egui::Ui,
+    response: &egui_plot::PlotResponse<()>,
+    answer: &crate::analysis::Answer,
+    state: &State,
+) {
+    let bounds = response.transform.bounds();
+    let (low, high) = (bounds.min()[1], bounds.max()[1]);
+    let errors = answer.evaluation.distance_errors_mm.iter().flatten();
+    let outside = errors.clone().filter(|e| **e < low || **e > high).count();
+    let mut text = if outside > 0 {
+        format!("{outside} of {} beyond this range · double-click: all", errors.count())
+    } else {
+        String::new()
+    };
+    if let Some(cursor_s) = state.cursor_s
+        && let Some(analysis) = &state.analysis
+        && let Some(index) = analysis.pipeline.triplets.nearest(cursor_s)
+    {
+        let at = analysis.pipeline.triplets.time_s[index] - state.start_s();
+        let [a, b, c] = answer.evaluation.distance_errors_mm.each_ref().map(|e| e[index]);
+        let here = format!("{at:.1} s: 1–2 {a:+.1}, 1–3 {b:+.1}, 2–3 {c:+.1} mm");
+        text = if text.is_empty() { here } else { format!("{here} · {text}") };
+    }
+    let frame = response.transform.frame();
+    ui.painter_at(*frame).text(
+        frame.left_top() + egui::vec2(6.0, 4.0),
+        egui::Align2::LEFT_TOP,
+        text,
+        egui::FontId::proportional(11.0),
+        theme::faint(ui.visuals().dark_mode),
+    );
+}
+
+/// Indices to draw: all, or lowest and highest of each of equal spans.
+fn thinned(errors: &[f64]) -> Vec<usize> {
+    if errors.len() <= MOST_DOTS {
+        return (0..errors.len()).collect();
+    }
+    let span = errors.len().div_ceil(MOST_DOTS / 2);
+    let by_error = |a: &usize, b: &usize| errors[*a].total_cmp(&errors[*b]);
+    (0..errors.len())
+        .step_by(span)
+        .flat_map(|start| {
+            let range = start..(start + span).min(errors.len());
+            let low = range.clone().min_by(by_error).unwrap_or(start);
+            let high = range.max_by(by_error).unwrap_or(start);
+            [low.min(high), low.max(high)]
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_the_extremes() {
+        let mut errors: Vec<f64> = (0..100_000).map(|i| (f64::from(i) * 0.01).sin()).collect();
+        errors[51_234] = 40.0;
+        errors[7] = -30.0;
+        let kept = thinned(&errors);
+        assert!(kept.len() <= MOST_DOTS + 2);
+        assert!(kept.contains(&51_234) && kept.contains(&7));
+        assert!(kept.windows(2).all(|w| w[0] <= w[1]));
+    }
+}

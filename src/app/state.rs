@@ -1,0 +1,278 @@
+//! The window's state, and the one place where it changes.
+//!
+//! Panes get the state to read and a list to put commands on; [`State::handle`] carries them out between frames.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use eframe::egui;
+
+use super::scene::ViewPreset;
+use super::worker::{Reply, Source, Worker};
+use crate::analysis::{Analysis, Settings};
+use crate::deployment::{Deployment, Sample};
+use crate::export;
+
+/// What a pane asks for.
+#[derive(Clone, Debug)]
+pub enum Command {
+    OpenPath(PathBuf),
+    OpenSample(Sample),
+    OpenFolderDialog,
+    OpenFileDialog,
+    Set(Settings),
+    Show(Visibility),
+    MoveCursor(f64),
+    Look(ViewPreset),
+    Copy(String),
+    OpenInRerun,
+    SaveRecordingDialog,
+    ResetLayout,
+    DismissNotice,
+}
+
+pub type Commands = Vec<Command>;
+
+/// What the scene shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Visibility {
+    pub stations: [bool; 3],
+    pub raw: bool,
+    pub tracks: bool,
+    pub control_points: bool,
+}
+
+impl Default for Visibility {
+    fn default() -> Self {
+        Self { stations: [true; 3], raw: true, tracks: true, control_points: true }
+    }
+}
+
+/// One line at the top of the window until it is dismissed or replaced.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Notice {
+    Error(String),
+    Done(String),
+}
+
+/// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
+const DIM_AFTER: Duration = Duration::from_millis(80);
+
+pub struct State {
+    worker: Worker,
+    pub deployment: Option<Arc<Deployment>>,
+    pub settings: Settings,
+    /// The newest answer; older than the settings while [`State::is_stale`].
+    pub analysis: Option<Arc<Analysis>>,
+    /// Number of the request that the answer belongs to; changes with it.
+    pub analysis_run: u64,
+    pub visibility: Visibility,
+    /// The time cursor (s, in the stations' clock).
+    pub cursor_s: Option<f64>,
+    pub notice: Option<Notice>,
+    /// Pictures that are compared byte for byte show this instead of the measured time (ms).
+    pub fixed_elapsed_ms: Option<f64>,
+    opening: Option<u64>,
+    analysing: Option<(u64, Instant)>,
+}
+
+impl State {
+    pub fn new(ctx: egui::Context) -> Self {
+        Self {
+            worker: Worker::start(ctx),
+            deployment: None,
+            settings: Settings::default(),
+            analysis: None,
+            analysis_run: 0,
+            visibility: Visibility::default(),
+            cursor_s: None,
+            notice: None,
+            fixed_elapsed_ms: None,
+            opening: None,
+            analysing: None,
+        }
+    }
+
+    /// Shows a deployment, from the next answer on.
+    pub fn show(&mut self, deployment: Arc<Deployment>) {
+        self.analysis = None;
+        self.cursor_s = None;
+        self.deployment = Some(deployment);
+        self.analyse();
+    }
+
+    /// Whether anything is being opened or calibrated.
+    pub fn is_busy(&self) -> bool {
+        self.opening.is_some() || self.analysing.is_some()
+    }
+
+    /// Whether the answer shown is old enough to be dimmed.
+    pub fn is_stale(&self) -> bool {
+        self.analysing.is_some_and(|(_, since)| since.elapsed() > DIM_AFTER)
+    }
+
+    /// How long the answer took (ms), once there is one.
+    pub fn elapsed_ms(&self) -> Option<f64> {
+        let analysis = self.analysis.as_ref()?;
+        Some(self.fixed_elapsed_ms.unwrap_or_else(|| analysis.total_ms()))
+    }
+
+    /// Time of the first measurement (s): what the plots count from.
+    pub fn start_s(&self) -> f64 {
+        self.deployment.as_ref().and_then(|d| d.start_s()).unwrap_or(0.0)
+    }
+
+    /// Takes in what the worker has done since the last frame. `true` when another deployment came in.
+    pub fn take_replies(&mut self) -> bool {
+        let mut opened = false;
+        while let Some(reply) = self.worker.try_reply() {
+            opened |= self.take(reply);
+        }
+        opened
+    }
+
+    /// Waits until nothing is under way; for pictures and tests. `true` when another deployment came in.
+    pub fn settle(&mut self) -> bool {
+        let mut opened = false;
+        while self.is_busy() {
+            match self.worker.wait_reply() {
+                Some(reply) => opened |= self.take(reply),
+                None => break,
+            }
+        }
+        opened
+    }
+
+    fn take(&mut self, reply: Reply) -> bool {
+        match reply {
+            Reply::Opened(number, result) => {
+                if self.opening != Some(number) {
+                    return false;
+                }
+                self.opening = None;
+                match result {
+                    Ok(deployment) => {
+                        self.notice = None;
+                        self.show(deployment);
+                        return true;
+                    }
+                    Err(line) => self.notice = Some(Notice::Error(line)),
+                }
+            }
+            Reply::Analysed(number, analysis) => {
+                if self.analysing.is_some_and(|(newest, _)| newest == number) {
+                    self.analysing = None;
+                    if self.cursor_s.is_none() {
+                        // So that the rig is seen before anything is clicked.
+                        let time_s = &analysis.pipeline.triplets.time_s;
+                        self.cursor_s = time_s.get(time_s.len() / 2).copied();
+                    }
+                    self.analysis = Some(analysis);
+                    self.analysis_run = number;
+                }
+            }
+            Reply::Picked(path) => self.open(Source::Path(path)),
+            Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
+            Reply::Done(Err(line)) => self.notice = Some(Notice::Error(line)),
+        }
+        false
+    }
+
+    /// Carries out a command; those of the window itself (layout, camera) are left to the caller.
+    pub fn handle(&mut self, command: Command, ctx: &egui::Context) {
+        match command {
+            Command::OpenPath(path) => self.open(Source::Path(path)),
+            Command::OpenSample(sample) => self.open(Source::Sample(sample)),
+            Command::OpenFolderDialog => {
+                let dialog = rfd::AsyncFileDialog::new()
+                    .set_title("Open a deployment's folder")
+                    .pick_folder();
+                self.pick(dialog);
+            }
+            Command::OpenFileDialog => {
+                let dialog = rfd::AsyncFileDialog::new()
+                    .set_title("Open a deployment's tracks")
+                    .add_filter("Tracks (bag, csv)", &["bag", "csv"])
+                    .add_filter("All files", &["*"])
+                    .pick_file();
+                self.pick(dialog);
+            }
+            Command::Set(settings) => {
+                if settings != self.settings {
+                    self.settings = settings;
+                    self.analyse();
+                }
+            }
+            Command::Show(visibility) => self.visibility = visibility,
+            Command::MoveCursor(time_s) => self.cursor_s = Some(time_s),
+            Command::Copy(text) => ctx.copy_text(text),
+            Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
+                #[cfg(feature = "rerun")]
+                let result = export::rerun::open_viewer(&deployment, &analysis)
+                    .map(|()| "shown in the Rerun viewer".to_owned())
+                    .map_err(|error| error.to_string());
+                #[cfg(not(feature = "rerun"))]
+                let result = {
+                    let _ = (deployment, analysis);
+                    Err("this build has no Rerun export; build with `--features rerun`".to_owned())
+                };
+                Some(Reply::Done(result))
+            }),
+            Command::SaveRecordingDialog => self.save_recording(),
+            Command::DismissNotice => self.notice = None,
+            Command::Look(_) | Command::ResetLayout => {}
+        }
+    }
+
+    fn open(&mut self, source: Source) {
+        self.opening = Some(self.worker.open(source));
+    }
+
+    fn analyse(&mut self) {
+        if let Some(deployment) = &self.deployment {
+            let number = self.worker.analyse(Arc::clone(deployment), self.settings);
+            // The clock of a first request keeps running while newer ones replace it.
+            let since = self.analysing.map_or_else(Instant::now, |(_, since)| since);
+            self.analysing = Some((number, since));
+        }
+    }
+
+    fn pick(&self, dialog: impl Future<Output = Option<rfd::FileHandle>> + Send + 'static) {
+        self.worker.beside(move || {
+            let picked = pollster::block_on(dialog)?;
+            Some(Reply::Picked(picked.path().to_owned()))
+        });
+    }
+
+    fn save_recording(&self) {
+        let name = self.deployment.as_ref().map_or("resect", |d| d.name.as_str()).replace('/', "_");
+        let dialog = rfd::AsyncFileDialog::new()
+            .set_title("Save a recording for Rerun")
+            .set_file_name(format!("{name}.rrd"))
+            .save_file();
+        self.with_analysis(move |deployment, analysis| {
+            let path = pollster::block_on(dialog)?.path().to_owned();
+            #[cfg(feature = "rerun")]
+            let result = export::rerun::save(&deployment, &analysis, &path)
+                .map(|()| format!("{} written", path.display()))
+                .map_err(|error| error.to_string());
+            #[cfg(not(feature = "rerun"))]
+            let result = {
+                let _ = (deployment, analysis, path);
+                Err("this build has no Rerun export; build with `--features rerun`".to_owned())
+            };
+            Some(Reply::Done(result))
+        });
+    }
+
+    fn with_analysis(
+        &self,
+        job: impl FnOnce(Arc<Deployment>, Arc<Analysis>) -> Option<Reply> + Send + 'static,
+    ) {
+        if let (Some(deployment), Some(analysis)) = (&self.deployment, &self.analysis) {
+            let (deployment, analysis) = (Arc::clone(deployment), Arc::clone(analysis));
+            self.worker.beside(move || job(deployment, analysis));
+        }
+    }
+}

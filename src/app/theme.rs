@@ -1,0 +1,83 @@
+//! Colours and spacing of the window, dark and light.
+
+use eframe::egui::{self, Color32, FontFamily, FontId, TextStyle};
+
+use crate::calibration::Verdict;
+use crate::deployment::Severity;
+use crate::palette::Rgb;
+
+/// Sets fonts and spacing for both themes.
+pub fn apply(ctx: &egui::Context) {
+    // Inter has the arrows and Greek letters that egui's own font lacks, and reads better at 13 points.
+    let mut fonts = egui::FontDefinitions::default();
+    let inter = egui::FontData::from_static(include_bytes!("../../assets/fonts/Inter-Regular.otf"));
+    fonts.font_data.insert("Inter".to_owned(), std::sync::Arc::new(inter));
+    fonts.families.entry(FontFamily::Proportional).or_default().insert(0, "Inter".to_owned());
+    ctx.set_fonts(fonts);
+    ctx.all_styles_mut(|style| {
+        style.text_styles = [
+            (TextStyle::Heading, FontId::new(16.0, FontFamily::Proportional)),
+            (TextStyle::Body, FontId::new(13.0, FontFamily::Proportional)),
+            (TextStyle::Button, FontId::new(13.0, FontFamily::Proportional)),
+            (TextStyle::Monospace, FontId::new(12.0, FontFamily::Monospace)),
+            (TextStyle::Small, FontId::new(11.0, FontFamily::Proportional)),
+        ]
+        .into();
+        style.spacing.item_spacing = egui::vec2(6.0, 5.0);
+        style.spacing.slider_width = 90.0;
+        style.spacing.interact_size.y = 20.0;
+    });
+    ctx.style_mut_of(egui::Theme::Light, |style| {
+        style.visuals.override_text_color = Some(Color32::from_gray(40));
+    });
+    ctx.style_mut_of(egui::Theme::Dark, |style| {
+        style.visuals.override_text_color = Some(Color32::from_gray(205));
+    });
+}
+
+pub fn rgb([r, g, b]: Rgb) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
+/// A data colour as text: darkened on light ground.
+pub fn readable(colour: Rgb, dark: bool) -> Color32 {
+    let colour = rgb(colour);
+    if dark { colour } else { colour.lerp_to_gamma(Color32::BLACK, 0.4) }
+}
+
+pub fn scene_background(dark: bool) -> Color32 {
+    if dark { Color32::from_rgb(17, 20, 24) } else { Color32::from_rgb(250, 250, 252) }
+}
+
+pub fn scene_grid(dark: bool) -> Color32 {
+    if dark { Color32::from_rgb(42, 47, 54) } else { Color32::from_rgb(218, 222, 228) }
+}
+
+/// The time cursor: the prism triangle in the scene, the line in the plots.
+pub fn cursor(dark: bool) -> Rgb {
+    if dark { [245, 245, 245] } else { [30, 30, 30] }
+}
+
+/// Text that may be overlooked.
+pub fn faint(dark: bool) -> Color32 {
+    if dark { Color32::from_gray(140) } else { Color32::from_gray(105) }
+}
+
+/// Ground of a verdict's badge, with black or white text that can be read on it.
+pub fn verdict(verdict: Verdict) -> (Color32, Color32) {
+    match verdict {
+        Verdict::Good => (Color32::from_rgb(0, 140, 100), Color32::WHITE),
+        Verdict::Weak => (Color32::from_rgb(230, 159, 0), Color32::BLACK),
+        Verdict::Ambiguous => (Color32::from_rgb(204, 121, 167), Color32::BLACK),
+        Verdict::Degenerate => (Color32::from_rgb(200, 60, 30), Color32::WHITE),
+    }
+}
+
+/// Colour and sign of a finding; the sign tells it without colour.
+pub fn severity(severity: Severity, dark: bool) -> (Color32, &'static str) {
+    match severity {
+        Severity::Note => (faint(dark), "•"),
+        Severity::Warning => (readable([230, 159, 0], dark), "⚠"),
+        Severity::Problem => (readable([240, 90, 50], dark), "✖"),
+    }
+}

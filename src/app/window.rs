@@ -1,0 +1,168 @@
+//! The window itself: one frame, how it opens, and how it becomes a picture.
+
+use std::sync::Arc;
+
+use eframe::egui;
+
+use super::layout::{Layout, Pane, Panes};
+use super::panels;
+use super::scene::{SceneView, ViewPreset};
+use super::state::{Command, Commands, State};
+use super::theme;
+use crate::analysis::Settings;
+use crate::deployment::{Deployment, Sample};
+
+/// What the window shows first.
+#[derive(Clone)]
+pub enum Start {
+    Sample(Sample),
+    Deployment(Arc<Deployment>),
+}
+
+/// State, layout and scene; the rest is drawn anew every frame.
+pub struct ResectWindow {
+    pub state: State,
+    layout: Layout,
+    scene: SceneView,
+}
+
+impl ResectWindow {
+    pub fn new(creation: &eframe::CreationContext<'_>, start: &Start, settings: Settings) -> Self {
+        theme::apply(&creation.egui_ctx);
+        let mut state = State::new(creation.egui_ctx.clone());
+        state.settings = settings;
+        match start {
+            Start::Sample(sample) => state.handle(Command::OpenSample(*sample), &creation.egui_ctx),
+            Start::Deployment(deployment) => state.show(Arc::clone(deployment)),
+        }
+        let scene = SceneView::new(creation.wgpu_render_state.as_ref());
+        Self { state, layout: Layout::default(), scene }
+    }
+
+    /// Waits until nothing is under way; for pictures and tests.
+    pub fn settle(&mut self) {
+        if self.state.settle() {
+            self.scene.look(ViewPreset::Fit);
+        }
+    }
+
+    /// Carries out a command as if a pane had sent it.
+    pub fn send(&mut self, command: Command, ctx: &egui::Context) {
+        match command {
+            Command::Look(preset) => self.scene.look(preset),
+            Command::ResetLayout => self.layout = Layout::default(),
+            other => self.state.handle(other, ctx),
+        }
+    }
+}
+
+impl eframe::App for ResectWindow {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        if self.state.take_replies() {
+            self.scene.look(ViewPreset::Fit);
+        }
+        let mut commands = Commands::new();
+        for file in ui.input(|i| i.raw.dropped_files.clone()) {
+            commands.push(Command::OpenPath(file.path().to_owned()));
+        }
+        panels::top_bar::ui(ui, &self.state, &mut commands);
+        panels::notice::ui(ui, &self.state, &mut commands);
+        let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
+        egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
+            let mut panes =
+                Panes { state: &self.state, commands: &mut commands, scene: &mut self.scene };
+            self.layout.ui(ui, &mut panes);
+        });
+        panels::drop_hint::ui(ui);
+        let ctx = ui.ctx().clone();
+        for command in commands {
+            self.send(command, &ctx);
+        }
+        if self.state.is_busy() {
+            // To dim the old answer, and to turn the spinner.
+            ctx.request_repaint_after(std::time::Duration::from_millis(50));
+        }
+    }
+}
+
+impl Panes<'_> {
+    pub fn pane(&mut self, pane: Pane, ui: &mut egui::Ui) {
+        use super::plots;
+        match pane {
+            Pane::Deployment => panels::deployment::ui(ui, self.state, self.commands),
+            Pane::Pipeline => panels::pipeline::ui(ui, self.state, self.commands),
+            Pane::Scene => self.scene.ui(ui, self.state, self.commands),
+            Pane::Result => panels::result::ui(ui, self.state, self.commands),
+            Pane::Findings => panels::findings::ui(ui, self.state),
+            Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),
+            Pane::Histogram => plots::histogram::ui(ui, self.state),
+        }
+    }
+}
+
+/// Opens the window and stays until it is closed.
+pub fn open_window(start: Start) -> eframe::Result {
+    let icon = image::load_from_memory(include_bytes!("../../assets/icon.png")).ok().map(|icon| {
+        let icon = icon.to_rgba8();
+        egui::IconData { width: icon.width(), height: icon.height(), rgba: icon.into_raw() }
+    });
+    let mut viewport = egui::ViewportBuilder::default()
+        .with_title("resect")
+        .with_app_id("resect")
+        .with_inner_size([1600.0, 1000.0])
+        .with_min_inner_size([900.0, 600.0])
+        .with_drag_and_drop(true);
+    if let Some(icon) = icon {
+        viewport = viewport.with_icon(icon);
+    }
+    let options = eframe::NativeOptions { viewport, ..Default::default() };
+    eframe::run_native(
+        "resect",
+        options,
+        Box::new(move |creation| {
+            Ok(Box::new(ResectWindow::new(creation, &start, Settings::default())))
+        }),
+    )
+}
+
+/// The window as an image, drawn off the screen.
+pub fn picture(
+    deployment: Arc<Deployment>,
+    settings: Settings,
+    [width, height]: [u32; 2],
+    dark: bool,
+) -> anyhow::Result<image::RgbaImage> {
+    let renderer = offscreen_renderer()?;
+    let start = Start::Deployment(deployment);
+    let mut harness = egui_kittest::Harness::builder()
+        .with_size([width as f32, height as f32])
+        .with_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light })
+        .with_render_cursor(false)
+        .allow_missing_glyphs()
+        .with_accessibility_check(false)
+        .renderer(renderer)
+        .build_eframe(|creation| ResectWindow::new(creation, &start, settings));
+    harness.state_mut().settle();
+    harness.run_steps(4);
+    harness.render().map_err(|what| anyhow::anyhow!("the picture could not be drawn: {what}"))
+}
+
+/// A GPU without a screen, or one clear line. The harness itself would panic.
+fn offscreen_renderer() -> anyhow::Result<egui_kittest::wgpu::WgpuTestRenderer> {
+    use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration};
+    let setup = egui_kittest::wgpu::default_wgpu_setup();
+    let instance = pollster::block_on(setup.new_instance());
+    let configuration = WgpuConfiguration { wgpu_setup: setup, ..Default::default() };
+    let state = pollster::block_on(RenderState::create(
+        &configuration,
+        &instance,
+        None,
+        RendererOptions::PREDICTABLE,
+    ))
+    .map_err(|error| {
+        anyhow::anyhow!(
+            "no graphics driver to draw with ({error}); on Debian and Ubuntu: apt install mesa-vulkan-drivers"
+        )
+    })?;
+    Ok(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state))
+}

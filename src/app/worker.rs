@@ -1,0 +1,133 @@
+//! The thread that opens files and calibrates, so that no frame ever waits.
+//!
+//! The newest request wins: requests that pile up behind a running one are answered by one run with the last
+//! settings. Each reply carries the number of its request, so a stale one is recognised.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use eframe::egui;
+
+use crate::analysis::{Analysis, Analyst, Settings};
+use crate::deployment::{Deployment, Sample, open};
+
+/// Where a deployment comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    Path(PathBuf),
+    Sample(Sample),
+}
+
+enum Request {
+    Open(u64, Source),
+    Analyse(u64, Arc<Deployment>, Settings),
+}
+
+pub enum Reply {
+    Opened(u64, Result<Arc<Deployment>, String>),
+    Analysed(u64, Arc<Analysis>),
+    /// The user chose a path in a dialog.
+    Picked(PathBuf),
+    /// Something that ran beside the worker is done: a line for the user, or why it failed.
+    Done(Result<String, String>),
+}
+
+/// The window's end of the thread.
+pub struct Worker {
+    requests: Sender<Request>,
+    replies: Receiver<Reply>,
+    reply_to: Sender<Reply>,
+    ctx: egui::Context,
+    newest: u64,
+}
+
+impl Worker {
+    pub fn start(ctx: egui::Context) -> Self {
+        let (requests, inbox) = channel();
+        let (outbox, replies) = channel();
+        let reply_to = outbox.clone();
+        let repaint = ctx.clone();
+        // Ends when the window drops its sender.
+        std::thread::Builder::new()
+            .name("resect worker".to_owned())
+            .spawn(move || work(&inbox, &outbox, &repaint))
+            .expect("a thread can be started");
+        Self { requests, replies, reply_to, ctx, newest: 0 }
+    }
+
+    /// Asks for a deployment; gives the request's number.
+    pub fn open(&mut self, source: Source) -> u64 {
+        self.send(|number| Request::Open(number, source))
+    }
+
+    /// Asks for an analysis; gives the request's number.
+    pub fn analyse(&mut self, deployment: Arc<Deployment>, settings: Settings) -> u64 {
+        self.send(|number| Request::Analyse(number, deployment, settings))
+    }
+
+    fn send(&mut self, request: impl FnOnce(u64) -> Request) -> u64 {
+        self.newest += 1;
+        // A dead worker shows as a disconnected reply channel.
+        self.requests.send(request(self.newest)).ok();
+        self.newest
+    }
+
+    /// Runs something beside the worker (a dialog, an export) and repaints when it is done.
+    pub fn beside(&self, job: impl FnOnce() -> Option<Reply> + Send + 'static) {
+        let (outbox, ctx) = (self.reply_to.clone(), self.ctx.clone());
+        std::thread::spawn(move || {
+            if let Some(reply) = job() {
+                outbox.send(reply).ok();
+                ctx.request_repaint();
+            }
+        });
+    }
+
+    pub fn try_reply(&self) -> Option<Reply> {
+        self.replies.try_recv().ok()
+    }
+
+    /// Waits for the next reply; for pictures and tests.
+    pub fn wait_reply(&self) -> Option<Reply> {
+        self.replies.recv_timeout(std::time::Duration::from_secs(120)).ok()
+    }
+}
+
+fn work(inbox: &Receiver<Request>, outbox: &Sender<Reply>, ctx: &egui::Context) {
+    let mut analyst: Option<Analyst> = None;
+    while let Ok(first) = inbox.recv() {
+        let mut waiting = vec![first];
+        waiting.extend(inbox.try_iter());
+        for (position, request) in waiting.iter().enumerate() {
+            let overtaken = waiting[position + 1..].iter().any(|later| {
+                matches!((request, later), (Request::Analyse(..), Request::Analyse(..)))
+            });
+            if overtaken {
+                continue;
+            }
+            let reply = match request {
+                Request::Open(number, source) => {
+                    let opened = match source {
+                        Source::Path(path) => open(path),
+                        Source::Sample(sample) => sample.open(),
+                    };
+                    Reply::Opened(*number, opened.map(Arc::new).map_err(|error| error.to_string()))
+                }
+                Request::Analyse(number, deployment, settings) => {
+                    let same =
+                        analyst.as_ref().is_some_and(|a| Arc::ptr_eq(a.deployment(), deployment));
+                    if !same {
+                        analyst = Some(Analyst::new(Arc::clone(deployment)));
+                    }
+                    let analyst = analyst.as_mut().expect("just made");
+                    Reply::Analysed(*number, Arc::new(analyst.run(settings)))
+                }
+            };
+            if outbox.send(reply).is_err() {
+                return;
+            }
+            ctx.request_repaint();
+        }
+    }
+}

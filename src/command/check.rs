@@ -1,0 +1,95 @@
+//! `resect check`: what is in a folder or file, and what is wrong with it.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Failure, load, print};
+use crate::deployment::{Deployment, Severity, Track, pair_label};
+
+#[derive(Args)]
+pub struct Arguments {
+    /// Folder or file
+    path: PathBuf,
+    /// Folder or file with the rig, if it is not beside the tracks
+    #[arg(long, value_name = "PATH")]
+    rig: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (deployment, load_ms) = load(&arguments.path, arguments.rig.as_deref())?;
+    print(&report(&deployment))?;
+    print(&format!("opened in {load_ms:.1} ms\n"))?;
+    Ok(())
+}
+
+fn report(deployment: &Deployment) -> String {
+    let mut text = format!("{}\n\nfiles\n", deployment.name);
+    let width = deployment.ingredients.iter().map(|i| i.file.chars().count()).max().unwrap_or(0);
+    for ingredient in &deployment.ingredients {
+        let used = if ingredient.used { "used   " } else { "ignored" };
+        _ = writeln!(text, "  {used}  {:<width$}  {}", ingredient.file, ingredient.what);
+    }
+    text += "\ntracks\n";
+    for (index, track) in deployment.tracks.iter().enumerate() {
+        _ = writeln!(text, "  station {}  {}", index + 1, describe(track));
+    }
+    text += "\nrig\n";
+    match &deployment.rig {
+        None => text += "  unknown\n",
+        Some(rig) => {
+            for (pair, distance) in rig.inter_prism_m.iter().enumerate() {
+                _ = writeln!(text, "  prisms {}  {distance:.4} m", pair_label(pair));
+            }
+            if let Some([h12, h13]) = rig.height_differences_m() {
+                _ = writeln!(
+                    text,
+                    "  prism 1 stands {h12:+.3} m above prism 2, {h13:+.3} m above prism 3"
+                );
+            }
+        }
+    }
+    text += "\ncontrol points\n";
+    if deployment.control_points.is_empty() {
+        text += "  none\n";
+    }
+    for set in &deployment.control_points {
+        let complete = set.points.iter().filter(|p| p.readings.iter().all(Option::is_some)).count();
+        let what = if set.pillars { "pillars" } else { "points" };
+        _ = writeln!(
+            text,
+            "  {}  {} {what}, {complete} seen by all stations",
+            set.file,
+            set.points.len()
+        );
+    }
+    text += "\nfindings\n";
+    for finding in &deployment.findings {
+        let mark = match finding.severity {
+            Severity::Note => "-",
+            Severity::Warning => "!",
+            Severity::Problem => "x",
+        };
+        _ = writeln!(text, "  {mark} {finding}");
+    }
+    text
+}
+
+fn describe(track: &Track) -> String {
+    let readings = &track.measurements;
+    let (Some(first), Some(last)) = (readings.first(), readings.last()) else {
+        return "no measurement".to_owned();
+    };
+    let mut gaps: Vec<f64> = readings.windows(2).map(|w| w[1].time_s - w[0].time_s).collect();
+    gaps.sort_by(f64::total_cmp);
+    let ranges = || readings.iter().map(|m| m.range_m);
+    let (near, far) = (ranges().fold(f64::INFINITY, f64::min), ranges().fold(0.0, f64::max));
+    let rate = gaps.get(gaps.len() / 2).map_or("–".to_owned(), |gap| format!("{:.2}", 1.0 / gap));
+    format!(
+        "{} readings over {:.1} s at {rate} Hz, longest gap {:.1} s, range {near:.1}–{far:.1} m",
+        readings.len(),
+        last.time_s - first.time_s,
+        gaps.last().copied().unwrap_or(0.0),
+    )
+}

@@ -1,0 +1,57 @@
+//! `resect export`: tracks and residuals for other programs.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+
+use super::settings_args::SettingsArguments;
+use super::{Failure, load, print};
+use crate::analysis::Analyst;
+use crate::export;
+
+#[derive(Args)]
+#[command(group(clap::ArgGroup::new("target").required(true).args(["rrd", "csv"])))]
+pub struct Arguments {
+    /// Folder or file with the stations' tracks
+    path: PathBuf,
+    /// Recording for the Rerun viewer
+    #[arg(long, value_name = "FILE")]
+    rrd: Option<PathBuf>,
+    /// Folder for triplets.csv
+    #[arg(long, value_name = "DIR")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    settings: SettingsArguments,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let settings = arguments.settings.settings()?;
+    let (deployment, _) = load(&arguments.path, arguments.settings.rig.as_deref())?;
+    let deployment = arguments.settings.adjust(deployment)?;
+    let analysis = Analyst::new(deployment.clone()).run(&settings);
+    if let Err(error) = &analysis.answer {
+        eprintln!("resect: without an answer, stations are drawn in their own frames: {error}");
+    }
+    if let Some(folder) = &arguments.csv {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("{}: cannot be made", folder.display()))?;
+        let file = folder.join("triplets.csv");
+        export::csv::write_triplets(&analysis, &file)
+            .with_context(|| format!("{}: cannot be written", file.display()))?;
+        print(&format!("{}: {} triplets\n", file.display(), analysis.pipeline.triplets.len()))?;
+    }
+    if let Some(file) = &arguments.rrd {
+        #[cfg(feature = "rerun")]
+        {
+            export::rerun::save(&deployment, &analysis, file)?;
+            print(&format!("{}: open it with `rerun {}`\n", file.display(), file.display()))?;
+        }
+        #[cfg(not(feature = "rerun"))]
+        return Err(Failure::Usage(format!(
+            "{}: this build has no Rerun export; build with `--features rerun`",
+            file.display()
+        )));
+    }
+    Ok(())
+}

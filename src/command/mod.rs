@@ -1,0 +1,97 @@
+//! The command line: one file a subcommand. Nothing below this module prints.
+
+mod calibrate;
+mod check;
+mod export;
+mod screenshot;
+mod settings_args;
+mod simulate;
+mod window;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::{Parser, Subcommand};
+
+use crate::deployment::{Deployment, OpenError, open_with};
+
+/// Inspect a deployment of three robotic total stations, tune its filters, and calibrate it.
+#[derive(Parser)]
+#[command(version, about, args_conflicts_with_subcommands = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    /// Folder or file to open in the window; the built-in sample if none.
+    path: Option<PathBuf>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Calibrate a deployment and print the answer
+    Calibrate(calibrate::Arguments),
+    /// Tell what is in a folder or file, and what is wrong with it
+    Check(check::Arguments),
+    /// Write a picture of the window
+    Screenshot(screenshot::Arguments),
+    /// Make a deployment with known truth
+    Simulate(simulate::Arguments),
+    /// Write tracks and residuals for other programs
+    Export(export::Arguments),
+}
+
+/// Why a command ends without an answer.
+#[derive(Debug)]
+enum Failure {
+    /// The user's words are off: exit code 2.
+    Usage(String),
+    /// The input is: exit code 1.
+    Input(anyhow::Error),
+}
+
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::Input(error.into())
+    }
+}
+
+/// Runs the program and gives its exit code: 0 for an answer, 1 for bad input, 2 for bad usage.
+pub fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        None => window::run(arguments.path),
+        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
+        Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Screenshot(arguments)) => screenshot::run(arguments),
+        Some(Command::Simulate(arguments)) => simulate::run(&arguments),
+        Some(Command::Export(arguments)) => export::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Usage(line)) => {
+            eprintln!("resect: {line}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Input(error)) => {
+            eprintln!("resect: {error:#}");
+            ExitCode::from(1)
+        }
+    }
+}
+
+/// Prints, and ends quietly when the reader has gone (`resect … | head`).
+fn print(text: &str) -> std::io::Result<()> {
+    use std::io::Write;
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+/// A deployment and how long opening it took (ms).
+fn load(path: &Path, rig: Option<&Path>) -> Result<(Arc<Deployment>, f64), OpenError> {
+    let started = Instant::now();
+    let deployment = open_with(path, rig)?;
+    Ok((Arc::new(deployment), started.elapsed().as_secs_f64() * 1e3))
+}

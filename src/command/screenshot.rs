@@ -1,0 +1,60 @@
+//! `resect screenshot`: the window as a picture, without a display.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+
+use super::settings_args::SettingsArguments;
+use super::{Failure, load, print};
+use crate::app;
+use crate::deployment::Sample;
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Theme {
+    Dark,
+    Light,
+}
+
+#[derive(Args)]
+pub struct Arguments {
+    /// Folder or file with the stations' tracks; the built-in sample if none
+    path: Option<PathBuf>,
+    /// PNG to write
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Width and height in pixels
+    #[arg(long, default_value = "1600x1000", value_parser = parse_size)]
+    size: [u32; 2],
+    #[arg(long, value_enum, default_value = "dark")]
+    theme: Theme,
+    #[command(flatten)]
+    settings: SettingsArguments,
+}
+
+pub fn run(arguments: Arguments) -> Result<(), Failure> {
+    let settings = arguments.settings.settings()?;
+    let deployment = match &arguments.path {
+        Some(path) => load(path, arguments.settings.rig.as_deref())?.0,
+        None => Arc::new(Sample::Warthog.open()?),
+    };
+    let deployment = arguments.settings.adjust(deployment)?;
+    let dark = arguments.theme == Theme::Dark;
+    let image = app::picture(deployment, settings, arguments.size, dark)?;
+    image
+        .save_with_format(&arguments.out, image::ImageFormat::Png)
+        .with_context(|| format!("{}: cannot be written", arguments.out.display()))?;
+    let [width, height] = arguments.size;
+    print(&format!("{}: {width}×{height}\n", arguments.out.display()))?;
+    Ok(())
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let (width, height) = text.split_once(['x', '×']).ok_or("write it as 1600x1000")?;
+    let side = |side: &str| match side.trim().parse::<u32>() {
+        Ok(pixels) if (200..=8192).contains(&pixels) => Ok(pixels),
+        _ => Err(format!("`{side}` is not a number of pixels from 200 to 8192")),
+    };
+    Ok([side(width)?, side(height)?])
+}

@@ -1,0 +1,135 @@
+//! The flags that change settings, shared by every command that runs the pipeline.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::{Args, ValueEnum};
+
+use super::Failure;
+use crate::analysis::Settings;
+use crate::calibration::PriorMethod;
+use crate::deployment::format::control_points;
+use crate::deployment::{Deployment, OpenError};
+use crate::pipeline::Interpolation;
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Prior {
+    Search,
+    ClosedForm,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum InterpolationName {
+    Linear,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Settings (defaults are the paper's)")]
+pub struct SettingsArguments {
+    /// Fastest believable change of range (m/s)
+    #[arg(long, value_name = "M_PER_S")]
+    tau_r: Option<f64>,
+    /// Fastest believable change of azimuth (deg/s)
+    #[arg(long, value_name = "DEG_PER_S")]
+    tau_a: Option<f64>,
+    /// Fastest believable change of the zenith angle (deg/s)
+    #[arg(long, value_name = "DEG_PER_S")]
+    tau_e: Option<f64>,
+    /// Longest gap inside an interval (s)
+    #[arg(long, value_name = "S")]
+    tau_s: Option<f64>,
+    /// Intervals up to this length are dropped (s)
+    #[arg(long, value_name = "S")]
+    tau_l: Option<f64>,
+    /// Triplets per second
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    /// Leave module 1 out
+    #[arg(long)]
+    no_outlier_filter: bool,
+    /// Leave module 3 out
+    #[arg(long)]
+    no_interval_filter: bool,
+    /// Module 4
+    #[arg(long, value_enum)]
+    interpolation: Option<InterpolationName>,
+    /// Where method D starts from
+    #[arg(long, value_enum)]
+    prior: Option<Prior>,
+    /// Control-point files to use instead of those beside the tracks
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    gcp: Vec<PathBuf>,
+    /// Folder or file with the rig (calibration_results.csv, calibration_raw.csv)
+    #[arg(long, value_name = "PATH")]
+    pub rig: Option<PathBuf>,
+    /// Settings as TOML; flags overrule it
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+}
+
+impl SettingsArguments {
+    /// The settings: defaults, then the config file, then the flags.
+    pub fn settings(&self) -> Result<Settings, Failure> {
+        let mut settings = match &self.config {
+            None => Settings::default(),
+            Some(path) => {
+                let text = std::fs::read_to_string(path)
+                    .map_err(|source| OpenError::Io { path: path.clone(), source })?;
+                toml::from_str(&text).map_err(|error| {
+                    let line =
+                        error.span().map_or(1, |span| text[..span.start].lines().count().max(1));
+                    let what = error.message().lines().next().unwrap_or("not valid TOML");
+                    Failure::Usage(format!("{}:{line}: {what}", path.display()))
+                })?
+            }
+        };
+        let thresholds = &mut settings.pipeline.thresholds;
+        for (flag, setting) in [
+            (self.tau_r, &mut thresholds.tau_r_m_per_s),
+            (self.tau_a, &mut thresholds.tau_a_deg_per_s),
+            (self.tau_e, &mut thresholds.tau_e_deg_per_s),
+            (self.tau_s, &mut thresholds.tau_s_seconds),
+            (self.tau_l, &mut thresholds.tau_l_seconds),
+            (self.rate, &mut settings.pipeline.rate_hz),
+        ] {
+            if let Some(value) = flag {
+                *setting = value;
+            }
+        }
+        if self.no_outlier_filter {
+            settings.pipeline.outlier_filter = false;
+        }
+        if self.no_interval_filter {
+            settings.pipeline.interval_filter = false;
+        }
+        if let Some(InterpolationName::Linear) = self.interpolation {
+            settings.pipeline.interpolation = Interpolation::Linear;
+        }
+        match self.prior {
+            Some(Prior::Search) => settings.calibration.prior = PriorMethod::Search,
+            Some(Prior::ClosedForm) => settings.calibration.prior = PriorMethod::ClosedForm,
+            None => {}
+        }
+        settings.check().map_err(Failure::Usage)?;
+        Ok(settings)
+    }
+
+    /// The deployment with the control points of `--gcp`, if given.
+    pub fn adjust(&self, deployment: Arc<Deployment>) -> Result<Arc<Deployment>, Failure> {
+        if self.gcp.is_empty() {
+            return Ok(deployment);
+        }
+        let prism_constant_m = deployment.tracks[0].prism_constant_m;
+        let mut deployment = Arc::unwrap_or_clone(deployment);
+        deployment.control_points.clear();
+        for path in &self.gcp {
+            let text = std::fs::read_to_string(path)
+                .map_err(|source| OpenError::Io { path: path.clone(), source })?;
+            let (set, findings) =
+                control_points::read(&path.display().to_string(), &text, prism_constant_m)?;
+            deployment.control_points.push(set);
+            deployment.findings.extend(findings);
+        }
+        Ok(Arc::new(deployment))
+    }
+}

@@ -1,0 +1,111 @@
+//! How good an answer is, by the paper's two metrics.
+
+use serde::Serialize;
+
+use crate::calibration::inter_prism::distance_errors_m;
+use crate::deployment::Deployment;
+use crate::geometry::LevelTransform;
+use crate::pipeline::Triplets;
+
+/// Median and quartiles of a list.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    pub median: f64,
+    pub q25: f64,
+    pub q75: f64,
+    pub iqr: f64,
+    pub n: usize,
+}
+
+impl Spread {
+    /// Quartiles by linear interpolation between order statistics (as numpy); `None` of nothing.
+    pub fn of(mut values: Vec<f64>) -> Option<Self> {
+        let n = values.len();
+        let last = n.checked_sub(1)?;
+        let mut quantile = |share: f64| {
+            let at = share * last as f64;
+            let index = at as usize;
+            let (_, low, above) = values.select_nth_unstable_by(index, f64::total_cmp);
+            let low = *low;
+            let high = above.iter().copied().min_by(f64::total_cmp).unwrap_or(low);
+            low + (high - low) * at.fract()
+        };
+        let (q25, median, q75) = (quantile(0.25), quantile(0.5), quantile(0.75));
+        Some(Self { median, q25, q75, iqr: q75 - q25, n })
+    }
+}
+
+/// The control-point metric of one file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ControlPointMetric {
+    pub file: String,
+    /// Distances between the stations' versions of the same point (mm).
+    #[serde(flatten)]
+    pub spread: Spread,
+}
+
+/// Both metrics of an answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    /// Apparent minus known distance of every triplet (mm), for pairs 12, 13, 23.
+    pub distance_errors_mm: [Vec<f64>; 3],
+    /// |distance error| pooled over the pairs (mm): the paper's inter-prism metric.
+    pub inter_prism_mm: Option<Spread>,
+    pub inter_prism_by_pair_mm: [Option<Spread>; 3],
+    /// One for each file of control points; pillars are left out.
+    pub control_points_mm: Vec<ControlPointMetric>,
+}
+
+/// Evaluates transforms on a deployment's triplets and control points.
+pub fn evaluate(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    station1_from_station: &[LevelTransform; 3],
+) -> Evaluation {
+    let distance_errors_mm = match &deployment.rig {
+        Some(rig) => distance_errors_m(triplets, station1_from_station, &rig.inter_prism_m)
+            .map(|errors| errors.into_iter().map(|e| e * 1e3).collect()),
+        None => Default::default(),
+    };
+    let sizes = |errors: &Vec<f64>| errors.iter().map(|e| e.abs()).collect::<Vec<_>>();
+    let control_points_mm = deployment
+        .control_points
+        .iter()
+        .filter(|set| !set.pillars)
+        .filter_map(|set| {
+            let distances = set.disagreements_m(station1_from_station);
+            let spread = Spread::of(distances.into_iter().map(|d| d * 1e3).collect())?;
+            Some(ControlPointMetric { file: set.file.clone(), spread })
+        })
+        .collect();
+    Evaluation {
+        inter_prism_mm: Spread::of(distance_errors_mm.iter().flat_map(sizes).collect()),
+        inter_prism_by_pair_mm: distance_errors_mm.each_ref().map(|e| Spread::of(sizes(e))),
+        distance_errors_mm,
+        control_points_mm,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn quartiles_are_numpy_s() {
+        // numpy.percentile([7, 1, 3, 10], [25, 50, 75]) = [2.5, 5.0, 7.75]
+        let spread = Spread::of(vec![7.0, 1.0, 3.0, 10.0]).expect("four");
+        assert_eq!((spread.q25, spread.median, spread.q75), (2.5, 5.0, 7.75));
+        assert_eq!(Spread::of(vec![]), None);
+    }
+
+    proptest! {
+        #[test]
+        fn quartiles_are_ordered_and_scale(values in proptest::collection::vec(-5.0..5.0f64, 1..40)) {
+            let spread = Spread::of(values.clone()).expect("not empty");
+            prop_assert!(spread.q25 <= spread.median && spread.median <= spread.q75);
+            let twice = Spread::of(values.iter().map(|v| 2.0 * v).collect()).expect("not empty");
+            prop_assert!((twice.iqr - 2.0 * spread.iqr).abs() < 1e-12);
+        }
+    }
+}

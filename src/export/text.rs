@@ -1,0 +1,103 @@
+//! An answer as plain text, for the terminal and the clipboard.
+
+use std::fmt::Write;
+
+use crate::analysis::{Analysis, Answer};
+use crate::calibration::Calibration;
+use crate::deployment::{Deployment, Severity};
+use crate::evaluation::Spread;
+
+/// Verdict, transforms with their σ, metrics and findings.
+pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> String {
+    let Answer { calibration, evaluation } = answer;
+    let out = &analysis.pipeline;
+    let raw = deployment.tracks.each_ref().map(|track| track.measurements.len());
+    let mut text = format!(
+        "{} · method D, inter-prism · verdict: {}\n\n",
+        deployment.name,
+        calibration.verdict.name().to_uppercase()
+    );
+    let kept = out.kept();
+    _ = writeln!(
+        text,
+        "pipeline    {} of {} readings kept (stations 1–3: {}/{}, {}/{}, {}/{}), {} intervals, {} triplets",
+        kept.iter().sum::<usize>(),
+        raw.iter().sum::<usize>(),
+        kept[0],
+        raw[0],
+        kept[1],
+        raw[1],
+        kept[2],
+        raw[2],
+        out.kept_intervals.len(),
+        out.triplets.len(),
+    );
+    text.push('\n');
+    text += &transforms(calibration);
+    text.push('\n');
+    if let Some(spread) = &evaluation.inter_prism_mm {
+        _ = writeln!(text, "inter-prism   {}", spread_text(spread));
+    }
+    for metric in &evaluation.control_points_mm {
+        _ = writeln!(text, "control pts   {}   {}", spread_text(&metric.spread), metric.file);
+    }
+    text.push('\n');
+    for finding in deployment.findings.iter().chain(&calibration.findings) {
+        let mark = match finding.severity {
+            Severity::Note => "-",
+            Severity::Warning => "!",
+            Severity::Problem => "x",
+        };
+        _ = writeln!(text, "  {mark} {finding}");
+    }
+    _ = writeln!(
+        text,
+        "\n{:.1} ms: pipeline {:.1}, prior {:.1}, solve {:.1}, metrics {:.1}",
+        analysis.total_ms(),
+        analysis.pipeline_ms,
+        calibration.prior_ms,
+        calibration.solve_ms,
+        analysis.evaluation_ms
+    );
+    text
+}
+
+/// The two transforms as a table; a missing σ is a dash.
+pub fn transforms(calibration: &Calibration) -> String {
+    let mut text = String::from(
+        "              x (m) ± mm          y (m) ± mm          z (m) ± mm          yaw (rad) ± mrad\n",
+    );
+    for station in 1..3 {
+        let transform = &calibration.station1_from_station()[station];
+        let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
+        let plus_minus = |sigma: Option<f64>, digits: usize| {
+            sigma.map_or("–".to_owned(), |s| format!("{:.digits$}", s * 1e3))
+        };
+        _ = write!(text, "T1{}     ", station + 1);
+        for axis in 0..3 {
+            let value = transform.translation_m[axis];
+            let sigma = plus_minus(sigma.map(|s| s.translation_m[axis]), 1);
+            _ = write!(text, "{value:>11.4} ± {sigma:<6}");
+        }
+        let sigma = plus_minus(sigma.map(|s| s.yaw_rad), 3);
+        _ = writeln!(text, "{:>11.5} ± {sigma}", transform.yaw_rad);
+    }
+    text
+}
+
+/// The homogeneous matrix of a station's frame into station 1's, four rows.
+pub fn matrix(calibration: &Calibration, station: usize) -> String {
+    let matrix = calibration.station1_from_station()[station].matrix();
+    (0..4)
+        .map(|row| {
+            let cells: Vec<_> =
+                (0..4).map(|column| format!("{:>12.8}", matrix[(row, column)])).collect();
+            cells.join(" ") + "\n"
+        })
+        .collect()
+}
+
+/// "1.31 mm median, 2.54 mm IQR, n 6096".
+pub fn spread_text(spread: &Spread) -> String {
+    format!("{:.2} mm median, {:.2} mm IQR, n {}", spread.median, spread.iqr, spread.n)
+}

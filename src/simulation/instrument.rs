@@ -1,0 +1,149 @@
+//! Three stations that read a moving prism each, with their noise, blunders and lost locks.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::motion::Motion;
+use super::scenario::{Path, Scenario};
+use super::{Simulated, Truth};
+use crate::deployment::{ControlPoint, ControlPointSet, Measurement, PAIRS, RawRecord};
+use crate::geometry::{LevelTransform, Polar};
+
+/// Unix time of the first reading (s); any will do.
+const EPOCH_S: f64 = 1_760_000_000.0;
+/// The readings of the rig are averaged over this many.
+const RIG_READINGS: f64 = 10.0;
+
+pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let motion = Motion::drive(scenario, &mut rng);
+    let yaws: [f64; 2] = std::array::from_fn(|_| rng.random_range(-PI..PI));
+    let station1_from_station = [
+        LevelTransform::IDENTITY,
+        LevelTransform::new(scenario.stations_m[0], yaws[0]),
+        LevelTransform::new(scenario.stations_m[1], yaws[1]),
+    ];
+
+    let mut records = Vec::new();
+    let (mut outliers, mut lost_readings) = (0, 0);
+    for (station, station1_from_this) in station1_from_station.iter().enumerate() {
+        let this_from_station1 = station1_from_this.inverse();
+        let stagger_s = rng.random_range(0.0..1.0 / scenario.rate_hz);
+        let silences = lost_locks(scenario, &mut rng);
+        let readings = ((scenario.duration_s - stagger_s) * scenario.rate_hz) as usize;
+        for k in 0..readings {
+            let jitter_s = 0.001 * normal(&mut rng);
+            let t = (stagger_s + k as f64 / scenario.rate_hz + jitter_s).max(0.0);
+            let position =
+                this_from_station1.apply(&motion.position_m(&scenario.prisms_m[station], t));
+            let mut polar = noisy(position, scenario, 1.0, &mut rng);
+            if rng.random_bool(scenario.noise.outlier_share) {
+                blunder(&mut polar, &mut rng);
+                outliers += 1;
+            }
+            if silences.iter().any(|[from, to]| (*from..*to).contains(&t)) {
+                lost_readings += 1;
+                continue;
+            }
+            let measurement = Measurement {
+                time_s: EPOCH_S + t,
+                range_m: polar.range_m - scenario.prism_constant_m,
+                azimuth_rad: polar.azimuth_rad.rem_euclid(TAU),
+                zenith_rad: polar.zenith_rad,
+            };
+            records.push(RawRecord {
+                station: station as i64 + 1,
+                status: 0,
+                place: 0,
+                measurement,
+            });
+        }
+    }
+    records.sort_by(|a, b| a.measurement.time_s.total_cmp(&b.measurement.time_s));
+
+    let control_points = (0..scenario.control_point_sets)
+        .map(|set| control_point_set(scenario, &station1_from_station, set, &mut rng))
+        .collect();
+    // The rig is read from a few metres away; the vehicle stands level and turned by some angle.
+    let heading: f64 = rng.random_range(0.0..TAU);
+    let beside = LevelTransform::new(Vector3::new(3.5, -0.6, -1.7), heading);
+    let rig_reading = scenario
+        .prisms_m
+        .map(|prism| noisy(beside.apply(&prism), scenario, 1.0 / RIG_READINGS.sqrt(), &mut rng));
+    let prisms_m = scenario.prisms_m;
+    let inter_prism_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).norm());
+    let truth = Truth { station1_from_station, inter_prism_m, prisms_m, outliers, lost_readings };
+    Simulated { scenario: scenario.clone(), seed, records, control_points, rig_reading, truth }
+}
+
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+fn noisy(position_m: Vector3<f64>, scenario: &Scenario, share: f64, rng: &mut ChaCha8Rng) -> Polar {
+    let mut polar = Polar::from_cartesian(position_m);
+    polar.range_m += share * scenario.noise.range_sigma_m * normal(rng);
+    polar.azimuth_rad += share * scenario.noise.angle_sigma_rad * normal(rng);
+    polar.zenith_rad += share * scenario.noise.angle_sigma_rad * normal(rng);
+    polar
+}
+
+/// A reflection off something else: the range, or an angle, is far off.
+fn blunder(polar: &mut Polar, rng: &mut ChaCha8Rng) {
+    let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+    match rng.random_range(0..3) {
+        0 => polar.range_m += sign * rng.random_range(1.0..4.0),
+        1 => polar.azimuth_rad += sign * rng.random_range(0.01..0.06),
+        _ => polar.zenith_rad += sign * rng.random_range(0.01..0.04),
+    }
+}
+
+/// Spans of time (s) in which the station lost its prism.
+fn lost_locks(scenario: &Scenario, rng: &mut ChaCha8Rng) -> Vec<[f64; 2]> {
+    let mut spans = Vec::new();
+    let mut t = 0.0;
+    loop {
+        let wait_min = -rng.random_range(1e-9..1.0_f64).ln() / scenario.noise.lost_locks_per_minute;
+        t += 60.0 * wait_min;
+        if t >= scenario.duration_s {
+            return spans;
+        }
+        let length_s = rng.random_range(1.5..14.0);
+        spans.push([t, t + length_s]);
+        t += length_s;
+    }
+}
+
+/// Ten targets on poles around the area, read once by every station.
+fn control_point_set(
+    scenario: &Scenario,
+    station1_from_station: &[LevelTransform; 3],
+    set: usize,
+    rng: &mut ChaCha8Rng,
+) -> ControlPointSet {
+    let (centre, radius) = match scenario.path {
+        Path::Wander { centre_m, radius_m } => (centre_m, radius_m),
+        Path::Tunnel { from_x_m, to_x_m, .. } => ([(from_x_m + to_x_m) / 2.0, 0.0], 3.0),
+    };
+    let points = (0..10)
+        .map(|marker| {
+            let around = TAU * (f64::from(marker) + rng.random_range(0.0..0.8)) / 10.0;
+            let out = radius * rng.random_range(0.7..1.5);
+            let height = rng.random_range(-0.6..0.6);
+            let point = Vector3::new(
+                centre[0] + out * around.cos(),
+                centre[1] + out * around.sin(),
+                height,
+            );
+            let readings = station1_from_station.map(|transform| {
+                Some(noisy(transform.inverse().apply(&point), scenario, 1.0, rng))
+            });
+            ControlPoint { marker: i64::from(marker) + 1, readings }
+        })
+        .collect();
+    ControlPointSet { file: format!("GCP_raw_{}.txt", set + 1), points, pillars: false }
+}

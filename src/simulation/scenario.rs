@@ -1,0 +1,123 @@
+//! What is driven, where, and how well it is measured.
+
+use nalgebra::Vector3;
+
+/// The ready-made scenarios.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Preset {
+    /// A Warthog-like rig (about 0.9, 0.8 and 1.0 m) wandering over uneven ground, with control points.
+    Warthog,
+    /// A small HD2-like rig (0.35 m) up and down a tunnel.
+    Hd2Tunnel,
+}
+
+/// Where the vehicle goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Path {
+    /// Winding about a centre (m), turning back at a radius (m).
+    Wander { centre_m: [f64; 2], radius_m: f64 },
+    /// Along x between two ends (m), weaving by an amplitude (m) with a wavelength (m), and back.
+    Tunnel { from_x_m: f64, to_x_m: f64, amplitude_m: f64, wavelength_m: f64 },
+}
+
+/// Bumps of the ground: root-mean-square slope and the range of wavelengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    pub slope_rms_rad: f64,
+    pub wavelengths_m: [f64; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    pub range_sigma_m: f64,
+    pub angle_sigma_rad: f64,
+    /// Chance of a gross error of a reading.
+    pub outlier_share: f64,
+    /// Lost locks of each station per minute.
+    pub lost_locks_per_minute: f64,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    pub name: &'static str,
+    pub duration_s: f64,
+    pub cruise_m_per_s: f64,
+    pub path: Path,
+    pub ground: Ground,
+    pub noise: Noise,
+    /// Readings per second of each station.
+    pub rate_hz: f64,
+    /// Prisms about the vehicle's origin on the ground: x ahead, y left, z up (m).
+    pub prisms_m: [Vector3<f64>; 3],
+    /// Positions of stations 2 and 3 in station 1's frame (m); their yaws come from the seed.
+    pub stations_m: [Vector3<f64>; 2],
+    /// Height of the ground's mean below station 1 (m).
+    pub instrument_height_m: f64,
+    /// Sets of ten control points.
+    pub control_point_sets: usize,
+    /// Added by the user to every range; the simulated instruments leave it off.
+    pub prism_constant_m: f64,
+}
+
+const ARCSECOND_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+
+impl Preset {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Warthog => "warthog",
+            Self::Hd2Tunnel => "hd2-tunnel",
+        }
+    }
+
+    pub fn scenario(self) -> Scenario {
+        let noise = Noise {
+            range_sigma_m: 0.002,
+            angle_sigma_rad: ARCSECOND_RAD,
+            outlier_share: 0.004,
+            lost_locks_per_minute: 0.4,
+        };
+        match self {
+            Self::Warthog => Scenario {
+                name: "warthog",
+                duration_s: 420.0,
+                cruise_m_per_s: 0.9,
+                path: Path::Wander { centre_m: [62.0, 8.0], radius_m: 24.0 },
+                ground: Ground { slope_rms_rad: 0.05, wavelengths_m: [7.0, 30.0] },
+                noise,
+                rate_hz: 2.5,
+                prisms_m: [
+                    Vector3::new(0.45, 0.05, 1.55),
+                    Vector3::new(-0.28, 0.47, 1.20),
+                    Vector3::new(-0.13, -0.47, 1.38),
+                ],
+                stations_m: [Vector3::new(5.2, -2.6, -0.28), Vector3::new(-5.4, 0.4, -0.22)],
+                instrument_height_m: 1.6,
+                control_point_sets: 2,
+                prism_constant_m: 0.010,
+            },
+            Self::Hd2Tunnel => Scenario {
+                name: "hd2-tunnel",
+                duration_s: 400.0,
+                cruise_m_per_s: 0.6,
+                path: Path::Tunnel {
+                    from_x_m: 14.0,
+                    to_x_m: 70.0,
+                    amplitude_m: 0.9,
+                    wavelength_m: 17.0,
+                },
+                ground: Ground { slope_rms_rad: 0.012, wavelengths_m: [4.0, 20.0] },
+                noise: Noise { lost_locks_per_minute: 0.25, ..noise },
+                rate_hz: 2.5,
+                prisms_m: [
+                    Vector3::new(0.20, 0.00, 0.62),
+                    Vector3::new(-0.08, 0.17, 0.50),
+                    Vector3::new(-0.08, -0.17, 0.57),
+                ],
+                stations_m: [Vector3::new(1.6, 1.3, -0.05), Vector3::new(-0.9, -1.2, 0.04)],
+                instrument_height_m: 1.5,
+                control_point_sets: 0,
+                prism_constant_m: 0.010,
+            },
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! A simulated deployment as files: what a real one has, and the truth beside it.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::Simulated;
+use crate::deployment::format::{control_points, polar_csv, rig_files};
+use crate::deployment::{OpenError, pairwise_distances};
+use crate::geometry::Polar;
+
+/// Writes the deployment into a folder, which is made if it is not there.
+pub fn write_folder(simulated: &Simulated, folder: &Path) -> Result<(), OpenError> {
+    let io = |path: &Path| {
+        let path = path.to_owned();
+        move |source| OpenError::Io { path, source }
+    };
+    std::fs::create_dir_all(folder).map_err(io(folder))?;
+    for (name, text) in files(simulated) {
+        let path = folder.join(name);
+        std::fs::write(&path, text).map_err(io(&path))?;
+    }
+    Ok(())
+}
+
+/// Name and text of every file.
+pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
+    let prism_constant_m = simulated.scenario.prism_constant_m;
+    let measured = pairwise_distances(&simulated.rig_reading.map(Polar::to_cartesian));
+    let mut files = vec![
+        ("inter_prism.csv".to_owned(), polar_csv::write(&simulated.records)),
+        (
+            "calibration_raw.csv".to_owned(),
+            rig_files::write_rig_reading(&simulated.rig_reading, prism_constant_m),
+        ),
+        ("calibration_results.csv".to_owned(), rig_files::write_distances(&measured)),
+        (
+            "deployment.toml".to_owned(),
+            format!(
+                "# Simulated by resect: preset {}, seed {}.\nname = \"{} (simulated)\"\nprism_constant_m = {prism_constant_m}\n",
+                simulated.scenario.name, simulated.seed, simulated.scenario.name
+            ),
+        ),
+        ("truth.toml".to_owned(), truth_text(simulated)),
+    ];
+    for set in &simulated.control_points {
+        files.push((set.file.clone(), control_points::write(set, prism_constant_m)));
+    }
+    files
+}
+
+#[derive(Serialize)]
+struct TruthFile {
+    preset: &'static str,
+    seed: u64,
+    outliers: usize,
+    lost_readings: usize,
+    inter_prism_m: [f64; 3],
+    transforms: Vec<TransformEntry>,
+}
+
+#[derive(Serialize)]
+struct TransformEntry {
+    from: usize,
+    to: usize,
+    translation_m: [f64; 3],
+    yaw_rad: f64,
+}
+
+fn truth_text(simulated: &Simulated) -> String {
+    let truth = &simulated.truth;
+    let transforms = (1..3)
+        .map(|station| {
+            let transform = &truth.station1_from_station[station];
+            TransformEntry {
+                from: station + 1,
+                to: 1,
+                translation_m: transform.translation_m.into(),
+                yaw_rad: transform.yaw_rad,
+            }
+        })
+        .collect();
+    let file = TruthFile {
+        preset: simulated.scenario.name,
+        seed: simulated.seed,
+        outliers: truth.outliers,
+        lost_readings: truth.lost_readings,
+        inter_prism_m: truth.inter_prism_m,
+        transforms,
+    };
+    toml::to_string(&file).expect("plain data")
+}
