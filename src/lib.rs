@@ -1,5 +1,48 @@
-//! placeholder
-#![forbid(unsafe_code)]
+//! resect: extrinsic calibration of three robotic total stations that can be trusted.
+//!
+//! This page is the map. Words are the field's; they are listed in [`deployment`] and [`pipeline`].
+//!
+//! # The one path
+//! ```text
+//! Deployment ──pipeline::run──▶ Triplets ──calibration::solve──▶ Calibration ──evaluation::evaluate──▶ Evaluation
+//! ```
+//! [`analysis::Analyst`] walks it and remembers the stages that a change of settings leaves alone. The window, the
+//! commands, the tests and the benchmarks all go through it; none has a copy of its own.
+//!
+//! ```
+//! use resect::analysis::{Analyst, Settings};
+//! use resect::deployment::Sample;
+//!
+//! let deployment = Sample::Warthog.open()?;
+//! let analysis = Analyst::new(deployment.into()).run(&Settings::default());
+//! let answer = analysis.answer?;
+//! assert_eq!(answer.calibration.verdict.name(), "good");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Rooms, from the ground up
+//! A module imports only from those above it.
+//!
+//! | module | what is in it | what goes there next |
+//! |---|---|---|
+//! | [`geometry`] | polar coordinates, level transforms, alignment | full rigid alignment |
+//! | [`deployment`] | the data model; `format/` has a file a format | a reader: a file in `format/`, a line in `recognise` |
+//! | [`pipeline`] | outlier filter, interval split and filter, interpolation | an interpolation: a file in `interpolation/` |
+//! | [`calibration`] | method D: priors, solver, mirror, uncertainty, verdict | another method: a folder beside `inter_prism/` |
+//! | [`evaluation`] | the paper's two metrics | GNSS baselines, trajectories |
+//! | [`analysis`] | settings, and the one path | |
+//! | [`simulation`] | deployments with known truth | a preset: an arm in `scenario.rs` |
+//! | [`palette`] | the colours that mean something | |
+//! | [`export`] | JSON, text, CSV, Rerun | a writer |
+//! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `layout.rs` |
+//! | [`command`] | the command line; prints | a subcommand: a file |
+//!
+//! # Conventions
+//! Lengths are metres, angles radians, times seconds unless the name says otherwise; `a_from_b` maps frame b to
+//! frame a. Stations, prisms and frames are numbered 1 to 3 for people and 0 to 2 in arrays; pairs of prisms
+//! are in the order 12, 13, 23. Errors are typed and carry file, place and remedy; warnings are data
+//! ([`deployment::Finding`]) that travel with the answer.
+
 pub mod analysis;
 pub mod app;
 pub mod calibration;

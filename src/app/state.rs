@@ -41,11 +41,19 @@ pub struct Visibility {
     pub raw: bool,
     pub tracks: bool,
     pub control_points: bool,
+    /// Pairs of prisms in the plots.
+    pub pairs: [bool; 3],
 }
 
 impl Default for Visibility {
     fn default() -> Self {
-        Self { stations: [true; 3], raw: true, tracks: true, control_points: true }
+        Self {
+            stations: [true; 3],
+            raw: true,
+            tracks: true,
+            control_points: true,
+            pairs: [true; 3],
+        }
     }
 }
 

@@ -95,7 +95,7 @@ impl Panes<'_> {
             Pane::Result => panels::result::ui(ui, self.state, self.commands),
             Pane::Findings => panels::findings::ui(ui, self.state),
             Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),
-            Pane::Histogram => plots::histogram::ui(ui, self.state),
+            Pane::Histogram => plots::histogram::ui(ui, self.state, self.commands),
         }
     }
 }
@@ -149,20 +149,24 @@ pub fn picture(
 
 /// A GPU without a screen, or one clear line. The harness itself would panic.
 fn offscreen_renderer() -> anyhow::Result<egui_kittest::wgpu::WgpuTestRenderer> {
-    use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration};
-    let setup = egui_kittest::wgpu::default_wgpu_setup();
-    let instance = pollster::block_on(setup.new_instance());
-    let configuration = WgpuConfiguration { wgpu_setup: setup, ..Default::default() };
-    let state = pollster::block_on(RenderState::create(
-        &configuration,
-        &instance,
-        None,
-        RendererOptions::PREDICTABLE,
-    ))
-    .map_err(|error| {
-        anyhow::anyhow!(
-            "no graphics driver to draw with ({error}); on Debian and Ubuntu: apt install mesa-vulkan-drivers"
-        )
-    })?;
+    use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup, wgpu};
+    let render_state = |backends: wgpu::Backends| {
+        let mut setup = egui_kittest::wgpu::default_wgpu_setup();
+        if let WgpuSetup::CreateNew(create) = &mut setup {
+            create.instance_descriptor.backends &= backends;
+        }
+        let instance = pollster::block_on(setup.new_instance());
+        let configuration = WgpuConfiguration { wgpu_setup: setup, ..Default::default() };
+        let options = RendererOptions::PREDICTABLE;
+        pollster::block_on(RenderState::create(&configuration, &instance, None, options))
+    };
+    // OpenGL only when nothing better is there: looking for it complains about missing displays.
+    let state = render_state(wgpu::Backends::PRIMARY)
+        .or_else(|_| render_state(wgpu::Backends::all()))
+        .map_err(|error| {
+            anyhow::anyhow!(
+                "no graphics driver to draw with ({error}); on Debian and Ubuntu: apt install mesa-vulkan-drivers"
+            )
+        })?;
     Ok(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state))
 }

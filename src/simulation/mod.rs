@@ -43,7 +43,12 @@ pub struct Truth {
 
 /// Simulates a preset.
 pub fn simulate(preset: Preset, seed: u64) -> Simulated {
-    instrument::measure(&preset.scenario(), seed)
+    simulate_scenario(&preset.scenario(), seed)
+}
+
+/// Simulates any scenario.
+pub fn simulate_scenario(scenario: &Scenario, seed: u64) -> Simulated {
+    instrument::measure(scenario, seed)
 }
 
 impl Simulated {

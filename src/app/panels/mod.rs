@@ -27,7 +27,11 @@ fn scrolled(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
 fn finding(ui: &mut egui::Ui, finding: &Finding) {
     let (colour, sign) = theme::severity(finding.severity, ui.visuals().dark_mode);
     ui.horizontal_top(|ui| {
-        ui.colored_label(colour, sign);
+        // Signs differ in width; the texts beside them should line up.
+        let width = 14.0;
+        let (place, _) = ui.allocate_exact_size(egui::vec2(width, 16.0), egui::Sense::hover());
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, sign, font, colour);
         ui.add(egui::Label::new(&finding.message).wrap());
     });
 }

@@ -1,17 +1,17 @@
 //! How the distance errors are distributed, one outline a pair.
 
 use eframe::egui;
-use egui_plot::{Corner, Legend, Line, Plot, PlotPoints, VLine};
+use egui_plot::{Line, Plot, PlotPoints, VLine};
 
-use super::{answer, half_range_mm};
-use crate::app::state::State;
+use super::{answer, half_range_mm, pair_switches};
+use crate::app::state::{Commands, State};
 use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;
 
 const BINS: usize = 40;
 
-pub fn ui(ui: &mut egui::Ui, state: &State) {
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((_, answer)) = answer(state) else {
         ui.centered_and_justified(|ui| ui.weak("No result to plot."));
         return;
@@ -23,17 +23,23 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
     let width = 2.0 * half_range / BINS as f64;
     let counts = answer.evaluation.distance_errors_mm.each_ref().map(|e| bins(e, half_range));
     let highest = counts.iter().flatten().copied().max().unwrap_or(1).max(1);
+    ui.horizontal(|ui| {
+        ui.add_space(6.0);
+        pair_switches(ui, state, commands);
+    });
     let zero_colour = theme::faint(ui.visuals().dark_mode);
     Plot::new(("histogram", state.start_s().to_bits(), state.analysis_run))
         .x_axis_label("distance error (mm)")
         .y_axis_label(format!("triplets per {width:.2} mm"))
-        .legend(Legend::default().position(Corner::RightTop))
         .default_x_bounds(-half_range, half_range)
         .default_y_bounds(0.0, highest as f64 * 1.08)
         .allow_scroll(false)
         .show(ui, |plot_ui| {
             plot_ui.vline(VLine::new("", 0.0).color(zero_colour).width(0.8));
             for (pair, counts) in counts.iter().enumerate() {
+                if !state.visibility.pairs[pair] {
+                    continue;
+                }
                 let outline: PlotPoints<'_> = counts
                     .iter()
                     .enumerate()
@@ -46,6 +52,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
                     Line::new(format!("prisms {}", pair_label(pair)), outline)
                         .color(theme::rgb(palette::PAIRS[pair]))
                         .width(1.2)
+                        .allow_band(false)
                         .fill(0.0)
                         .fill_alpha(0.12),
                 );

@@ -3,13 +3,32 @@
 pub mod histogram;
 pub mod residuals;
 
+use eframe::egui;
+
 use crate::analysis::{Analysis, Answer};
-use crate::app::state::State;
+use crate::app::state::{Command, Commands, State};
+use crate::app::theme;
+use crate::deployment::pair_label;
+use crate::palette;
 
 /// The answer to plot, if there is one.
 fn answer(state: &State) -> Option<(&Analysis, &Answer)> {
     let analysis = state.analysis.as_deref()?;
     Some((analysis, analysis.answer.as_deref().ok()?))
+}
+
+/// The legend as a line of switches above a plot, where it covers no data.
+fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let mut visibility = state.visibility;
+    let dark = ui.visuals().dark_mode;
+    for (pair, on) in visibility.pairs.iter_mut().enumerate() {
+        let name = egui::RichText::new(format!("● {}", pair_label(pair)));
+        let colour = if *on { theme::rgb(palette::PAIRS[pair]) } else { theme::faint(dark) };
+        ui.toggle_value(on, name.color(colour)).on_hover_text("Show or hide this pair of prisms");
+    }
+    if visibility != state.visibility {
+        commands.push(Command::Show(visibility));
+    }
 }
 
 /// Half the range that shows nearly all errors (mm): outliers must not squeeze the rest into a line.

@@ -1,9 +1,10 @@
 //! Distance errors over time, one colour a pair, with the kept intervals behind and the time cursor.
 
 use eframe::egui;
-use egui_plot::{Corner, HoverPosition, Legend, Plot, PlotPoints, Points, Span, VLine};
+use egui_plot::{HoverPosition, Plot, PlotPoints, Points, Span, VLine};
 
-use super::{answer, half_range_mm};
+use super::{answer, half_range_mm, pair_switches};
+use crate::analysis::{Analysis, Answer};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::deployment::pair_label;
@@ -25,10 +26,17 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let time_s = &analysis.pipeline.triplets.time_s;
     let half_range = half_range_mm(answer);
     let end_s = state.deployment.as_ref().and_then(|d| d.end_s()).unwrap_or(start_s) - start_s;
+    let caption_id = ui.scope_id().with("shown range");
+    let shown_mm = ui.data(|data| data.get_temp(caption_id)).unwrap_or([-half_range, half_range]);
+    ui.horizontal(|ui| {
+        ui.add_space(6.0);
+        pair_switches(ui, state, commands);
+        let text = caption(analysis, answer, state, shown_mm);
+        ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
+    });
     let plot = Plot::new(("residuals", state.start_s().to_bits()))
         .x_axis_label("time since the first measurement (s)")
         .y_axis_label("distance error (mm)")
-        .legend(Legend::default().position(Corner::RightTop))
         .default_x_bounds(0.0, end_s.max(1.0))
         .default_y_bounds(-half_range, half_range)
         .label_formatter(|position| match position {
@@ -45,6 +53,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             );
         }
         for (pair, errors) in answer.evaluation.distance_errors_mm.iter().enumerate() {
+            if !state.visibility.pairs[pair] {
+                continue;
+            }
             let dots: PlotPoints<'_> = thinned(errors)
                 .into_iter()
                 .map(|index| [time_s[index] - start_s, errors[index]])
@@ -65,46 +76,31 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     {
         commands.push(Command::MoveCursor(response.transform.value_from_position(at).x + start_s));
     }
-    beyond(ui, &response, answer, state);
+    let bounds = response.transform.bounds();
+    ui.data_mut(|data| data.insert_temp(caption_id, [bounds.min()[1], bounds.max()[1]]));
 }
 
 fn ui_shade(dark: bool) -> egui::Color32 {
     if dark { egui::Color32::from_white_alpha(7) } else { egui::Color32::from_black_alpha(9) }
 }
 
-/// How many errors lie above or below what is shown: nothing is hidden without a word.
-fn beyond(
-    ui: &egui::Ui,
-    response: &egui_plot::PlotResponse<()>,
-    answer: &crate::analysis::Answer,
-    state: &State,
-) {
-    let bounds = response.transform.bounds();
-    let (low, high) = (bounds.min()[1], bounds.max()[1]);
-    let errors = answer.evaluation.distance_errors_mm.iter().flatten();
-    let outside = errors.clone().filter(|e| **e < low || **e > high).count();
-    let mut text = if outside > 0 {
-        format!("{outside} of {} beyond this range · double-click: all", errors.count())
-    } else {
-        String::new()
-    };
-    if let Some(cursor_s) = state.cursor_s
-        && let Some(analysis) = &state.analysis
-        && let Some(index) = analysis.pipeline.triplets.nearest(cursor_s)
-    {
+/// The errors at the cursor, and how many lie outside what is shown: nothing is hidden without a word.
+fn caption(analysis: &Analysis, answer: &Answer, state: &State, shown_mm: [f64; 2]) -> String {
+    let errors = || answer.evaluation.distance_errors_mm.iter().flatten();
+    let outside = errors().filter(|e| **e < shown_mm[0] || **e > shown_mm[1]).count();
+    let mut parts = Vec::new();
+    if let Some(index) = state.cursor_s.and_then(|t| analysis.pipeline.triplets.nearest(t)) {
         let at = analysis.pipeline.triplets.time_s[index] - state.start_s();
         let [a, b, c] = answer.evaluation.distance_errors_mm.each_ref().map(|e| e[index]);
-        let here = format!("{at:.1} s: 1–2 {a:+.1}, 1–3 {b:+.1}, 2–3 {c:+.1} mm");
-        text = if text.is_empty() { here } else { format!("{here} · {text}") };
+        parts.push(format!("at {at:.1} s  {a:+.1}, {b:+.1}, {c:+.1} mm"));
     }
-    let frame = response.transform.frame();
-    ui.painter_at(*frame).text(
-        frame.left_top() + egui::vec2(6.0, 4.0),
-        egui::Align2::LEFT_TOP,
-        text,
-        egui::FontId::proportional(11.0),
-        theme::faint(ui.visuals().dark_mode),
-    );
+    if outside > 0 {
+        parts.push(format!(
+            "{outside} of {} beyond the range (double-click: all)",
+            errors().count()
+        ));
+    }
+    parts.join("  ·  ")
 }
 
 /// Indices to draw: all, or lowest and highest of each of equal spans.

@@ -174,10 +174,15 @@ impl SceneView {
             let font = FontId::proportional(if station { 13.0 } else { 10.5 });
             let colour = theme::readable(label.colour, dark);
             let galley = painter.layout_no_wrap(label.text.clone(), font, colour);
-            let place = Align2::CENTER_BOTTOM.anchor_size(at - Vec2::new(0.0, 6.0), galley.size());
-            if taken.iter().any(|other| other.intersects(place)) {
-                continue;
-            }
+            let places = [
+                (Align2::CENTER_BOTTOM, Vec2::new(0.0, -6.0)),
+                (Align2::CENTER_TOP, Vec2::new(0.0, 14.0)),
+                (Align2::LEFT_CENTER, Vec2::new(10.0, 0.0)),
+                (Align2::RIGHT_CENTER, Vec2::new(-10.0, 0.0)),
+            ]
+            .map(|(align, offset)| align.anchor_size(at + offset, galley.size()));
+            let free = |place: &&Rect| !taken.iter().any(|other| other.intersects(**place));
+            let Some(place) = places.iter().find(free).copied() else { continue };
             painter.galley(place.min, galley, colour);
             taken.push(place);
         }

@@ -141,20 +141,20 @@ fn two_best(
     thinned: &CentredTriplets,
     priors: &[Parameters],
 ) -> (Minimum, Option<Minimum>) {
+    let signs = |p: &Parameters| data.height_differences_m(p).map(|h| h < 0.0);
+    let mut starts = priors.to_vec();
+    for flips in [[true, true], [true, false], [false, true]] {
+        let mirrored = data.mirrored(&priors[0], flips);
+        if !starts.iter().any(|start| signs(start) == signs(&mirrored)) {
+            starts.push(mirrored);
+        }
+    }
     let mut minima: Vec<Minimum> = Vec::new();
-    let mut add = |start: Parameters| {
+    for start in starts {
         let minimum = minimise(thinned, start);
         let transforms = data.transforms(&minimum.parameters);
         if !minima.iter().any(|m| same_solution(&data.transforms(&m.parameters), &transforms)) {
             minima.push(minimum);
-        }
-    };
-    for prior in priors {
-        add(*prior);
-    }
-    for prior in &priors[..1] {
-        for flips in [[true, true], [true, false], [false, true]] {
-            add(data.mirrored(prior, flips));
         }
     }
     minima.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
@@ -171,7 +171,7 @@ fn two_best(
     let second = minimise(data, start);
     let same =
         same_solution(&data.transforms(&first.parameters), &data.transforms(&second.parameters));
-    (first, (!same && second.converged).then_some(second))
+    (first, (!same).then_some(second))
 }
 
 fn basin(data: &CentredTriplets, minimum: Minimum) -> Basin {

@@ -1,0 +1,325 @@
+//! The commands as a script sees them: real processes, their output and exit codes.
+
+mod common;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use common::{field_data, sample_folder};
+use serde_json::Value;
+
+/// Runs resect without a display.
+fn resect(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_resect"))
+        .args(arguments)
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .expect("resect starts")
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+/// Standard output of a run that must succeed.
+#[track_caller]
+fn stdout(arguments: &[&str]) -> String {
+    let output = resect(arguments);
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {complaint}");
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// The one line on standard error of a run that must fail with this code.
+#[track_caller]
+fn complaint(arguments: &[&str], code: i32) -> String {
+    let output = resect(arguments);
+    let line = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {line}");
+    assert!(output.stdout.is_empty(), "nothing is printed beside an error");
+    if code == 1 {
+        assert_eq!(line.trim_end().lines().count(), 1, "one line, not:\n{line}");
+    }
+    line
+}
+
+fn json(arguments: &[&str]) -> Value {
+    serde_json::from_str(&stdout(arguments)).expect("JSON")
+}
+
+#[test]
+fn the_json_keeps_its_contract() {
+    let path = sample_folder("warthog");
+    let value = json(&["calibrate", text(&path), "--method", "inter-prism", "--json"]);
+    assert_eq!(value["schema"], 1);
+    assert_eq!(value["deployment"], "warthog (simulated)");
+    assert_eq!(value["method"], "inter-prism");
+    assert_eq!(value["settings"]["pipeline"]["thresholds"]["tau_s_seconds"], 1.0);
+    for key in ["raw", "kept"] {
+        assert_eq!(value["pipeline"][key].as_array().map(Vec::len), Some(3));
+    }
+    assert!(value["pipeline"]["intervals"].as_u64() > Some(3));
+    assert!(value["pipeline"]["triplets"].as_u64() > Some(1000));
+    for (index, from) in [2, 3].into_iter().enumerate() {
+        let transform = &value["transforms"][index];
+        assert_eq!((&transform["from"], &transform["to"]), (&from.into(), &1.into()));
+        let number = |value: &Value| value.as_f64().expect("a number");
+        let yaw = number(&transform["yaw_rad"]);
+        assert!((number(&transform["matrix"][0][0]) - yaw.cos()).abs() < 1e-12);
+        assert!((number(&transform["matrix"][0][1]) + yaw.sin()).abs() < 1e-12);
+        for axis in 0..3 {
+            assert_eq!(transform["matrix"][axis][3], transform["translation_m"][axis]);
+            assert!(number(&transform["sigma"]["translation_m"][axis]) > 0.0);
+        }
+        assert!(number(&transform["sigma"]["yaw_rad"]) > 0.0);
+    }
+    for key in ["median", "q25", "q75", "iqr", "n"] {
+        assert!(value["metrics"]["inter_prism_mm"][key].is_number(), "{key}");
+    }
+    assert_eq!(value["metrics"]["gcp_mm"].as_array().map(Vec::len), Some(2));
+    assert_eq!(value["metrics"]["gcp_mm"][0]["file"], "GCP_raw_1.txt");
+    assert_eq!(value["diagnosis"]["verdict"], "good");
+    assert_eq!(value["diagnosis"]["mirror"]["resolved_by"], "rig");
+    assert!(value["diagnosis"]["mirror"]["cost_ratio"].as_f64() > Some(2.0));
+    assert!(value["diagnosis"]["findings"].as_array().is_some_and(|f| !f.is_empty()));
+    for key in ["load", "pipeline", "prior", "solve", "total"] {
+        assert!(value["time_ms"][key].as_f64() >= Some(0.0), "{key}");
+    }
+}
+
+#[test]
+fn what_is_not_there_is_null_or_empty_and_never_zero() {
+    let value = json(&["calibrate", text(&sample_folder("hd2-tunnel")), "--json"]);
+    assert_eq!(value["metrics"]["gcp_mm"], Value::Array(vec![]));
+}
+
+#[test]
+fn flags_reach_the_answer() {
+    let path = sample_folder("warthog");
+    let triplets = |extra: &[&str]| {
+        let mut arguments = vec!["calibrate", text(&path), "--json"];
+        arguments.extend(extra);
+        let value = json(&arguments);
+        value["pipeline"]["triplets"].as_u64().expect("a count")
+    };
+    let default = triplets(&[]);
+    assert!(triplets(&["--rate", "5"]) < default);
+    assert!(triplets(&["--tau-l", "30"]) < default);
+    assert!(triplets(&["--tau-a", "0.2"]) < default);
+    assert!(triplets(&["--tau-s", "3"]) > default);
+    assert!(triplets(&["--no-outlier-filter"]) > default);
+    assert!(triplets(&["--no-interval-filter"]) > default);
+    assert!(triplets(&["--tau-r", "0.5"]) < default);
+    assert!(triplets(&["--tau-e", "0.05"]) < default);
+    assert_eq!(triplets(&["--prior", "search", "--interpolation", "linear"]), default);
+}
+
+#[test]
+fn a_config_file_is_the_settings_and_flags_overrule_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = folder.path().join("settings.toml");
+    std::fs::write(
+        &config,
+        "[pipeline]\nrate_hz = 4.0\n[pipeline.thresholds]\ntau_l_seconds = 9.0\n",
+    )
+    .expect("writable");
+    let path = sample_folder("warthog");
+    let value =
+        json(&["calibrate", text(&path), "--json", "--config", text(&config), "--tau-l", "7"]);
+    assert_eq!(value["settings"]["pipeline"]["rate_hz"], 4.0);
+    assert_eq!(value["settings"]["pipeline"]["thresholds"]["tau_l_seconds"], 7.0);
+    std::fs::write(&config, "[pipeline]\nrat_hz = 4.0\n").expect("writable");
+    let line = complaint(&["calibrate", text(&path), "--config", text(&config)], 2);
+    assert!(line.contains("settings.toml:2: unknown field `rat_hz`"), "{line}");
+}
+
+#[test]
+fn bad_usage_is_2_and_bad_input_is_1() {
+    let path = sample_folder("warthog");
+    for arguments in [
+        &["calibrate"] as &[&str],
+        &["calibrate", text(&path), "--tau-s", "zero"],
+        &["calibrate", text(&path), "--tau-s", "-1"],
+        &["calibrate", text(&path), "--tau-s", "0"],
+        &["calibrate", text(&path), "--rate", "NaN"],
+        &["calibrate", text(&path), "--method", "guesswork"],
+        &["screenshot", "--out", "x.png", "--size", "10"],
+        &["export", text(&path)],
+        &["simulate", "--preset", "moon", "--out", "x"],
+    ] {
+        complaint(arguments, 2);
+    }
+    let line = complaint(&["calibrate", "/nowhere/at/all"], 1);
+    assert!(line.contains("/nowhere/at/all"), "{line}");
+}
+
+#[test]
+fn broken_folders_end_in_one_line_with_the_place_and_a_remedy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let data = folder.path().join("inter_prism.csv");
+    let good = std::fs::read_to_string(sample_folder("warthog").join("inter_prism.csv"))
+        .expect("readable");
+    let cases: [(&str, String, &str); 6] = [
+        ("empty", String::new(), "no tracks of the stations"),
+        (
+            "semicolons",
+            good.replace(',', ";"),
+            "inter_prism.csv:1: the columns are separated by semicolons",
+        ),
+        ("words", good.replacen("1760000003", "later", 1), "inter_prism.csv:"),
+        ("cut", good[..good.len() - 30].to_owned(), "fields where the header has 5"),
+        ("a column gone", good.replacen("va", "vb", 1), "no tracks of the stations"),
+        ("binary", "\u{1}\u{2}\u{fffd}".repeat(50), "no tracks of the stations"),
+    ];
+    for (name, content, expected) in cases {
+        std::fs::write(&data, content).expect("writable");
+        for command in ["calibrate", "check"] {
+            let line = complaint(&[command, text(folder.path())], 1);
+            assert!(line.contains(expected), "{name}: {line}");
+            assert!(line.contains("; "), "{name}: no remedy in {line}");
+        }
+    }
+    std::fs::write(&data, [0xff, 0xfe, 0x00, 0x41]).expect("writable");
+    complaint(&["check", text(folder.path())], 1);
+}
+
+#[test]
+fn a_missing_station_is_found_by_check_and_refused_by_calibrate() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let source = sample_folder("warthog");
+    for file in ["calibration_results.csv", "calibration_raw.csv"] {
+        std::fs::copy(source.join(file), folder.path().join(file)).expect("copied");
+    }
+    let good = std::fs::read_to_string(source.join("inter_prism.csv")).expect("readable");
+    let two: String =
+        good.lines().filter(|l| !l.contains(",3,")).map(|l| l.to_owned() + "\n").collect();
+    std::fs::write(folder.path().join("inter_prism.csv"), two).expect("writable");
+    let report = stdout(&["check", text(folder.path())]);
+    assert!(report.contains("station 3 has no measurement"), "{report}");
+    let line = complaint(&["calibrate", text(folder.path())], 1);
+    assert!(line.contains("station 3 has no measurement"), "{line}");
+}
+
+#[test]
+fn spoiled_lines_are_left_out_and_counted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let source = sample_folder("warthog");
+    std::fs::copy(source.join("calibration_results.csv"), folder.path().join("d.csv"))
+        .expect("copied");
+    let good = std::fs::read_to_string(source.join("inter_prism.csv")).expect("readable");
+    let mut lines: Vec<String> = good.lines().map(str::to_owned).collect();
+    let duplicate = lines[40].clone();
+    lines.insert(41, duplicate);
+    lines.swap(100, 160);
+    lines[200] = "1760000100.0,1,NaN,0.1,1.5".to_owned();
+    std::fs::write(folder.path().join("p.csv"), lines.join("\n")).expect("writable");
+    let value = json(&["calibrate", text(folder.path()), "--json"]);
+    let findings = value["diagnosis"]["findings"].to_string();
+    for expected in ["duplicate stamps", "out-of-order stamps", "not a number"] {
+        assert!(findings.contains(expected), "{expected}: {findings}");
+    }
+}
+
+#[test]
+fn simulate_writes_what_calibrate_opens() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("made/here");
+    for preset in ["warthog", "hd2-tunnel"] {
+        let out = out.join(preset);
+        stdout(&["simulate", "--preset", preset, "--seed", "7", "--out", text(&out)]);
+        assert!(out.join("truth.toml").is_file());
+        let value = json(&["calibrate", text(&out), "--json"]);
+        assert!(value["metrics"]["inter_prism_mm"]["median"].as_f64() < Some(3.0));
+    }
+}
+
+#[test]
+fn without_a_display_the_sample_is_calibrated_and_the_ways_on_are_named() {
+    let output = stdout(&[]);
+    for expected in ["built-in sample", "verdict: GOOD", "T12", "±", "resect screenshot", "ssh -X"]
+    {
+        assert!(output.contains(expected), "{expected} is not in:\n{output}");
+    }
+    let output = stdout(&[text(&sample_folder("hd2-tunnel"))]);
+    assert!(output.contains("hd2-tunnel"), "{output}");
+}
+
+#[test]
+fn control_points_and_rig_can_come_from_elsewhere() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let source = sample_folder("warthog");
+    std::fs::copy(source.join("inter_prism.csv"), folder.path().join("p.csv")).expect("copied");
+    let tracks = folder.path().join("p.csv");
+    let line = complaint(&["calibrate", text(&tracks)], 1);
+    assert!(line.contains("--rig"), "{line}");
+    let gcp = source.join("GCP_raw_2.txt");
+    let value =
+        json(&["calibrate", text(&tracks), "--rig", text(&source), "--json", "--gcp", text(&gcp)]);
+    assert_eq!(value["metrics"]["gcp_mm"].as_array().map(Vec::len), Some(1));
+    let whole = json(&["calibrate", text(&source), "--json"]);
+    assert_eq!(value["transforms"], whole["transforms"]);
+}
+
+#[test]
+fn exported_triplets_reproduce_the_metric() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = sample_folder("warthog");
+    stdout(&["export", text(&path), "--csv", text(folder.path())]);
+    let mut reader = csv::Reader::from_path(folder.path().join("triplets.csv")).expect("readable");
+    let column = |name: &str, headers: &csv::StringRecord| {
+        headers.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"))
+    };
+    let headers = reader.headers().expect("a header").clone();
+    let errors = ["error_12_mm", "error_13_mm", "error_23_mm"].map(|name| column(name, &headers));
+    let mut sizes = Vec::new();
+    for row in reader.records() {
+        let row = row.expect("a row");
+        sizes.extend(errors.map(|at| row[at].parse::<f64>().expect("a number").abs()));
+    }
+    sizes.sort_by(f64::total_cmp);
+    let value = json(&["calibrate", text(&path), "--json"]);
+    let metric = &value["metrics"]["inter_prism_mm"];
+    assert_eq!(metric["n"].as_u64(), Some(sizes.len() as u64));
+    let middle = sizes[sizes.len() / 2];
+    assert!((metric["median"].as_f64().expect("a number") - middle).abs() < 0.01);
+}
+
+#[cfg(feature = "rerun")]
+#[test]
+fn a_recording_holds_tracks_fates_stations_and_residuals() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("sample.rrd");
+    stdout(&["export", text(&sample_folder("warthog")), "--rrd", text(&file)]);
+    let bytes = std::fs::read(&file).expect("readable");
+    assert!(bytes.starts_with(b"RRF2"), "not a recording");
+    assert!(bytes.len() > 100_000, "{} bytes", bytes.len());
+    let nowhere =
+        complaint(&["export", text(&sample_folder("warthog")), "--rrd", "/nowhere/at/all.rrd"], 1);
+    assert!(nowhere.contains("/nowhere/at/all.rrd"), "{nowhere}");
+}
+
+#[test]
+fn screenshot_writes_a_picture_of_the_wanted_size() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("window.png");
+    stdout(&["screenshot", "--out", text(&file), "--size", "900x600", "--theme", "light"]);
+    let picture = image::open(&file).expect("a picture").to_rgb8();
+    assert_eq!(picture.dimensions(), (900, 600));
+    let colours: std::collections::HashSet<_> = picture.pixels().copied().collect();
+    assert!(colours.len() > 200, "only {} colours", colours.len());
+}
+
+#[test]
+fn the_field_data_by_the_command_line() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let value = json(&["calibrate", text(&path), "--method", "inter-prism", "--json"]);
+    assert_eq!(value["deployment"], "2022-07-11-2");
+    assert_eq!(value["pipeline"]["triplets"], 2032);
+    assert_eq!(value["pipeline"]["raw"], serde_json::json!([1040, 1041, 1041]));
+    assert!(value["diagnosis"]["findings"].to_string().contains("mirror"));
+    let report = stdout(&["check", text(&path)]);
+    for expected in ["inter_prism.csv", "1041 readings", "4 pillars", "0.7282 m"] {
+        assert!(report.contains(expected), "{expected} is not in:\n{report}");
+    }
+}

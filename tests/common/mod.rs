@@ -1,0 +1,50 @@
+//! What several test files share.
+
+#![allow(dead_code, reason = "each test file uses a part")]
+
+use std::path::PathBuf;
+
+use resect::analysis::{Analysis, Analyst, Answer, Settings};
+use resect::deployment::Deployment;
+use resect::geometry::{LevelTransform, wrap_to_pi};
+
+/// A folder or file of the field data, which is never part of the repository; `None` (said aloud) where it is
+/// not there.
+pub fn field_data(name: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/datasets").join(name);
+    if path.exists() {
+        Some(path)
+    } else {
+        eprintln!("skipped: {} is not here", path.display());
+        None
+    }
+}
+
+pub fn sample_folder(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/samples").join(name)
+}
+
+/// The one path, from a fresh start.
+pub fn analyse(deployment: &Deployment, settings: &Settings) -> Analysis {
+    Analyst::new(deployment.clone().into()).run(settings)
+}
+
+pub fn answer(analysis: &Analysis) -> &Answer {
+    analysis.answer.as_ref().expect("an answer")
+}
+
+/// Asserts that two transforms agree within metres and radians.
+#[track_caller]
+pub fn assert_close(
+    found: &LevelTransform,
+    expected: &LevelTransform,
+    metres: [f64; 3],
+    radians: f64,
+) {
+    let off = found.translation_m - expected.translation_m;
+    let turned = wrap_to_pi(found.yaw_rad - expected.yaw_rad);
+    assert!(
+        (0..3).all(|axis| off[axis].abs() <= metres[axis]) && turned.abs() <= radians,
+        "off by {off:?} m and {turned} rad: {found:?} instead of {expected:?}"
+    );
+}

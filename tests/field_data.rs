@@ -1,0 +1,175 @@
+//! The published run of 2022-07-11 against what an independent implementation finds in it
+//! (`../shared/datasets/README.md`).
+
+mod common;
+
+use common::{analyse, answer, assert_close, field_data};
+use nalgebra::Vector3;
+use resect::analysis::Settings;
+use resect::calibration::{PriorMethod, ResolvedBy, Verdict};
+use resect::deployment::{open, open_with};
+use resect::geometry::LevelTransform;
+
+const NEAR: [f64; 3] = [0.003, 0.003, 0.010];
+const NEAR_RAD: f64 = 1e-4;
+
+fn transform(x: f64, y: f64, z: f64, yaw: f64) -> LevelTransform {
+    LevelTransform::new(Vector3::new(x, y, z), yaw)
+}
+
+fn settings(filters: bool, prior: PriorMethod) -> Settings {
+    let mut settings = Settings::default();
+    settings.pipeline.outlier_filter = filters;
+    settings.pipeline.interval_filter = filters;
+    settings.calibration.prior = prior;
+    settings
+}
+
+#[test]
+fn defaults_reproduce_the_reference() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let deployment = open(&path).expect("opens");
+    let analysis = analyse(&deployment, &Settings::default());
+    assert_eq!(analysis.pipeline.triplets.len(), 2032);
+    assert_eq!(analysis.pipeline.kept_intervals.len(), 11);
+    let answer = answer(&analysis);
+    let [_, t12, t13] = answer.calibration.station1_from_station();
+    assert_close(t12, &transform(5.3191, -2.5264, -0.2885, -0.51872), NEAR, NEAR_RAD);
+    assert_close(t13, &transform(-5.4514, -0.0256, -0.2655, -0.45934), NEAR, NEAR_RAD);
+
+    let inter_prism = answer.evaluation.inter_prism_mm.expect("a rig is there");
+    assert!((inter_prism.median - 1.31).abs() < 0.05, "{inter_prism:?}");
+    assert!((inter_prism.iqr - 2.53).abs() < 0.05, "{inter_prism:?}");
+    // The pillars are no control points of the metric: three sets, not four.
+    let medians: Vec<f64> =
+        answer.evaluation.control_points_mm.iter().map(|m| m.spread.median.round()).collect();
+    assert_eq!(medians, [35.0, 83.0, 123.0]);
+}
+
+#[test]
+fn the_mirror_is_found_and_told_apart_by_the_rig() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let deployment = open(&path).expect("opens");
+    let analysis = analyse(&deployment, &Settings::default());
+    let calibration = &answer(&analysis).calibration;
+    assert_eq!(calibration.mirror.resolved_by, ResolvedBy::Rig);
+    assert!((calibration.mirror.cost_ratio.expect("a twin") - 4.74).abs() < 0.1);
+    let twin = calibration.mirror.twin.expect("a twin").station1_from_station;
+    assert_close(&twin[1], &transform(5.3185, -2.5388, 0.4829, -0.5189), NEAR, NEAR_RAD);
+    assert_close(&twin[2], &transform(-5.4454, -0.0384, 0.4509, -0.4596), NEAR, NEAR_RAD);
+    assert!(calibration.findings.iter().any(|f| f.message.contains("mirror twin")));
+}
+
+#[test]
+fn control_points_that_contradict_are_not_passed_over() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let deployment = open(&path).expect("opens");
+    let analysis = analyse(&deployment, &Settings::default());
+    let calibration = &answer(&analysis).calibration;
+    assert_eq!(calibration.verdict, Verdict::Weak);
+    assert!(calibration.findings.iter().any(|f| f.message.contains("control points contradict")));
+}
+
+#[test]
+fn without_filters_neither_prior_falls_into_the_mirror() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let mut deployment = open(&path).expect("opens");
+    let blind = {
+        // No witness at all: the cost must do.
+        let mut blind = deployment.clone();
+        blind.control_points.clear();
+        if let Some(rig) = &mut blind.rig {
+            rig.prisms_m = None;
+        }
+        blind
+    };
+    deployment.findings.clear();
+    for deployment in [&deployment, &blind] {
+        for prior in [PriorMethod::ClosedForm, PriorMethod::Search] {
+            let analysis = analyse(deployment, &settings(false, prior));
+            assert_eq!(analysis.pipeline.triplets.len(), 3886);
+            assert_eq!(analysis.pipeline.kept_intervals.len(), 25);
+            let [_, t12, t13] = answer(&analysis).calibration.station1_from_station();
+            assert_close(t12, &transform(5.3189, -2.5262, -0.2885, -0.5187), NEAR, NEAR_RAD);
+            assert_close(t13, &transform(-5.4503, -0.0272, -0.2660, -0.4594), NEAR, NEAR_RAD);
+        }
+    }
+}
+
+#[test]
+fn both_priors_end_in_the_same_answer() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let deployment = open(&path).expect("opens");
+    let [closed, search] = [PriorMethod::ClosedForm, PriorMethod::Search]
+        .map(|prior| analyse(&deployment, &settings(true, prior)));
+    let found = answer(&search).calibration.station1_from_station();
+    for (a, b) in answer(&closed).calibration.station1_from_station().iter().zip(found) {
+        assert_close(a, b, [1e-6; 3], 1e-8);
+    }
+    let search = answer(&search).calibration.prior_search.as_ref().expect("it searched");
+    assert!(search.agreed);
+    assert!(search.steps.iter().all(|runs| runs.len() > 5));
+}
+
+#[test]
+fn the_three_bags_give_the_numbers_of_the_table() {
+    let Some(folder) = field_data("2022-07-11-2") else { return };
+    let reference = analyse(&open(&folder).expect("opens"), &Settings::default());
+    let reference = answer(&reference).calibration.station1_from_station();
+    for bag in ["2022-07-11-2.bag", "2022-07-11-2-bz2.bag", "2022-07-11-2-lz4.bag"] {
+        let Some(path) = field_data("2022-07-11-2-bags").map(|folder| folder.join(bag)) else {
+            return;
+        };
+        let deployment = open_with(&path, Some(&folder)).expect("opens");
+        // Six messages say that the lock was lost.
+        let lost = deployment.findings.iter().filter(|f| f.message.contains("status 3")).count();
+        assert_eq!(lost, 3, "{bag}: one finding a station");
+        let analysis = analyse(&deployment, &Settings::default());
+        assert_eq!(analysis.pipeline.triplets.len(), 2032, "{bag}");
+        for (a, b) in answer(&analysis).calibration.station1_from_station().iter().zip(reference) {
+            assert_close(a, b, [1e-6; 3], 1e-8);
+        }
+    }
+}
+
+#[test]
+fn a_bag_alone_says_what_it_lacks() {
+    let Some(folder) = field_data("2022-07-11-2-bags") else { return };
+    let deployment = open(&folder.join("2022-07-11-2.bag")).expect("opens");
+    assert!(deployment.rig.is_none());
+    let error = analyse(&deployment, &Settings::default()).answer.expect_err("no rig").to_string();
+    assert!(error.contains("inter-prism distances are not known"), "{error}");
+    // And a folder of several bags is a question, not a choice.
+    let error = open(&folder).expect_err("ambiguous").to_string();
+    assert!(error.contains("several files hold tracks"), "{error}");
+}
+
+#[test]
+fn a_cut_or_damaged_bag_is_an_error_and_never_a_panic() {
+    let Some(folder) = field_data("2022-07-11-2-bags") else { return };
+    let temporary = tempfile::tempdir().expect("a folder");
+    for bag in ["2022-07-11-2.bag", "2022-07-11-2-bz2.bag", "2022-07-11-2-lz4.bag"] {
+        let bytes = std::fs::read(folder.join(bag)).expect("readable");
+        let path = temporary.path().join(bag);
+        for share in [0.0001, 0.01, 0.1, 0.5, 0.9, 0.999] {
+            let length = (bytes.len() as f64 * share) as usize;
+            std::fs::write(&path, &bytes[..length]).expect("writable");
+            let error = open(&path).expect_err("cut").to_string();
+            assert!(error.contains(bag) && error.contains("rosbag reindex"), "{share}: {error}");
+        }
+        // Bytes turned over, from the header to the index: an error or a reading, never a panic.
+        for place in (14..bytes.len()).step_by(bytes.len() / 97) {
+            let mut damaged = bytes.clone();
+            damaged[place] ^= 0xff;
+            std::fs::write(&path, &damaged).expect("writable");
+            drop(open(&path));
+        }
+    }
+}
+
+#[test]
+fn the_published_layout_says_why_it_cannot_be_used_yet() {
+    let Some(path) = field_data("2022-07-11-2-published") else { return };
+    let error = open(&path).expect_err("Cartesian tracks only").to_string();
+    assert!(error.contains("Cartesian track"), "{error}");
+}

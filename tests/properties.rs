@@ -1,0 +1,115 @@
+//! What must hold whatever the data: moving the input moves the output alike.
+
+mod common;
+
+use common::{analyse, answer, assert_close};
+use resect::analysis::Settings;
+use resect::deployment::{Deployment, Sample};
+use resect::geometry::LevelTransform;
+
+fn sample() -> Deployment {
+    Sample::Warthog.open().expect("built in")
+}
+
+fn transforms(deployment: &Deployment) -> [LevelTransform; 3] {
+    *answer(&analyse(deployment, &Settings::default())).calibration.station1_from_station()
+}
+
+/// Turns a station's zero direction: its azimuths grow, its points turn clockwise.
+fn turn_station(deployment: &mut Deployment, station: usize, by_rad: f64) {
+    for m in &mut deployment.tracks[station].measurements {
+        m.azimuth_rad += by_rad;
+    }
+    for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
+        if let Some(polar) = &mut point.readings[station] {
+            polar.azimuth_rad += by_rad;
+        }
+    }
+}
+
+#[test]
+fn turning_a_station_turns_its_transform_back() {
+    let before = transforms(&sample());
+    for by_rad in [0.3, -2.0, 3.1] {
+        let mut turned = sample();
+        turn_station(&mut turned, 1, by_rad);
+        let after = transforms(&turned);
+        let expected = LevelTransform::new(before[1].translation_m, before[1].yaw_rad + by_rad);
+        assert_close(&after[1], &expected, [1e-6; 3], 1e-8);
+        assert_close(&after[2], &before[2], [1e-6; 3], 1e-8);
+    }
+}
+
+#[test]
+fn turning_station_1_turns_the_whole_answer() {
+    let before = transforms(&sample());
+    let mut turned = sample();
+    turn_station(&mut turned, 0, 1.2);
+    let after = transforms(&turned);
+    let new_from_old = LevelTransform::new(nalgebra::Vector3::zeros(), -1.2);
+    for station in 1..3 {
+        assert_close(&after[station], &new_from_old.then_from(&before[station]), [1e-6; 3], 1e-8);
+    }
+}
+
+#[test]
+fn shifting_every_clock_changes_nothing() {
+    let before = transforms(&sample());
+    let mut shifted = sample();
+    for track in &mut shifted.tracks {
+        for m in &mut track.measurements {
+            m.time_s += 4096.0;
+        }
+    }
+    for (a, b) in transforms(&shifted).iter().zip(before) {
+        assert_close(a, &b, [1e-6; 3], 1e-8);
+    }
+}
+
+#[test]
+fn relabelling_stations_2_and_3_swaps_their_transforms() {
+    let before = transforms(&sample());
+    let mut swapped = sample();
+    swapped.tracks.swap(1, 2);
+    for point in swapped.control_points.iter_mut().flat_map(|set| &mut set.points) {
+        point.readings.swap(1, 2);
+    }
+    let rig = swapped.rig.as_mut().expect("a rig");
+    rig.inter_prism_m.swap(0, 1);
+    if let Some(prisms) = &mut rig.prisms_m {
+        prisms.swap(1, 2);
+    }
+    let after = transforms(&swapped);
+    assert_close(&after[1], &before[2], [1e-6; 3], 1e-8);
+    assert_close(&after[2], &before[1], [1e-6; 3], 1e-8);
+}
+
+#[test]
+fn a_wrong_prism_order_is_called_ambiguous_not_good() {
+    let mut wrong = sample();
+    // The rig's heights upside down, the cost clearly against them.
+    if let Some(prisms) = wrong.rig.as_mut().and_then(|rig| rig.prisms_m.as_mut()) {
+        for prism in prisms {
+            prism.z = -prism.z;
+        }
+    }
+    wrong.control_points.clear();
+    let analysis = analyse(&wrong, &Settings::default());
+    assert_eq!(answer(&analysis).calibration.verdict, resect::calibration::Verdict::Ambiguous);
+}
+
+#[test]
+fn a_straight_drive_is_degenerate_not_good() {
+    // Only the readings while the vehicle drives one way: cut the tunnel sample to one pass, weaving taken out by
+    // keeping a stretch shorter than a bend.
+    let mut short = Sample::Hd2Tunnel.open().expect("built in");
+    let start = short.start_s().expect("readings");
+    for track in &mut short.tracks {
+        track.measurements.retain(|m| m.time_s - start < 6.9);
+    }
+    let analysis = analyse(&short, &Settings::default());
+    let calibration = &answer(&analysis).calibration;
+    // The vehicle stands for these seconds: nothing but one triangle is seen.
+    assert!(calibration.verdict > resect::calibration::Verdict::Good, "{:?}", calibration.findings);
+    assert!(calibration.findings.iter().any(|f| f.message.contains("figure-eight")));
+}

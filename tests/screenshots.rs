@@ -1,0 +1,176 @@
+//! The window as pictures, and driven by the names of its widgets.
+//!
+//! References are in `screenshots/`; Mesa's software Vulkan is the one rasteriser. After an intended change run
+//! `UPDATE_SNAPSHOTS=1 cargo test --test screenshots` and look at the new pictures before committing them.
+
+mod common;
+
+use eframe::egui::{Theme, Vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::{Harness, SnapshotOptions};
+use resect::analysis::Settings;
+use resect::app::{Command, Notice, ResectWindow, Start};
+use resect::deployment::Sample;
+
+const LARGE: Vec2 = Vec2::new(1600.0, 1000.0);
+const SMALL: Vec2 = Vec2::new(1100.0, 700.0);
+
+/// The window with the Warthog sample, calibrated.
+fn window(size: Vec2, theme: Theme) -> Harness<'static, ResectWindow> {
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_theme(theme)
+        .with_render_cursor(false)
+        .wgpu()
+        .build_eframe(|creation| {
+            ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
+        });
+    harness.state_mut().state.fixed_elapsed_ms = Some(1.0);
+    settle(&mut harness);
+    harness
+}
+
+/// Lets commands reach the worker, its answers come back, and the panes be drawn with them.
+fn settle(harness: &mut Harness<'_, ResectWindow>) {
+    for _ in 0..2 {
+        harness.run_steps(2);
+        harness.state_mut().settle();
+    }
+    harness.run_steps(3);
+}
+
+#[track_caller]
+fn snapshot(harness: &mut Harness<'_, ResectWindow>, name: &str) {
+    // A few pixels on the edge of a disc may round differently with another version of Mesa.
+    let options = SnapshotOptions::new().output_path("screenshots").max_failed_pixels(60);
+    harness.snapshot_options(name, &options);
+}
+
+fn triplets(harness: &Harness<'_, ResectWindow>) -> usize {
+    harness.state().state.analysis.as_ref().map_or(0, |a| a.pipeline.triplets.len())
+}
+
+#[test]
+fn the_window_after_opening_the_sample() {
+    for (theme, name) in [(Theme::Dark, "sample-dark"), (Theme::Light, "sample-light")] {
+        snapshot(&mut window(LARGE, theme), name);
+    }
+    for (theme, name) in [(Theme::Dark, "sample-small-dark"), (Theme::Light, "sample-small-light")]
+    {
+        snapshot(&mut window(SMALL, theme), name);
+    }
+}
+
+#[test]
+fn switching_the_outlier_filter_off_lets_more_through() {
+    for (theme, name) in
+        [(Theme::Dark, "no-outlier-filter-dark"), (Theme::Light, "no-outlier-filter-light")]
+    {
+        let mut harness = window(LARGE, theme);
+        let before = triplets(&harness);
+        harness.get_by_label("1  Outlier filter").click();
+        settle(&mut harness);
+        assert!(!harness.state().state.settings.pipeline.outlier_filter);
+        assert!(triplets(&harness) > before);
+        snapshot(&mut harness, name);
+        harness.get_by_label("Reset to the paper's values").click();
+        settle(&mut harness);
+        assert_eq!(triplets(&harness), before);
+    }
+}
+
+#[test]
+fn an_error_is_shown_and_what_was_open_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("broken.csv");
+    std::fs::write(&file, "timestamp;id;distance;ha;va\n0;1;10;0.1;1.5\n").expect("writable");
+    for (theme, name) in [(Theme::Dark, "error-dark"), (Theme::Light, "error-light")] {
+        let mut harness = window(SMALL, theme);
+        let before = triplets(&harness);
+        let ctx = harness.ctx.clone();
+        harness.state_mut().send(Command::OpenPath(file.clone()), &ctx);
+        settle(&mut harness);
+        let Some(Notice::Error(line)) = harness.state().state.notice.clone() else {
+            panic!("no error shown");
+        };
+        assert!(line.contains("broken.csv:1") && line.contains("semicolons"), "{line}");
+        assert_eq!(triplets(&harness), before);
+        snapshot(&mut harness, name);
+        harness.get_by_label("Dismiss").click();
+        settle(&mut harness);
+        assert!(harness.state().state.notice.is_none());
+    }
+}
+
+#[test]
+fn the_other_sample_opens_from_the_menu() {
+    let mut harness = window(LARGE, Theme::Dark);
+    harness.get_by_label("Open").click();
+    harness.run_steps(3);
+    harness.get_by_label("Sample: HD2 in a tunnel").click();
+    settle(&mut harness);
+    let deployment = harness.state().state.deployment.clone().expect("open");
+    assert_eq!(deployment.name, "hd2-tunnel (simulated)");
+    snapshot(&mut harness, "tunnel-dark");
+}
+
+#[test]
+fn a_threshold_can_be_typed() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let before = triplets(&harness);
+    // Slider and number share the label; the number takes text.
+    harness.get_by_role_and_label(eframe::egui::accesskit::Role::SpinButton, "τ_l  length").click();
+    harness.run_steps(2);
+    harness
+        .get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, "τ_l  length")
+        .type_text("25");
+    harness.run_steps(2);
+    harness.key_press(eframe::egui::Key::Enter);
+    settle(&mut harness);
+    assert_eq!(harness.state().state.settings.pipeline.thresholds.tau_l_seconds, 25.0);
+    assert!(triplets(&harness) < before);
+}
+
+#[test]
+fn the_newest_request_wins() {
+    let mut harness = window(SMALL, Theme::Dark);
+    let ctx = harness.ctx.clone();
+    for tau_l in [8.0, 12.0, 16.0, 20.0, 30.0] {
+        let mut settings = Settings::default();
+        settings.pipeline.thresholds.tau_l_seconds = tau_l;
+        harness.state_mut().send(Command::Set(settings), &ctx);
+    }
+    settle(&mut harness);
+    let analysis = harness.state().state.analysis.clone().expect("an answer");
+    assert_eq!(analysis.settings.pipeline.thresholds.tau_l_seconds, 30.0);
+    assert!(!harness.state().state.is_busy());
+}
+
+#[test]
+fn copy_gives_the_text_of_the_command_line() {
+    let mut harness = window(LARGE, Theme::Dark);
+    harness.get_by_label("Copy as text").click();
+    harness.run_steps(1);
+    let copied =
+        harness.output().platform_output.commands.iter().find_map(|command| match command {
+            eframe::egui::OutputCommand::CopyText(text) => Some(text.clone()),
+            _ => None,
+        });
+    let copied = copied.expect("something was copied");
+    assert!(copied.contains("verdict: GOOD") && copied.contains("T13"), "{copied}");
+}
+
+#[test]
+fn a_click_in_the_residuals_moves_the_cursor() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let before = harness.state().state.cursor_s.expect("a cursor");
+    let at = eframe::egui::Pos2::new(420.0, 860.0);
+    harness.hover_at(at);
+    harness.run_steps(1);
+    harness.drag_at(at);
+    harness.run_steps(1);
+    harness.drop_at(at);
+    settle(&mut harness);
+    let after = harness.state().state.cursor_s.expect("a cursor");
+    assert!((after - before).abs() > 20.0, "{before} {after}");
+}
