@@ -6,10 +6,10 @@
 mod common;
 
 use eframe::egui::{Theme, Vec2};
-use egui_kittest::kittest::{NodeT, Queryable};
-use egui_kittest::{Harness, SnapshotOptions};
+use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use resect::analysis::Settings;
-use resect::app::{Command, Notice, ResectWindow, Start};
+use resect::app::{Command, Notice, ResectWindow, Start, offscreen_renderer};
 use resect::deployment::Sample;
 
 const LARGE: Vec2 = Vec2::new(1600.0, 1000.0);
@@ -21,7 +21,7 @@ fn window(size: Vec2, theme: Theme) -> Harness<'static, ResectWindow> {
         .with_size(size)
         .with_theme(theme)
         .with_render_cursor(false)
-        .wgpu()
+        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
         .build_eframe(|creation| {
             ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
         });
@@ -52,17 +52,22 @@ fn triplets(harness: &Harness<'_, ResectWindow>) -> usize {
 
 #[test]
 fn the_window_after_opening_the_sample() {
-    for (theme, name) in [(Theme::Dark, "sample-dark"), (Theme::Light, "sample-light")] {
-        snapshot(&mut window(LARGE, theme), name);
-    }
-    for (theme, name) in [(Theme::Dark, "sample-small-dark"), (Theme::Light, "sample-small-light")]
-    {
-        snapshot(&mut window(SMALL, theme), name);
+    let mut results = SnapshotResults::new();
+    for (size, theme, name) in [
+        (LARGE, Theme::Dark, "sample-dark"),
+        (LARGE, Theme::Light, "sample-light"),
+        (SMALL, Theme::Dark, "sample-small-dark"),
+        (SMALL, Theme::Light, "sample-small-light"),
+    ] {
+        let mut harness = window(size, theme);
+        snapshot(&mut harness, name);
+        results.extend_harness(&mut harness);
     }
 }
 
 #[test]
 fn switching_the_outlier_filter_off_lets_more_through() {
+    let mut results = SnapshotResults::new();
     for (theme, name) in
         [(Theme::Dark, "no-outlier-filter-dark"), (Theme::Light, "no-outlier-filter-light")]
     {
@@ -76,6 +81,7 @@ fn switching_the_outlier_filter_off_lets_more_through() {
         harness.get_by_label("Reset to the paper's values").click();
         settle(&mut harness);
         assert_eq!(triplets(&harness), before);
+        results.extend_harness(&mut harness);
     }
 }
 
@@ -84,6 +90,7 @@ fn an_error_is_shown_and_what_was_open_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("broken.csv");
     std::fs::write(&file, "timestamp;id;distance;ha;va\n0;1;10;0.1;1.5\n").expect("writable");
+    let mut results = SnapshotResults::new();
     for (theme, name) in [(Theme::Dark, "error-dark"), (Theme::Light, "error-light")] {
         let mut harness = window(SMALL, theme);
         let before = triplets(&harness);
@@ -99,6 +106,7 @@ fn an_error_is_shown_and_what_was_open_stays() {
         harness.get_by_label("Dismiss").click();
         settle(&mut harness);
         assert!(harness.state().state.notice.is_none());
+        results.extend_harness(&mut harness);
     }
 }
 
@@ -118,12 +126,10 @@ fn the_other_sample_opens_from_the_menu() {
 fn a_threshold_can_be_typed() {
     let mut harness = window(LARGE, Theme::Dark);
     let before = triplets(&harness);
-    // Slider and number share the label; the number takes text.
+    // A click on the number turns it into a text field with everything selected.
     harness.get_by_role_and_label(eframe::egui::accesskit::Role::SpinButton, "τ_l  length").click();
     harness.run_steps(2);
-    harness
-        .get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, "τ_l  length")
-        .type_text("25");
+    harness.event(eframe::egui::Event::Text("25".to_owned()));
     harness.run_steps(2);
     harness.key_press(eframe::egui::Key::Enter);
     settle(&mut harness);

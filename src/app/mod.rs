@@ -14,4 +14,4 @@ mod window;
 mod worker;
 
 pub use state::{Command, Notice, State, Visibility};
-pub use window::{ResectWindow, Start, open_window, picture};
+pub use window::{ResectWindow, Start, offscreen_renderer, open_window, picture};

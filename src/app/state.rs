@@ -70,6 +70,8 @@ const DIM_AFTER: Duration = Duration::from_millis(80);
 pub struct State {
     worker: Worker,
     pub deployment: Option<Arc<Deployment>>,
+    /// Counts the deployments shown; changes with the deployment.
+    pub deployment_number: u64,
     pub settings: Settings,
     /// The newest answer; older than the settings while [`State::is_stale`].
     pub analysis: Option<Arc<Analysis>>,
@@ -90,6 +92,7 @@ impl State {
         Self {
             worker: Worker::start(ctx),
             deployment: None,
+            deployment_number: 0,
             settings: Settings::default(),
             analysis: None,
             analysis_run: 0,
@@ -107,6 +110,7 @@ impl State {
         self.analysis = None;
         self.cursor_s = None;
         self.deployment = Some(deployment);
+        self.deployment_number += 1;
         self.analyse();
     }
 
@@ -131,39 +135,34 @@ impl State {
         self.deployment.as_ref().and_then(|d| d.start_s()).unwrap_or(0.0)
     }
 
-    /// Takes in what the worker has done since the last frame. `true` when another deployment came in.
-    pub fn take_replies(&mut self) -> bool {
-        let mut opened = false;
+    /// Takes in what the worker has done since the last frame.
+    pub fn take_replies(&mut self) {
         while let Some(reply) = self.worker.try_reply() {
-            opened |= self.take(reply);
+            self.take(reply);
         }
-        opened
     }
 
-    /// Waits until nothing is under way; for pictures and tests. `true` when another deployment came in.
-    pub fn settle(&mut self) -> bool {
-        let mut opened = false;
+    /// Waits until nothing is under way; for pictures and tests.
+    pub fn settle(&mut self) {
         while self.is_busy() {
             match self.worker.wait_reply() {
-                Some(reply) => opened |= self.take(reply),
+                Some(reply) => self.take(reply),
                 None => break,
             }
         }
-        opened
     }
 
-    fn take(&mut self, reply: Reply) -> bool {
+    fn take(&mut self, reply: Reply) {
         match reply {
             Reply::Opened(number, result) => {
                 if self.opening != Some(number) {
-                    return false;
+                    return;
                 }
                 self.opening = None;
                 match result {
                     Ok(deployment) => {
                         self.notice = None;
                         self.show(deployment);
-                        return true;
                     }
                     Err(line) => self.notice = Some(Notice::Error(line)),
                 }
@@ -184,7 +183,6 @@ impl State {
             Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
             Reply::Done(Err(line)) => self.notice = Some(Notice::Error(line)),
         }
-        false
     }
 
     /// Carries out a command; those of the window itself (layout, camera) are left to the caller.

@@ -78,6 +78,6 @@ pub fn severity(severity: Severity, dark: bool) -> (Color32, &'static str) {
     match severity {
         Severity::Note => (faint(dark), "•"),
         Severity::Warning => (readable([230, 159, 0], dark), "⚠"),
-        Severity::Problem => (readable([240, 90, 50], dark), "✖"),
+        Severity::Problem => (readable([240, 90, 50], dark), "✗"),
     }
 }

@@ -6,7 +6,7 @@ use eframe::egui;
 
 use super::layout::{Layout, Pane, Panes};
 use super::panels;
-use super::scene::{SceneView, ViewPreset};
+use super::scene::SceneView;
 use super::state::{Command, Commands, State};
 use super::theme;
 use crate::analysis::Settings;
@@ -41,9 +41,7 @@ impl ResectWindow {
 
     /// Waits until nothing is under way; for pictures and tests.
     pub fn settle(&mut self) {
-        if self.state.settle() {
-            self.scene.look(ViewPreset::Fit);
-        }
+        self.state.settle();
     }
 
     /// Carries out a command as if a pane had sent it.
@@ -58,9 +56,7 @@ impl ResectWindow {
 
 impl eframe::App for ResectWindow {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        if self.state.take_replies() {
-            self.scene.look(ViewPreset::Fit);
-        }
+        self.state.take_replies();
         let mut commands = Commands::new();
         for file in ui.input(|i| i.raw.dropped_files.clone()) {
             commands.push(Command::OpenPath(file.path().to_owned()));
@@ -142,13 +138,14 @@ pub fn picture(
         .with_accessibility_check(false)
         .renderer(renderer)
         .build_eframe(|creation| ResectWindow::new(creation, &start, settings));
+    harness.run_steps(1);
     harness.state_mut().settle();
     harness.run_steps(4);
     harness.render().map_err(|what| anyhow::anyhow!("the picture could not be drawn: {what}"))
 }
 
 /// A GPU without a screen, or one clear line. The harness itself would panic.
-fn offscreen_renderer() -> anyhow::Result<egui_kittest::wgpu::WgpuTestRenderer> {
+pub fn offscreen_renderer() -> anyhow::Result<egui_kittest::wgpu::WgpuTestRenderer> {
     use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup, wgpu};
     let render_state = |backends: wgpu::Backends| {
         let mut setup = egui_kittest::wgpu::default_wgpu_setup();

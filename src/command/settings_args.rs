@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use super::Failure;
 use crate::analysis::Settings;
 use crate::calibration::PriorMethod;
-use crate::deployment::format::control_points;
+use crate::deployment::format::{control_points, deployment_toml::parse_toml};
 use crate::deployment::{Deployment, OpenError};
 use crate::pipeline::Interpolation;
 
@@ -75,12 +75,8 @@ impl SettingsArguments {
             Some(path) => {
                 let text = std::fs::read_to_string(path)
                     .map_err(|source| OpenError::Io { path: path.clone(), source })?;
-                toml::from_str(&text).map_err(|error| {
-                    let line =
-                        error.span().map_or(1, |span| text[..span.start].lines().count().max(1));
-                    let what = error.message().lines().next().unwrap_or("not valid TOML");
-                    Failure::Usage(format!("{}:{line}: {what}", path.display()))
-                })?
+                parse_toml(&path.display().to_string(), &text)
+                    .map_err(|error| Failure::Usage(error.to_string()))?
             }
         };
         let thresholds = &mut settings.pipeline.thresholds;

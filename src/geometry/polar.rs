@@ -34,8 +34,11 @@ impl Polar {
     }
 }
 
-/// The same angle within (−π, π].
+/// The same angle within [−π, π].
 pub fn wrap_to_pi(angle_rad: f64) -> f64 {
+    if angle_rad.abs() <= PI {
+        return angle_rad;
+    }
     let wrapped = angle_rad.rem_euclid(TAU);
     if wrapped > PI { wrapped - TAU } else { wrapped }
 }

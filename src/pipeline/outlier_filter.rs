@@ -1,9 +1,9 @@
-//! Module 1: drops readings that move faster than the vehicle can, and turns the rest to Cartesian.
+//! Module 1: drops readings that move faster than the vehicle can, and gives the rest in Cartesian coordinates.
 
 use nalgebra::Vector3;
 
 use super::Thresholds;
-use crate::deployment::{Deployment, Measurement, Track};
+use crate::deployment::{Deployment, Measurement};
 use crate::geometry::wrap_to_pi;
 
 /// Which rate gave a reading away; the first that exceeds its threshold, in this order.
@@ -33,9 +33,24 @@ pub struct FilteredTrack {
     pub rejected: Vec<Option<OutlierReason>>,
 }
 
-/// Filters the three tracks; `None` keeps everything, as the paper's pipeline without module 1.
-pub fn filter(deployment: &Deployment, thresholds: Option<&Thresholds>) -> [FilteredTrack; 3] {
-    deployment.tracks.each_ref().map(|track| filter_track(track, thresholds))
+/// Positions of every raw reading (m), each station in its own frame. No setting changes them.
+pub fn positions_m(deployment: &Deployment) -> [Vec<Vector3<f64>>; 3] {
+    deployment
+        .tracks
+        .each_ref()
+        .map(|track| track.measurements.iter().map(|m| track.position_m(m)).collect())
+}
+
+/// Filters the three tracks, whose positions are [`positions_m`]; `None` keeps everything, as the paper's
+/// pipeline without module 1.
+pub fn filter(
+    deployment: &Deployment,
+    positions_m: &[Vec<Vector3<f64>>; 3],
+    thresholds: Option<&Thresholds>,
+) -> [FilteredTrack; 3] {
+    std::array::from_fn(|station| {
+        filter_track(&deployment.tracks[station].measurements, &positions_m[station], thresholds)
+    })
 }
 
 /// Rates between two readings; the azimuth takes the short way round.
@@ -50,8 +65,11 @@ pub fn rates(previous: &Measurement, this: &Measurement) -> Rates {
 }
 
 /// The previous raw reading counts whether it was kept or not: after a jump, the way back is a jump too.
-fn filter_track(track: &Track, thresholds: Option<&Thresholds>) -> FilteredTrack {
-    let readings = &track.measurements;
+fn filter_track(
+    readings: &[Measurement],
+    positions_m: &[Vector3<f64>],
+    thresholds: Option<&Thresholds>,
+) -> FilteredTrack {
     let mut out = FilteredTrack {
         time_s: Vec::with_capacity(readings.len()),
         position_m: Vec::with_capacity(readings.len()),
@@ -68,7 +86,7 @@ fn filter_track(track: &Track, thresholds: Option<&Thresholds>) -> FilteredTrack
         out.rejected.push(reason);
         if reason.is_none() {
             out.time_s.push(reading.time_s);
-            out.position_m.push(track.position_m(reading));
+            out.position_m.push(positions_m[index]);
             out.source.push(index as u32);
         }
     }
@@ -91,8 +109,11 @@ fn too_fast(rates: &Rates, thresholds: &Thresholds) -> Option<OutlierReason> {
 mod tests {
     use super::*;
 
-    fn track(readings: &[(f64, f64, f64, f64)]) -> Track {
-        let measurements = readings
+    fn filtered(
+        readings: &[(f64, f64, f64, f64)],
+        thresholds: Option<&Thresholds>,
+    ) -> FilteredTrack {
+        let readings: Vec<_> = readings
             .iter()
             .map(|&(time_s, range_m, azimuth_rad, zenith_rad)| Measurement {
                 time_s,
@@ -101,30 +122,30 @@ mod tests {
                 zenith_rad,
             })
             .collect();
-        Track { measurements, prism_constant_m: 0.01 }
+        filter_track(&readings, &vec![Vector3::zeros(); readings.len()], thresholds)
     }
 
     #[test]
     fn each_rate_has_its_threshold_and_the_way_back_counts() {
-        let track = track(&[
+        let readings = [
             (0.0, 10.0, 0.0, 1.5),
             (1.0, 11.9, 0.0, 1.5),
             (2.0, 14.0, 0.0, 1.5),   // 2.1 m/s
             (3.0, 14.0, 0.02, 1.5),  // 1.15 deg/s
             (4.0, 14.0, 0.02, 1.52), // 1.15 deg/s
             (5.0, 14.0, 0.02, 1.52),
-        ]);
-        let out = filter_track(&track, Some(&Thresholds::default()));
+        ];
+        let out = filtered(&readings, Some(&Thresholds::default()));
         use OutlierReason::*;
         assert_eq!(out.rejected, [None, None, Some(Range), Some(Azimuth), Some(Zenith), None]);
         assert_eq!(out.source, [0, 1, 5]);
-        assert_eq!(filter_track(&track, None).source.len(), 6);
+        assert_eq!(filtered(&readings, None).source.len(), 6);
     }
 
     #[test]
     fn azimuth_wraps() {
         let eps = 1e-3;
-        let track = track(&[(0.0, 10.0, std::f64::consts::TAU - eps, 1.5), (1.0, 10.0, eps, 1.5)]);
-        assert_eq!(filter_track(&track, Some(&Thresholds::default())).rejected, [None, None]);
+        let readings = [(0.0, 10.0, std::f64::consts::TAU - eps, 1.5), (1.0, 10.0, eps, 1.5)];
+        assert_eq!(filtered(&readings, Some(&Thresholds::default())).rejected, [None, None]);
     }
 }

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::Vector3;
+
 use super::{
     FilteredTrack, Interpolation, Interval, OutlierReason, PipelineSettings, Thresholds, Triplets,
     interpolation, interval_filter, interval_split, outlier_filter,
@@ -73,6 +75,7 @@ type Memory<Key, Output> = Option<(Key, Arc<Output>)>;
 /// Keeps the last output of each stage beside the settings that made it. One deployment each.
 #[derive(Default)]
 pub struct StagedPipeline {
+    positions_m: Memory<(), [Vec<Vector3<f64>>; 3]>,
     filtered: Memory<Option<RateThresholds>, [FilteredTrack; 3]>,
     intervals: Memory<f64, Vec<Interval>>,
     kept: Memory<Option<f64>, Vec<Interval>>,
@@ -95,8 +98,11 @@ impl StagedPipeline {
             },
         );
         let mut stale = false;
+        let positions_m = remember(&mut self.positions_m, (), &mut false, || {
+            outlier_filter::positions_m(deployment)
+        });
         let filtered = remember(&mut self.filtered, key, &mut stale, || {
-            outlier_filter::filter(deployment, outliers)
+            outlier_filter::filter(deployment, &positions_m, outliers)
         });
         let intervals = remember(&mut self.intervals, thresholds.tau_s_seconds, &mut stale, || {
             interval_split::split(&filtered, thresholds.tau_s_seconds)

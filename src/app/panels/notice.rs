@@ -7,8 +7,8 @@ use crate::app::state::{Command, Commands, Notice, State};
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some(notice) = &state.notice else { return };
     let (text, fill, sign) = match notice {
-        Notice::Error(text) => (text, Color32::from_rgb(150, 40, 30), "✖"),
-        Notice::Done(text) => (text, Color32::from_rgb(20, 100, 75), "✔"),
+        Notice::Error(text) => (text, Color32::from_rgb(150, 40, 30), "✗"),
+        Notice::Done(text) => (text, Color32::from_rgb(20, 100, 75), "✓"),
     };
     let frame = egui::Frame::new().fill(fill).inner_margin(egui::Margin::symmetric(10, 6));
     egui::Panel::top("notice").frame(frame).show(ui, |ui| {

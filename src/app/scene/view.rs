@@ -18,7 +18,7 @@ pub struct SceneView {
     renderer: Option<SceneRenderer>,
     content: SceneContent,
     camera: Camera,
-    /// Look at everything as soon as there is something.
+    /// To be done at the next frame.
     pending_look: Option<ViewPreset>,
     /// What the content was made from.
     built: Option<Built>,
@@ -27,6 +27,7 @@ pub struct SceneView {
 
 #[derive(PartialEq)]
 struct Built {
+    deployment: u64,
     analysis: u64,
     visibility: crate::app::state::Visibility,
     dark: bool,
@@ -38,7 +39,7 @@ impl SceneView {
             renderer: render_state.map(SceneRenderer::new),
             content: SceneContent::default(),
             camera: Camera::default(),
-            pending_look: Some(ViewPreset::Fit),
+            pending_look: None,
             built: None,
             cursor: None,
         }
@@ -106,9 +107,17 @@ impl SceneView {
         let dark = ui.visuals().dark_mode;
         let Some(analysis) = &state.analysis else { return };
         let run = state.analysis_run;
-        let wanted = Built { analysis: run, visibility: state.visibility, dark };
+        let wanted = Built {
+            deployment: state.deployment_number,
+            analysis: run,
+            visibility: state.visibility,
+            dark,
+        };
         let rebuilt = self.built.as_ref() != Some(&wanted);
         if rebuilt {
+            if self.built.as_ref().map(|built| built.deployment) != Some(state.deployment_number) {
+                self.pending_look = Some(ViewPreset::Fit);
+            }
             if let Some(deployment) = &state.deployment {
                 let grid = theme::scene_grid(dark).to_array();
                 self.content.rebuild(deployment, analysis, &state.visibility, grid);

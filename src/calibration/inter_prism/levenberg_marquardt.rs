@@ -2,15 +2,17 @@
 
 use super::{CentredTriplets, NormalEquations, Parameters};
 
-/// Steps below this (m, and rad times the track's size) end the search: a thousandth of a micrometre.
-const STEP_TOLERANCE_M: f64 = 1e-9;
+/// The search ends when what is left to go is below this (m, and rad times the track's size).
+const TOLERANCE_M: f64 = 1e-8;
+/// Only below this step (m) is the rate of convergence a guide to what is left.
+const NEAR_M: f64 = 1e-4;
 const MOST_ITERATIONS: usize = 60;
 
 /// Where the search ended.
 #[derive(Clone, Copy, Debug)]
 pub struct Minimum {
     pub parameters: Parameters,
-    /// At the parameters.
+    /// At the parameters, or a step of less than a tenth of a millimetre before them.
     pub normal: NormalEquations,
     pub converged: bool,
     /// Passes over the data.
@@ -20,7 +22,8 @@ pub struct Minimum {
 /// Goes downhill from `start` to the nearest minimum.
 ///
 /// Marquardt's scaling by the diagonal of JᵀJ; every pass gives cost and derivatives together, so an accepted
-/// step costs one pass. Ends when a step is below a nanometre or the cost no longer changes.
+/// step costs one pass. Near the minimum Gauss–Newton steps shrink by a constant factor, so that two of them tell
+/// how far it still is: the last step is taken without another pass once the remainder is below ten nanometres.
 pub fn minimise(data: &CentredTriplets, start: Parameters) -> Minimum {
     let mut parameters = start;
     let mut normal = NormalEquations::at(data, &parameters);
@@ -28,6 +31,7 @@ pub fn minimise(data: &CentredTriplets, start: Parameters) -> Minimum {
     let radius_m = track_radius_m(data);
     let mut passes = 1;
     let mut converged = false;
+    let mut last_step_m: Option<f64> = None;
     while passes < MOST_ITERATIONS {
         let mut damped = normal.matrix;
         for k in 0..8 {
@@ -48,7 +52,14 @@ pub fn minimise(data: &CentredTriplets, start: Parameters) -> Minimum {
         if !step_size_m.is_finite() {
             break;
         }
-        if step_size_m < STEP_TOLERANCE_M {
+        let left_m = match last_step_m {
+            Some(last) if step_size_m < NEAR_M && step_size_m < 0.1 * last => {
+                step_size_m * step_size_m / last
+            }
+            _ => step_size_m,
+        };
+        if left_m < TOLERANCE_M {
+            parameters += step;
             converged = true;
             break;
         }
@@ -59,6 +70,7 @@ pub fn minimise(data: &CentredTriplets, start: Parameters) -> Minimum {
             let change = normal.cost - next.cost;
             parameters = trial;
             normal = next;
+            last_step_m = Some(step_size_m);
             damping = (damping * 0.1).max(1e-9);
             if change <= 1e-15 * normal.cost {
                 converged = true;

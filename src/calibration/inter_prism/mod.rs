@@ -35,7 +35,7 @@ use crate::pipeline::Triplets;
 /// Eight unknowns, three residuals a triplet: below this there is nothing to average.
 const FEWEST_TRIPLETS: usize = 10;
 /// Starts are tried out on about this many triplets, evenly thinned; the answer uses all.
-const THINNED: usize = 2048;
+const THINNED: usize = 1024;
 
 /// Two solutions are the same minimum within these; the paper's limits for its prior.
 pub const SAME_TRANSLATION_M: f64 = 0.05;

@@ -3,7 +3,7 @@
 //! For a pair with difference e = T_a q_a − T_b q_b, distance ‖e‖ and unit vector u = e/‖e‖, the residual is
 //! r = ‖e‖ − d and its derivatives are ±u for a translation and ±u·(dR/dψ q) for a yaw. The sums that the
 //! 8×8 matrix needs are kept per pair, as `[f64; LANES]` each, so that the compiler turns the inner loops
-//! into vector instructions; `multiversion` picks AVX2 where the processor has it.
+//! into vector instructions; `multiversion` picks AVX-512 or AVX2 where the processor has it.
 
 use std::ops::Range;
 
@@ -24,18 +24,27 @@ pub struct NormalEquations {
 }
 
 impl NormalEquations {
-    /// Over all triplets.
+    /// Over all triplets, for the solver: without the sums of each pair, which stay zero.
     pub fn at(data: &CentredTriplets, parameters: &Parameters) -> Self {
-        Self::over(data, parameters, 0..data.len())
+        Self::sum(data, parameters, 0..data.len(), false)
     }
 
-    /// Over some instants.
+    /// Over some instants, everything.
     pub fn over(data: &CentredTriplets, parameters: &Parameters, instants: Range<usize>) -> Self {
+        Self::sum(data, parameters, instants, true)
+    }
+
+    fn sum(
+        data: &CentredTriplets,
+        parameters: &Parameters,
+        instants: Range<usize>,
+        pair_sums: bool,
+    ) -> Self {
         let coordinates =
             data.coordinates.each_ref().map(|s| s.each_ref().map(|axis| &axis[instants.clone()]));
         let p = parameters.as_slice();
         let poses = [pose(&p[..4]), pose(&p[4..])];
-        assemble(&sum(&coordinates, &poses, &data.inter_prism_m))
+        assemble(&sum(&coordinates, &poses, &data.inter_prism_m, pair_sums))
     }
 }
 
@@ -92,8 +101,22 @@ impl<const L: usize> Sums<L> {
     };
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 fn sum(
+    coordinates: &[[&[f64]; 3]; 3],
+    poses: &[Pose; 2],
+    inter_prism_m: &[f64; 3],
+    pair_sums: bool,
+) -> [Sums<1>; 3] {
+    if pair_sums {
+        sum_all::<true>(coordinates, poses, inter_prism_m)
+    } else {
+        sum_all::<false>(coordinates, poses, inter_prism_m)
+    }
+}
+
+#[inline(always)]
+fn sum_all<const PAIR_SUMS: bool>(
     coordinates: &[[&[f64]; 3]; 3],
     poses: &[Pose; 2],
     inter_prism_m: &[f64; 3],
@@ -102,18 +125,18 @@ fn sum(
     let whole = count / LANES * LANES;
     let mut wide = [Sums::<LANES>::ZERO; 3];
     for start in (0..whole).step_by(LANES) {
-        add::<LANES>(coordinates, start, poses, inter_prism_m, &mut wide);
+        add::<LANES, PAIR_SUMS>(coordinates, start, poses, inter_prism_m, &mut wide);
     }
     let mut total = wide.map(|s| fold(&s));
     for start in whole..count {
-        add::<1>(coordinates, start, poses, inter_prism_m, &mut total);
+        add::<1, PAIR_SUMS>(coordinates, start, poses, inter_prism_m, &mut total);
     }
     total
 }
 
 /// Adds L consecutive instants.
 #[inline(always)]
-fn add<const L: usize>(
+fn add<const L: usize, const PAIR_SUMS: bool>(
     coordinates: &[[&[f64]; 3]; 3],
     start: usize,
     poses: &[Pose; 2],
@@ -141,14 +164,38 @@ fn add<const L: usize>(
         }
     }
     let fixed = [zero; 2];
-    add_pair(&q1, &fixed, &placed[0], &turned[0], inter_prism_m[0], false, &mut sums[0]);
-    add_pair(&q1, &fixed, &placed[1], &turned[1], inter_prism_m[1], false, &mut sums[1]);
-    add_pair(&placed[0], &turned[0], &placed[1], &turned[1], inter_prism_m[2], true, &mut sums[2]);
+    add_pair::<L, PAIR_SUMS>(
+        &q1,
+        &fixed,
+        &placed[0],
+        &turned[0],
+        inter_prism_m[0],
+        false,
+        &mut sums[0],
+    );
+    add_pair::<L, PAIR_SUMS>(
+        &q1,
+        &fixed,
+        &placed[1],
+        &turned[1],
+        inter_prism_m[1],
+        false,
+        &mut sums[1],
+    );
+    add_pair::<L, PAIR_SUMS>(
+        &placed[0],
+        &turned[0],
+        &placed[1],
+        &turned[1],
+        inter_prism_m[2],
+        true,
+        &mut sums[2],
+    );
 }
 
 /// Adds one pair; `moving` says whether station a is free too (only in pair 23).
 #[inline(always)]
-fn add_pair<const L: usize>(
+fn add_pair<const L: usize, const PAIR_SUMS: bool>(
     at_a: &[[f64; L]; 3],
     turned_a: &[[f64; L]; 2],
     at_b: &[[f64; L]; 3],
@@ -179,15 +226,19 @@ fn add_pair<const L: usize>(
         }
         multiply_add(&mut sums.ub[i], &u[i], &b);
         multiply_add(&mut sums.ur[i], &u[i], &r);
-        for l in 0..L {
-            sums.u[i][l] += u[i][l];
+        if PAIR_SUMS {
+            for l in 0..L {
+                sums.u[i][l] += u[i][l];
+            }
         }
     }
     multiply_add(&mut sums.bb, &b, &b);
     multiply_add(&mut sums.br, &b, &r);
     multiply_add(&mut sums.rr, &r, &r);
-    for l in 0..L {
-        sums.b[l] += b[l];
+    if PAIR_SUMS {
+        for l in 0..L {
+            sums.b[l] += b[l];
+        }
     }
     if moving {
         for i in 0..3 {
@@ -196,8 +247,10 @@ fn add_pair<const L: usize>(
         multiply_add(&mut sums.aa, &a, &a);
         multiply_add(&mut sums.ab, &a, &b);
         multiply_add(&mut sums.ar, &a, &r);
-        for l in 0..L {
-            sums.a[l] += a[l];
+        if PAIR_SUMS {
+            for l in 0..L {
+                sums.a[l] += a[l];
+            }
         }
     }
 }
@@ -299,7 +352,7 @@ mod tests {
     #[test]
     fn gradient_and_pair_sums_match_numerical_differences() {
         let (data, parameters) = irregular(29);
-        let normal = NormalEquations::at(&data, &parameters);
+        let normal = NormalEquations::over(&data, &parameters, 0..data.len());
         for k in 0..8 {
             let step = 1e-6;
             let shifted = |by: f64| {
@@ -333,7 +386,7 @@ mod tests {
             for pair in 0..3 {
                 // One instant, one pair: its gradient over its residual is the row of J.
                 let one = data.select(&[i]);
-                let row = NormalEquations::at(&one, &parameters).pair_sums[pair];
+                let row = NormalEquations::over(&one, &parameters, 0..1).pair_sums[pair];
                 expected += row * row.transpose();
             }
         }

@@ -20,14 +20,14 @@ pub struct Overrides {
 }
 
 pub fn read(file: &str, text: &str) -> Result<Overrides, OpenError> {
+    parse_toml(file, text)
+}
+
+/// Any TOML file of the program, with the line of its first mistake.
+pub fn parse_toml<T: serde::de::DeserializeOwned>(file: &str, text: &str) -> Result<T, OpenError> {
     toml::from_str(text).map_err(|error| {
-        let line = error.span().map_or(1, |span| text[..span.start].lines().count().max(1));
-        let what = error.message().lines().next().unwrap_or("not valid TOML").to_owned();
-        OpenError::line(
-            file,
-            line,
-            what,
-            "keys are name, tracks, prism_constant_m, inter_prism_m, control_points",
-        )
+        let line = error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
+        let what = error.message().lines().next().unwrap_or("not valid TOML");
+        OpenError::line(file, line, what, "correct the line")
     })
 }
