@@ -180,3 +180,38 @@ fn a_click_in_the_residuals_moves_the_cursor() {
     let after = harness.state().state.cursor_s.expect("a cursor");
     assert!((after - before).abs() > 20.0, "{before} {after}");
 }
+
+/// A file as the window system hands it over.
+#[derive(Debug)]
+struct Dropped(std::path::PathBuf);
+
+impl eframe::egui::DroppedFile for Dropped {
+    fn path(&self) -> &std::path::Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn a_dropped_folder_opens() {
+    let mut harness = window(SMALL, Theme::Dark);
+    let folder = common::sample_folder("hd2-tunnel");
+    harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(folder)));
+    settle(&mut harness);
+    let deployment = harness.state().state.deployment.clone().expect("open");
+    assert_eq!(deployment.name, "hd2-tunnel (simulated)");
+}
+
+#[test]
+fn hiding_a_station_takes_it_out_of_the_scene_and_back() {
+    let mut harness = window(SMALL, Theme::Dark);
+    harness.get_by_label("Station 2").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().state.visibility.stations, [true, false, true]);
+    harness.get_by_label("Station 2").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().state.visibility.stations, [true; 3]);
+}

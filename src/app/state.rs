@@ -67,6 +67,9 @@ pub enum Notice {
 /// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
 const DIM_AFTER: Duration = Duration::from_millis(80);
 
+/// A dialog that closes before this was never seen.
+const QUICKEST_CANCEL: Duration = Duration::from_millis(300);
+
 pub struct State {
     worker: Worker,
     pub deployment: Option<Arc<Deployment>>,
@@ -246,8 +249,17 @@ impl State {
 
     fn pick(&self, dialog: impl Future<Output = Option<rfd::FileHandle>> + Send + 'static) {
         self.worker.beside(move || {
-            let picked = pollster::block_on(dialog)?;
-            Some(Reply::Picked(picked.path().to_owned()))
+            let asked = Instant::now();
+            match pollster::block_on(dialog) {
+                Some(picked) => Some(Reply::Picked(picked.path().to_owned())),
+                // rfd does not tell a cancelled dialog from one that the system cannot show; nobody cancels this fast.
+                None if asked.elapsed() < QUICKEST_CANCEL => Some(Reply::Done(Err(
+                    "this system shows no file dialog (no desktop portal, no zenity); drop the folder or bag on the \
+                     window, or start with `resect PATH`"
+                        .to_owned(),
+                ))),
+                None => None,
+            }
         });
     }
 

@@ -91,7 +91,7 @@ impl Panes<'_> {
             Pane::Result => panels::result::ui(ui, self.state, self.commands),
             Pane::Findings => panels::findings::ui(ui, self.state),
             Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),
-            Pane::Histogram => plots::histogram::ui(ui, self.state, self.commands),
+            Pane::Histogram => plots::histogram::ui(ui, self.state),
         }
     }
 }

@@ -35,13 +35,13 @@ impl Triplets {
         std::array::from_fn(|station| self.points_m[station][index])
     }
 
-    /// Index of the instant nearest in time.
+    /// Index of the instant nearest in time; `None` where no interval is within half a second.
     pub fn nearest(&self, time_s: f64) -> Option<usize> {
         let after = self.time_s.partition_point(|t| *t < time_s);
         [after.checked_sub(1), Some(after)]
             .into_iter()
             .flatten()
-            .filter(|index| *index < self.len())
+            .filter(|index| *index < self.len() && (self.time_s[*index] - time_s).abs() < 0.5)
             .min_by(|a, b| {
                 (self.time_s[*a] - time_s).abs().total_cmp(&(self.time_s[*b] - time_s).abs())
             })

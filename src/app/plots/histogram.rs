@@ -1,17 +1,17 @@
 //! How the distance errors are distributed, one outline a pair.
 
 use eframe::egui;
-use egui_plot::{Line, Plot, PlotPoints, VLine};
+use egui_plot::{AxisHints, Line, Plot, PlotPoints, VLine};
 
-use super::{answer, half_range_mm, pair_switches};
-use crate::app::state::{Commands, State};
+use super::{answer, half_range_mm, pair_name};
+use crate::app::state::State;
 use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;
 
 const BINS: usize = 40;
 
-pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+pub fn ui(ui: &mut egui::Ui, state: &State) {
     let Some((_, answer)) = answer(state) else {
         ui.centered_and_justified(|ui| ui.weak("No result to plot."));
         return;
@@ -25,11 +25,16 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let highest = counts.iter().flatten().copied().max().unwrap_or(1).max(1);
     ui.horizontal(|ui| {
         ui.add_space(6.0);
-        pair_switches(ui, state, commands);
+        ui.label("prisms");
+        for pair in (0..3).filter(|pair| state.visibility.pairs[*pair]) {
+            ui.label(pair_name(pair, ui.visuals().dark_mode));
+        }
     });
     let zero_colour = theme::faint(ui.visuals().dark_mode);
-    Plot::new(("histogram", state.start_s().to_bits(), state.analysis_run))
-        .x_axis_label("distance error (mm)")
+    Plot::new(("histogram", state.deployment_number, state.analysis_run))
+        .custom_x_axes(vec![
+            AxisHints::new_x().label("distance error (mm)").label_spacing(20.0..=40.0),
+        ])
         .y_axis_label(format!("triplets per {width:.2} mm"))
         .default_x_bounds(-half_range, half_range)
         .default_y_bounds(0.0, highest as f64 * 1.08)

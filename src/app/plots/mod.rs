@@ -22,13 +22,18 @@ fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut visibility = state.visibility;
     let dark = ui.visuals().dark_mode;
     for (pair, on) in visibility.pairs.iter_mut().enumerate() {
-        let name = egui::RichText::new(format!("● {}", pair_label(pair)));
-        let colour = if *on { theme::rgb(palette::PAIRS[pair]) } else { theme::faint(dark) };
-        ui.toggle_value(on, name.color(colour)).on_hover_text("Show or hide this pair of prisms");
+        ui.checkbox(on, pair_name(pair, dark)).on_hover_text("Show or hide this pair of prisms");
     }
     if visibility != state.visibility {
         commands.push(Command::Show(visibility));
     }
+}
+
+/// "1–2" in the pair's colour.
+fn pair_name(pair: usize, dark: bool) -> egui::RichText {
+    egui::RichText::new(pair_label(pair))
+        .color(theme::readable(palette::PAIRS[pair], dark))
+        .strong()
 }
 
 /// Half the range that shows nearly all errors (mm): outliers must not squeeze the rest into a line.

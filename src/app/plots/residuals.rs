@@ -1,7 +1,7 @@
 //! Distance errors over time, one colour a pair, with the kept intervals behind and the time cursor.
 
 use eframe::egui;
-use egui_plot::{HoverPosition, Plot, PlotPoints, Points, Span, VLine};
+use egui_plot::{AxisHints, HoverPosition, Plot, PlotPoints, Points, Span, VLine};
 
 use super::{answer, half_range_mm, pair_switches};
 use crate::analysis::{Analysis, Answer};
@@ -26,17 +26,22 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let time_s = &analysis.pipeline.triplets.time_s;
     let half_range = half_range_mm(answer);
     let end_s = state.deployment.as_ref().and_then(|d| d.end_s()).unwrap_or(start_s) - start_s;
-    let caption_id = ui.scope_id().with("shown range");
-    let shown_mm = ui.data(|data| data.get_temp(caption_id)).unwrap_or([-half_range, half_range]);
+    // The range of the last frame: shown in the caption, and kept while the settings change if the user chose it.
+    let range_id = ui.scope_id().with(("shown range", state.deployment_number));
+    let last: Option<ShownRange> = ui.data(|data| data.get_temp(range_id));
+    let shown_mm = last.map_or([-half_range, half_range], |last| last.shown_mm);
+    let follows = last.is_some_and(|last| last.is_default() && last.default_mm != half_range);
     ui.horizontal(|ui| {
         ui.add_space(6.0);
         pair_switches(ui, state, commands);
         let text = caption(analysis, answer, state, shown_mm);
         ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
     });
-    let plot = Plot::new(("residuals", state.start_s().to_bits()))
+    let plot = Plot::new(("residuals", state.deployment_number))
         .x_axis_label("time since the first measurement (s)")
-        .y_axis_label("distance error (mm)")
+        .custom_y_axes(vec![
+            AxisHints::new_y().label("distance error (mm)").label_spacing(10.0..=22.0),
+        ])
         .default_x_bounds(0.0, end_s.max(1.0))
         .default_y_bounds(-half_range, half_range)
         .label_formatter(|position| match position {
@@ -46,6 +51,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             HoverPosition::Elsewhere { .. } => None,
         });
     let response = plot.show(ui, |plot_ui| {
+        if follows {
+            plot_ui.set_plot_bounds_y(-half_range..=half_range);
+        }
         let shade = ui_shade(dark);
         for interval in analysis.pipeline.kept_intervals.iter() {
             plot_ui.span(
@@ -77,11 +85,26 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         commands.push(Command::MoveCursor(response.transform.value_from_position(at).x + start_s));
     }
     let bounds = response.transform.bounds();
-    ui.data_mut(|data| data.insert_temp(caption_id, [bounds.min()[1], bounds.max()[1]]));
+    let shown_mm = [bounds.min()[1], bounds.max()[1]];
+    ui.data_mut(|data| data.insert_temp(range_id, ShownRange { shown_mm, default_mm: half_range }));
 }
 
 fn ui_shade(dark: bool) -> egui::Color32 {
     if dark { egui::Color32::from_white_alpha(7) } else { egui::Color32::from_black_alpha(9) }
+}
+
+/// What the plot showed in the last frame, and what it would show untouched.
+#[derive(Clone, Copy)]
+struct ShownRange {
+    shown_mm: [f64; 2],
+    default_mm: f64,
+}
+
+impl ShownRange {
+    fn is_default(&self) -> bool {
+        let [low, high] = self.shown_mm;
+        (low + self.default_mm).abs() + (high - self.default_mm).abs() < 1e-6 * self.default_mm
+    }
 }
 
 /// The errors at the cursor, and how many lie outside what is shown: nothing is hidden without a word.
@@ -89,10 +112,15 @@ fn caption(analysis: &Analysis, answer: &Answer, state: &State, shown_mm: [f64; 
     let errors = || answer.evaluation.distance_errors_mm.iter().flatten();
     let outside = errors().filter(|e| **e < shown_mm[0] || **e > shown_mm[1]).count();
     let mut parts = Vec::new();
-    if let Some(index) = state.cursor_s.and_then(|t| analysis.pipeline.triplets.nearest(t)) {
-        let at = analysis.pipeline.triplets.time_s[index] - state.start_s();
-        let [a, b, c] = answer.evaluation.distance_errors_mm.each_ref().map(|e| e[index]);
-        parts.push(format!("at {at:.1} s  {a:+.1}, {b:+.1}, {c:+.1} mm"));
+    if let Some(cursor_s) = state.cursor_s {
+        let at = cursor_s - state.start_s();
+        parts.push(match analysis.pipeline.triplets.nearest(cursor_s) {
+            Some(index) => {
+                let [a, b, c] = answer.evaluation.distance_errors_mm.each_ref().map(|e| e[index]);
+                format!("at {at:.1} s  {a:+.1}, {b:+.1}, {c:+.1} mm")
+            }
+            None => format!("at {at:.1} s  in no interval"),
+        });
     }
     if outside > 0 {
         parts.push(format!(

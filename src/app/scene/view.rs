@@ -147,7 +147,13 @@ impl SceneView {
         if response.hovered() {
             let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
             if scroll != 0.0 || pinch != 1.0 {
-                self.camera.zoom((-0.004 * scroll).exp() / pinch);
+                let factor = (-0.004 * scroll).exp() / pinch;
+                self.camera.zoom(factor);
+                // What is under the pointer stays there.
+                if let Some(pointer) = response.hover_pos() {
+                    let shift = (pointer - rect.center()) * (1.0 - 1.0 / factor);
+                    self.camera.pan(shift.into(), rect.height());
+                }
             }
         }
         let typing = ui.ctx().egui_wants_keyboard_input();
