@@ -2,8 +2,10 @@
 
 use super::{CentredTriplets, NormalEquations, Parameters};
 
-/// The search ends when what is left to go is below this (m, and rad times the track's size).
-const TOLERANCE_M: f64 = 1e-8;
+/// How far from the minimum a search may end (m, and rad times the track's size): ten nanometres for the answer.
+pub const FINE_M: f64 = 1e-8;
+/// And a micrometre for what is only a start, or shown beside the answer.
+pub const ROUGH_M: f64 = 1e-6;
 /// Only below this step (m) is the rate of convergence a guide to what is left.
 const NEAR_M: f64 = 1e-4;
 const MOST_ITERATIONS: usize = 60;
@@ -19,12 +21,12 @@ pub struct Minimum {
     pub passes: usize,
 }
 
-/// Goes downhill from `start` to the nearest minimum.
+/// Goes downhill from `start` to within `tolerance_m` of the nearest minimum.
 ///
 /// Marquardt's scaling by the diagonal of JᵀJ; every pass gives cost and derivatives together, so an accepted
 /// step costs one pass. Near the minimum Gauss–Newton steps shrink by a constant factor, so that two of them tell
-/// how far it still is: the last step is taken without another pass once the remainder is below ten nanometres.
-pub fn minimise(data: &CentredTriplets, start: Parameters) -> Minimum {
+/// how far it still is: the last step is taken without another pass once the remainder is below the tolerance.
+pub fn minimise(data: &CentredTriplets, start: Parameters, tolerance_m: f64) -> Minimum {
     let mut parameters = start;
     let mut normal = NormalEquations::at(data, &parameters);
     let mut damping = 1e-6;
@@ -58,7 +60,7 @@ pub fn minimise(data: &CentredTriplets, start: Parameters) -> Minimum {
             }
             _ => step_size_m,
         };
-        if left_m < TOLERANCE_M {
+        if left_m < tolerance_m {
             parameters += step;
             converged = true;
             break;

@@ -19,6 +19,8 @@ const DECISIVE_FIT_RATIO: f64 = 2.0;
 /// The answer, and what was weighed.
 pub struct Choice {
     pub answer: Basin,
+    /// Whether the answer is the twin, not the lowest minimum.
+    pub twin_is_real: bool,
     pub mirror: Mirror,
     pub findings: Vec<Finding>,
     /// Two witnesses contradict each other, or none was there.
@@ -32,7 +34,7 @@ pub fn choose(deployment: &Deployment, lowest: Basin, twin: Option<Basin>) -> Ch
         let findings = vec![Finding::note(
             "the mirror twin is no minimum of its own here: pitch and roll of the vehicle rule it out",
         )];
-        return Choice { answer: lowest, mirror, findings, ambiguous: false };
+        return Choice { answer: lowest, twin_is_real: false, mirror, findings, ambiguous: false };
     };
     let (witness, twin_is_real) = if let Some(decided) = by_rig(deployment, &lowest, &twin) {
         (ResolvedBy::Rig, decided)
@@ -78,7 +80,7 @@ pub fn choose(deployment: &Deployment, lowest: Basin, twin: Option<Basin>) -> Ch
         ));
     }
     let mirror = Mirror { twin: Some(other), cost_ratio: Some(cost_ratio), resolved_by: witness };
-    Choice { answer, mirror, findings, ambiguous }
+    Choice { answer, twin_is_real, mirror, findings, ambiguous }
 }
 
 /// `Some(true)` when the rig's heights fit the twin.

@@ -23,8 +23,9 @@ use nalgebra::Vector3;
 
 pub use centred::{CentredTriplets, Parameters};
 pub use closed_form::closed_form_priors;
+use levenberg_marquardt::{FINE_M, ROUGH_M};
 pub use levenberg_marquardt::{Minimum, minimise};
-pub use normal_equations::NormalEquations;
+pub use normal_equations::{NormalEquations, Pulls};
 pub use prior_search::{PriorSearch, SearchRun};
 
 use super::{Basin, Calibration, CalibrationError, CalibrationSettings, Method, PriorMethod};
@@ -81,17 +82,22 @@ pub fn solve(
     let prior_ms = started.elapsed().as_secs_f64() * 1e3;
 
     let started = Instant::now();
-    let (first, second) = two_best(&data, &thinned, &priors);
-    let first = basin(&data, first);
-    let second = second.map(|minimum| basin(&data, minimum));
-    let choice = mirror::choose(deployment, first, second);
-    let answer = choice.answer;
+    let (lowest, twin) = two_best(&data, &thinned, &priors);
+    let choice = mirror::choose(
+        deployment,
+        basin(&data, &lowest),
+        twin.as_ref().map(|twin| basin(&data, twin)),
+    );
+    let answer = match &twin {
+        Some(twin) if choice.twin_is_real => twin,
+        _ => &lowest,
+    };
     let uncertainty =
-        uncertainty::estimate(&data, &triplets.time_s, &triplets.interval, &answer, settings);
+        uncertainty::estimate(&data, &triplets.time_s, &triplets.interval, answer, settings);
     let verdict = diagnosis::judge(deployment, &data, &uncertainty, &choice, &mut findings);
     Ok(Calibration {
         method: Method::InterPrism,
-        basin: answer,
+        basin: choice.answer,
         sigma: uncertainty.sigma(),
         covariance: uncertainty.covariance,
         mirror: choice.mirror,
@@ -151,14 +157,14 @@ fn two_best(
     }
     let mut minima: Vec<Minimum> = Vec::new();
     for start in starts {
-        let minimum = minimise(thinned, start);
+        let minimum = minimise(thinned, start, ROUGH_M);
         let transforms = data.transforms(&minimum.parameters);
         if !minima.iter().any(|m| same_solution(&data.transforms(&m.parameters), &transforms)) {
             minima.push(minimum);
         }
     }
     minima.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
-    let first = minimise(data, minima[0].parameters);
+    let first = minimise(data, minima[0].parameters, FINE_M);
     let heights = data.height_differences_m(&first.parameters);
     let opposite = |p: &Parameters| {
         let other = data.height_differences_m(p);
@@ -168,13 +174,13 @@ fn two_best(
         .iter()
         .find(|m| opposite(&m.parameters))
         .map_or_else(|| data.mirrored(&first.parameters, [true, true]), |m| m.parameters);
-    let second = minimise(data, start);
+    let second = minimise(data, start, ROUGH_M);
     let same =
         same_solution(&data.transforms(&first.parameters), &data.transforms(&second.parameters));
     (first, (!same).then_some(second))
 }
 
-fn basin(data: &CentredTriplets, minimum: Minimum) -> Basin {
+fn basin(data: &CentredTriplets, minimum: &Minimum) -> Basin {
     Basin {
         station1_from_station: data.transforms(&minimum.parameters),
         mean_square_m2: minimum.normal.cost / (3 * data.len()) as f64,

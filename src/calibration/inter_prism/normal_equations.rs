@@ -1,4 +1,4 @@
-//! The one pass over the data: cost, gradient and Gauss–Newton matrix of method D together.
+//! The one fused pass over the data: cost, gradient and Gauss–Newton matrix of method D together.
 //!
 //! For a pair with difference e = T_a q_a − T_b q_b, distance ‖e‖ and unit vector u = e/‖e‖, the residual is
 //! r = ‖e‖ − d and its derivatives are ±u for a translation and ±u·(dR/dψ q) for a yaw. The sums that the
@@ -12,40 +12,51 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{CentredTriplets, Parameters};
 
-/// JᵀJ, Jᵀr and rᵀr at some parameters.
+/// JᵀJ, Jᵀr and rᵀr of all triplets at some parameters: what the solver needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalEquations {
     pub matrix: SMatrix<f64, 8, 8>,
     pub gradient: SVector<f64, 8>,
     /// Sum of squared residuals (m²).
     pub cost: f64,
-    /// Σ ∂r/∂p of each pair: what an error of an inter-prism distance pulls at.
-    pub pair_sums: [SVector<f64, 8>; 3],
+}
+
+/// Jᵀr and Σ ∂r/∂p of each pair, over some of the triplets: what the uncertainty needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pulls {
+    pub gradient: SVector<f64, 8>,
+    /// What an error of an inter-prism distance pulls at.
+    pub by_pair: [SVector<f64, 8>; 3],
 }
 
 impl NormalEquations {
-    /// Over all triplets, for the solver: without the sums of each pair, which stay zero.
     pub fn at(data: &CentredTriplets, parameters: &Parameters) -> Self {
-        Self::sum(data, parameters, 0..data.len(), false)
+        let sums = sums_over(data, parameters, 0..data.len(), true);
+        Self {
+            matrix: matrix(&sums),
+            gradient: gradient(&sums),
+            cost: sums.iter().map(|s| s.rr[0]).sum(),
+        }
     }
+}
 
-    /// Over some instants, everything.
+impl Pulls {
     pub fn over(data: &CentredTriplets, parameters: &Parameters, instants: Range<usize>) -> Self {
-        Self::sum(data, parameters, instants, true)
+        let sums = sums_over(data, parameters, instants, false);
+        Self { gradient: gradient(&sums), by_pair: by_pair(&sums) }
     }
+}
 
-    fn sum(
-        data: &CentredTriplets,
-        parameters: &Parameters,
-        instants: Range<usize>,
-        pair_sums: bool,
-    ) -> Self {
-        let coordinates =
-            data.coordinates.each_ref().map(|s| s.each_ref().map(|axis| &axis[instants.clone()]));
-        let p = parameters.as_slice();
-        let poses = [pose(&p[..4]), pose(&p[4..])];
-        assemble(&sum(&coordinates, &poses, &data.inter_prism_m, pair_sums))
-    }
+fn sums_over(
+    data: &CentredTriplets,
+    parameters: &Parameters,
+    instants: Range<usize>,
+    for_solver: bool,
+) -> [Sums<1>; 3] {
+    let coordinates =
+        data.coordinates.each_ref().map(|s| s.each_ref().map(|axis| &axis[instants.clone()]));
+    let p = parameters.as_slice();
+    sum(&coordinates, &[pose(&p[..4]), pose(&p[4..])], &data.inter_prism_m, for_solver)
 }
 
 #[derive(Clone, Copy)]
@@ -106,9 +117,9 @@ fn sum(
     coordinates: &[[&[f64]; 3]; 3],
     poses: &[Pose; 2],
     inter_prism_m: &[f64; 3],
-    pair_sums: bool,
+    for_solver: bool,
 ) -> [Sums<1>; 3] {
-    if pair_sums {
+    if for_solver {
         sum_all::<true>(coordinates, poses, inter_prism_m)
     } else {
         sum_all::<false>(coordinates, poses, inter_prism_m)
@@ -116,7 +127,7 @@ fn sum(
 }
 
 #[inline(always)]
-fn sum_all<const PAIR_SUMS: bool>(
+fn sum_all<const FOR_SOLVER: bool>(
     coordinates: &[[&[f64]; 3]; 3],
     poses: &[Pose; 2],
     inter_prism_m: &[f64; 3],
@@ -125,18 +136,18 @@ fn sum_all<const PAIR_SUMS: bool>(
     let whole = count / LANES * LANES;
     let mut wide = [Sums::<LANES>::ZERO; 3];
     for start in (0..whole).step_by(LANES) {
-        add::<LANES, PAIR_SUMS>(coordinates, start, poses, inter_prism_m, &mut wide);
+        add::<LANES, FOR_SOLVER>(coordinates, start, poses, inter_prism_m, &mut wide);
     }
     let mut total = wide.map(|s| fold(&s));
     for start in whole..count {
-        add::<1, PAIR_SUMS>(coordinates, start, poses, inter_prism_m, &mut total);
+        add::<1, FOR_SOLVER>(coordinates, start, poses, inter_prism_m, &mut total);
     }
     total
 }
 
 /// Adds L consecutive instants.
 #[inline(always)]
-fn add<const L: usize, const PAIR_SUMS: bool>(
+fn add<const L: usize, const FOR_SOLVER: bool>(
     coordinates: &[[&[f64]; 3]; 3],
     start: usize,
     poses: &[Pose; 2],
@@ -164,7 +175,7 @@ fn add<const L: usize, const PAIR_SUMS: bool>(
         }
     }
     let fixed = [zero; 2];
-    add_pair::<L, PAIR_SUMS>(
+    add_pair::<L, FOR_SOLVER>(
         &q1,
         &fixed,
         &placed[0],
@@ -173,7 +184,7 @@ fn add<const L: usize, const PAIR_SUMS: bool>(
         false,
         &mut sums[0],
     );
-    add_pair::<L, PAIR_SUMS>(
+    add_pair::<L, FOR_SOLVER>(
         &q1,
         &fixed,
         &placed[1],
@@ -182,7 +193,7 @@ fn add<const L: usize, const PAIR_SUMS: bool>(
         false,
         &mut sums[1],
     );
-    add_pair::<L, PAIR_SUMS>(
+    add_pair::<L, FOR_SOLVER>(
         &placed[0],
         &turned[0],
         &placed[1],
@@ -195,7 +206,7 @@ fn add<const L: usize, const PAIR_SUMS: bool>(
 
 /// Adds one pair; `moving` says whether station a is free too (only in pair 23).
 #[inline(always)]
-fn add_pair<const L: usize, const PAIR_SUMS: bool>(
+fn add_pair<const L: usize, const FOR_SOLVER: bool>(
     at_a: &[[f64; L]; 3],
     turned_a: &[[f64; L]; 2],
     at_b: &[[f64; L]; 3],
@@ -218,39 +229,38 @@ fn add_pair<const L: usize, const PAIR_SUMS: bool>(
         a[l] = u[0][l] * turned_a[0][l] + u[1][l] * turned_a[1][l];
         b[l] = u[0][l] * turned_b[0][l] + u[1][l] * turned_b[1][l];
     }
-    let mut entry = 0;
     for i in 0..3 {
-        for j in i..3 {
-            multiply_add(&mut sums.uu[entry], &u[i], &u[j]);
-            entry += 1;
-        }
-        multiply_add(&mut sums.ub[i], &u[i], &b);
         multiply_add(&mut sums.ur[i], &u[i], &r);
-        if PAIR_SUMS {
-            for l in 0..L {
+    }
+    multiply_add(&mut sums.br, &b, &r);
+    if moving {
+        multiply_add(&mut sums.ar, &a, &r);
+    }
+    if FOR_SOLVER {
+        let mut entry = 0;
+        for i in 0..3 {
+            for j in i..3 {
+                multiply_add(&mut sums.uu[entry], &u[i], &u[j]);
+                entry += 1;
+            }
+            multiply_add(&mut sums.ub[i], &u[i], &b);
+        }
+        multiply_add(&mut sums.bb, &b, &b);
+        multiply_add(&mut sums.rr, &r, &r);
+        if moving {
+            for i in 0..3 {
+                multiply_add(&mut sums.ua[i], &u[i], &a);
+            }
+            multiply_add(&mut sums.aa, &a, &a);
+            multiply_add(&mut sums.ab, &a, &b);
+        }
+    } else {
+        for l in 0..L {
+            for i in 0..3 {
                 sums.u[i][l] += u[i][l];
             }
-        }
-    }
-    multiply_add(&mut sums.bb, &b, &b);
-    multiply_add(&mut sums.br, &b, &r);
-    multiply_add(&mut sums.rr, &r, &r);
-    if PAIR_SUMS {
-        for l in 0..L {
+            sums.a[l] += a[l];
             sums.b[l] += b[l];
-        }
-    }
-    if moving {
-        for i in 0..3 {
-            multiply_add(&mut sums.ua[i], &u[i], &a);
-        }
-        multiply_add(&mut sums.aa, &a, &a);
-        multiply_add(&mut sums.ab, &a, &b);
-        multiply_add(&mut sums.ar, &a, &r);
-        if PAIR_SUMS {
-            for l in 0..L {
-                sums.a[l] += a[l];
-            }
         }
     }
 }
@@ -281,28 +291,26 @@ fn fold<const L: usize>(s: &Sums<L>) -> Sums<1> {
     }
 }
 
-/// Signs: station a moves the residual by +(u, a), station b by −(u, b). In pairs 12 and 13 station a is
-/// station 1, which is fixed.
-fn assemble(sums: &[Sums<1>; 3]) -> NormalEquations {
+// Signs: station a moves the residual by +(u, a), station b by −(u, b). In pairs 12 and 13 station a is station 1,
+// which is fixed; only pair 23 has parameters on both sides.
+
+/// First parameter of the pair's station b.
+fn first_of_b(pair: usize) -> usize {
+    if pair == 0 { 0 } else { 4 }
+}
+
+fn matrix(sums: &[Sums<1>; 3]) -> SMatrix<f64, 8, 8> {
     let mut matrix = SMatrix::<f64, 8, 8>::zeros();
-    let mut gradient = SVector::<f64, 8>::zeros();
-    let mut pair_sums = [SVector::<f64, 8>::zeros(); 3];
-    let mut cost = 0.0;
     for (pair, s) in sums.iter().enumerate() {
-        cost += s.rr[0];
         let uu = |i: usize, j: usize| s.uu[[[0, 1, 2], [1, 3, 4], [2, 4, 5]][i][j]][0];
-        let first_b = if pair == 0 { 0 } else { 4 };
+        let at = first_of_b(pair);
         for i in 0..3 {
             for j in 0..3 {
-                matrix[(first_b + i, first_b + j)] += uu(i, j);
+                matrix[(at + i, at + j)] += uu(i, j);
             }
-            matrix[(first_b + i, first_b + 3)] += s.ub[i][0];
-            gradient[first_b + i] -= s.ur[i][0];
-            pair_sums[pair][first_b + i] = -s.u[i][0];
+            matrix[(at + i, at + 3)] += s.ub[i][0];
         }
-        matrix[(first_b + 3, first_b + 3)] += s.bb[0];
-        gradient[first_b + 3] -= s.br[0];
-        pair_sums[pair][first_b + 3] = -s.b[0];
+        matrix[(at + 3, at + 3)] += s.bb[0];
         if pair == 2 {
             for i in 0..3 {
                 for j in 0..3 {
@@ -312,17 +320,44 @@ fn assemble(sums: &[Sums<1>; 3]) -> NormalEquations {
                 matrix[(i, 3)] += s.ua[i][0];
                 matrix[(i, 7)] -= s.ub[i][0];
                 matrix[(3, 4 + i)] -= s.ua[i][0];
-                gradient[i] += s.ur[i][0];
-                pair_sums[pair][i] = s.u[i][0];
             }
             matrix[(3, 3)] += s.aa[0];
             matrix[(3, 7)] -= s.ab[0];
-            gradient[3] += s.ar[0];
-            pair_sums[pair][3] = s.a[0];
         }
     }
     matrix.fill_lower_triangle_with_upper_triangle();
-    NormalEquations { matrix, gradient, cost, pair_sums }
+    matrix
+}
+
+fn gradient(sums: &[Sums<1>; 3]) -> SVector<f64, 8> {
+    let mut total = SVector::zeros();
+    for (pair, s) in sums.iter().enumerate() {
+        add_row(&mut total, pair, &s.ur, &s.ar, &s.br);
+    }
+    total
+}
+
+fn by_pair(sums: &[Sums<1>; 3]) -> [SVector<f64, 8>; 3] {
+    std::array::from_fn(|pair| {
+        let mut row = SVector::zeros();
+        add_row(&mut row, pair, &sums[pair].u, &sums[pair].a, &sums[pair].b);
+        row
+    })
+}
+
+/// Adds a sum of rows of J.
+fn add_row(row: &mut SVector<f64, 8>, pair: usize, u: &[[f64; 1]; 3], a: &[f64; 1], b: &[f64; 1]) {
+    let at = first_of_b(pair);
+    for i in 0..3 {
+        row[at + i] -= u[i][0];
+    }
+    row[at + 3] -= b[0];
+    if pair == 2 {
+        for i in 0..3 {
+            row[i] += u[i][0];
+        }
+        row[3] += a[0];
+    }
 }
 
 #[cfg(test)]
@@ -350,9 +385,11 @@ mod tests {
     }
 
     #[test]
-    fn gradient_and_pair_sums_match_numerical_differences() {
+    fn gradient_and_pulls_match_numerical_differences() {
         let (data, parameters) = irregular(29);
-        let normal = NormalEquations::over(&data, &parameters, 0..data.len());
+        let normal = NormalEquations::at(&data, &parameters);
+        let pulls = Pulls::over(&data, &parameters, 0..data.len());
+        assert!((normal.gradient - pulls.gradient).amax() < 1e-12 * normal.gradient.amax());
         for k in 0..8 {
             let step = 1e-6;
             let shifted = |by: f64| {
@@ -371,9 +408,7 @@ mod tests {
             let mut other = data.clone();
             other.inter_prism_m[pair] += 1e-3;
             let change = NormalEquations::at(&other, &parameters).gradient - normal.gradient;
-            assert!(
-                (change / 1e-3 + normal.pair_sums[pair]).amax() < 1e-6 * normal.gradient.amax()
-            );
+            assert!((change / 1e-3 + pulls.by_pair[pair]).amax() < 1e-6 * normal.gradient.amax());
         }
     }
 
@@ -386,7 +421,7 @@ mod tests {
             for pair in 0..3 {
                 // One instant, one pair: its gradient over its residual is the row of J.
                 let one = data.select(&[i]);
-                let row = NormalEquations::over(&one, &parameters, 0..1).pair_sums[pair];
+                let row = Pulls::over(&one, &parameters, 0..1).by_pair[pair];
                 expected += row * row.transpose();
             }
         }
@@ -396,14 +431,16 @@ mod tests {
     #[test]
     fn parts_add_up_to_the_whole_at_any_cut() {
         let (data, parameters) = irregular(37);
-        let whole = NormalEquations::at(&data, &parameters);
+        let whole = Pulls::over(&data, &parameters, 0..37);
         for cut in [0, 1, 7, 8, 9, 36, 37] {
-            let left = NormalEquations::over(&data, &parameters, 0..cut);
-            let right = NormalEquations::over(&data, &parameters, cut..37);
-            assert!((left.cost + right.cost - whole.cost).abs() < 1e-9 * whole.cost);
-            assert!(
-                (left.matrix + right.matrix - whole.matrix).amax() < 1e-9 * whole.matrix.amax()
-            );
+            let left = Pulls::over(&data, &parameters, 0..cut);
+            let right = Pulls::over(&data, &parameters, cut..37);
+            let off = left.gradient + right.gradient - whole.gradient;
+            assert!(off.amax() < 1e-9 * whole.gradient.amax());
+            for pair in 0..3 {
+                let off = left.by_pair[pair] + right.by_pair[pair] - whole.by_pair[pair];
+                assert!(off.amax() < 1e-9 * whole.by_pair[pair].amax());
+            }
         }
     }
 }

@@ -5,6 +5,7 @@
 //! best of step 1, the same prior for every τ_v. The inter-prism metric picks the best among the optima that
 //! at least three other runs agree with (`paper.tex`, "Search of prior").
 
+use super::levenberg_marquardt::ROUGH_M;
 use super::{CentredTriplets, FEWEST_TRIPLETS, distance_errors_m, minimise, same_solution};
 use crate::geometry::{LevelTransform, align_level};
 use crate::pipeline::Triplets;
@@ -58,7 +59,7 @@ pub fn search(triplets: &Triplets, inter_prism_m: [f64; 3]) -> PriorSearch {
             let count = slower_than(limit);
             if count >= FEWEST_TRIPLETS {
                 let subset = data.first(count);
-                let minimum = minimise(&subset, data.parameters(&prior));
+                let minimum = minimise(&subset, data.parameters(&prior), ROUGH_M);
                 let found = data.transforms(&minimum.parameters);
                 let metric_m = metric_m(triplets, &found, &inter_prism_m);
                 runs.push(SearchRun {

@@ -6,11 +6,10 @@
 //! Errors of the inter-prism distances act on every triplet alike, so no residual shows them; they are
 //! propagated with their own σ.
 
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 
-use super::{CentredTriplets, NormalEquations};
-use crate::calibration::{Basin, CalibrationSettings, TransformSigma};
-use crate::deployment::PAIRS;
+use super::{CentredTriplets, Minimum, Parameters, Pulls};
+use crate::calibration::{CalibrationSettings, TransformSigma};
 
 /// Consecutive time that is taken to be independent of the rest (s).
 const BLOCK_SECONDS: f64 = 5.0;
@@ -44,32 +43,26 @@ impl Uncertainty {
     }
 }
 
+/// At a minimum found on all of `data`, whose instants are `time_s` and `interval`.
 pub fn estimate(
     data: &CentredTriplets,
     time_s: &[f64],
     interval: &[u32],
-    answer: &Basin,
+    answer: &Minimum,
     settings: &CalibrationSettings,
 ) -> Uncertainty {
-    let parameters = data.parameters(&answer.station1_from_station);
-    let mut total: Option<NormalEquations> = None;
+    let normal = &answer.normal;
     let mut meat = SMatrix::<f64, 8, 8>::zeros();
-    let mut blocks = 0;
-    for block in blocks_of_time(time_s, interval) {
-        let normal = NormalEquations::over(data, &parameters, block);
-        meat += normal.gradient * normal.gradient.transpose();
-        blocks += 1;
-        total = Some(match total {
-            None => normal,
-            Some(sum) => NormalEquations {
-                matrix: sum.matrix + normal.matrix,
-                gradient: sum.gradient + normal.gradient,
-                cost: sum.cost + normal.cost,
-                pair_sums: std::array::from_fn(|pair| sum.pair_sums[pair] + normal.pair_sums[pair]),
-            },
-        });
+    let mut by_pair = [SVector::<f64, 8>::zeros(); 3];
+    let blocks = blocks_of_time(time_s, interval);
+    for block in &blocks {
+        let pulls = Pulls::over(data, &answer.parameters, block.clone());
+        meat += pulls.gradient * pulls.gradient.transpose();
+        for (sum, pull) in by_pair.iter_mut().zip(pulls.by_pair) {
+            *sum += pull;
+        }
     }
-    let normal = total.unwrap_or_else(|| NormalEquations::at(data, &parameters));
+    let blocks = blocks.len();
 
     // Yaw in metres at the track's radius, so that directions can be compared.
     let radius_m = super::levenberg_marquardt::track_radius_m(data);
@@ -103,8 +96,8 @@ pub fn estimate(
         let variance = normal.cost / data.len() as f64 * independent / degrees;
         inverse * variance * (data.len() as f64 / independent)
     };
-    for pair in 0..PAIRS.len() {
-        let pull = inverse * normal.pair_sums[pair] * settings.inter_prism_sigma_m;
+    for sum in by_pair {
+        let pull = inverse * sum * settings.inter_prism_sigma_m;
         centred += pull * pull.transpose();
     }
 
@@ -113,7 +106,7 @@ pub fn estimate(
     let worst = in_metres.eigenvalues.imax();
     let weakest = in_metres.eigenvectors.column(worst).into_owned();
     Uncertainty {
-        covariance: Some(at_the_stations(data, answer, &centred)),
+        covariance: Some(at_the_stations(data, &answer.parameters, &centred)),
         weakest: weakest.as_slice().try_into().expect("eight"),
         weakest_sigma_m: in_metres.eigenvalues[worst].max(0.0).sqrt(),
     }
@@ -122,12 +115,13 @@ pub fn estimate(
 /// From centred parameters to (translation, yaw): t = t' − R c + const, so ∂t/∂ψ = −R' c.
 fn at_the_stations(
     data: &CentredTriplets,
-    answer: &Basin,
+    parameters: &Parameters,
     centred: &SMatrix<f64, 8, 8>,
 ) -> SMatrix<f64, 8, 8> {
+    let transforms = data.transforms(parameters);
     let mut jacobian = SMatrix::<f64, 8, 8>::identity();
     for slot in 0..2 {
-        let turned = answer.station1_from_station[slot + 1].rotate(&data.centre_m[slot + 1]);
+        let turned = transforms[slot + 1].rotate(&data.centre_m[slot + 1]);
         jacobian[(4 * slot, 4 * slot + 3)] = turned.y;
         jacobian[(4 * slot + 1, 4 * slot + 3)] = -turned.x;
     }
