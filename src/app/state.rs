@@ -182,6 +182,13 @@ impl State {
                     self.analysis_run = number;
                 }
             }
+            Reply::Failed(number) => {
+                self.opening = self.opening.filter(|newest| *newest != number);
+                self.analysing = self.analysing.filter(|(newest, _)| *newest != number);
+                self.notice = Some(Notice::Error(
+                    "a bug in resect stopped the calculation; please report it with the data and the settings".to_owned(),
+                ));
+            }
             Reply::Picked(path) => self.open(Source::Path(path)),
             Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
             Reply::Done(Err(line)) => self.notice = Some(Notice::Error(line)),

@@ -3,6 +3,7 @@
 //! The newest request wins: requests that pile up behind a running one are answered by one run with the last
 //! settings. Each reply carries the number of its request, so a stale one is recognised.
 
+use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -27,6 +28,8 @@ enum Request {
 pub enum Reply {
     Opened(u64, Result<Arc<Deployment>, String>),
     Analysed(u64, Arc<Analysis>),
+    /// A request ended in a bug of the program.
+    Failed(u64),
     /// The user chose a path in a dialog.
     Picked(PathBuf),
     /// Something that ran beside the worker is done: a line for the user, or why it failed.
@@ -68,7 +71,7 @@ impl Worker {
 
     fn send(&mut self, request: impl FnOnce(u64) -> Request) -> u64 {
         self.newest += 1;
-        // A dead worker shows as a disconnected reply channel.
+        // The worker lives as long as this end of the channel: it catches its own panics.
         self.requests.send(request(self.newest)).ok();
         self.newest
     }
@@ -106,28 +109,37 @@ fn work(inbox: &Receiver<Request>, outbox: &Sender<Reply>, ctx: &egui::Context) 
             if overtaken {
                 continue;
             }
-            let reply = match request {
-                Request::Open(number, source) => {
-                    let opened = match source {
-                        Source::Path(path) => open(path),
-                        Source::Sample(sample) => sample.open(),
-                    };
-                    Reply::Opened(*number, opened.map(Arc::new).map_err(|error| error.to_string()))
-                }
-                Request::Analyse(number, deployment, settings) => {
-                    let same =
-                        analyst.as_ref().is_some_and(|a| Arc::ptr_eq(a.deployment(), deployment));
-                    if !same {
-                        analyst = Some(Analyst::new(Arc::clone(deployment)));
-                    }
-                    let analyst = analyst.as_mut().expect("just made");
-                    Reply::Analysed(*number, Arc::new(analyst.run(settings)))
-                }
+            let number = match request {
+                Request::Open(number, _) | Request::Analyse(number, ..) => *number,
             };
+            let answer =
+                std::panic::catch_unwind(AssertUnwindSafe(|| reply(request, &mut analyst)));
+            let reply = answer.unwrap_or_else(|_| {
+                analyst = None;
+                Reply::Failed(number)
+            });
             if outbox.send(reply).is_err() {
                 return;
             }
             ctx.request_repaint();
+        }
+    }
+}
+
+fn reply(request: &Request, analyst: &mut Option<Analyst>) -> Reply {
+    match request {
+        Request::Open(number, source) => {
+            let opened = match source {
+                Source::Path(path) => open(path),
+                Source::Sample(sample) => sample.open(),
+            };
+            Reply::Opened(*number, opened.map(Arc::new).map_err(|error| error.to_string()))
+        }
+        Request::Analyse(number, deployment, settings) => {
+            let known = analyst.take().filter(|a| Arc::ptr_eq(a.deployment(), deployment));
+            let analyst =
+                analyst.insert(known.unwrap_or_else(|| Analyst::new(Arc::clone(deployment))));
+            Reply::Analysed(*number, Arc::new(analyst.run(settings)))
         }
     }
 }

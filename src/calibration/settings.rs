@@ -30,10 +30,10 @@ impl Default for CalibrationSettings {
 impl CalibrationSettings {
     pub fn check(&self) -> Result<(), String> {
         let sigma = self.inter_prism_sigma_m;
-        if sigma >= 0.0 && sigma.is_finite() {
+        if (0.0..=1.0).contains(&sigma) {
             Ok(())
         } else {
-            Err(format!("inter_prism_sigma_m is {sigma}; it must not be negative"))
+            Err(format!("inter_prism_sigma_m is {sigma}; it must be from 0 to 1 m"))
         }
     }
 }

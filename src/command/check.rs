@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Failure, load, print};
-use crate::deployment::{Deployment, Severity, Track, pair_label};
+use crate::deployment::{Deployment, Track, pair_label};
 
 #[derive(Args)]
 pub struct Arguments {
@@ -66,12 +66,7 @@ fn report(deployment: &Deployment) -> String {
     }
     text += "\nfindings\n";
     for finding in &deployment.findings {
-        let mark = match finding.severity {
-            Severity::Note => "-",
-            Severity::Warning => "!",
-            Severity::Problem => "x",
-        };
-        _ = writeln!(text, "  {mark} {finding}");
+        _ = writeln!(text, "  {} {finding}", finding.severity.mark());
     }
     text
 }

@@ -58,7 +58,15 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 
 /// Runs the program and gives its exit code: 0 for an answer, 1 for bad input, 2 for bad usage.
 pub fn run() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) if error.use_stderr() => {
+            eprintln!("resect: {}", one_line(&error.to_string()));
+            return ExitCode::from(2);
+        }
+        // Help and version are answers.
+        Err(help) => help.exit(),
+    };
     let result = match arguments.command {
         None => window::run(arguments.path),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
@@ -78,6 +86,17 @@ pub fn run() -> ExitCode {
             ExitCode::from(1)
         }
     }
+}
+
+/// What clap says, up to its usage, as one line.
+fn one_line(message: &str) -> String {
+    let said: Vec<_> = message
+        .lines()
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .map(str::trim)
+        .filter(|line| !line.is_empty())
+        .collect();
+    format!("{}; see --help", said.join(" ").trim_start_matches("error: "))
 }
 
 /// Prints, and ends quietly when the reader has gone (`resect … | head`).

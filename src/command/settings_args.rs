@@ -8,8 +8,8 @@ use clap::{Args, ValueEnum};
 use super::Failure;
 use crate::analysis::Settings;
 use crate::calibration::PriorMethod;
-use crate::deployment::format::{control_points, deployment_toml::parse_toml};
-use crate::deployment::{Deployment, OpenError};
+use crate::deployment::format::deployment_toml::parse_toml;
+use crate::deployment::{Deployment, OpenError, read_control_points};
 use crate::pipeline::Interpolation;
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -74,7 +74,7 @@ impl SettingsArguments {
             None => Settings::default(),
             Some(path) => {
                 let text = std::fs::read_to_string(path)
-                    .map_err(|source| OpenError::Io { path: path.clone(), source })?;
+                    .map_err(|error| OpenError::Io { path: path.clone(), error })?;
                 parse_toml(&path.display().to_string(), &text)
                     .map_err(|error| Failure::Usage(error.to_string()))?
             }
@@ -120,11 +120,16 @@ impl SettingsArguments {
         deployment.control_points.clear();
         for path in &self.gcp {
             let text = std::fs::read_to_string(path)
-                .map_err(|source| OpenError::Io { path: path.clone(), source })?;
-            let (set, findings) =
-                control_points::read(&path.display().to_string(), &text, prism_constant_m)?;
-            deployment.control_points.push(set);
-            deployment.findings.extend(findings);
+                .map_err(|error| OpenError::Io { path: path.clone(), error })?;
+            let file = path.display().to_string();
+            let set = read_control_points(
+                &file,
+                &text,
+                prism_constant_m,
+                None,
+                &mut deployment.findings,
+            )?;
+            deployment.control_points.extend(set);
         }
         Ok(Arc::new(deployment))
     }

@@ -15,6 +15,17 @@ pub enum Severity {
     Problem,
 }
 
+impl Severity {
+    /// The sign before a finding in plain text.
+    pub fn mark(self) -> char {
+        match self {
+            Self::Note => '-',
+            Self::Warning => '!',
+            Self::Problem => 'x',
+        }
+    }
+}
+
 /// One line for the user. Shown in the window, printed by the commands, and part of the JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {

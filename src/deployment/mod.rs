@@ -14,7 +14,7 @@ mod track;
 pub use control_points::{ControlPoint, ControlPointSet};
 pub use finding::{Finding, Severity};
 pub use format::OpenError;
-pub use open::{Ingredient, open, open_files, open_with};
+pub use open::{Ingredient, open, open_files, open_with, read_control_points};
 pub use rig::{Rig, pairwise_distances};
 pub use sample::Sample;
 pub use track::{Measurement, RawRecord, Track, assemble_tracks};

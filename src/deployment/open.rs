@@ -38,10 +38,18 @@ enum Place {
 
 impl Source {
     fn text(&self) -> Result<String, OpenError> {
+        self.raw_text().map(|text| text.trim_start_matches(format::BYTE_ORDER_MARK).to_owned())
+    }
+
+    fn raw_text(&self) -> Result<String, OpenError> {
         match &self.place {
             Place::Memory(text) => Ok(text.clone()),
-            Place::Disk(path) => std::fs::read_to_string(path)
-                .map_err(|source| OpenError::Io { path: path.clone(), source }),
+            Place::Disk(path) => {
+                let bytes = std::fs::read(path)
+                    .map_err(|error| OpenError::Io { path: path.clone(), error })?;
+                String::from_utf8(bytes)
+                    .map_err(|_| OpenError::file(&self.file, "not UTF-8 text", "save it as UTF-8"))
+            }
         }
     }
 }
@@ -53,7 +61,7 @@ pub fn open(path: &Path) -> Result<Deployment, OpenError> {
 
 /// Like [`open`], with the rig taken from another folder or file where the data has none beside it.
 pub fn open_with(path: &Path, rig_path: Option<&Path>) -> Result<Deployment, OpenError> {
-    let io = |source| OpenError::Io { path: path.to_owned(), source };
+    let io = |error| OpenError::Io { path: path.to_owned(), error };
     let metadata = std::fs::metadata(path).map_err(io)?;
     let path = &path.canonicalize().map_err(io)?;
     let (folder, chosen) = if metadata.is_dir() {
@@ -124,7 +132,7 @@ fn list_folder(folder: &Path, depth: usize) -> Result<Vec<Source>, OpenError> {
         depth: usize,
         into: &mut Vec<Source>,
     ) -> Result<(), OpenError> {
-        let io = |source| OpenError::Io { path: folder.to_owned(), source };
+        let io = |error| OpenError::Io { path: folder.to_owned(), error };
         for entry in std::fs::read_dir(folder).map_err(io)? {
             let path = entry.map_err(io)?.path();
             let hidden =
@@ -149,7 +157,7 @@ fn list_folder(folder: &Path, depth: usize) -> Result<Vec<Source>, OpenError> {
 }
 
 fn source_at(path: &Path, file: String) -> Result<Source, OpenError> {
-    let io = |source| OpenError::Io { path: path.to_owned(), source };
+    let io = |error| OpenError::Io { path: path.to_owned(), error };
     let mut head = Vec::new();
     std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head)).map_err(io)?;
     let base_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -162,17 +170,25 @@ fn combine(
     chosen: Option<&str>,
     sources: Vec<Source>,
 ) -> Result<Deployment, OpenError> {
-    let overrides = match sources.iter().find(|s| s.format == Format::DeploymentToml) {
+    // Only the folder's own: one further down belongs to another deployment.
+    let is_overrides =
+        |s: &&Source| s.format == Format::DeploymentToml && s.file == "deployment.toml";
+    let overrides = match sources.iter().find(is_overrides) {
         Some(source) => format::deployment_toml::read(&source.file, &source.text()?)?,
         None => Overrides::default(),
     };
     let prism_constant_m = overrides.prism_constant_m.unwrap_or(PRISM_CONSTANT_M);
+    if !(-1.0..=1.0).contains(&prism_constant_m) {
+        return Err(OpenError::file(
+            "deployment.toml",
+            format!("prism_constant_m is {prism_constant_m}"),
+            "prism constants are a few hundredths of a metre",
+        ));
+    }
     let name = overrides.name.clone().unwrap_or(name);
     let mut findings = Vec::new();
     let mut used: Vec<&str> = Vec::new();
-    used.extend(
-        sources.iter().filter(|s| s.format == Format::DeploymentToml).map(|s| s.file.as_str()),
-    );
+    used.extend(sources.iter().filter(is_overrides).map(|s| s.file.as_str()));
 
     let track_source = choose_tracks(&name, chosen.or(overrides.tracks.as_deref()), &sources)?;
     used.push(&track_source.file);
@@ -222,8 +238,8 @@ fn choose_tracks<'a>(
     if let Some(chosen) = chosen {
         return candidates.iter().find(|s| s.file == chosen).copied().ok_or_else(|| {
             OpenError::file(
-                "deployment.toml",
-                format!("tracks = \"{chosen}\" names no file with tracks"),
+                name,
+                format!("`{chosen}` is no file with tracks (hidden files are not looked at)"),
                 format!("the candidates here: {}", names()),
             )
         });
@@ -275,32 +291,54 @@ fn read_control_point_sets<'a>(
         if overrides.control_points.as_ref().is_some_and(|files| !files.contains(&source.file)) {
             continue;
         }
-        let (mut set, set_findings) =
-            format::control_points::read(&source.file, &source.text()?, prism_constant_m)?;
-        findings.extend(set_findings);
-        if set.points.is_empty() {
-            findings.push(Finding::warning(format!("{}: no usable control point", source.file)));
+        let Some(set) = read_control_points(
+            &source.file,
+            &source.text()?,
+            prism_constant_m,
+            pillar_markers.as_deref(),
+            findings,
+        )?
+        else {
             continue;
-        }
-        // Pillars are listed with the markers of the survey; failing that, the authors' file name tells.
-        let markers: Vec<_> = set.points.iter().map(|p| p.marker).collect();
-        set.pillars = match &pillar_markers {
-            Some(pillars) => *pillars == markers,
-            None => source.file.to_lowercase().contains("two_points"),
         };
         used.push(source.file.as_str());
         sets.push(set);
     }
     if let Some(wanted) = &overrides.control_points
-        && let Some(missing) = wanted.iter().find(|file| !sources.iter().any(|s| s.file == **file))
+        && let Some(missing) = wanted.iter().find(|file| {
+            !sources.iter().any(|s| s.file == **file && s.format == Format::ControlPoints)
+        })
     {
         return Err(OpenError::file(
             "deployment.toml",
-            format!("control_points names `{missing}`, which is not here"),
+            format!("control_points names `{missing}`, which is no control-point file here"),
             "give names relative to the folder",
         ));
     }
     Ok((sets, used))
+}
+
+/// One file of control points; `None`, with a finding, when it holds no usable one.
+///
+/// Pillars are known by the markers of their survey; failing that, by the authors' file name.
+pub fn read_control_points(
+    file: &str,
+    text: &str,
+    prism_constant_m: f64,
+    pillar_markers: Option<&[i64]>,
+    findings: &mut Vec<Finding>,
+) -> Result<Option<ControlPointSet>, OpenError> {
+    let (mut set, set_findings) = format::control_points::read(file, text, prism_constant_m)?;
+    findings.extend(set_findings);
+    if set.points.is_empty() {
+        findings.push(Finding::warning(format!("{file}: no usable control point")));
+        return Ok(None);
+    }
+    set.pillars = match pillar_markers {
+        Some(pillars) => set.points.iter().map(|p| p.marker).eq(pillars.iter().copied()),
+        None => file.to_lowercase().contains("two_points"),
+    };
+    Ok(Some(set))
 }
 
 fn read_rig<'a>(
@@ -347,7 +385,7 @@ fn read_rig<'a>(
         return Ok(None);
     };
     let [d12, d13, d23] = inter_prism_m;
-    if inter_prism_m.iter().any(|d| !d.is_finite() || *d <= 0.0)
+    if inter_prism_m.iter().any(|d| !format::rig_files::PLAUSIBLE_DISTANCE_M.contains(d))
         || d12 > d13 + d23
         || d13 > d12 + d23
         || d23 > d12 + d13

@@ -54,6 +54,9 @@ pub struct RawRecord {
     pub measurement: Measurement,
 }
 
+/// The year 5138 in Unix seconds; milliseconds and nanoseconds are beyond it.
+const LATEST_STAMP_S: f64 = 1e11;
+
 /// Sorts records into three tracks, leaving out what cannot be a reading and saying so.
 ///
 /// `file` and `place_word` ("line", "message") are for the findings.
@@ -69,20 +72,26 @@ pub fn assemble_tracks(
     for record in records {
         let m = record.measurement;
         let Some(station) = station_index(record.station) else {
-            dropped
-                .add(format!("a station number other than 1, 2, 3 ({})", record.station), record);
+            dropped.add("a station number other than 1, 2, 3".to_owned(), record);
             continue;
         };
         let whose = format!("station {}", station + 1);
+        let polar = Polar {
+            range_m: m.range_m + prism_constant_m,
+            azimuth_rad: m.azimuth_rad,
+            zenith_rad: m.zenith_rad,
+        };
         if record.status != 0 {
             dropped.add(format!("{whose}: status {} (no valid reading)", record.status), record);
         } else if ![m.time_s, m.range_m, m.azimuth_rad, m.zenith_rad].iter().all(|v| v.is_finite())
         {
             dropped.add(format!("{whose}: not a number"), record);
-        } else if m.range_m <= 0.0 {
-            dropped.add(format!("{whose}: range not above zero"), record);
         } else if !(0.0..=PI).contains(&m.zenith_rad) {
             dropped.add(format!("{whose}: zenith angle outside 0..π rad"), record);
+        } else if !polar.is_plausible() {
+            dropped.add(format!("{whose}: range outside 0..10 km"), record);
+        } else if m.time_s.abs() > LATEST_STAMP_S {
+            dropped.add(format!("{whose}: not a time stamp in seconds"), record);
         } else {
             tracks[station].push((record.place, m));
         }
@@ -128,7 +137,10 @@ pub fn assemble_tracks(
 
 /// 0, 1 or 2 for the station numbers 1, 2, 3 of the files.
 pub fn station_index(number: i64) -> Option<usize> {
-    usize::try_from(number - 1).ok().filter(|index| *index < 3)
+    match number {
+        1..=3 => Some(number as usize - 1),
+        _ => None,
+    }
 }
 
 /// Counts of left-out records by reason, each with the first place it happened.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::Calibration;
-use crate::deployment::{Deployment, Severity};
+use crate::deployment::Deployment;
 use crate::evaluation::Spread;
 
 /// Verdict, transforms with their σ, metrics and findings.
@@ -43,12 +43,7 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
     }
     text.push('\n');
     for finding in deployment.findings.iter().chain(&calibration.findings) {
-        let mark = match finding.severity {
-            Severity::Note => "-",
-            Severity::Warning => "!",
-            Severity::Problem => "x",
-        };
-        _ = writeln!(text, "  {mark} {finding}");
+        _ = writeln!(text, "  {} {finding}", finding.severity.mark());
     }
     _ = writeln!(
         text,

@@ -15,7 +15,18 @@ pub struct Polar {
     pub zenith_rad: f64,
 }
 
+/// No total station measures further; what claims to is a blunder that would drown everything else.
+const LONGEST_RANGE_M: f64 = 10_000.0;
+
 impl Polar {
+    /// Whether a total station can have measured this: finite, in front of it and within 10 km.
+    pub fn is_plausible(&self) -> bool {
+        self.range_m > 0.0
+            && self.range_m < LONGEST_RANGE_M
+            && self.azimuth_rad.is_finite()
+            && (0.0..=PI).contains(&self.zenith_rad)
+    }
+
     /// Position in the station's frame (m): x along azimuth 0, z up, right-handed.
     pub fn to_cartesian(self) -> Vector3<f64> {
         let (sin_zenith, cos_zenith) = self.zenith_rad.sin_cos();
@@ -23,7 +34,7 @@ impl Polar {
         self.range_m * Vector3::new(sin_zenith * cos_azimuth, -sin_zenith * sin_azimuth, cos_zenith)
     }
 
-    /// The inverse of [`Polar::to_cartesian`]; azimuth in (−π, π].
+    /// The inverse of [`Polar::to_cartesian`]; azimuth in [−π, π).
     pub fn from_cartesian(position_m: Vector3<f64>) -> Self {
         let horizontal_m = position_m.xy().norm();
         Self {

@@ -83,8 +83,12 @@ impl PipelineSettings {
         if !(t.tau_l_seconds >= 0.0 && t.tau_l_seconds.is_finite()) {
             return Err(format!("tau-l (s) is {}; it must not be negative", t.tau_l_seconds));
         }
-        if self.rate_hz > 1000.0 {
-            return Err(format!("rate (Hz) is {}; 1000 is the most", self.rate_hz));
+        if self.rate_hz > 100.0 {
+            return Err(format!("rate (Hz) is {}; 100 is the most", self.rate_hz));
+        }
+        // A gap is interpolated across: beyond a minute that is no measurement any more.
+        if t.tau_s_seconds > 60.0 {
+            return Err(format!("tau-s (s) is {}; 60 is the most", t.tau_s_seconds));
         }
         Ok(())
     }

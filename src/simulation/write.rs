@@ -13,10 +13,22 @@ use crate::geometry::Polar;
 pub fn write_folder(simulated: &Simulated, folder: &Path) -> Result<(), OpenError> {
     let io = |path: &Path| {
         let path = path.to_owned();
-        move |source| OpenError::Io { path, source }
+        move |error| OpenError::Io { path, error }
     };
     std::fs::create_dir_all(folder).map_err(io(folder))?;
-    for (name, text) in files(simulated) {
+    let files = files(simulated);
+    // A leftover of another deployment would be read together with this one.
+    for entry in std::fs::read_dir(folder).map_err(io(folder))? {
+        let name = entry.map_err(io(folder))?.file_name().to_string_lossy().into_owned();
+        if !files.iter().any(|(own, _)| *own == name) {
+            return Err(OpenError::file(
+                &folder.display().to_string(),
+                format!("holds `{name}`, which is not part of this deployment"),
+                "choose an empty folder",
+            ));
+        }
+    }
+    for (name, text) in files {
         let path = folder.join(name);
         std::fs::write(&path, text).map_err(io(&path))?;
     }

@@ -20,12 +20,13 @@ pub fn read(
     let mut points: Vec<ControlPoint> = Vec::new();
     let mut findings = Vec::new();
     for row in table::read_columns(file, text, &COLUMNS)? {
-        let [number, marker, status, zenith_rad, azimuth_rad, distance_m] = row.values[..] else {
+        let [_, _, status, zenith_rad, azimuth_rad, distance_m] = row.values[..] else {
             unreachable!("read_columns gives as many values as columns");
         };
+        let number = row.whole(file, 0, COLUMNS[0])?;
+        let marker = row.whole(file, 1, COLUMNS[1])?;
         let place = format!("{file}:{}", row.line);
-        let marker = marker as i64;
-        let Some(station) = station_index(number as i64) else {
+        let Some(station) = station_index(number) else {
             findings.push(Finding::warning(format!(
                 "{place}: station {number} left out; stations are 1, 2, 3"
             )));
@@ -37,14 +38,13 @@ pub fn read(
             )));
             continue;
         }
-        if ![zenith_rad, azimuth_rad, distance_m].iter().all(|v| v.is_finite()) || distance_m <= 0.0
-        {
+        let polar = Polar { range_m: distance_m + prism_constant_m, azimuth_rad, zenith_rad };
+        if !polar.is_plausible() {
             findings.push(Finding::warning(format!(
                 "{place}: marker {marker} of station {number} left out: not a usable reading"
             )));
             continue;
         }
-        let polar = Polar { range_m: distance_m + prism_constant_m, azimuth_rad, zenith_rad };
         let index = points.iter().position(|p| p.marker == marker).unwrap_or_else(|| {
             points.push(ControlPoint { marker, readings: [None; 3] });
             points.len() - 1

@@ -16,8 +16,8 @@ use std::path::PathBuf;
 /// Why a file or folder did not become a deployment: what, where, and what to do about it.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    #[error("{}: {source}; check the path and its permissions", path.display())]
-    Io { path: PathBuf, source: std::io::Error },
+    #[error("{}: {error}; check the path and its permissions", path.display())]
+    Io { path: PathBuf, error: std::io::Error },
     #[error("{file}: {what}; {remedy}")]
     File { file: String, what: String, remedy: String },
     #[error("{file}:{line}: {what}; {remedy}")]
@@ -38,6 +38,9 @@ impl OpenError {
         Self::Line { file: file.to_owned(), line, what: what.into(), remedy: remedy.into() }
     }
 }
+
+/// What some editors put before UTF-8 text.
+pub const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// What a file holds, judged by its content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,6 +94,7 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
         );
     }
     let text = String::from_utf8_lossy(head);
+    let text = text.trim_start_matches(BYTE_ORDER_MARK);
     let mut lines = text.lines().filter(|line| !line.trim().is_empty());
     let Some(first) = lines.next() else {
         return Format::Ignored("empty");

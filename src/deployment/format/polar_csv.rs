@@ -17,20 +17,19 @@ pub fn read(file: &str, text: &str) -> Result<Vec<RawRecord>, OpenError> {
             "record the deployment again",
         ));
     }
-    Ok(rows
-        .into_iter()
-        .map(|row| RawRecord {
-            station: row.values[1] as i64,
-            status: 0,
-            place: row.line,
-            measurement: Measurement {
-                time_s: row.values[0],
-                range_m: row.values[2],
-                azimuth_rad: row.values[3],
-                zenith_rad: row.values[4],
-            },
+    rows.into_iter()
+        .map(|row| {
+            let [time_s, _, range_m, azimuth_rad, zenith_rad] = row.values[..] else {
+                unreachable!("read_columns gives as many values as columns");
+            };
+            Ok(RawRecord {
+                station: row.whole(file, 1, COLUMNS[1])?,
+                status: 0,
+                place: row.line,
+                measurement: Measurement { time_s, range_m, azimuth_rad, zenith_rad },
+            })
         })
-        .collect())
+        .collect()
 }
 
 /// The text that [`read`] reads.

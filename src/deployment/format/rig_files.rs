@@ -5,15 +5,18 @@ use nalgebra::Vector3;
 use super::OpenError;
 use crate::geometry::Polar;
 
+/// Between a millimetre and the size of a ship.
+pub const PLAUSIBLE_DISTANCE_M: std::ops::RangeInclusive<f64> = 1e-3..=100.0;
+
 /// `calibration_results.csv`: distances 12, 13, 23 between the prisms, then between the GNSS antennas (m).
 pub fn read_distances(file: &str, text: &str) -> Result<([f64; 3], Option<[f64; 3]>), OpenError> {
     let values = numbers(file, 1, text)?;
-    if let Some(bad) = values.iter().find(|v| !v.is_finite() || **v <= 0.0) {
+    if let Some(bad) = values.iter().find(|v| !PLAUSIBLE_DISTANCE_M.contains(*v)) {
         return Err(OpenError::line(
             file,
             1,
             format!("{bad} is not a distance between prisms"),
-            "distances are in metres and above zero",
+            "distances are in metres, from 1 mm to 100 m",
         ));
     }
     match values[..] {
@@ -63,6 +66,14 @@ pub fn read_rig_reading(
             azimuth_rad: angle_rad(0),
             zenith_rad: angle_rad(6),
         };
+        if !polar.is_plausible() {
+            return Err(OpenError::line(
+                file,
+                index + 1,
+                "not a reading of a prism (distance in m, zenith angle within 0..180°)",
+                "correct the line",
+            ));
+        }
         prisms.push(polar.to_cartesian());
     }
     prisms.try_into().map_err(|short: Vec<_>| {

@@ -72,7 +72,7 @@ pub fn read(path: &Path, file: &str) -> Result<Vec<RawRecord>, OpenError> {
 /// The bag's header names where its index starts. A recording that was killed has 0 there; a copy that was
 /// cut short ends before it. Both must be caught here: the bag crate would index past the end.
 fn check_index(path: &Path, file: &str) -> Result<(), OpenError> {
-    let io = |source| OpenError::Io { path: path.to_owned(), source };
+    let io = |error| OpenError::Io { path: path.to_owned(), error };
     let length = std::fs::metadata(path).map_err(io)?.len();
     let mut head = Vec::new();
     std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head)).map_err(io)?;

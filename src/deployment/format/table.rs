@@ -8,6 +8,19 @@ pub struct Row {
     pub values: Vec<f64>,
 }
 
+impl Row {
+    /// A value that must be a whole number.
+    pub fn whole(&self, file: &str, index: usize, column: &str) -> Result<i64, OpenError> {
+        let value = self.values[index];
+        if value.fract() == 0.0 && value.abs() < 1e15 {
+            Ok(value as i64)
+        } else {
+            let what = format!("{value} in column `{column}` is not a whole number");
+            Err(OpenError::line(file, self.line, what, "correct or delete the line"))
+        }
+    }
+}
+
 /// Whether a header names all these columns, whatever separates them.
 pub fn header_has(header: &str, columns: &[&str]) -> bool {
     let names: Vec<_> = header.split([',', ';', '\t', '|', ' ']).map(str::trim).collect();
