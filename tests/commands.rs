@@ -38,9 +38,7 @@ fn complaint(arguments: &[&str], code: i32) -> String {
     let line = String::from_utf8(output.stderr).expect("UTF-8");
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {line}");
     assert!(output.stdout.is_empty(), "nothing is printed beside an error");
-    if code == 1 {
-        assert_eq!(line.trim_end().lines().count(), 1, "one line, not:\n{line}");
-    }
+    assert_eq!(line.trim_end().lines().count(), 1, "one line, not:\n{line}");
     line
 }
 
@@ -92,6 +90,12 @@ fn the_json_keeps_its_contract() {
 fn what_is_not_there_is_null_or_empty_and_never_zero() {
     let value = json(&["calibrate", text(&sample_folder("hd2-tunnel")), "--json"]);
     assert_eq!(value["metrics"]["gcp_mm"], Value::Array(vec![]));
+    // A straight line leaves directions free: there is no σ.
+    let folder = tempfile::tempdir().expect("a folder");
+    stdout(&["simulate", "--preset", "straight-line", "--out", text(folder.path())]);
+    let value = json(&["calibrate", text(folder.path()), "--json"]);
+    assert_eq!(value["transforms"][0]["sigma"], Value::Null);
+    assert_eq!(value["diagnosis"]["verdict"], "degenerate");
 }
 
 #[test]
@@ -182,6 +186,61 @@ fn broken_folders_end_in_one_line_with_the_place_and_a_remedy() {
     }
     std::fs::write(&data, [0xff, 0xfe, 0x00, 0x41]).expect("writable");
     complaint(&["check", text(folder.path())], 1);
+}
+
+/// Numbers that no instrument gives must neither hang nor pass as data.
+#[test]
+fn absurd_numbers_are_refused_or_left_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let source = sample_folder("warthog");
+    let good = std::fs::read_to_string(source.join("inter_prism.csv")).expect("readable");
+    let data = folder.path().join("inter_prism.csv");
+    let rig = folder.path().join("calibration_results.csv");
+    let toml = folder.path().join("deployment.toml");
+    let reset = || {
+        std::fs::write(&data, &good).expect("writable");
+        std::fs::copy(source.join("calibration_results.csv"), &rig).expect("copied");
+        std::fs::write(&toml, "").expect("writable");
+    };
+    for constant in ["nan", "inf", "1e200", "-1000.0"] {
+        reset();
+        std::fs::write(&toml, format!("prism_constant_m = {constant}\n")).expect("writable");
+        complaint(&["calibrate", text(folder.path())], 1);
+    }
+    for distances in ["1e300 1e300 1e300", "nan 1 1", "0 0 0", "1e-300 1e-300 1e-300"] {
+        reset();
+        std::fs::write(&rig, distances).expect("writable");
+        complaint(&["calibrate", text(folder.path())], 1);
+    }
+    for (line, finding) in [
+        ("1760000100.0,1,1e160,0.1,1.5", "range outside"),
+        ("1e300,1,50,0.1,1.5", "not a time stamp"),
+        ("1760000100.0,-9e14,50,0.1,1.5", "other than 1, 2, 3"),
+        ("1760000100.0,1,50,0.1,91", "zenith angle outside"),
+    ] {
+        reset();
+        std::fs::write(&data, format!("{good}{line}\n")).expect("writable");
+        let value = json(&["calibrate", text(folder.path()), "--json"]);
+        let findings = value["diagnosis"]["findings"].to_string();
+        assert!(findings.contains(finding), "{finding}: {findings}");
+    }
+    reset();
+    std::fs::write(&data, format!("{good}1760000100.0,1.9,50,0.1,1.5\n")).expect("writable");
+    let line = complaint(&["calibrate", text(folder.path())], 1);
+    assert!(line.contains("not a whole number"), "{line}");
+    reset();
+    for flag in [["--tau-s", "1e308"], ["--rate", "999"]] {
+        complaint(&["calibrate", text(folder.path()), flag[0], flag[1]], 2);
+    }
+}
+
+#[test]
+fn simulate_does_not_mix_deployments() {
+    let folder = tempfile::tempdir().expect("a folder");
+    stdout(&["simulate", "--preset", "warthog", "--out", text(folder.path())]);
+    stdout(&["simulate", "--preset", "warthog", "--seed", "2", "--out", text(folder.path())]);
+    let line = complaint(&["simulate", "--preset", "hd2-tunnel", "--out", text(folder.path())], 1);
+    assert!(line.contains("choose an empty folder"), "{line}");
 }
 
 #[test]

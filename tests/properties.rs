@@ -4,8 +4,10 @@ mod common;
 
 use common::{analyse, answer, assert_close};
 use resect::analysis::Settings;
+use resect::calibration::{PriorMethod, ResolvedBy, Verdict};
 use resect::deployment::{Deployment, Sample};
 use resect::geometry::LevelTransform;
+use resect::simulation::{Preset, simulate};
 
 fn sample() -> Deployment {
     Sample::Warthog.open().expect("built in")
@@ -95,13 +97,11 @@ fn a_wrong_prism_order_is_called_ambiguous_not_good() {
     }
     wrong.control_points.clear();
     let analysis = analyse(&wrong, &Settings::default());
-    assert_eq!(answer(&analysis).calibration.verdict, resect::calibration::Verdict::Ambiguous);
+    assert_eq!(answer(&analysis).calibration.verdict, Verdict::Ambiguous);
 }
 
 #[test]
-fn a_straight_drive_is_degenerate_not_good() {
-    // Only the readings while the vehicle drives one way: cut the tunnel sample to one pass, weaving taken out by
-    // keeping a stretch shorter than a bend.
+fn a_standing_vehicle_is_degenerate_and_gets_no_sigma() {
     let mut short = Sample::Hd2Tunnel.open().expect("built in");
     let start = short.start_s().expect("readings");
     for track in &mut short.tracks {
@@ -109,7 +109,58 @@ fn a_straight_drive_is_degenerate_not_good() {
     }
     let analysis = analyse(&short, &Settings::default());
     let calibration = &answer(&analysis).calibration;
-    // The vehicle stands for these seconds: nothing but one triangle is seen.
-    assert!(calibration.verdict > resect::calibration::Verdict::Good, "{:?}", calibration.findings);
-    assert!(calibration.findings.iter().any(|f| f.message.contains("figure-eight")));
+    assert_eq!(calibration.verdict, Verdict::Degenerate, "{:?}", calibration.findings);
+    assert!(calibration.sigma.is_none());
+}
+
+/// Drives that do not hold the answer are called what they are, whichever prior they start from.
+#[test]
+fn the_shape_of_the_drive_shows_in_the_verdict() {
+    let expected = [
+        (Preset::StraightLine, Verdict::Degenerate, "leaves a direction free"),
+        (Preset::Circle, Verdict::Degenerate, "leaves a direction free"),
+        (Preset::FigureEight, Verdict::Good, "least certain"),
+        (Preset::UnevenGround, Verdict::Good, "least certain"),
+        (Preset::FlatFloor, Verdict::Good, "the rig decides"),
+    ];
+    for (preset, verdict, reason) in expected {
+        let deployment = simulate(preset, 1).deployment().expect("valid");
+        for prior in [PriorMethod::ClosedForm, PriorMethod::Search] {
+            let mut settings = Settings::default();
+            settings.calibration.prior = prior;
+            let analysis = analyse(&deployment, &settings);
+            let calibration = &answer(&analysis).calibration;
+            assert_eq!(calibration.verdict, verdict, "{preset:?}: {:?}", calibration.findings);
+            assert!(calibration.findings.iter().any(|f| f.message.contains(reason)), "{preset:?}");
+        }
+    }
+}
+
+#[test]
+fn on_flat_ground_without_a_witness_the_mirror_stays_undecided() {
+    let mut deployment = simulate(Preset::FlatFloor, 1).deployment().expect("valid");
+    deployment.control_points.clear();
+    deployment.rig.as_mut().expect("a rig").prisms_m = None;
+    let analysis = analyse(&deployment, &Settings::default());
+    let calibration = &answer(&analysis).calibration;
+    assert_eq!(calibration.verdict, Verdict::Ambiguous);
+    assert_eq!(calibration.mirror.resolved_by, ResolvedBy::Nothing);
+    let ratio = calibration.mirror.cost_ratio.expect("a twin");
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}
+
+#[test]
+fn a_wrong_distance_or_swapped_stations_are_not_good() {
+    let spoil: [(&str, fn(&mut Deployment)); 2] = [
+        ("d12 five centimetres long", |d| d.rig.as_mut().expect("a rig").inter_prism_m[0] += 0.05),
+        ("stations 2 and 3 swapped", |d| d.tracks.swap(1, 2)),
+    ];
+    for (what, spoil) in spoil {
+        let mut deployment = sample();
+        deployment.control_points.clear();
+        spoil(&mut deployment);
+        let analysis = analyse(&deployment, &Settings::default());
+        let calibration = &answer(&analysis).calibration;
+        assert!(calibration.verdict > Verdict::Good, "{what}: {:?}", calibration.findings);
+    }
 }

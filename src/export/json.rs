@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::analysis::{Analysis, Answer};
-use crate::calibration::Calibration;
+use crate::calibration::{Basin, Calibration};
 use crate::deployment::Deployment;
 
 const SCHEMA: u32 = 1;
@@ -44,6 +44,7 @@ pub fn calibration(
             "mirror": {
                 "cost_ratio": calibration.mirror.cost_ratio,
                 "resolved_by": calibration.mirror.resolved_by.name(),
+                "twin": calibration.mirror.twin.map(|twin| twin_transforms(&twin)),
             },
         },
         "time_ms": {
@@ -54,6 +55,21 @@ pub fn calibration(
             "total": load_ms + analysis.total_ms(),
         },
     })
+}
+
+/// The mirror twin's transforms, without σ.
+fn twin_transforms(twin: &Basin) -> Vec<Value> {
+    (1..3)
+        .map(|station| {
+            let transform = &twin.station1_from_station[station];
+            json!({
+                "from": station + 1,
+                "to": 1,
+                "translation_m": transform.translation_m.as_slice(),
+                "yaw_rad": transform.yaw_rad,
+            })
+        })
+        .collect()
 }
 
 fn transform(calibration: &Calibration, station: usize) -> Value {

@@ -34,6 +34,17 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
     );
     text.push('\n');
     text += &transforms(calibration);
+    if let Some(twin) = &calibration.mirror.twin {
+        for station in 1..3 {
+            let transform = &twin.station1_from_station[station];
+            _ = write!(text, "twin T1{}", station + 1);
+            for axis in 0..3 {
+                let width = if axis == 0 { 13 } else { 20 };
+                _ = write!(text, "{:>width$.4}", transform.translation_m[axis]);
+            }
+            _ = writeln!(text, "{:>20.5}", transform.yaw_rad);
+        }
+    }
     text.push('\n');
     if let Some(spread) = &evaluation.inter_prism_mm {
         _ = writeln!(text, "inter-prism   {}", spread_text(spread));

@@ -128,6 +128,7 @@ fn control_point_set(
     let (centre, radius) = match scenario.path {
         Path::Wander { centre_m, radius_m } => (centre_m, radius_m),
         Path::Tunnel { from_x_m, to_x_m, .. } => ([(from_x_m + to_x_m) / 2.0, 0.0], 3.0),
+        Path::Bends { start_m, .. } => (start_m, 20.0),
     };
     let points = (0..10)
         .map(|marker| {

@@ -138,6 +138,7 @@ impl Driver {
             Path::Wander { centre_m: [x_m, y_m], .. } => {
                 Planar { x_m, y_m, heading_rad: self.phases[0] }
             }
+            Path::Bends { start_m: [x_m, y_m], .. } => Planar { x_m, y_m, heading_rad: 0.0 },
             Path::Tunnel { from_x_m, .. } => Planar { x_m: from_x_m, y_m: 0.0, heading_rad: 0.0 },
         }
     }
@@ -156,6 +157,16 @@ impl Driver {
                 let pull = (away - 0.6).max(0.0) * 1.2;
                 (winding + pull * wrap_to_pi(homeward - pose.heading_rad).clamp(-1.0, 1.0))
                     .clamp(-most, most)
+            }
+            Path::Bends { bends, .. } => {
+                let round_m: f64 = bends.iter().map(|bend| bend.length_m).sum();
+                let mut left_m = self.driven_m % round_m;
+                let here = bends.iter().find(|bend| {
+                    let inside = left_m < bend.length_m;
+                    left_m -= bend.length_m;
+                    inside
+                });
+                here.map_or(0.0, |bend| bend.curvature_per_m)
             }
             Path::Tunnel { from_x_m, to_x_m, amplitude_m, wavelength_m } => {
                 if self.outbound && pose.x_m > to_x_m {

@@ -9,6 +9,18 @@ pub enum Preset {
     Warthog,
     /// A small HD2-like rig (0.35 m) up and down a tunnel.
     Hd2Tunnel,
+    /// The Warthog on flat ground, where nothing but the rig tells the mirror twin.
+    FlatFloor,
+    /// The Warthog where it pitches and rolls more.
+    UnevenGround,
+    /// Eights: turns to both sides.
+    FigureEight,
+    /// One straight line on flat ground: most directions stay free.
+    StraightLine,
+    /// Round and round on flat ground.
+    Circle,
+    /// Two straight legs on flat ground: only the turn between them holds the answer.
+    LShape,
 }
 
 /// Where the vehicle goes.
@@ -18,7 +30,27 @@ pub enum Path {
     Wander { centre_m: [f64; 2], radius_m: f64 },
     /// Along x between two ends (m), weaving by an amplitude (m) with a wavelength (m), and back.
     Tunnel { from_x_m: f64, to_x_m: f64, amplitude_m: f64, wavelength_m: f64 },
+    /// From a start (m) along x, straight but for bends, and from the beginning again where they end.
+    Bends { start_m: [f64; 2], bends: &'static [Bend] },
 }
+
+/// A piece of the way with constant curvature (1/m, left positive).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bend {
+    pub length_m: f64,
+    pub curvature_per_m: f64,
+}
+
+const fn bend(length_m: f64, curvature_per_m: f64) -> Bend {
+    Bend { length_m, curvature_per_m }
+}
+
+/// Two full circles of radius 6 m, one to each side.
+const EIGHT: &[Bend] = &[bend(37.7, 1.0 / 6.0), bend(37.7, -1.0 / 6.0)];
+const STRAIGHT: &[Bend] = &[bend(1000.0, 0.0)];
+const CIRCLE: &[Bend] = &[bend(1000.0, 0.1)];
+/// A quarter turn of radius 1 m between the legs, as a skid-steered vehicle does it.
+const TWO_LEGS: &[Bend] = &[bend(45.0, 0.0), bend(1.57, 1.0), bend(1000.0, 0.0)];
 
 /// Bumps of the ground: root-mean-square slope and the range of wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,10 +98,26 @@ impl Preset {
         match self {
             Self::Warthog => "warthog",
             Self::Hd2Tunnel => "hd2-tunnel",
+            Self::FlatFloor => "flat-floor",
+            Self::UnevenGround => "uneven-ground",
+            Self::FigureEight => "figure-eight",
+            Self::StraightLine => "straight-line",
+            Self::Circle => "circle",
+            Self::LShape => "l-shape",
         }
     }
 
     pub fn scenario(self) -> Scenario {
+        let flat = Ground { slope_rms_rad: 0.0, wavelengths_m: [7.0, 30.0] };
+        let warthog = || Self::Warthog.scenario();
+        // Bends are driven on flat ground, so that nothing but their shape matters.
+        let driven = |bends: &'static [Bend], duration_s: f64| Scenario {
+            name: self.name(),
+            duration_s,
+            ground: flat,
+            path: Path::Bends { start_m: [50.0, -25.0], bends },
+            ..warthog()
+        };
         let noise = Noise {
             range_sigma_m: 0.002,
             angle_sigma_rad: ARCSECOND_RAD,
@@ -95,6 +143,16 @@ impl Preset {
                 control_point_sets: 2,
                 prism_constant_m: 0.010,
             },
+            Self::FlatFloor => Scenario { name: self.name(), ground: flat, ..warthog() },
+            Self::UnevenGround => Scenario {
+                name: self.name(),
+                ground: Ground { slope_rms_rad: 0.09, wavelengths_m: [7.0, 30.0] },
+                ..warthog()
+            },
+            Self::FigureEight => driven(EIGHT, 300.0),
+            Self::StraightLine => driven(STRAIGHT, 100.0),
+            Self::Circle => driven(CIRCLE, 300.0),
+            Self::LShape => driven(TWO_LEGS, 150.0),
             Self::Hd2Tunnel => Scenario {
                 name: "hd2-tunnel",
                 duration_s: 400.0,

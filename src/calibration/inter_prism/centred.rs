@@ -95,12 +95,56 @@ impl CentredTriplets {
     }
 
     /// The same solution with the heights of the chosen stations' prisms mirrored in prism 1's.
-    pub fn mirrored(&self, parameters: &Parameters, flips: [bool; 2]) -> Parameters {
+    pub fn mirrored_in_height(&self, parameters: &Parameters, flips: [bool; 2]) -> Parameters {
         let mut mirrored = *parameters;
         for (slot, _) in flips.iter().enumerate().filter(|(_, flip)| **flip) {
             mirrored[4 * slot + 2] = -mirrored[4 * slot + 2];
         }
         mirrored
+    }
+
+    /// The same solution with the rig turned about the vertical through prism 1.
+    pub fn turned(&self, parameters: &Parameters, angle_rad: f64) -> Parameters {
+        let (sin, cos) = angle_rad.sin_cos();
+        let mut turned = *parameters;
+        for at in [0, 4] {
+            let (x, y) = (parameters[at], parameters[at + 1]);
+            turned[at] = cos * x - sin * y;
+            turned[at + 1] = sin * x + cos * y;
+        }
+        turned
+    }
+
+    /// The same solution with the rig mirrored in a vertical plane through prism 1, whose direction is `angle_rad`.
+    pub fn mirrored_in_plane(&self, parameters: &Parameters, angle_rad: f64) -> Parameters {
+        let (sin, cos) = (2.0 * angle_rad).sin_cos();
+        let mut mirrored = *parameters;
+        for at in [0, 4] {
+            let (x, y) = (parameters[at], parameters[at + 1]);
+            mirrored[at] = cos * x + sin * y;
+            mirrored[at + 1] = sin * x - cos * y;
+        }
+        mirrored
+    }
+
+    /// Distance errors (m) of all triplets and pairs, in no particular order.
+    pub fn distance_errors_m(&self, parameters: &Parameters) -> Vec<f64> {
+        let poses = [0, 4].map(|at| {
+            let moved = Vector3::new(parameters[at], parameters[at + 1], parameters[at + 2]);
+            LevelTransform::new(moved, parameters[at + 3])
+        });
+        let point = |station: usize, i: usize| {
+            let [x, y, z] = &self.coordinates[station];
+            Vector3::new(x[i], y[i], z[i])
+        };
+        let mut errors = Vec::with_capacity(3 * self.len());
+        for i in 0..self.len() {
+            let placed = [point(0, i), poses[0].apply(&point(1, i)), poses[1].apply(&point(2, i))];
+            for (pair, (a, b)) in crate::deployment::PAIRS.into_iter().enumerate() {
+                errors.push((placed[a] - placed[b]).norm() - self.inter_prism_m[pair]);
+            }
+        }
+        errors
     }
 }
 

@@ -62,7 +62,9 @@ fn pair_solutions(data: &CentredTriplets, slot: usize) -> Vec<[f64; 4]> {
     let qr = rows.qr();
     let mut projected = right;
     qr.q_tr_mul(&mut projected);
-    let small = qr.r().svd(true, true);
+    let Some(small) = qr.r().try_svd(true, true, f64::EPSILON, 500) else {
+        return vec![[0.0; 4]];
+    };
     let tolerance = RANK_TOLERANCE * small.singular_values.max();
     let size = small.singular_values.len();
     let Ok(mut solution) = small.solve(&projected.rows(0, size).into_owned(), tolerance) else {

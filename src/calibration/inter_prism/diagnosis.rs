@@ -1,10 +1,10 @@
 //! The verdict, and the reasons for it in words that an engineer uses.
 
-use super::CentredTriplets;
 use super::mirror::Choice;
 use super::uncertainty::Uncertainty;
+use super::{CentredTriplets, Minimum, Parameters};
 use crate::calibration::Verdict;
-use crate::deployment::{Deployment, Finding};
+use crate::deployment::{Deployment, Finding, pairwise_distances};
 
 /// An answer whose largest standard deviation exceeds this is weak (m). The paper's deployments reach a few
 /// millimetres; two centimetres is what its failed ones show.
@@ -13,53 +13,124 @@ const WEAK_SIGMA_M: f64 = 0.020;
 const CONTROL_POINT_SIGMA_M: f64 = 0.005;
 /// Control points this many times further apart than expected contradict the answer.
 const CONTRADICTION: f64 = 3.0;
+/// Half the errors are larger than this (m) only when something is wrong: good runs have 1 to 2 mm.
+const POOR_FIT_M: f64 = 0.005;
+/// A reading of the rig, to the millimetre and with 2 mm of noise, may differ this much from the distances (m).
+const RIG_DISTANCE_M: f64 = 0.010;
+/// The vehicle may have been tilted this much against the drive's average while its rig was read.
+const RIG_TILT_RAD: f64 = 0.2;
+/// A minimum that is no mirror twin makes the answer ambiguous below this cost ratio.
+const CLOSE_RIVAL: f64 = 2.0;
 /// Beyond this the direction is as good as free (m).
 const FREE_SIGMA_M: f64 = 0.5;
 
+/// What a verdict is made from.
+pub struct Evidence<'a> {
+    pub deployment: &'a Deployment,
+    /// Enough triplets to see the track and the size of the errors.
+    pub thinned: &'a CentredTriplets,
+    pub answer: &'a Minimum,
+    pub rival: Option<(Parameters, f64)>,
+    pub uncertainty: &'a Uncertainty,
+    pub choice: &'a Choice,
+}
+
 /// Judges the answer; reasons are added to the findings, the mirror's first.
-pub fn judge(
-    deployment: &Deployment,
-    data: &CentredTriplets,
-    uncertainty: &Uncertainty,
-    choice: &Choice,
-    findings: &mut Vec<Finding>,
-) -> Verdict {
+pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
+    let Evidence { thinned, answer, uncertainty, choice, .. } = *evidence;
     findings.splice(0..0, choice.findings.iter().cloned());
-    let contradiction = control_points_contradict(deployment, uncertainty, choice);
-    let contradicted = contradiction.is_some();
-    findings.extend(contradiction);
-    let direction = describe(data, &uncertainty.weakest);
-    let advice = "drive a figure-eight with turns to both sides";
-    if uncertainty.weakest_sigma_m > FREE_SIGMA_M {
-        findings.push(Finding::problem(format!(
-            "the drive leaves a direction free: {direction}; {advice}"
-        )));
-        Verdict::Degenerate
-    } else if choice.ambiguous {
-        Verdict::Ambiguous
-    } else if uncertainty.weakest_sigma_m > WEAK_SIGMA_M {
-        findings.push(Finding::warning(format!(
-            "weakly held: {direction} (σ {:.0} mm); {advice}",
-            uncertainty.weakest_sigma_m * 1e3
-        )));
-        Verdict::Weak
-    } else {
-        findings.push(Finding::note(format!(
-            "least certain: {direction} (σ {:.1} mm)",
-            uncertainty.weakest_sigma_m * 1e3
-        )));
-        if contradicted { Verdict::Weak } else { Verdict::Good }
+    let mut verdict = if choice.ambiguous { Verdict::Ambiguous } else { Verdict::Good };
+    let mut lower = |to: Verdict, finding: Finding| {
+        verdict = verdict.max(to);
+        findings.push(finding);
+    };
+    if let Some(finding) = rival(evidence) {
+        lower(Verdict::Ambiguous, finding);
     }
+    for finding in
+        [control_points_contradict(evidence), rig_contradicts(evidence), poor_fit(evidence)]
+    {
+        if let Some(finding) = finding {
+            lower(Verdict::Weak, finding);
+        }
+    }
+    if !answer.converged {
+        lower(Verdict::Weak, Finding::warning("the solver stopped before it reached the minimum"));
+    }
+    let direction = describe(thinned, &uncertainty.weakest);
+    let advice = "drive a figure-eight with turns to both sides";
+    // The weakest direction is judged at the track; the numbers above hold at the stations, which may lie far away.
+    let largest_m = uncertainty.sigma().map_or(f64::INFINITY, |sigma| {
+        sigma.iter().map(|s| s.translation_m.max()).fold(uncertainty.weakest_sigma_m, f64::max)
+    });
+    if uncertainty.weakest_sigma_m > FREE_SIGMA_M {
+        let line = format!("the drive leaves a direction free: {direction}; {advice}");
+        lower(Verdict::Degenerate, Finding::problem(line));
+    } else if largest_m > WEAK_SIGMA_M {
+        let line =
+            format!("weakly held: {direction} (σ up to {:.0} mm); {advice}", largest_m * 1e3);
+        lower(Verdict::Weak, Finding::warning(line));
+    } else {
+        let sigma_mm = uncertainty.weakest_sigma_m * 1e3;
+        findings.push(Finding::note(format!("least certain: {direction} (σ {sigma_mm:.1} mm)")));
+    }
+    verdict
+}
+
+/// Another minimum, not the mirror twin, that the data cannot tell from the answer.
+fn rival(evidence: &Evidence<'_>) -> Option<Finding> {
+    let (rival, cost_ratio) = evidence.rival.filter(|(_, ratio)| *ratio < CLOSE_RIVAL)?;
+    let apart = rival - evidence.answer.parameters;
+    let apart_m = [0, 4].map(|at| apart.fixed_rows::<3>(at).norm()).into_iter().fold(0.0, f64::max);
+    Some(Finding::warning(format!(
+        "another solution {apart_m:.2} m away costs only {cost_ratio:.2} times as much; turn to both sides while driving"
+    )))
+}
+
+/// The rig's own reading against the distances, and against the heights of the answer.
+fn rig_contradicts(evidence: &Evidence<'_>) -> Option<Finding> {
+    let rig = evidence.deployment.rig.as_ref()?;
+    let read_m = pairwise_distances(&rig.prisms_m?);
+    let heights_m = rig.height_differences_m()?;
+    let off_m = (0..3).map(|i| (read_m[i] - rig.inter_prism_m[i]).abs()).fold(0.0, f64::max);
+    if off_m > RIG_DISTANCE_M {
+        return Some(Finding::warning(format!(
+            "the inter-prism distances and the reading of the rig disagree by {:.0} mm; one of them is wrong",
+            off_m * 1e3
+        )));
+    }
+    let found_m = evidence.choice.answer.height_differences_m;
+    let misfit_m = (0..2)
+        .map(|i| (found_m[i] - heights_m[i]).abs() - RIG_TILT_RAD * rig.inter_prism_m[i])
+        .fold(f64::NEG_INFINITY, f64::max);
+    (misfit_m > 0.0).then(|| {
+        Finding::warning(format!(
+            "prism 1 stands {:+.2} and {:+.2} m above prisms 2 and 3 in this answer, {:+.2} and {:+.2} m in the reading \
+             of the rig; check which station tracked which prism",
+            found_m[0], found_m[1], heights_m[0], heights_m[1]
+        ))
+    })
+}
+
+/// Errors larger than noise, interpolation and the distances explain.
+fn poor_fit(evidence: &Evidence<'_>) -> Option<Finding> {
+    let mut errors_m = evidence.thinned.distance_errors_m(&evidence.answer.parameters);
+    errors_m.iter_mut().for_each(|e| *e = e.abs());
+    let middle = errors_m.len() / 2;
+    let median_m = *errors_m.select_nth_unstable_by(middle, f64::total_cmp).1;
+    (median_m > POOR_FIT_M).then(|| {
+        Finding::warning(format!(
+            "the distances fit poorly (median {:.1} mm): check the order of the prisms, the distances, the clocks and the filters",
+            median_m * 1e3
+        ))
+    })
 }
 
 /// Control points that lie further apart than their noise and the answer's own uncertainty allow.
 ///
 /// Where they do, either they or a station moved, or something that this method does not model biases it.
-fn control_points_contradict(
-    deployment: &Deployment,
-    uncertainty: &Uncertainty,
-    choice: &Choice,
-) -> Option<Finding> {
+fn control_points_contradict(evidence: &Evidence<'_>) -> Option<Finding> {
+    let Evidence { deployment, uncertainty, choice, .. } = *evidence;
     let sigma = uncertainty.sigma()?;
     let mut worst: Option<(f64, f64, &str)> = None;
     for set in deployment.control_points.iter().filter(|set| !set.pillars) {

@@ -13,6 +13,8 @@ use crate::deployment::{Deployment, Finding};
 const DECISIVE_COST_RATIO: f64 = 2.0;
 /// Against another witness, the cost must speak this clearly before the answer is called ambiguous.
 const CONTRADICTING_COST_RATIO: f64 = 3.0;
+/// Prisms that differ less in height (m) have no twin to speak of.
+const LEVEL_RIG_M: f64 = 1e-3;
 /// One solution must fit heights or control points this many times better than the other.
 const DECISIVE_FIT_RATIO: f64 = 2.0;
 
@@ -30,10 +32,20 @@ pub struct Choice {
 /// Chooses between the lowest minimum and its twin.
 pub fn choose(deployment: &Deployment, lowest: Basin, twin: Option<Basin>) -> Choice {
     let Some(twin) = twin else {
-        let mirror = Mirror { twin: None, cost_ratio: None, resolved_by: ResolvedBy::Cost };
-        let findings = vec![Finding::note(
-            "the mirror twin is no minimum of its own here: pitch and roll of the vehicle rule it out",
-        )];
+        let height_m = lowest.height_differences_m.map(f64::abs).into_iter().fold(0.0, f64::max);
+        let (resolved_by, why) = if height_m < LEVEL_RIG_M {
+            (
+                ResolvedBy::Nothing,
+                "the prisms stand at the same height, so the mirror twin is the answer itself",
+            )
+        } else {
+            (
+                ResolvedBy::Cost,
+                "the mirror twin is no minimum of its own here: pitch and roll rule it out",
+            )
+        };
+        let mirror = Mirror { twin: None, cost_ratio: None, resolved_by };
+        let findings = vec![Finding::note(why)];
         return Choice { answer: lowest, twin_is_real: false, mirror, findings, ambiguous: false };
     };
     let (witness, twin_is_real) = if let Some(decided) = by_rig(deployment, &lowest, &twin) {
@@ -98,6 +110,7 @@ fn by_control_points(deployment: &Deployment, lowest: &Basin, twin: &Basin) -> O
         let mut distances: Vec<f64> = deployment
             .control_points
             .iter()
+            .filter(|set| !set.pillars)
             .flat_map(|set| set.disagreements_m(&basin.station1_from_station))
             .collect();
         distances.sort_by(f64::total_cmp);

@@ -3,15 +3,16 @@
 //! Minimises Σ (‖q1−T12 q2‖−α)² + (‖q1−T13 q3‖−β)² + (‖T12 q2−T13 q3‖−γ)² over the translation and yaw of
 //! stations 2 and 3 (`paper.tex`, eq. `cost_function_2`).
 //!
-//! The way to the answer: a prior ([`closed_form`] or [`prior_search`]) → Levenberg–Marquardt from it and from
-//! its mirrored heights on a thinned set of triplets → the best minimum and its mirror twin finished on all
-//! triplets ([`normal_equations`] is the one fused pass over the data) → [`mirror`] decides between the two
-//! → [`uncertainty`] → [`diagnosis`].
+//! The way to the answer: a prior ([`closed_form`] or [`prior_search`]) → Levenberg–Marquardt from it and its mirror
+//! images on thinned triplets, the best minimum and its mirror twin finished on all ([`minima`];
+//! [`normal_equations`] is the one fused pass over the data) → [`mirror`] decides between the two →
+//! [`uncertainty`] → [`diagnosis`].
 
 mod centred;
 mod closed_form;
 mod diagnosis;
 mod levenberg_marquardt;
+mod minima;
 mod mirror;
 mod normal_equations;
 mod prior_search;
@@ -23,8 +24,9 @@ use nalgebra::Vector3;
 
 pub use centred::{CentredTriplets, Parameters};
 pub use closed_form::closed_form_priors;
-use levenberg_marquardt::{FINE_M, ROUGH_M};
+use diagnosis::Evidence;
 pub use levenberg_marquardt::{Minimum, minimise};
+use minima::{Minima, THINNED};
 pub use normal_equations::{NormalEquations, Pulls};
 pub use prior_search::{PriorSearch, SearchRun};
 
@@ -35,8 +37,6 @@ use crate::pipeline::Triplets;
 
 /// Eight unknowns, three residuals a triplet: below this there is nothing to average.
 const FEWEST_TRIPLETS: usize = 10;
-/// Starts are tried out on about this many triplets, evenly thinned; the answer uses all.
-const THINNED: usize = 1024;
 
 /// Two solutions are the same minimum within these; the paper's limits for its prior.
 pub const SAME_TRANSLATION_M: f64 = 0.05;
@@ -74,15 +74,17 @@ pub fn solve(
                      compare with --prior closed-form",
                 ));
             }
-            let prior = data.parameters(&search.chosen);
+            let mut priors = vec![data.parameters(&search.chosen)];
+            // A search that went astray must not decide alone.
+            priors.extend(closed_form_priors(&thinned));
             prior_search = Some(search);
-            vec![prior]
+            priors
         }
     };
     let prior_ms = started.elapsed().as_secs_f64() * 1e3;
 
     let started = Instant::now();
-    let (lowest, twin) = two_best(&data, &thinned, &priors);
+    let Minima { lowest, twin, rival } = minima::find(&data, &thinned, &priors);
     let choice = mirror::choose(
         deployment,
         basin(&data, &lowest),
@@ -94,7 +96,15 @@ pub fn solve(
     };
     let uncertainty =
         uncertainty::estimate(&data, &triplets.time_s, &triplets.interval, answer, settings);
-    let verdict = diagnosis::judge(deployment, &data, &uncertainty, &choice, &mut findings);
+    let evidence = Evidence {
+        deployment,
+        thinned: &thinned,
+        answer,
+        rival,
+        uncertainty: &uncertainty,
+        choice: &choice,
+    };
+    let verdict = diagnosis::judge(&evidence, &mut findings);
     Ok(Calibration {
         method: Method::InterPrism,
         basin: choice.answer,
@@ -136,48 +146,6 @@ pub fn same_solution(a: &[LevelTransform; 3], b: &[LevelTransform; 3]) -> bool {
         (a.translation_m - b.translation_m).norm() < SAME_TRANSLATION_M
             && crate::geometry::wrap_to_pi(a.yaw_rad - b.yaw_rad).abs() < SAME_YAW_RAD
     })
-}
-
-/// The lowest minimum and its mirror twin, if that is a minimum of its own.
-///
-/// Heights are tried with every combination of signs: a pair's height difference is free to flip alone, and
-/// only the third distance ties stations 2 and 3 together.
-fn two_best(
-    data: &CentredTriplets,
-    thinned: &CentredTriplets,
-    priors: &[Parameters],
-) -> (Minimum, Option<Minimum>) {
-    let signs = |p: &Parameters| data.height_differences_m(p).map(|h| h < 0.0);
-    let mut starts = priors.to_vec();
-    for flips in [[true, true], [true, false], [false, true]] {
-        let mirrored = data.mirrored(&priors[0], flips);
-        if !starts.iter().any(|start| signs(start) == signs(&mirrored)) {
-            starts.push(mirrored);
-        }
-    }
-    let mut minima: Vec<Minimum> = Vec::new();
-    for start in starts {
-        let minimum = minimise(thinned, start, ROUGH_M);
-        let transforms = data.transforms(&minimum.parameters);
-        if !minima.iter().any(|m| same_solution(&data.transforms(&m.parameters), &transforms)) {
-            minima.push(minimum);
-        }
-    }
-    minima.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
-    let first = minimise(data, minima[0].parameters, FINE_M);
-    let heights = data.height_differences_m(&first.parameters);
-    let opposite = |p: &Parameters| {
-        let other = data.height_differences_m(p);
-        heights[0] * other[0] + heights[1] * other[1] < 0.0
-    };
-    let start = minima[1..]
-        .iter()
-        .find(|m| opposite(&m.parameters))
-        .map_or_else(|| data.mirrored(&first.parameters, [true, true]), |m| m.parameters);
-    let second = minimise(data, start, ROUGH_M);
-    let same =
-        same_solution(&data.transforms(&first.parameters), &data.transforms(&second.parameters));
-    (first, (!same).then_some(second))
 }
 
 fn basin(data: &CentredTriplets, minimum: &Minimum) -> Basin {

@@ -72,17 +72,17 @@ pub fn estimate(
         _ => 0.0,
     });
     let scaled = (scale * normal.matrix * scale).symmetric_eigen();
+    let free = |weakest: SVector<f64, 8>| Uncertainty {
+        covariance: None,
+        weakest: weakest.as_slice().try_into().expect("eight"),
+        weakest_sigma_m: f64::INFINITY,
+    };
     let inverse = (scaled.eigenvalues.min() > FREE_DIRECTION * scaled.eigenvalues.max())
         .then(|| normal.matrix.cholesky())
         .flatten()
         .map(|cholesky| cholesky.inverse());
     let Some(inverse) = inverse else {
-        let weakest = scaled.eigenvectors.column(scaled.eigenvalues.imin()).into_owned();
-        return Uncertainty {
-            covariance: None,
-            weakest: weakest.as_slice().try_into().expect("eight"),
-            weakest_sigma_m: f64::INFINITY,
-        };
+        return free(scaled.eigenvectors.column(scaled.eigenvalues.imin()).into_owned());
     };
 
     let mut centred = if blocks >= FEWEST_BLOCKS {
@@ -99,6 +99,10 @@ pub fn estimate(
     for sum in by_pair {
         let pull = inverse * sum * settings.inter_prism_sigma_m;
         centred += pull * pull.transpose();
+    }
+
+    if centred.iter().any(|entry| !entry.is_finite()) {
+        return free(scaled.eigenvectors.column(scaled.eigenvalues.imin()).into_owned());
     }
 
     let unscale = scale.try_inverse().expect("diagonal, positive");
