@@ -35,7 +35,7 @@ fn benchmarks(criterion: &mut Criterion) {
         let analysis = Analyst::new(Arc::clone(&deployment)).run(&settings);
         let triplets = Arc::clone(&analysis.pipeline.triplets);
         write_for_peers(&deployment, &analysis, &folder.join(format!("{size}")));
-        println!("{size}: {} triplets", triplets.len());
+        eprintln!("{size}: {} triplets", triplets.len());
 
         let mut group = criterion.benchmark_group("path");
         group.sample_size(if size > 100_000 { 10 } else { 40 });

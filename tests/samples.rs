@@ -94,7 +94,7 @@ fn stated_uncertainty_covers_the_truth_over_seeds() {
         }
         let rms = (all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64).sqrt();
         let beyond_two = all.iter().filter(|z| z.abs() > 2.0).count() as f64 / all.len() as f64;
-        println!("{preset:?}: rms {rms:.2}, beyond 2σ {:.1} %", 100.0 * beyond_two);
+        eprintln!("{preset:?}: rms {rms:.2}, beyond 2σ {:.1} %", 100.0 * beyond_two);
         assert!((0.6..1.4).contains(&rms), "{preset:?}: rms {rms}");
         assert!(beyond_two < 0.12, "{preset:?}: {beyond_two} beyond 2σ");
     }

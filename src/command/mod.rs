@@ -68,10 +68,10 @@ pub fn run() -> ExitCode {
         Err(help) => help.exit(),
     };
     let result = match arguments.command {
-        None => window::run(arguments.path),
+        None => window::run(arguments.path.as_deref()),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
-        Some(Command::Screenshot(arguments)) => screenshot::run(arguments),
+        Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
     };

@@ -33,7 +33,7 @@ pub struct Arguments {
     settings: SettingsArguments,
 }
 
-pub fn run(arguments: Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let deployment = match &arguments.path {
         Some(path) => load(path, arguments.settings.rig.as_deref())?.0,

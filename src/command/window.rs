@@ -1,6 +1,6 @@
 //! Plain `resect`: the window, or without a display the answer in the terminal.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::Arc;
 
 use super::{Failure, load, print};
@@ -9,12 +9,12 @@ use crate::app;
 use crate::deployment::Sample;
 use crate::export::text;
 
-pub fn run(path: Option<PathBuf>) -> Result<(), Failure> {
+pub fn run(path: Option<&Path>) -> Result<(), Failure> {
     if !has_display() {
         return without_display(path, "no display");
     }
     // A path that does not open ends here, on the terminal it came from.
-    let start = match &path {
+    let start = match path {
         Some(path) => app::Start::Deployment(load(path, None)?.0),
         None => app::Start::Sample(Sample::Warthog),
     };
@@ -32,8 +32,8 @@ fn has_display() -> bool {
             .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
-fn without_display(path: Option<PathBuf>, why: &str) -> Result<(), Failure> {
-    let deployment = match &path {
+fn without_display(path: Option<&Path>, why: &str) -> Result<(), Failure> {
+    let deployment = match path {
         Some(path) => load(path, None)?.0,
         None => Arc::new(Sample::Warthog.open()?),
     };

@@ -109,12 +109,12 @@ pub fn open_with(path: &Path, rig_path: Option<&Path>) -> Result<Deployment, Ope
             "open its folder, or a polar CSV (timestamp,id,distance,ha,va) or a ROS 1 bag",
         ));
     }
-    combine(name, chosen.as_deref(), sources)
+    combine(name, chosen.as_deref(), &sources)
 }
 
 /// Opens files that are already in memory, as the built-in samples are.
 pub fn open_files(name: &str, files: &[(&str, &str)]) -> Result<Deployment, OpenError> {
-    let sources = files
+    let sources: Vec<_> = files
         .iter()
         .map(|(file, text)| Source {
             file: (*file).to_owned(),
@@ -122,7 +122,7 @@ pub fn open_files(name: &str, files: &[(&str, &str)]) -> Result<Deployment, Open
             place: Place::Memory((*text).to_owned()),
         })
         .collect();
-    combine(name.to_owned(), None, sources)
+    combine(name.to_owned(), None, &sources)
 }
 
 fn list_folder(folder: &Path, depth: usize) -> Result<Vec<Source>, OpenError> {
@@ -168,7 +168,7 @@ fn source_at(path: &Path, file: String) -> Result<Source, OpenError> {
 fn combine(
     name: String,
     chosen: Option<&str>,
-    sources: Vec<Source>,
+    sources: &[Source],
 ) -> Result<Deployment, OpenError> {
     // Only the folder's own: one further down belongs to another deployment.
     let is_overrides =
@@ -190,7 +190,7 @@ fn combine(
     let mut used: Vec<&str> = Vec::new();
     used.extend(sources.iter().filter(is_overrides).map(|s| s.file.as_str()));
 
-    let track_source = choose_tracks(&name, chosen.or(overrides.tracks.as_deref()), &sources)?;
+    let track_source = choose_tracks(&name, chosen.or(overrides.tracks.as_deref()), sources)?;
     used.push(&track_source.file);
     let (records, place_word) = read_records(track_source)?;
     let (tracks, track_findings) =
@@ -205,10 +205,10 @@ fn combine(
     }
 
     let (control_points, used_sets) =
-        read_control_point_sets(&sources, &overrides, prism_constant_m, &mut findings)?;
+        read_control_point_sets(sources, &overrides, prism_constant_m, &mut findings)?;
     used.extend(used_sets);
 
-    let rig = read_rig(&sources, &overrides, prism_constant_m, &mut used, &mut findings)?;
+    let rig = read_rig(sources, &overrides, prism_constant_m, &mut used, &mut findings)?;
     let constant_from =
         if overrides.prism_constant_m.is_some() { "deployment.toml" } else { "the MT1000" };
     findings.push(Finding::note(format!(

@@ -10,7 +10,7 @@ use crate::analysis::{Analysis, Settings};
 use crate::app::state::{Command, Commands, State};
 use crate::calibration::{CalibrationSettings, PriorMethod};
 use crate::deployment::Deployment;
-use crate::pipeline::{PipelineSettings, SampleFate, Thresholds};
+use crate::pipeline::{Interval, PipelineSettings, SampleFate, Thresholds};
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
@@ -60,7 +60,7 @@ impl Counts {
             filtered: raw - rejected,
             split: out.intervals.len(),
             kept: out.kept_intervals.len(),
-            kept_seconds: out.kept_intervals.iter().map(|interval| interval.length_s()).sum(),
+            kept_seconds: out.kept_intervals.iter().map(Interval::length_s).sum(),
             triplets: out.triplets.len(),
         }
     }

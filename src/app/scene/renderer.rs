@@ -10,8 +10,8 @@ use eframe::egui_wgpu::{RenderState, wgpu};
 use eframe::{egui, egui_wgpu};
 use nalgebra::Matrix4;
 
+use super::Camera;
 use super::content::{Layer, LineVertex, PointVertex, SceneContent};
-use super::{Camera, content};
 use crate::geometry::LevelTransform;
 
 const SAMPLES: u32 = 4;
@@ -315,7 +315,7 @@ impl VertexBuffer {
 }
 
 fn uniforms(
-    content: &content::SceneContent,
+    content: &SceneContent,
     camera: &Camera,
     size: [u32; 2],
     pixels_per_point: f32,

@@ -47,12 +47,10 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     if let Some(finding) = rival(evidence) {
         lower(Verdict::Ambiguous, finding);
     }
-    for finding in
-        [control_points_contradict(evidence), rig_contradicts(evidence), poor_fit(evidence)]
-    {
-        if let Some(finding) = finding {
-            lower(Verdict::Weak, finding);
-        }
+    let doubts =
+        [control_points_contradict(evidence), rig_contradicts(evidence), poor_fit(evidence)];
+    for finding in doubts.into_iter().flatten() {
+        lower(Verdict::Weak, finding);
     }
     if !answer.converged {
         lower(Verdict::Weak, Finding::warning("the solver stopped before it reached the minimum"));
