@@ -151,14 +151,13 @@ fn on_flat_ground_without_a_witness_the_mirror_stays_undecided() {
 
 #[test]
 fn a_wrong_distance_or_swapped_stations_are_not_good() {
-    let spoil: [(&str, fn(&mut Deployment)); 2] = [
-        ("d12 five centimetres long", |d| d.rig.as_mut().expect("a rig").inter_prism_m[0] += 0.05),
-        ("stations 2 and 3 swapped", |d| d.tracks.swap(1, 2)),
-    ];
-    for (what, spoil) in spoil {
-        let mut deployment = sample();
+    let mut wrong_distance = sample();
+    wrong_distance.rig.as_mut().expect("a rig").inter_prism_m[0] += 0.05;
+    let mut swapped = sample();
+    swapped.tracks.swap(1, 2);
+    for (what, mut deployment) in [("d12 5 cm long", wrong_distance), ("2 and 3 swapped", swapped)]
+    {
         deployment.control_points.clear();
-        spoil(&mut deployment);
         let analysis = analyse(&deployment, &Settings::default());
         let calibration = &answer(&analysis).calibration;
         assert!(calibration.verdict > Verdict::Good, "{what}: {:?}", calibration.findings);
