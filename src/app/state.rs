@@ -224,15 +224,9 @@ impl State {
             Command::MoveCursor(time_s) => self.cursor_s = Some(time_s),
             Command::Copy(text) => ctx.copy_text(text),
             Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
-                #[cfg(feature = "rerun")]
                 let result = export::rerun::open_viewer(&deployment, &analysis)
                     .map(|()| "shown in the Rerun viewer".to_owned())
                     .map_err(|error| error.to_string());
-                #[cfg(not(feature = "rerun"))]
-                let result = {
-                    let _ = (deployment, analysis);
-                    Err("this build has no Rerun export; build with `--features rerun`".to_owned())
-                };
                 Some(Reply::Done(result))
             }),
             Command::SaveRecordingDialog => self.save_recording(),
@@ -278,15 +272,9 @@ impl State {
             .save_file();
         self.with_analysis(move |deployment, analysis| {
             let path = pollster::block_on(dialog)?.path().to_owned();
-            #[cfg(feature = "rerun")]
             let result = export::rerun::save(&deployment, &analysis, &path)
                 .map(|()| format!("{} written", path.display()))
                 .map_err(|error| error.to_string());
-            #[cfg(not(feature = "rerun"))]
-            let result = {
-                let _ = (deployment, analysis, path);
-                Err("this build has no Rerun export; build with `--features rerun`".to_owned())
-            };
             Some(Reply::Done(result))
         });
     }

@@ -42,16 +42,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         print(&format!("{}: {} triplets\n", file.display(), analysis.pipeline.triplets.len()))?;
     }
     if let Some(file) = &arguments.rrd {
-        #[cfg(feature = "rerun")]
-        {
-            export::rerun::save(&deployment, &analysis, file)?;
-            print(&format!("{}: open it with `rerun {}`\n", file.display(), file.display()))?;
-        }
-        #[cfg(not(feature = "rerun"))]
-        return Err(Failure::Usage(format!(
-            "{}: this build has no Rerun export; build with `--features rerun`",
-            file.display()
-        )));
+        export::rerun::save(&deployment, &analysis, file)?;
+        print(&format!("{}: open it with `rerun {}`\n", file.display(), file.display()))?;
     }
     Ok(())
 }

@@ -2,6 +2,6 @@
 
 pub mod csv;
 pub mod json;
-#[cfg(feature = "rerun")]
+#[cfg_attr(not(feature = "rerun"), path = "rerun_missing.rs")]
 pub mod rerun;
 pub mod text;
