@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use eframe::egui;
 
+use super::plots::PreparedPlots;
 use super::scene::ViewPreset;
 use super::worker::{Reply, Source, Worker};
 use crate::analysis::{Analysis, Settings};
@@ -78,6 +79,8 @@ pub struct State {
     pub settings: Settings,
     /// The newest answer; older than the settings while [`State::is_stale`].
     pub analysis: Option<Arc<Analysis>>,
+    /// Its plots.
+    pub plots: Arc<PreparedPlots>,
     /// Number of the request that the answer belongs to; changes with it.
     pub analysis_run: u64,
     pub visibility: Visibility,
@@ -98,6 +101,7 @@ impl State {
             deployment_number: 0,
             settings: Settings::default(),
             analysis: None,
+            plots: Arc::default(),
             analysis_run: 0,
             visibility: Visibility::default(),
             cursor_s: None,
@@ -170,7 +174,7 @@ impl State {
                     Err(line) => self.notice = Some(Notice::Error(line)),
                 }
             }
-            Reply::Analysed(number, analysis) => {
+            Reply::Analysed(number, analysis, plots) => {
                 if self.analysing.is_some_and(|(newest, _)| newest == number) {
                     self.analysing = None;
                     if self.cursor_s.is_none() {
@@ -179,6 +183,7 @@ impl State {
                         self.cursor_s = time_s.get(time_s.len() / 2).copied();
                     }
                     self.analysis = Some(analysis);
+                    self.plots = plots;
                     self.analysis_run = number;
                 }
             }

@@ -10,6 +10,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui;
 
+use super::plots::PreparedPlots;
 use crate::analysis::{Analysis, Analyst, Settings};
 use crate::deployment::{Deployment, Sample, open};
 
@@ -27,7 +28,7 @@ enum Request {
 
 pub enum Reply {
     Opened(u64, Result<Arc<Deployment>, String>),
-    Analysed(u64, Arc<Analysis>),
+    Analysed(u64, Arc<Analysis>, Arc<PreparedPlots>),
     /// A request ended in a bug of the program.
     Failed(u64),
     /// The user chose a path in a dialog.
@@ -139,7 +140,9 @@ fn reply(request: &Request, analyst: &mut Option<Analyst>) -> Reply {
             let known = analyst.take().filter(|a| Arc::ptr_eq(a.deployment(), deployment));
             let analyst =
                 analyst.insert(known.unwrap_or_else(|| Analyst::new(Arc::clone(deployment))));
-            Reply::Analysed(*number, Arc::new(analyst.run(settings)))
+            let analysis = analyst.run(settings);
+            let plots = PreparedPlots::of(&analysis, deployment.start_s().unwrap_or(0.0));
+            Reply::Analysed(*number, Arc::new(analysis), Arc::new(plots))
         }
     }
 }

@@ -77,7 +77,7 @@ fn log_all(
         )?;
         let track = &deployment.tracks[station];
         for fate in SampleFate::ALL {
-            let readings = track.measurements.iter().zip(&analysis.pipeline.fates[station]);
+            let readings = track.measurements.iter().zip(&analysis.pipeline.fates[station].each);
             let positions: Vec<_> = readings
                 .filter(|(_, own)| **own == fate)
                 .map(|(m, _)| to_world(track.position_m(m)))

@@ -17,7 +17,7 @@ mod triplets;
 pub use interval_split::Interval;
 pub use outlier_filter::{FilteredTrack, OutlierReason};
 pub use settings::{Interpolation, PipelineSettings, Thresholds};
-pub use staged::{PipelineOutput, SampleFate, StagedPipeline};
+pub use staged::{Fates, PipelineOutput, SampleFate, StagedPipeline};
 pub use triplets::Triplets;
 
 use crate::deployment::Deployment;

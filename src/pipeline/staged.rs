@@ -54,14 +54,23 @@ pub struct PipelineOutput {
     /// After the interval filter; [`Triplets::interval`] counts these.
     pub kept_intervals: Arc<Vec<Interval>>,
     pub triplets: Arc<Triplets>,
-    /// For each station, the fate of each raw reading.
-    pub fates: Arc<[Vec<SampleFate>; 3]>,
+    pub fates: Arc<[Fates; 3]>,
+}
+
+/// What became of the readings of one station.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Fates {
+    /// Of each raw reading.
+    pub each: Vec<SampleFate>,
+    /// In the order of [`SampleFate::ALL`]; counted once, because the window asks in every frame.
+    counts: [usize; 6],
 }
 
 impl PipelineOutput {
     /// How many of a station's readings met this fate.
     pub fn count(&self, station: usize, fate: SampleFate) -> usize {
-        self.fates[station].iter().filter(|f| **f == fate).count()
+        let place = SampleFate::ALL.iter().position(|f| *f == fate);
+        place.map_or(0, |place| self.fates[station].counts[place])
     }
 
     /// Readings of each station that interpolation uses.
@@ -80,7 +89,7 @@ pub struct StagedPipeline {
     intervals: Memory<f64, Vec<Interval>>,
     kept: Memory<Option<f64>, Vec<Interval>>,
     triplets: Memory<(Interpolation, f64), Triplets>,
-    fates: Memory<(), [Vec<SampleFate>; 3]>,
+    fates: Memory<(), [Fates; 3]>,
 }
 
 /// The settings of module 1 alone.
@@ -148,7 +157,7 @@ fn remember<Key: PartialEq, Output>(
 
 /// Fates of one station's raw readings. The readings that bracket an interval count as inside it, because
 /// the first and last positions in the interval are interpolated from them.
-fn fates(track: &FilteredTrack, intervals: &[Interval], kept: &[Interval]) -> Vec<SampleFate> {
+fn fates(track: &FilteredTrack, intervals: &[Interval], kept: &[Interval]) -> Fates {
     let used_by = |intervals: &[Interval]| {
         let mut used = vec![false; track.time_s.len()];
         for interval in intervals {
@@ -172,7 +181,8 @@ fn fates(track: &FilteredTrack, intervals: &[Interval], kept: &[Interval]) -> Ve
             (false, false) => SampleFate::InNoInterval,
         };
     }
-    fates
+    let counts = SampleFate::ALL.map(|fate| fates.iter().filter(|own| **own == fate).count());
+    Fates { each: fates, counts }
 }
 
 #[cfg(test)]

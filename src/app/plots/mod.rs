@@ -1,7 +1,10 @@
 //! Plots of the distance errors.
 
 pub mod histogram;
+mod prepared;
 pub mod residuals;
+
+pub use prepared::PreparedPlots;
 
 use eframe::egui;
 
@@ -34,16 +37,4 @@ fn pair_name(pair: usize, dark: bool) -> egui::RichText {
     egui::RichText::new(pair_label(pair))
         .color(theme::readable(palette::PAIRS[pair], dark))
         .strong()
-}
-
-/// Half the range that shows nearly all errors (mm): outliers must not squeeze the rest into a line.
-fn half_range_mm(answer: &Answer) -> f64 {
-    let mut sizes: Vec<f64> =
-        answer.evaluation.distance_errors_mm.iter().flatten().map(|e| e.abs()).collect();
-    if sizes.is_empty() {
-        return 1.0;
-    }
-    let index = (sizes.len() as f64 * 0.985) as usize;
-    let index = index.min(sizes.len() - 1);
-    (*sizes.select_nth_unstable_by(index, f64::total_cmp).1 * 1.15).max(0.5)
 }

@@ -3,15 +3,12 @@
 use eframe::egui;
 use egui_plot::{AxisHints, HoverPosition, Plot, PlotPoints, Points, Span, VLine};
 
-use super::{answer, half_range_mm, pair_switches};
+use super::{answer, pair_switches};
 use crate::analysis::{Analysis, Answer};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;
-
-/// More dots than this a pair are thinned to the extremes of short spans: what the eye would see anyway.
-const MOST_DOTS: usize = 4000;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((analysis, answer)) = answer(state) else {
@@ -23,8 +20,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     let dark = ui.visuals().dark_mode;
     let start_s = state.start_s();
-    let time_s = &analysis.pipeline.triplets.time_s;
-    let half_range = half_range_mm(answer);
+    let half_range = state.plots.half_range_mm;
     let end_s = state.deployment.as_ref().and_then(|d| d.end_s()).unwrap_or(start_s) - start_s;
     // The range of the last frame: shown in the caption, and kept while the settings change if the user chose it.
     let range_id = ui.scope_id().with(("shown range", state.deployment_number));
@@ -60,16 +56,12 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 Span::new("", interval.start_s - start_s..=interval.end_s - start_s).fill(shade),
             );
         }
-        for (pair, errors) in answer.evaluation.distance_errors_mm.iter().enumerate() {
+        for (pair, dots) in state.plots.dots.iter().enumerate() {
             if !state.visibility.pairs[pair] {
                 continue;
             }
-            let dots: PlotPoints<'_> = thinned(errors)
-                .into_iter()
-                .map(|index| [time_s[index] - start_s, errors[index]])
-                .collect();
             plot_ui.points(
-                Points::new(format!("prisms {}", pair_label(pair)), dots)
+                Points::new(format!("prisms {}", pair_label(pair)), PlotPoints::Borrowed(dots))
                     .color(theme::rgb(palette::PAIRS[pair]))
                     .radius(1.4),
             );
@@ -129,38 +121,4 @@ fn caption(analysis: &Analysis, answer: &Answer, state: &State, shown_mm: [f64; 
         ));
     }
     parts.join("  ·  ")
-}
-
-/// Indices to draw: all, or lowest and highest of each of equal spans.
-fn thinned(errors: &[f64]) -> Vec<usize> {
-    if errors.len() <= MOST_DOTS {
-        return (0..errors.len()).collect();
-    }
-    let span = errors.len().div_ceil(MOST_DOTS / 2);
-    let by_error = |a: &usize, b: &usize| errors[*a].total_cmp(&errors[*b]);
-    (0..errors.len())
-        .step_by(span)
-        .flat_map(|start| {
-            let range = start..(start + span).min(errors.len());
-            let low = range.clone().min_by(by_error).unwrap_or(start);
-            let high = range.max_by(by_error).unwrap_or(start);
-            [low.min(high), low.max(high)]
-        })
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn thinning_keeps_the_extremes() {
-        let mut errors: Vec<f64> = (0..100_000).map(|i| (f64::from(i) * 0.01).sin()).collect();
-        errors[51_234] = 40.0;
-        errors[7] = -30.0;
-        let kept = thinned(&errors);
-        assert!(kept.len() <= MOST_DOTS + 2);
-        assert!(kept.contains(&51_234) && kept.contains(&7));
-        assert!(kept.windows(2).all(|w| w[0] <= w[1]));
-    }
 }

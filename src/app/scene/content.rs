@@ -102,7 +102,7 @@ impl SceneContent {
         for (station, transform) in transforms.iter().enumerate() {
             let Some(transform) = transform else { continue };
             let track = &deployment.tracks[station];
-            let kept = track.measurements.iter().zip(&analysis.pipeline.fates[station]);
+            let kept = track.measurements.iter().zip(&analysis.pipeline.fates[station].each);
             let none_kept = analysis.pipeline.triplets.is_empty();
             // Outliers may lie anywhere; they must not push the rest into a corner.
             let seen = kept
@@ -136,7 +136,7 @@ impl SceneContent {
 
     fn add_raw(&mut self, deployment: &Deployment, analysis: &Analysis, station: usize) {
         let track = &deployment.tracks[station];
-        let fates = &analysis.pipeline.fates[station];
+        let fates = &analysis.pipeline.fates[station].each;
         for (measurement, fate) in track.measurements.iter().zip(fates) {
             let kept = *fate == SampleFate::Kept;
             self.data.points.push(PointVertex {

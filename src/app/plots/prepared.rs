@@ -1,0 +1,119 @@
+//! What the plots draw, made once for each answer by the worker: no frame goes through all residuals.
+
+use egui_plot::PlotPoint;
+
+use crate::analysis::Analysis;
+
+/// More dots than this a pair are thinned to the extremes of short spans: what the eye would see anyway.
+const MOST_DOTS: usize = 4000;
+const BINS: usize = 40;
+
+/// Ready to draw; errors in mm, times in s since the first measurement.
+#[derive(Clone, Debug, Default)]
+pub struct PreparedPlots {
+    /// Half the range that shows nearly all errors: outliers must not squeeze the rest into a line.
+    pub half_range_mm: f64,
+    /// For each pair.
+    pub dots: [Vec<PlotPoint>; 3],
+    /// Outline of each pair's histogram over ± the range.
+    pub outlines: [Vec<PlotPoint>; 3],
+    pub bin_width_mm: f64,
+    pub highest_count: usize,
+}
+
+impl PreparedPlots {
+    /// `start_s` is the time of the first measurement. Empty without an answer.
+    pub fn of(analysis: &Analysis, start_s: f64) -> Self {
+        let Ok(answer) = &analysis.answer else { return Self::default() };
+        let errors = &answer.evaluation.distance_errors_mm;
+        let time_s = &analysis.pipeline.triplets.time_s;
+        let half_range_mm = half_range_mm(errors);
+        let bin_width_mm = 2.0 * half_range_mm / BINS as f64;
+        let counts = errors.each_ref().map(|errors| bins(errors, half_range_mm));
+        Self {
+            half_range_mm,
+            dots: errors.each_ref().map(|errors| {
+                thinned(errors)
+                    .into_iter()
+                    .map(|index| PlotPoint::new(time_s[index] - start_s, errors[index]))
+                    .collect()
+            }),
+            outlines: counts.each_ref().map(|counts| outline(counts, half_range_mm, bin_width_mm)),
+            bin_width_mm,
+            highest_count: counts.iter().flatten().copied().max().unwrap_or(0),
+        }
+    }
+}
+
+fn half_range_mm(errors: &[Vec<f64>; 3]) -> f64 {
+    let mut sizes: Vec<f64> = errors.iter().flatten().map(|e| e.abs()).collect();
+    if sizes.is_empty() {
+        return 1.0;
+    }
+    let index = ((sizes.len() as f64 * 0.985) as usize).min(sizes.len() - 1);
+    (*sizes.select_nth_unstable_by(index, f64::total_cmp).1 * 1.15).max(0.5)
+}
+
+/// Indices to draw: all, or lowest and highest of each of equal spans.
+fn thinned(errors: &[f64]) -> Vec<usize> {
+    if errors.len() <= MOST_DOTS {
+        return (0..errors.len()).collect();
+    }
+    let span = errors.len().div_ceil(MOST_DOTS / 2);
+    let by_error = |a: &usize, b: &usize| errors[*a].total_cmp(&errors[*b]);
+    (0..errors.len())
+        .step_by(span)
+        .flat_map(|start| {
+            let range = start..(start + span).min(errors.len());
+            let low = range.clone().min_by(by_error).unwrap_or(start);
+            let high = range.max_by(by_error).unwrap_or(start);
+            [low.min(high), low.max(high)]
+        })
+        .collect()
+}
+
+/// Counts in equal bins over ± the range; what lies beyond is not counted.
+fn bins(errors: &[f64], half_range: f64) -> Vec<usize> {
+    let mut counts = vec![0; BINS];
+    for error in errors {
+        let at = (error + half_range) / (2.0 * half_range) * BINS as f64;
+        if at >= 0.0 && at < BINS as f64 {
+            counts[at as usize] += 1;
+        }
+    }
+    counts
+}
+
+fn outline(counts: &[usize], half_range: f64, width: f64) -> Vec<PlotPoint> {
+    counts
+        .iter()
+        .enumerate()
+        .flat_map(|(bin, count)| {
+            let left = -half_range + bin as f64 * width;
+            [left, left + width].map(|x| PlotPoint::new(x, *count as f64))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_the_extremes() {
+        let mut errors: Vec<f64> = (0..100_000).map(|i| (f64::from(i) * 0.01).sin()).collect();
+        errors[51_234] = 40.0;
+        errors[7] = -30.0;
+        let kept = thinned(&errors);
+        assert!(kept.len() <= MOST_DOTS + 2);
+        assert!(kept.contains(&51_234) && kept.contains(&7));
+        assert!(kept.windows(2).all(|w| w[0] <= w[1]));
+    }
+
+    #[test]
+    fn everything_within_the_range_is_counted_once() {
+        let counts = bins(&[-0.999, -0.2, 0.0, 0.5, 0.999, 3.0], 1.0);
+        assert_eq!(counts.iter().sum::<usize>(), 5);
+        assert_eq!((counts[0], counts[BINS - 1]), (1, 1));
+    }
+}
