@@ -208,10 +208,21 @@ fn a_dropped_folder_opens() {
 #[test]
 fn hiding_a_station_takes_it_out_of_the_scene_and_back() {
     let mut harness = window(SMALL, Theme::Dark);
+    let shown = harness.render().expect("a picture");
     harness.get_by_label("Station 2").click();
     settle(&mut harness);
     assert_eq!(harness.state().state.visibility.stations, [true, false, true]);
+    let hidden = harness.render().expect("a picture");
     harness.get_by_label("Station 2").click();
     settle(&mut harness);
-    assert_eq!(harness.state().state.visibility.stations, [true; 3]);
+    let again = harness.render().expect("a picture");
+    // Inside the scene, away from the switch that was clicked.
+    let differ = |a: &image::RgbaImage, b: &image::RgbaImage| {
+        a.enumerate_pixels()
+            .filter(|(x, y, _)| (300..740).contains(x) && (230..480).contains(y))
+            .filter(|(x, y, pixel)| b.get_pixel(*x, *y) != *pixel)
+            .count()
+    };
+    assert!(differ(&shown, &hidden) > 100, "{}", differ(&shown, &hidden));
+    assert_eq!(differ(&shown, &again), 0);
 }

@@ -74,6 +74,8 @@ const QUICKEST_CANCEL: Duration = Duration::from_millis(300);
 pub struct State {
     worker: Worker,
     pub deployment: Option<Arc<Deployment>>,
+    /// Of each station; found once, because the window asks in every frame.
+    pub longest_range_m: [f64; 3],
     /// Counts the deployments shown; changes with the deployment.
     pub deployment_number: u64,
     pub settings: Settings,
@@ -98,6 +100,7 @@ impl State {
         Self {
             worker: Worker::start(ctx),
             deployment: None,
+            longest_range_m: [0.0; 3],
             deployment_number: 0,
             settings: Settings::default(),
             analysis: None,
@@ -116,6 +119,10 @@ impl State {
     pub fn show(&mut self, deployment: Arc<Deployment>) {
         self.analysis = None;
         self.cursor_s = None;
+        self.longest_range_m = deployment
+            .tracks
+            .each_ref()
+            .map(|track| track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max));
         self.deployment = Some(deployment);
         self.deployment_number += 1;
         self.analyse();

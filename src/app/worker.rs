@@ -103,13 +103,7 @@ fn work(inbox: &Receiver<Request>, outbox: &Sender<Reply>, ctx: &egui::Context) 
     while let Ok(first) = inbox.recv() {
         let mut waiting = vec![first];
         waiting.extend(inbox.try_iter());
-        for (position, request) in waiting.iter().enumerate() {
-            let overtaken = waiting[position + 1..].iter().any(|later| {
-                matches!((request, later), (Request::Analyse(..), Request::Analyse(..)))
-            });
-            if overtaken {
-                continue;
-            }
+        for request in &without_overtaken(waiting) {
             let number = match request {
                 Request::Open(number, _) | Request::Analyse(number, ..) => *number,
             };
@@ -125,6 +119,17 @@ fn work(inbox: &Receiver<Request>, outbox: &Sender<Reply>, ctx: &egui::Context) 
             ctx.request_repaint();
         }
     }
+}
+
+/// What is still worth doing: of several analyses only the last, of everything else all.
+fn without_overtaken(waiting: Vec<Request>) -> Vec<Request> {
+    let newest = waiting.iter().rposition(|request| matches!(request, Request::Analyse(..)));
+    waiting
+        .into_iter()
+        .enumerate()
+        .filter(|(at, request)| !matches!(request, Request::Analyse(..)) || Some(*at) == newest)
+        .map(|(_, request)| request)
+        .collect()
 }
 
 fn reply(request: &Request, analyst: &mut Option<Analyst>) -> Reply {
@@ -144,5 +149,26 @@ fn reply(request: &Request, analyst: &mut Option<Analyst>) -> Reply {
             let plots = PreparedPlots::of(&analysis, deployment.start_s().unwrap_or(0.0));
             Reply::Analysed(*number, Arc::new(analysis), Arc::new(plots))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_several_analyses_only_the_newest_is_run() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let analyse =
+            |number| Request::Analyse(number, Arc::clone(&deployment), Settings::default());
+        let open = |number| Request::Open(number, Source::Sample(Sample::Hd2Tunnel));
+        let left = without_overtaken(vec![analyse(1), open(2), analyse(3), analyse(4)]);
+        let numbers: Vec<u64> = left
+            .iter()
+            .map(|request| match request {
+                Request::Open(number, _) | Request::Analyse(number, ..) => *number,
+            })
+            .collect();
+        assert_eq!(numbers, [2, 4]);
     }
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! tracks ─1 outlier filter─▶ filtered ─2 interval split─▶ intervals ─3 interval filter─▶ kept ─4 interpolation─▶ triplets
 //! ```
-//! Each stage is a pure function of the one before it and of its own settings. [`StagedPipeline`] keeps
+//! Each stage is a pure function of the one before it and of its own settings. `StagedPipeline` keeps
 //! the last output of each, so that a change re-runs only what depends on it.
 
 pub mod interpolation;
@@ -17,7 +17,8 @@ mod triplets;
 pub use interval_split::Interval;
 pub use outlier_filter::{FilteredTrack, OutlierReason};
 pub use settings::{Interpolation, PipelineSettings, Thresholds};
-pub use staged::{Fates, PipelineOutput, SampleFate, StagedPipeline};
+pub(crate) use staged::StagedPipeline;
+pub use staged::{Fates, PipelineOutput, SampleFate};
 pub use triplets::Triplets;
 
 use crate::deployment::Deployment;

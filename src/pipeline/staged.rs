@@ -81,7 +81,8 @@ impl PipelineOutput {
 
 type Memory<Key, Output> = Option<(Key, Arc<Output>)>;
 
-/// Keeps the last output of each stage beside the settings that made it. One deployment each.
+/// Keeps the last output of each stage beside the settings that made it. One deployment each: the memory does not
+/// know which it was, so [`crate::analysis::Analyst`] keeps the two together.
 #[derive(Default)]
 pub struct StagedPipeline {
     positions_m: Memory<(), [Vec<Vector3<f64>>; 3]>,

@@ -35,8 +35,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     .color(theme::readable(palette::STATIONS[station], dark));
                 ui.checkbox(&mut visibility.stations[station], text);
                 ui.label(format!("{} readings", track.measurements.len()));
-                let far = track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max);
-                ui.label(format!("to {far:.0} m"));
+                ui.label(format!("to {:.0} m", state.longest_range_m[station]));
                 ui.end_row();
             }
         });
