@@ -16,7 +16,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.horizontal_wrapped(|ui| {
             ui.label(sign);
             ui.label(text);
-            if ui.button("Dismiss").clicked() {
+            // The theme's own button would be white on white in the light one.
+            if ui.add(egui::Button::new("Dismiss").fill(Color32::from_black_alpha(90))).clicked() {
                 commands.push(Command::DismissNotice);
             }
         });

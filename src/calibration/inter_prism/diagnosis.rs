@@ -78,8 +78,14 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
 /// Another minimum, not the mirror twin, that the data cannot tell from the answer.
 fn rival(evidence: &Evidence<'_>) -> Option<Finding> {
     let (rival, cost_ratio) = evidence.rival.filter(|(_, ratio)| *ratio < CLOSE_RIVAL)?;
-    let apart = rival - evidence.answer.parameters;
-    let apart_m = [0, 4].map(|at| apart.fixed_rows::<3>(at).norm()).into_iter().fold(0.0, f64::max);
+    // Its heights may be mirrored too; that difference is the twin's, not the rival's.
+    let apart_m = [rival, evidence.thinned.mirrored_in_height(&rival, [true, true])]
+        .map(|rival| {
+            let apart = rival - evidence.answer.parameters;
+            apart.fixed_rows::<3>(0).norm().max(apart.fixed_rows::<3>(4).norm())
+        })
+        .into_iter()
+        .fold(f64::INFINITY, f64::min);
     Some(Finding::warning(format!(
         "another solution {apart_m:.2} m away costs only {cost_ratio:.2} times as much; turn to both sides while driving"
     )))
