@@ -9,10 +9,10 @@ use std::sync::Arc;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra_peer::{DVector, Dyn, Matrix, OMatrix, OVector, Owned, U8, Vector3};
 use resect::analysis::{Analysis, Analyst, Settings};
-use resect::calibration::{self, CalibrationSettings, PriorMethod};
+use resect::calibration::{self, CalibrationSettings, Offer, PriorMethod};
 use resect::deployment::{Deployment, PAIRS};
 use resect::export;
-use resect::geometry::LevelTransform;
+use resect::geometry::RigidTransform;
 use resect::pipeline::{self, Triplets};
 use resect::simulation::{Preset, simulate_scenario};
 
@@ -46,8 +46,9 @@ fn benchmarks(criterion: &mut Criterion) {
             [("d-closed-form", PriorMethod::ClosedForm), ("d-search", PriorMethod::Search)]
         {
             let settings = CalibrationSettings { prior, ..Default::default() };
+            let offer = Offer::of(&deployment, &triplets);
             group.bench_function(BenchmarkId::new(name, size), |b| {
-                b.iter(|| calibration::solve(&deployment, black_box(&triplets), &settings));
+                b.iter(|| calibration::solve(&deployment, black_box(&triplets), &settings, &offer));
             });
         }
         // Every stage runs again: the threshold of the first one alternates.
@@ -76,13 +77,13 @@ fn benchmarks(criterion: &mut Criterion) {
 /// A prior as good as the closed form's on field data: millimetres and centimetres off.
 fn good_prior(analysis: &Analysis) -> Vector8 {
     let answer = analysis.answer.as_ref().expect("simulated");
-    let [_, t2, t3] = *answer.calibration.station1_from_station();
+    let [_, t2, t3] = answer.calibration.station1_from_station;
     let mut p = Vector8::zeros();
     for (slot, t) in [t2, t3].into_iter().enumerate() {
         for (axis, off) in [0.002, -0.002, 0.04].into_iter().enumerate() {
             p[4 * slot + axis] = t.translation_m[axis] + off;
         }
-        p[4 * slot + 3] = t.yaw_rad + 6e-5;
+        p[4 * slot + 3] = t.yaw_rad() + 6e-5;
     }
     p
 }
@@ -93,9 +94,9 @@ fn write_for_peers(deployment: &Deployment, analysis: &Analysis, folder: &std::p
     export::csv::write_triplets(analysis, &folder.join("triplets.csv"))
         .expect("target can be written");
     let answer = analysis.answer.as_ref().expect("simulated");
-    let [_, t2, t3] = answer.calibration.station1_from_station();
+    let [_, t2, t3] = &answer.calibration.station1_from_station;
     let numbers =
-        |t: &LevelTransform| [t.translation_m.x, t.translation_m.y, t.translation_m.z, t.yaw_rad];
+        |t: &RigidTransform| [t.translation_m.x, t.translation_m.y, t.translation_m.z, t.yaw_rad()];
     let ours = [numbers(t2), numbers(t3)].concat();
     let problem = serde_json::json!({
         "inter_prism_m": deployment.rig.as_ref().expect("simulated").inter_prism_m,

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::calibration::{self, Calibration, CalibrationError, CalibrationSettings};
+use crate::calibration::{self, Calibration, CalibrationError, CalibrationSettings, Offer};
 use crate::deployment::Deployment;
 use crate::evaluation::{self, Evaluation};
 use crate::pipeline::{PipelineOutput, PipelineSettings, StagedPipeline};
@@ -40,6 +40,8 @@ pub struct Answer {
 pub struct Analysis {
     pub settings: Settings,
     pub pipeline: PipelineOutput,
+    /// Which methods the data allows.
+    pub offer: Offer,
     /// Or why there is none; the pipeline's part stands either way.
     pub answer: Result<Arc<Answer>, CalibrationError>,
     pub pipeline_ms: f64,
@@ -76,18 +78,21 @@ impl Analyst {
         let started = Instant::now();
         let pipeline = self.pipeline.run(&self.deployment, &settings.pipeline);
         let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
+        let triplets = &pipeline.triplets;
+        let offer = Offer::of(&self.deployment, triplets);
         let calibration =
-            calibration::solve(&self.deployment, &pipeline.triplets, &settings.calibration);
+            calibration::solve(&self.deployment, triplets, &settings.calibration, &offer);
         let started = Instant::now();
         let answer = calibration.map(|calibration| {
             let evaluation = evaluation::evaluate(
                 &self.deployment,
-                &pipeline.triplets,
-                calibration.station1_from_station(),
+                triplets,
+                offer.targets,
+                &calibration.station1_from_station,
             );
             Arc::new(Answer { calibration, evaluation })
         });
         let evaluation_ms = started.elapsed().as_secs_f64() * 1e3;
-        Analysis { settings: *settings, pipeline, answer, pipeline_ms, evaluation_ms }
+        Analysis { settings: *settings, pipeline, offer, answer, pipeline_ms, evaluation_ms }
     }
 }

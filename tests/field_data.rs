@@ -6,9 +6,9 @@ mod common;
 use common::{analyse, answer, assert_close, field_data};
 use nalgebra::Vector3;
 use resect::analysis::Settings;
-use resect::calibration::{PriorMethod, ResolvedBy, Verdict};
+use resect::calibration::{Alignment, Details, Method, PriorMethod, ResolvedBy, Targets, Verdict};
 use resect::deployment::{open, open_with};
-use resect::geometry::LevelTransform;
+use resect::geometry::{LevelTransform, RigidTransform};
 
 const NEAR: [f64; 3] = [0.003, 0.003, 0.010];
 const NEAR_RAD: f64 = 1e-4;
@@ -33,7 +33,7 @@ fn defaults_reproduce_the_reference() {
     assert_eq!(analysis.pipeline.triplets.len(), 2032);
     assert_eq!(analysis.pipeline.kept_intervals.len(), 11);
     let answer = answer(&analysis);
-    let [_, t12, t13] = answer.calibration.station1_from_station();
+    let [_, t12, t13] = &answer.calibration.station1_from_station;
     assert_close(t12, &transform(5.3191, -2.5264, -0.2885, -0.51872), NEAR, NEAR_RAD);
     assert_close(t13, &transform(-5.4514, -0.0256, -0.2655, -0.45934), NEAR, NEAR_RAD);
 
@@ -52,9 +52,19 @@ fn the_mirror_is_found_and_told_apart_by_the_rig() {
     let deployment = open(&path).expect("opens");
     let analysis = analyse(&deployment, &Settings::default());
     let calibration = &answer(&analysis).calibration;
-    assert_eq!(calibration.mirror.resolved_by, ResolvedBy::Rig);
-    assert!((calibration.mirror.cost_ratio.expect("a twin") - 4.74).abs() < 0.1);
-    let twin = calibration.mirror.twin.expect("a twin").station1_from_station;
+    assert_eq!(calibration.inter_prism().expect("method D").mirror.resolved_by, ResolvedBy::Rig);
+    assert!(
+        (calibration.inter_prism().expect("method D").mirror.cost_ratio.expect("a twin") - 4.74)
+            .abs()
+            < 0.1
+    );
+    let twin = calibration
+        .inter_prism()
+        .expect("method D")
+        .mirror
+        .twin
+        .expect("a twin")
+        .station1_from_station;
     assert_close(&twin[1], &transform(5.3185, -2.5388, 0.4829, -0.5189), NEAR, NEAR_RAD);
     assert_close(&twin[2], &transform(-5.4454, -0.0384, 0.4509, -0.4596), NEAR, NEAR_RAD);
     assert!(calibration.findings.iter().any(|f| f.message.contains("mirror twin")));
@@ -89,7 +99,7 @@ fn without_filters_neither_prior_falls_into_the_mirror() {
             let analysis = analyse(deployment, &settings(false, prior));
             assert_eq!(analysis.pipeline.triplets.len(), 3886);
             assert_eq!(analysis.pipeline.kept_intervals.len(), 25);
-            let [_, t12, t13] = answer(&analysis).calibration.station1_from_station();
+            let [_, t12, t13] = &answer(&analysis).calibration.station1_from_station;
             assert_close(t12, &transform(5.3189, -2.5262, -0.2885, -0.5187), NEAR, NEAR_RAD);
             assert_close(t13, &transform(-5.4503, -0.0272, -0.2660, -0.4594), NEAR, NEAR_RAD);
         }
@@ -102,11 +112,12 @@ fn both_priors_end_in_the_same_answer() {
     let deployment = open(&path).expect("opens");
     let [closed, search] = [PriorMethod::ClosedForm, PriorMethod::Search]
         .map(|prior| analyse(&deployment, &settings(true, prior)));
-    let found = answer(&search).calibration.station1_from_station();
-    for (a, b) in answer(&closed).calibration.station1_from_station().iter().zip(found) {
+    let found = &answer(&search).calibration.station1_from_station;
+    for (a, b) in answer(&closed).calibration.station1_from_station.iter().zip(found) {
         assert_close(a, b, [1e-6; 3], 1e-8);
     }
-    let search = answer(&search).calibration.prior_search.as_ref().expect("it searched");
+    let search = answer(&search).calibration.inter_prism().expect("method D");
+    let search = search.prior_search.as_ref().expect("it searched");
     assert!(search.agreed);
     assert!(search.steps.iter().all(|runs| runs.len() > 5));
 }
@@ -115,7 +126,7 @@ fn both_priors_end_in_the_same_answer() {
 fn the_three_bags_give_the_numbers_of_the_table() {
     let Some(folder) = field_data("2022-07-11-2") else { return };
     let reference = analyse(&open(&folder).expect("opens"), &Settings::default());
-    let reference = answer(&reference).calibration.station1_from_station();
+    let reference = &answer(&reference).calibration.station1_from_station;
     for bag in ["2022-07-11-2.bag", "2022-07-11-2-bz2.bag", "2022-07-11-2-lz4.bag"] {
         let Some(path) = field_data("2022-07-11-2-bags").map(|folder| folder.join(bag)) else {
             return;
@@ -126,7 +137,7 @@ fn the_three_bags_give_the_numbers_of_the_table() {
         assert_eq!(lost, 3, "{bag}: one finding a station");
         let analysis = analyse(&deployment, &Settings::default());
         assert_eq!(analysis.pipeline.triplets.len(), 2032, "{bag}");
-        for (a, b) in answer(&analysis).calibration.station1_from_station().iter().zip(reference) {
+        for (a, b) in answer(&analysis).calibration.station1_from_station.iter().zip(reference) {
             assert_close(a, b, [1e-6; 3], 1e-8);
         }
     }
@@ -172,4 +183,97 @@ fn the_published_layout_says_why_it_cannot_be_used_yet() {
     let Some(path) = field_data("2022-07-11-2-published") else { return };
     let error = open(&path).expect_err("Cartesian tracks only").to_string();
     assert!(error.contains("Cartesian track"), "{error}");
+}
+
+fn with_method(method: Method) -> Settings {
+    let mut settings = Settings::default();
+    settings.calibration.method = Some(method);
+    settings
+}
+
+/// A millimetre and 0.02 mrad, as the issue asks.
+const B_NEAR: ([f64; 3], f64) = ([1e-3; 3], 2e-5);
+
+#[test]
+fn static_control_points_reproduce_the_reference() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let deployment = open(&path).expect("opens");
+    for alignment in [Alignment::Level, Alignment::Rigid] {
+        let mut settings = with_method(Method::StaticGcp);
+        settings.calibration.alignment = alignment;
+        let analysis = analyse(&deployment, &settings);
+        let answer = answer(&analysis);
+        let [_, t12, t13] = &answer.calibration.station1_from_station;
+        let (metres, radians) = B_NEAR;
+        assert_close(t12, &turned(5.3205, -2.5267, -0.2926, -0.51959, t12), metres, radians);
+        assert_close(t13, &turned(-5.4499, -0.0271, -0.2627, -0.45931, t13), metres, radians);
+        let tilt_arcsec = t12.tilt_rad().to_degrees() * 3600.0;
+        assert!((tilt_arcsec > 1.0) == (alignment == Alignment::Rigid), "{tilt_arcsec}");
+        assert!(tilt_arcsec < 10.0);
+    }
+    let analysis = analyse(&deployment, &with_method(Method::StaticGcp));
+    let answer = answer(&analysis);
+    let mut all_mm: Vec<f64> = deployment
+        .control_points
+        .iter()
+        .filter(|set| !set.pillars)
+        .flat_map(|set| set.disagreements_m(&answer.calibration.station1_from_station))
+        .map(|m| m * 1e3)
+        .collect();
+    all_mm.sort_by(f64::total_cmp);
+    assert!((all_mm[all_mm.len() / 2] - 3.1).abs() < 0.1, "{}", all_mm[all_mm.len() / 2]);
+    let inter_prism = answer.evaluation.inter_prism_mm.expect("a rig is there");
+    assert!((inter_prism.median - 10.7).abs() < 0.1, "{inter_prism:?}");
+    assert!((inter_prism.iqr - 18.1).abs() < 0.2, "{inter_prism:?}");
+    // The drive speaks against it, and it says so.
+    assert_eq!(answer.calibration.verdict, Verdict::Weak);
+    assert!(
+        answer.calibration.findings.iter().any(|f| f.message.contains("the drive contradicts"))
+    );
+}
+
+/// A level reference with the tilt of what it is compared to: only four numbers are known.
+fn turned(x: f64, y: f64, z: f64, yaw: f64, tilted: &RigidTransform) -> RigidTransform {
+    let level = RigidTransform::from(transform(x, y, z, yaw));
+    let level_of_tilted = RigidTransform::from(transform(0.0, 0.0, 0.0, tilted.yaw_rad()));
+    let tilt = level_of_tilted.inverse().rotation * tilted.rotation;
+    RigidTransform { rotation: level.rotation * tilt, ..level }
+}
+
+#[test]
+fn two_point_resection_agrees_with_the_control_points() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let deployment = open(&path).expect("opens");
+    let analysis = analyse(&deployment, &with_method(Method::TwoPoint));
+    let a = &answer(&analysis).calibration;
+    let reference = analyse(&deployment, &with_method(Method::StaticGcp));
+    let b = &answer(&reference).calibration;
+    for station in 1..3 {
+        let (a, b) = (&a.station1_from_station[station], &b.station1_from_station[station]);
+        assert_close(a, b, [0.015; 3], 1e-4);
+    }
+    let Details::TwoPoint(details) = &a.details else { panic!("method A") };
+    // Four pillars: six pairs, each leaving two out, which three pairs of stations compare.
+    assert_eq!(details.pairs.len(), 6);
+    assert!(details.pairs.iter().all(|pair| pair.left_out_m.len() == 6));
+    // Every pair agrees with B as well, and the σ stated covers it.
+    for pair in &details.pairs {
+        for station in 1..3 {
+            let b = &b.station1_from_station[station];
+            assert_close(&pair.station1_from_station[station], b, [0.015; 3], 1e-4);
+        }
+    }
+    assert!(a.findings.iter().any(|f| f.message.contains("ppm")), "{:?}", a.findings);
+}
+
+#[test]
+fn the_methods_that_the_data_lacks_say_what() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let deployment = open(&path).expect("opens");
+    let analysis = analyse(&deployment, &with_method(Method::DynamicGcp));
+    let error = analysis.answer.expect_err("three prisms").to_string();
+    assert!(error.contains("method C (dynamic-gcp) needs one prism"), "{error}");
+    assert_eq!(analysis.offer.targets, Targets::ThreePrisms);
+    let lacks = analysis.offer.lacks.iter().filter(|lack| lack.is_some()).count();
+    assert_eq!(lacks, 1);
 }

@@ -6,15 +6,15 @@ use common::{analyse, answer, assert_close};
 use resect::analysis::Settings;
 use resect::calibration::{PriorMethod, ResolvedBy, Verdict};
 use resect::deployment::{Deployment, Sample};
-use resect::geometry::LevelTransform;
+use resect::geometry::{LevelTransform, RigidTransform};
 use resect::simulation::{Preset, simulate};
 
 fn sample() -> Deployment {
     Sample::Warthog.open().expect("built in")
 }
 
-fn transforms(deployment: &Deployment) -> [LevelTransform; 3] {
-    *answer(&analyse(deployment, &Settings::default())).calibration.station1_from_station()
+fn transforms(deployment: &Deployment) -> [RigidTransform; 3] {
+    answer(&analyse(deployment, &Settings::default())).calibration.station1_from_station
 }
 
 /// Turns a station's zero direction: its azimuths grow, its points turn clockwise.
@@ -36,7 +36,7 @@ fn turning_a_station_turns_its_transform_back() {
         let mut turned = sample();
         turn_station(&mut turned, 1, by_rad);
         let after = transforms(&turned);
-        let expected = LevelTransform::new(before[1].translation_m, before[1].yaw_rad + by_rad);
+        let expected = LevelTransform::new(before[1].translation_m, before[1].yaw_rad() + by_rad);
         assert_close(&after[1], &expected, [1e-6; 3], 1e-8);
         assert_close(&after[2], &before[2], [1e-6; 3], 1e-8);
     }
@@ -48,7 +48,7 @@ fn turning_station_1_turns_the_whole_answer() {
     let mut turned = sample();
     turn_station(&mut turned, 0, 1.2);
     let after = transforms(&turned);
-    let new_from_old = LevelTransform::new(nalgebra::Vector3::zeros(), -1.2);
+    let new_from_old: RigidTransform = LevelTransform::new(nalgebra::Vector3::zeros(), -1.2).into();
     for station in 1..3 {
         assert_close(&after[station], &new_from_old.then_from(&before[station]), [1e-6; 3], 1e-8);
     }
@@ -144,8 +144,11 @@ fn on_flat_ground_without_a_witness_the_mirror_stays_undecided() {
     let analysis = analyse(&deployment, &Settings::default());
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Ambiguous);
-    assert_eq!(calibration.mirror.resolved_by, ResolvedBy::Nothing);
-    let ratio = calibration.mirror.cost_ratio.expect("a twin");
+    assert_eq!(
+        calibration.inter_prism().expect("method D").mirror.resolved_by,
+        ResolvedBy::Nothing
+    );
+    let ratio = calibration.inter_prism().expect("method D").mirror.cost_ratio.expect("a twin");
     assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
 }
 

@@ -35,9 +35,9 @@ fn normalised(analysis: &Analysis, truth: &[LevelTransform; 3]) -> [f64; 8] {
     let sigma = calibration.sigma.expect("nothing is free");
     std::array::from_fn(|k| {
         let (station, part) = (k / 4 + 1, k % 4);
-        let (found, truth) = (&calibration.station1_from_station()[station], &truth[station]);
+        let (found, truth) = (&calibration.station1_from_station[station], &truth[station]);
         if part == 3 {
-            wrap_to_pi(found.yaw_rad - truth.yaw_rad) / sigma[station - 1].yaw_rad
+            wrap_to_pi(found.yaw_rad() - truth.yaw_rad) / sigma[station - 1].yaw_rad
         } else {
             (found.translation_m - truth.translation_m)[part]
                 / sigma[station - 1].translation_m[part]

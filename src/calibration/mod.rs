@@ -1,35 +1,30 @@
 //! From triplets to the stations' extrinsics, each answer with its uncertainty and a verdict.
 //!
-//! [`solve`] is the one way in; the methods live in modules of their own. Today that is the paper's method D,
-//! [`inter_prism`].
+//! [`solve`] is the one way in; the paper's four methods live in modules of their own: A [`two_point`],
+//! B [`static_gcp`], C [`dynamic_gcp`], D [`inter_prism`]. [`Offer`] says which of them the data allows.
 
+mod checks;
+pub mod dynamic_gcp;
 pub mod inter_prism;
+mod method;
+mod point_to_point;
 mod settings;
+pub mod static_gcp;
+mod targets;
+pub mod time_blocks;
+pub mod two_point;
 mod verdict;
 
-pub use settings::{CalibrationSettings, PriorMethod};
+pub use method::{Method, Offer};
+pub use settings::{Alignment, CalibrationSettings, PriorMethod};
+pub use targets::Targets;
 pub use verdict::Verdict;
 
 use nalgebra::{SMatrix, Vector3};
 
 use crate::deployment::{Deployment, Finding};
-use crate::geometry::LevelTransform;
+use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
-
-/// The calibrations of the paper that the program knows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// D: dynamic inter-prism.
-    InterPrism,
-}
-
-impl Method {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::InterPrism => "inter-prism",
-        }
-    }
-}
 
 /// Why there is no answer at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -45,6 +40,22 @@ pub enum CalibrationError {
          inter_prism_m in deployment.toml, or give --rig"
     )]
     NoRig { deployment: String },
+    #[error("{deployment}: method {} ({}) needs {lack}", .method.letter(), .method.name())]
+    Lacking { deployment: String, method: Method, lack: String },
+    #[error(
+        "{deployment}: the points of method {} ({}) lie in one place or on a line, which holds no rigid transform; \
+         use a level alignment, or more points",
+        .method.letter(), .method.name()
+    )]
+    PointsOnALine { deployment: String, method: Method },
+}
+
+impl CalibrationError {
+    /// A method that the data does not allow.
+    fn lacking(deployment: &Deployment, method: Method, offer: &Offer) -> Self {
+        let lack = offer.lack(method).unwrap_or("points that hold a transform").to_owned();
+        Self::Lacking { deployment: deployment.name.clone(), method, lack }
+    }
 }
 
 /// One standard deviation of each number of a transform.
@@ -101,34 +112,59 @@ pub struct Mirror {
 #[derive(Clone, Debug)]
 pub struct Calibration {
     pub method: Method,
-    /// The answer: frames of stations 1 (identity), 2 and 3 into station 1's.
-    pub basin: Basin,
+    /// Frames of stations 1 (identity), 2 and 3 into station 1's; level unless a rigid alignment was asked for.
+    pub station1_from_station: [RigidTransform; 3],
     /// Of stations 2 and 3; `None` when the data leaves a direction free.
     pub sigma: Option<[TransformSigma; 2]>,
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
     pub covariance: Option<SMatrix<f64, 8, 8>>,
-    pub mirror: Mirror,
     pub verdict: Verdict,
     /// Why the verdict is what it is, and what else was noticed.
     pub findings: Vec<Finding>,
-    /// What the search of the prior did, when it was asked for.
-    pub prior_search: Option<inter_prism::PriorSearch>,
+    /// What only its method knows.
+    pub details: Details,
     /// Wall time of the prior and of the rest (ms).
     pub prior_ms: f64,
     pub solve_ms: f64,
 }
 
+/// What one method knows and the others do not.
+#[derive(Clone, Debug)]
+pub enum Details {
+    TwoPoint(two_point::TwoPointDetails),
+    StaticGcp(static_gcp::StaticGcpDetails),
+    DynamicGcp(dynamic_gcp::DynamicGcpDetails),
+    InterPrism(Box<inter_prism::InterPrismDetails>),
+}
+
 impl Calibration {
-    pub fn station1_from_station(&self) -> &[LevelTransform; 3] {
-        &self.basin.station1_from_station
+    /// The details of method D.
+    pub fn inter_prism(&self) -> Option<&inter_prism::InterPrismDetails> {
+        match &self.details {
+            Details::InterPrism(details) => Some(details),
+            _ => None,
+        }
     }
 }
 
-/// Calibrates a deployment from its triplets by the method of the settings.
+/// Calibrates a deployment by the method of the settings, or by the one that the data asks for.
 pub fn solve(
     deployment: &Deployment,
     triplets: &Triplets,
     settings: &CalibrationSettings,
+    offer: &Offer,
 ) -> Result<Calibration, CalibrationError> {
-    inter_prism::solve(deployment, triplets, settings)
+    let method = settings.method.unwrap_or_else(|| offer.default_method());
+    let mut calibration = match method {
+        Method::TwoPoint => two_point::solve(deployment, triplets, offer),
+        Method::StaticGcp => static_gcp::solve(deployment, triplets, settings, offer),
+        Method::DynamicGcp => dynamic_gcp::solve(deployment, triplets, settings, offer),
+        Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer),
+    }?;
+    if settings.method.is_none() && method != Method::InterPrism {
+        let line =
+            "all three stations follow one prism, so the method is C, dynamic control points";
+        calibration.findings.insert(0, Finding::note(line));
+    }
+    Ok(calibration)
 }

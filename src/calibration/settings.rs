@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Method;
+
 /// Where method D starts from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -13,9 +15,25 @@ pub enum PriorMethod {
     Search,
 }
 
+/// What methods B and C may turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Alignment {
+    /// Translation and yaw: the stations are levelled.
+    #[default]
+    Level,
+    /// Roll and pitch as well.
+    Rigid,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CalibrationSettings {
+    /// `None` leaves it to the data: D, or C where all stations follow one prism.
+    pub method: Option<Method>,
+    /// Of methods B and C.
+    pub alignment: Alignment,
+    /// Of method D.
     pub prior: PriorMethod,
     /// How well the inter-prism distances are known (m, 1 σ); widens every σ of the answer.
     pub inter_prism_sigma_m: f64,
@@ -23,7 +41,12 @@ pub struct CalibrationSettings {
 
 impl Default for CalibrationSettings {
     fn default() -> Self {
-        Self { prior: PriorMethod::ClosedForm, inter_prism_sigma_m: 0.001 }
+        Self {
+            method: None,
+            alignment: Alignment::Level,
+            prior: PriorMethod::ClosedForm,
+            inter_prism_sigma_m: 0.001,
+        }
     }
 }
 

@@ -8,18 +8,34 @@ use serde_json::Value;
 use super::settings_args::SettingsArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
+use crate::calibration::Method;
 use crate::export::{json, text};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum MethodName {
+    TwoPoint,
+    StaticGcp,
+    DynamicGcp,
     InterPrism,
+}
+
+impl From<MethodName> for Method {
+    fn from(name: MethodName) -> Self {
+        match name {
+            MethodName::TwoPoint => Self::TwoPoint,
+            MethodName::StaticGcp => Self::StaticGcp,
+            MethodName::DynamicGcp => Self::DynamicGcp,
+            MethodName::InterPrism => Self::InterPrism,
+        }
+    }
 }
 
 #[derive(Args)]
 pub struct Arguments {
     /// Folder or file with the stations' tracks
     path: PathBuf,
-    /// Calibration method; may be given several times
+    /// Calibration method; may be given several times. Inter-prism if none, dynamic-gcp where all stations follow one
+    /// prism
     #[arg(long, value_enum)]
     method: Vec<MethodName>,
     /// Print one JSON object (a list for several methods)
@@ -30,19 +46,30 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let settings = arguments.settings.settings()?;
+    let mut settings = arguments.settings.settings()?;
     let (deployment, load_ms) = load(&arguments.path, arguments.settings.rig.as_deref())?;
     let deployment = arguments.settings.adjust(deployment)?;
-    let analysis = Analyst::new(deployment.clone()).run(&settings);
-    let answer = analysis.answer.clone()?;
-    if arguments.json {
-        let object = json::calibration(&deployment, &analysis, &answer, load_ms);
-        let several = arguments.method.len() > 1;
-        let value =
-            if several { Value::Array(vec![object; arguments.method.len()]) } else { object };
+    let mut analyst = Analyst::new(deployment.clone());
+    let mut methods: Vec<Option<Method>> =
+        arguments.method.iter().map(|name| Some(Method::from(*name))).collect();
+    if methods.is_empty() {
+        methods.push(settings.calibration.method);
+    }
+    let several = methods.len() > 1;
+    let mut objects = Vec::new();
+    for method in methods {
+        settings.calibration.method = method;
+        let analysis = analyst.run(&settings);
+        let answer = analysis.answer.clone()?;
+        if arguments.json {
+            objects.push(json::calibration(&deployment, &analysis, &answer, load_ms));
+        } else {
+            print(&text::calibration(&deployment, &analysis, &answer))?;
+        }
+    }
+    if let (true, Some(first)) = (arguments.json, objects.first()) {
+        let value = if several { Value::Array(objects) } else { first.clone() };
         print(&format!("{value:#}\n"))?;
-    } else {
-        print(&text::calibration(&deployment, &analysis, &answer))?;
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::Failure;
 use crate::analysis::Settings;
-use crate::calibration::PriorMethod;
+use crate::calibration::{Alignment, PriorMethod};
 use crate::deployment::format::deployment_toml::parse_toml;
 use crate::deployment::{Deployment, OpenError, read_control_points};
 use crate::pipeline::Interpolation;
@@ -21,6 +21,12 @@ enum Prior {
 #[derive(Clone, Copy, ValueEnum)]
 enum InterpolationName {
     Linear,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum AlignmentName {
+    Level,
+    Rigid,
 }
 
 #[derive(Args)]
@@ -56,6 +62,9 @@ pub struct SettingsArguments {
     /// Where method D starts from
     #[arg(long, value_enum)]
     prior: Option<Prior>,
+    /// What methods B and C may turn: yaw, or roll and pitch as well
+    #[arg(long, value_enum)]
+    alignment: Option<AlignmentName>,
     /// Control-point files to use instead of those beside the tracks
     #[arg(long, value_name = "FILE", num_args = 1..)]
     gcp: Vec<PathBuf>,
@@ -104,6 +113,11 @@ impl SettingsArguments {
         match self.prior {
             Some(Prior::Search) => settings.calibration.prior = PriorMethod::Search,
             Some(Prior::ClosedForm) => settings.calibration.prior = PriorMethod::ClosedForm,
+            None => {}
+        }
+        match self.alignment {
+            Some(AlignmentName::Level) => settings.calibration.alignment = Alignment::Level,
+            Some(AlignmentName::Rigid) => settings.calibration.alignment = Alignment::Rigid,
             None => {}
         }
         settings.check().map_err(Failure::Usage)?;

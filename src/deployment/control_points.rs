@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::geometry::{LevelTransform, Polar};
+use crate::geometry::{Polar, RigidTransform};
 
 /// A static target and what each station read on it (prism constant included).
 #[derive(Clone, Debug, PartialEq)]
@@ -10,6 +10,15 @@ pub struct ControlPoint {
     /// A marker number means something inside its own file only.
     pub marker: i64,
     pub readings: [Option<Polar>; 3],
+    /// Surveyed coordinates in a frame common to its set (m, z up), where a file gives them.
+    pub known_m: Option<Vector3<f64>>,
+}
+
+impl ControlPoint {
+    /// Whether its coordinates are known and every station measured it.
+    pub fn serves_resection(&self) -> bool {
+        self.known_m.is_some() && self.readings.iter().all(Option::is_some)
+    }
 }
 
 /// The control points of one file.
@@ -27,7 +36,7 @@ impl ControlPointSet {
     ///
     /// The control-point metric of the paper is the median of these: up to three per point, fewer where
     /// a station did not measure it. `station1_from_station[0]` is the identity.
-    pub fn disagreements_m(&self, station1_from_station: &[LevelTransform; 3]) -> Vec<f64> {
+    pub fn disagreements_m(&self, station1_from_station: &[RigidTransform; 3]) -> Vec<f64> {
         let mut distances = Vec::with_capacity(3 * self.points.len());
         for point in &self.points {
             let placed: [Option<Vector3<f64>>; 3] = std::array::from_fn(|station| {

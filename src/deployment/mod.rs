@@ -6,6 +6,7 @@
 mod control_points;
 mod finding;
 pub mod format;
+mod gnss;
 mod open;
 mod rig;
 mod sample;
@@ -14,6 +15,7 @@ mod track;
 pub use control_points::{ControlPoint, ControlPointSet};
 pub use finding::{Finding, Severity};
 pub use format::OpenError;
+pub use gnss::GnssFix;
 pub use open::{Ingredient, open, open_files, open_with, read_control_points};
 pub use rig::{Rig, pairwise_distances};
 pub use sample::Sample;
@@ -38,6 +40,10 @@ pub struct Deployment {
     pub control_points: Vec<ControlPointSet>,
     /// The prisms on the vehicle, where a file describes them.
     pub rig: Option<Rig>,
+    /// How many prisms the stations follow, where a file says so: 1 or 3.
+    pub prisms: Option<u8>,
+    /// Positions of GNSS antennas 1, 2, 3 on the vehicle.
+    pub gnss: Option<[Vec<GnssFix>; 3]>,
     /// What was read and what was passed over, file by file.
     pub ingredients: Vec<Ingredient>,
     /// What the readers noticed.

@@ -3,6 +3,8 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use nalgebra::Vector3;
+
 use super::format::{self, Format, OpenError, deployment_toml::Overrides, recognise};
 use super::rig::pairwise_distances;
 use super::{ControlPointSet, Deployment, Finding, RawRecord, Rig, assemble_tracks};
@@ -224,7 +226,16 @@ fn combine(
             used: used.contains(&s.file.as_str()),
         })
         .collect();
-    Ok(Deployment { name, tracks, control_points, rig, ingredients, findings })
+    if overrides.prisms.is_some_and(|prisms| prisms != 1 && prisms != 3) {
+        return Err(OpenError::file(
+            "deployment.toml",
+            "prisms must be 1 (all stations follow one) or 3",
+            "leave it out to have it recognised",
+        ));
+    }
+    let prisms = overrides.prisms;
+    let gnss = None;
+    Ok(Deployment { name, tracks, control_points, rig, prisms, gnss, ingredients, findings })
 }
 
 /// The one source of tracks. Two representations in one folder are a question to the user.
@@ -282,9 +293,9 @@ fn read_control_point_sets<'a>(
 ) -> Result<(Vec<ControlPointSet>, Vec<&'a str>), OpenError> {
     let mut used = Vec::new();
     let mut sets = Vec::new();
-    let mut pillar_markers = None;
+    let mut pillars = None;
     if let Some(source) = sources.iter().find(|s| s.format == Format::Pillars) {
-        pillar_markers = Some(format::pillars::read_markers(&source.file, &source.text()?)?);
+        pillars = Some(format::pillars::read(&source.file, &source.text()?)?);
         used.push(source.file.as_str());
     }
     for source in sources.iter().filter(|s| s.format == Format::ControlPoints) {
@@ -295,7 +306,7 @@ fn read_control_point_sets<'a>(
             &source.file,
             &source.text()?,
             prism_constant_m,
-            pillar_markers.as_deref(),
+            pillars.as_deref(),
             findings,
         )?
         else {
@@ -303,6 +314,23 @@ fn read_control_point_sets<'a>(
         };
         used.push(source.file.as_str());
         sets.push(set);
+    }
+    for source in sources.iter().filter(|s| s.format == Format::SurveyedPoints) {
+        let surveyed = format::surveyed_points::read(&source.file, &source.text()?)?;
+        for known in &surveyed {
+            let point = sets
+                .iter_mut()
+                .find(|set| set.file == known.file)
+                .and_then(|set| set.points.iter_mut().find(|p| p.marker == known.marker_number));
+            match point {
+                Some(point) => point.known_m = Some(known.position_m()),
+                None => findings.push(Finding::warning(format!(
+                    "{}: marker {} of {} was not measured",
+                    source.file, known.marker_number, known.file
+                ))),
+            }
+        }
+        used.push(source.file.as_str());
     }
     if let Some(wanted) = &overrides.control_points
         && let Some(missing) = wanted.iter().find(|file| {
@@ -320,12 +348,13 @@ fn read_control_point_sets<'a>(
 
 /// One file of control points; `None`, with a finding, when it holds no usable one.
 ///
-/// Pillars are known by the markers of their survey; failing that, by the authors' file name.
+/// Pillars are known by the markers of their survey, which gives their coordinates; failing that, by the authors'
+/// file name.
 pub fn read_control_points(
     file: &str,
     text: &str,
     prism_constant_m: f64,
-    pillar_markers: Option<&[i64]>,
+    pillars: Option<&[(i64, Vector3<f64>)]>,
     findings: &mut Vec<Finding>,
 ) -> Result<Option<ControlPointSet>, OpenError> {
     let (mut set, set_findings) = format::control_points::read(file, text, prism_constant_m)?;
@@ -334,10 +363,18 @@ pub fn read_control_points(
         findings.push(Finding::warning(format!("{file}: no usable control point")));
         return Ok(None);
     }
-    set.pillars = match pillar_markers {
-        Some(pillars) => set.points.iter().map(|p| p.marker).eq(pillars.iter().copied()),
-        None => file.to_lowercase().contains("two_points"),
-    };
+    let named = file.to_lowercase().contains("two_points");
+    set.pillars = pillars.map_or(named, |pillars| {
+        let known = |marker: i64| pillars.iter().any(|(pillar, _)| *pillar == marker);
+        // Ground points are numbered from 1 as well; a set of pillars holds nothing else.
+        set.points.iter().all(|p| known(p.marker)) && (named || set.points.len() == pillars.len())
+    });
+    if let (true, Some(pillars)) = (set.pillars, pillars) {
+        for point in &mut set.points {
+            let pillar = pillars.iter().find(|(pillar, _)| *pillar == point.marker);
+            point.known_m = pillar.map(|(_, position_m)| *position_m);
+        }
+    }
     Ok(Some(set))
 }
 
@@ -378,10 +415,13 @@ fn read_rig<'a>(
     let inter_prism_m =
         overrides.inter_prism_m.or(distances.map(|(prisms, _)| prisms)).or(measured);
     let Some(inter_prism_m) = inter_prism_m else {
-        findings.push(Finding::problem(
-            "the inter-prism distances are not known; put calibration_results.csv beside the tracks, \
-             set inter_prism_m in deployment.toml, or give --rig",
-        ));
+        // One prism has no distances.
+        if overrides.prisms != Some(1) {
+            findings.push(Finding::warning(
+                "the inter-prism distances, which method D needs, are not known; put calibration_results.csv beside the \
+                 tracks, set inter_prism_m in deployment.toml, or give --rig",
+            ));
+        }
         return Ok(None);
     };
     let [d12, d13, d23] = inter_prism_m;
@@ -405,7 +445,8 @@ fn read_rig<'a>(
             )));
         }
     }
-    Ok(Some(Rig { inter_prism_m, prisms_m, inter_antenna_m }))
+    let in_vehicle_m = overrides.prisms_m.map(|prisms| prisms.map(Vector3::from));
+    Ok(Some(Rig { inter_prism_m, prisms_m, inter_antenna_m, in_vehicle_m }))
 }
 
 #[cfg(test)]

@@ -10,6 +10,8 @@ pub struct Rig {
     /// One static station's view of the three prisms (m, z up), when a reading of the rig is there.
     /// Which prism stands higher is what tells the solution from its mirror twin.
     pub prisms_m: Option<[Vector3<f64>; 3]>,
+    /// The prisms in the vehicle's own frame (m), where `deployment.toml` gives them.
+    pub in_vehicle_m: Option<[Vector3<f64>; 3]>,
     /// Distances 12, 13, 23 between the GNSS antennas (m).
     pub inter_antenna_m: Option<[f64; 3]>,
 }

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
+use crate::calibration::Targets;
 use crate::calibration::inter_prism::distance_errors_m;
 use crate::deployment::Deployment;
-use crate::geometry::LevelTransform;
+use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 
 /// Median and quartiles of a list.
@@ -56,7 +57,8 @@ pub struct ControlPointMetric {
 /// Both metrics of an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
-    /// Apparent minus known distance of every triplet (mm), for pairs 12, 13, 23.
+    /// Apparent minus known distance of every triplet (mm), for pairs 12, 13, 23; the known distance is zero where
+    /// all stations follow one prism.
     pub distance_errors_mm: [Vec<f64>; 3],
     /// |distance error| pooled over the pairs (mm): the paper's inter-prism metric.
     pub inter_prism_mm: Option<Spread>,
@@ -69,10 +71,16 @@ pub struct Evaluation {
 pub fn evaluate(
     deployment: &Deployment,
     triplets: &Triplets,
-    station1_from_station: &[LevelTransform; 3],
+    targets: Targets,
+    station1_from_station: &[RigidTransform; 3],
 ) -> Evaluation {
-    let distance_errors_mm: [Vec<f64>; 3] = match &deployment.rig {
-        Some(rig) => distance_errors_m(triplets, station1_from_station, &rig.inter_prism_m)
+    let inter_prism_m = match targets {
+        // The stations' versions of one prism should coincide.
+        Targets::OnePrism => Some([0.0; 3]),
+        _ => deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+    };
+    let distance_errors_mm: [Vec<f64>; 3] = match inter_prism_m {
+        Some(inter_prism_m) => distance_errors_m(triplets, station1_from_station, &inter_prism_m)
             .map(|errors| errors.into_iter().map(|e| e * 1e3).collect()),
         None => Default::default(),
     };

@@ -3,7 +3,9 @@
 use serde_json::{Value, json};
 
 use crate::analysis::{Analysis, Answer};
-use crate::calibration::{Basin, Calibration};
+use crate::calibration::inter_prism::PriorSearch;
+use crate::calibration::two_point::PairResection;
+use crate::calibration::{Basin, Calibration, Details};
 use crate::deployment::Deployment;
 
 const SCHEMA: u32 = 1;
@@ -41,12 +43,13 @@ pub fn calibration(
         "diagnosis": {
             "verdict": calibration.verdict,
             "findings": findings,
-            "mirror": {
-                "cost_ratio": calibration.mirror.cost_ratio,
-                "resolved_by": calibration.mirror.resolved_by.name(),
-                "twin": calibration.mirror.twin.map(|twin| twin_transforms(&twin)),
-            },
+            "mirror": calibration.inter_prism().map(|details| json!({
+                "cost_ratio": details.mirror.cost_ratio,
+                "resolved_by": details.mirror.resolved_by.name(),
+                "twin": details.mirror.twin.map(|twin| twin_transforms(&twin)),
+            })),
         },
+        "details": details(calibration),
         "time_ms": {
             "load": load_ms,
             "pipeline": analysis.pipeline_ms,
@@ -73,7 +76,7 @@ fn twin_transforms(twin: &Basin) -> Vec<Value> {
 }
 
 fn transform(calibration: &Calibration, station: usize) -> Value {
-    let transform = &calibration.station1_from_station()[station];
+    let transform = &calibration.station1_from_station[station];
     let matrix = transform.matrix();
     let rows: Vec<Vec<f64>> = (0..4).map(|row| matrix.row(row).iter().copied().collect()).collect();
     let sigma = calibration.sigma.map(|sigma| {
@@ -84,8 +87,71 @@ fn transform(calibration: &Calibration, station: usize) -> Value {
         "from": station + 1,
         "to": 1,
         "translation_m": transform.translation_m.as_slice(),
-        "yaw_rad": transform.yaw_rad,
+        "yaw_rad": transform.yaw_rad(),
+        "tilt_rad": transform.tilt_rad(),
         "matrix": rows,
         "sigma": sigma,
     })
+}
+
+/// What only the method knows.
+fn details(calibration: &Calibration) -> Value {
+    let mm = |metres: &[f64]| metres.iter().map(|m| m * 1e3).collect::<Vec<_>>();
+    match &calibration.details {
+        Details::TwoPoint(details) => {
+            let pair = |pair: &PairResection| {
+                json!({
+                    "file": pair.file,
+                    "markers": pair.markers,
+                    "baseline_m": pair.baseline_m,
+                    "baseline_errors_mm": mm(&pair.baseline_errors_m),
+                    "left_out_mm": mm(&pair.left_out_m),
+                    "left_out_from_known_mm": mm(&pair.left_out_known_m),
+                })
+            };
+            json!({
+                "pairs": details.pairs.iter().map(pair).collect::<Vec<_>>(),
+                "chosen": details.chosen,
+            })
+        }
+        Details::StaticGcp(details) => json!({
+            "points": details.points,
+            "rms_mm": details.rms_m * 1e3,
+            "world_from_station1": details.world_from_station1.map(|world| json!({
+                "translation_m": world.translation_m.as_slice(),
+                "yaw_rad": world.yaw_rad(),
+                "tilt_rad": world.tilt_rad(),
+            })),
+        }),
+        Details::DynamicGcp(details) => {
+            json!({ "rms_mm": details.rms_m * 1e3, "blocks": details.blocks })
+        }
+        Details::InterPrism(details) => {
+            json!({ "prior_search": details.prior_search.as_ref().map(prior_search) })
+        }
+    }
+}
+
+fn prior_search(search: &PriorSearch) -> Value {
+    let steps: Vec<Value> = search
+        .steps
+        .iter()
+        .zip(search.best)
+        .map(|(runs, best)| {
+            let runs: Vec<Value> = runs
+                .iter()
+                .map(|run| {
+                    json!({
+                        "tau_v_m_per_s": run.tau_v_m_per_s,
+                        "triplets": run.triplets,
+                        "rms_mm": run.rms_m * 1e3,
+                        "median_mm": run.metric_m * 1e3,
+                        "agreeing": run.agreeing,
+                    })
+                })
+                .collect();
+            json!({ "runs": runs, "best": best })
+        })
+        .collect();
+    json!({ "steps": steps, "agreed": search.agreed })
 }

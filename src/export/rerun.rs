@@ -11,7 +11,7 @@ use rerun::{
 
 use crate::analysis::Analysis;
 use crate::deployment::{Deployment, PAIRS};
-use crate::geometry::LevelTransform;
+use crate::geometry::RigidTransform;
 use crate::palette::{self, Rgb};
 use crate::pipeline::SampleFate;
 
@@ -60,7 +60,7 @@ fn log_all(
 ) -> Result<(), Box<dyn std::error::Error>> {
     let answer = analysis.answer.as_ref().ok();
     let transforms =
-        answer.map_or([LevelTransform::IDENTITY; 3], |a| *a.calibration.station1_from_station());
+        answer.map_or([RigidTransform::IDENTITY; 3], |a| a.calibration.station1_from_station);
     let triplets = &analysis.pipeline.triplets;
     recording.log_static("world", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
     for station in 0..3 {

@@ -13,8 +13,10 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
     let out = &analysis.pipeline;
     let raw = deployment.tracks.each_ref().map(|track| track.measurements.len());
     let mut text = format!(
-        "{} · method D, inter-prism · verdict: {}\n\n",
+        "{} · method {}, {} · verdict: {}\n\n",
         deployment.name,
+        calibration.method.letter(),
+        calibration.method.title(),
         calibration.verdict.name().to_uppercase()
     );
     let kept = out.kept();
@@ -34,7 +36,7 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
     );
     text.push('\n');
     text += &transforms(calibration);
-    if let Some(twin) = &calibration.mirror.twin {
+    if let Some(twin) = calibration.inter_prism().and_then(|details| details.mirror.twin) {
         for station in 1..3 {
             let transform = &twin.station1_from_station[station];
             _ = write!(text, "twin T1{}", station + 1);
@@ -74,7 +76,7 @@ pub fn transforms(calibration: &Calibration) -> String {
         "              x (m) ± mm          y (m) ± mm          z (m) ± mm          yaw (rad) ± mrad\n",
     );
     for station in 1..3 {
-        let transform = &calibration.station1_from_station()[station];
+        let transform = &calibration.station1_from_station[station];
         let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
         let plus_minus = |sigma: Option<f64>, digits: usize| {
             sigma.map_or("–".to_owned(), |s| format!("{:.digits$}", s * 1e3))
@@ -86,14 +88,14 @@ pub fn transforms(calibration: &Calibration) -> String {
             _ = write!(text, "{value:>11.4} ± {sigma:<6}");
         }
         let sigma = plus_minus(sigma.map(|s| s.yaw_rad), 3);
-        _ = writeln!(text, "{:>11.5} ± {sigma}", transform.yaw_rad);
+        _ = writeln!(text, "{:>11.5} ± {sigma}", transform.yaw_rad());
     }
     text
 }
 
 /// The homogeneous matrix of a station's frame into station 1's, four rows.
 pub fn matrix(calibration: &Calibration, station: usize) -> String {
-    let matrix = calibration.station1_from_station()[station].matrix();
+    let matrix = calibration.station1_from_station[station].matrix();
     (0..4)
         .map(|row| {
             let cells: Vec<_> =

@@ -1,8 +1,8 @@
 //! Point-to-point alignment of two lists of corresponding points.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::LevelTransform;
+use super::{LevelTransform, RigidTransform};
 
 /// The level transform that brings `points_b` closest to `points_a`, in the least-squares sense.
 ///
@@ -14,8 +14,6 @@ pub fn align_level(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Opti
     if points_a.len() != points_b.len() || points_a.len() < 2 {
         return None;
     }
-    let centroid =
-        |points: &[Vector3<f64>]| points.iter().sum::<Vector3<f64>>() / points.len() as f64;
     let (centre_a, centre_b) = (centroid(points_a), centroid(points_b));
     let (mut dot, mut cross) = (0.0, 0.0);
     for (a, b) in points_a.iter().zip(points_b) {
@@ -27,9 +25,51 @@ pub fn align_level(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Opti
     Some(LevelTransform::new(centre_a - turn.rotate(&centre_b), turn.yaw_rad))
 }
 
+/// The least singular value that counts as a direction, relative to the greatest. They scale with the square
+/// of the points' extent: this is a width of a millionth of the length.
+const NARROWEST: f64 = 1e-12;
+
+/// The rigid transform that brings `points_b` closest to `points_a`, in the least-squares sense.
+///
+/// Umeyama 1991 (eqs. 38–43) without the scale: with the singular value decomposition U D Vᵀ of the summed
+/// outer products a bᵀ about the centroids, the rotation is U diag(1, 1, det U det V) Vᵀ. The determinants
+/// keep a reflection, which noise and points in a plane can prefer, from passing for a rotation.
+/// Both slices hold metres, in corresponding order. `None` where more than one rotation does: fewer than
+/// three points, points on a line, a perfect mirror image; and of what is not finite.
+pub fn align_rigid(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Option<RigidTransform> {
+    if points_a.len() != points_b.len() || points_a.len() < 3 {
+        return None;
+    }
+    let (centre_a, centre_b) = (centroid(points_a), centroid(points_b));
+    let spread: Matrix3<f64> = points_a
+        .iter()
+        .zip(points_b)
+        .map(|(a, b)| (a - centre_a) * (b - centre_b).transpose())
+        .sum();
+    // The decomposition iterates for ever on what is not a number; its own square overflows first.
+    if !spread.norm_squared().is_finite() {
+        return None;
+    }
+    let svd = spread.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let handedness = (u.determinant() * v_t.determinant()).signum();
+    let [first, second, third] = svd.singular_values.into();
+    if second + handedness * third <= NARROWEST * first {
+        return None;
+    }
+    let rotation = u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, handedness)) * v_t;
+    let rotation = Rotation3::from_matrix_unchecked(rotation);
+    Some(RigidTransform { rotation, translation_m: centre_a - rotation * centre_b })
+}
+
+fn centroid(points: &[Vector3<f64>]) -> Vector3<f64> {
+    points.iter().sum::<Vector3<f64>>() / points.len() as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn recovers_a_known_motion() {
@@ -46,5 +86,115 @@ mod tests {
     #[test]
     fn one_point_is_not_enough() {
         assert_eq!(align_level(&[Vector3::zeros()], &[Vector3::zeros()]), None);
+    }
+
+    fn vector() -> impl Strategy<Value = Vector3<f64>> {
+        proptest::array::uniform3(-5.0..5.0f64).prop_map(Vector3::from)
+    }
+
+    fn motion() -> impl Strategy<Value = RigidTransform> {
+        (vector(), vector()).prop_map(|(turn, translation_m)| RigidTransform {
+            rotation: Rotation3::new(turn),
+            translation_m: 10.0 * translation_m,
+        })
+    }
+
+    /// Twice the area of the largest triangle of three points, over the square of its longest side.
+    fn width(points: &[Vector3<f64>]) -> f64 {
+        let (side, other) = (points[1] - points[0], points[2] - points[0]);
+        let longest = side.norm().max(other.norm()).max((side - other).norm());
+        side.cross(&other).norm() / longest.powi(2)
+    }
+
+    fn cost(
+        a_from_b: &RigidTransform,
+        points_a: &[Vector3<f64>],
+        points_b: &[Vector3<f64>],
+    ) -> f64 {
+        points_a.iter().zip(points_b).map(|(a, b)| (a - a_from_b.apply(b)).norm_squared()).sum()
+    }
+
+    proptest! {
+        #[test]
+        fn a_rigid_motion_is_recovered(
+            truth in motion(),
+            points_b in proptest::collection::vec(vector(), 3..8),
+        ) {
+            prop_assume!(width(&points_b) > 0.05);
+            let points_a: Vec<_> = points_b.iter().map(|b| truth.apply(b)).collect();
+            let found = align_rigid(&points_a, &points_b).expect("three points off a line");
+            prop_assert!((found.matrix() - truth.matrix()).norm() < 1e-9);
+        }
+
+        /// Any points, so reflections would often do better: the answer is a rotation all the same, and no
+        /// small motion away from it is better.
+        #[test]
+        fn the_answer_is_a_rotation_and_a_minimum(
+            points_a in proptest::collection::vec(vector(), 5),
+            points_b in proptest::collection::vec(vector(), 5),
+            step in vector(),
+        ) {
+            let found = align_rigid(&points_a, &points_b).expect("points off a line");
+            let r = found.rotation.matrix();
+            prop_assert!((r * r.transpose() - Matrix3::identity()).norm() < 1e-12);
+            prop_assert!((r.determinant() - 1.0).abs() < 1e-12);
+            let least = cost(&found, &points_a, &points_b);
+            for sign in [-1.0, 1.0] {
+                let mut turned = found;
+                turned.rotation = Rotation3::new(sign * 1e-3 * step) * found.rotation;
+                turned.translation_m = centroid(&points_a) - turned.rotate(&centroid(&points_b));
+                prop_assert!(cost(&turned, &points_a, &points_b) >= least - 1e-9);
+                let moved =
+                    RigidTransform { translation_m: found.translation_m + sign * 1e-3 * step, ..found };
+                prop_assert!(cost(&moved, &points_a, &points_b) >= least - 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_mirror_image_is_not_mistaken_for_a_rotation() {
+        let points_b = [
+            Vector3::new(3.0, 0.0, 0.0),
+            Vector3::new(-3.0, 0.0, 0.0),
+            Vector3::new(0.0, 2.0, 0.0),
+            Vector3::new(0.0, -2.0, 0.0),
+            Vector3::new(0.0, 0.0, 1.0),
+            Vector3::new(0.0, 0.0, -1.0),
+        ];
+        let points_a = points_b.map(|b| Vector3::new(b.x, b.y, -b.z));
+        let found = align_rigid(&points_a, &points_b).expect("three extents of their own");
+        // The shortest axis is the cheapest to leave wrong.
+        assert!((found.matrix() - RigidTransform::IDENTITY.matrix()).norm() < 1e-12);
+        // With two shortest axes alike, any turn about the long one is as good.
+        let points_b = points_b.map(|b| Vector3::new(b.x, b.y, 2.0 * b.z));
+        let points_a = points_b.map(|b| Vector3::new(b.x, b.y, -b.z));
+        assert_eq!(align_rigid(&points_a, &points_b), None);
+    }
+
+    #[test]
+    fn what_does_not_fix_a_rotation_gives_none() {
+        let triangle = [Vector3::x(), Vector3::y(), Vector3::zeros()];
+        let line = [1.0, 2.0, 5.0].map(|s| Vector3::new(0.1 + 0.3 * s, 7.0 - 0.7 * s, 1e3 * s));
+        let spot = [Vector3::new(0.1, 0.2, 0.3); 3];
+        let broken = [Vector3::x(), Vector3::y(), Vector3::repeat(f64::NAN)];
+        let huge = triangle.map(|p| 1e200 * p);
+        assert!(align_rigid(&triangle, &triangle).is_some());
+        assert_eq!(align_rigid(&triangle[..2], &triangle[..2]), None);
+        for hopeless in [line, spot, broken, huge] {
+            assert_eq!(align_rigid(&hopeless, &hopeless), None, "{hopeless:?}");
+            assert_eq!(align_rigid(&hopeless, &triangle), None, "{hopeless:?}");
+        }
+    }
+
+    #[test]
+    fn a_narrow_rig_far_from_the_origin_is_no_less_exact() {
+        // A metre long and a millimetre wide, a kilometre away.
+        let narrow = [Vector3::zeros(), Vector3::x(), Vector3::new(0.4, 1e-3, 0.0)];
+        let truth = RigidTransform {
+            rotation: Rotation3::new(Vector3::new(0.3, -1.1, 2.0)),
+            translation_m: Vector3::new(800.0, -600.0, 20.0),
+        };
+        let found = align_rigid(&narrow.map(|b| truth.apply(&b)), &narrow).expect("not a line");
+        assert!(found.rotation.angle_to(&truth.rotation) < 1e-8);
     }
 }

@@ -3,9 +3,13 @@
 //! Nothing here knows what a deployment is.
 
 mod alignment;
+mod geodetic;
 mod level_transform;
 mod polar;
+mod rigid_transform;
 
-pub use alignment::align_level;
+pub use alignment::{align_level, align_rigid};
+pub use geodetic::Geodetic;
 pub use level_transform::LevelTransform;
 pub use polar::{Polar, wrap_to_pi};
+pub use rigid_transform::RigidTransform;

@@ -143,7 +143,7 @@ fn control_point_set(
             let readings = station1_from_station.map(|transform| {
                 Some(noisy(transform.inverse().apply(&point), scenario, 1.0, rng))
             });
-            ControlPoint { marker: i64::from(marker) + 1, readings }
+            ControlPoint { marker: i64::from(marker) + 1, readings, known_m: None }
         })
         .collect();
     ControlPointSet { file: format!("GCP_raw_{}.txt", set + 1), points, pillars: false }

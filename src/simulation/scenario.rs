@@ -13,6 +13,8 @@ pub enum Preset {
     FlatFloor,
     /// The Warthog where it pitches and rolls more.
     UnevenGround,
+    /// One prism that all three stations follow, for method C.
+    SinglePrism,
     /// Eights: turns to both sides.
     FigureEight,
     /// One straight line on flat ground: most directions stay free.
@@ -100,6 +102,7 @@ impl Preset {
             Self::Hd2Tunnel => "hd2-tunnel",
             Self::FlatFloor => "flat-floor",
             Self::UnevenGround => "uneven-ground",
+            Self::SinglePrism => "single-prism",
             Self::FigureEight => "figure-eight",
             Self::StraightLine => "straight-line",
             Self::Circle => "circle",
@@ -147,6 +150,11 @@ impl Preset {
             Self::UnevenGround => Scenario {
                 name: self.name(),
                 ground: Ground { slope_rms_rad: 0.09, wavelengths_m: [7.0, 30.0] },
+                ..warthog()
+            },
+            Self::SinglePrism => Scenario {
+                name: self.name(),
+                prisms_m: [Vector3::new(0.0, 0.0, 1.5); 3],
                 ..warthog()
             },
             Self::FigureEight => driven(EIGHT, 300.0),

@@ -42,11 +42,6 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
     let mut files = vec![
         ("inter_prism.csv".to_owned(), polar_csv::write(&simulated.records)),
         (
-            "calibration_raw.csv".to_owned(),
-            rig_files::write_rig_reading(&simulated.rig_reading, prism_constant_m),
-        ),
-        ("calibration_results.csv".to_owned(), rig_files::write_distances(&measured)),
-        (
             "deployment.toml".to_owned(),
             format!(
                 "# Simulated by resect: preset {}, seed {}.\nname = \"{} (simulated)\"\nprism_constant_m = {prism_constant_m}\n",
@@ -55,6 +50,14 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
         ),
         ("truth.toml".to_owned(), truth_text(simulated)),
     ];
+    // A single prism has no rig.
+    if simulated.truth.inter_prism_m.iter().all(|distance| *distance > 0.0) {
+        files.push((
+            "calibration_raw.csv".to_owned(),
+            rig_files::write_rig_reading(&simulated.rig_reading, prism_constant_m),
+        ));
+        files.push(("calibration_results.csv".to_owned(), rig_files::write_distances(&measured)));
+    }
     for set in &simulated.control_points {
         files.push((set.file.clone(), control_points::write(set, prism_constant_m)));
     }

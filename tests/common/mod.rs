@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use resect::analysis::{Analysis, Analyst, Answer, Settings};
 use resect::deployment::Deployment;
-use resect::geometry::{LevelTransform, wrap_to_pi};
+use resect::geometry::{RigidTransform, wrap_to_pi};
 
 /// A folder or file of the field data, which is never part of the repository; `None` (said aloud) where it is
 /// not there.
@@ -36,13 +36,14 @@ pub fn answer(analysis: &Analysis) -> &Answer {
 /// Asserts that two transforms agree within metres and radians.
 #[track_caller]
 pub fn assert_close(
-    found: &LevelTransform,
-    expected: &LevelTransform,
+    found: &(impl Copy + Into<RigidTransform>),
+    expected: &(impl Copy + Into<RigidTransform>),
     metres: [f64; 3],
     radians: f64,
 ) {
+    let (found, expected): (RigidTransform, RigidTransform) = ((*found).into(), (*expected).into());
     let off = found.translation_m - expected.translation_m;
-    let turned = wrap_to_pi(found.yaw_rad - expected.yaw_rad);
+    let turned = wrap_to_pi(found.yaw_rad() - expected.yaw_rad());
     assert!(
         (0..3).all(|axis| off[axis].abs() <= metres[axis]) && turned.abs() <= radians,
         "off by {off:?} m and {turned} rad: {found:?} instead of {expected:?}"

@@ -6,7 +6,10 @@ use super::{finding, heading, scrolled};
 use crate::analysis::{Analysis, Answer};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
-use crate::calibration::{Calibration, Mirror, ResolvedBy};
+use crate::calibration::inter_prism::InterPrismDetails;
+use crate::calibration::static_gcp::StaticGcpDetails;
+use crate::calibration::two_point::TwoPointDetails;
+use crate::calibration::{Calibration, Details, Mirror, ResolvedBy};
 use crate::deployment::{Deployment, Finding, pair_label};
 use crate::evaluation::{Evaluation, Spread};
 use crate::export::text;
@@ -69,7 +72,12 @@ fn show(
             });
         }
     });
-    mirror(ui, calibration);
+    match &calibration.details {
+        Details::TwoPoint(details) => two_point(ui, details),
+        Details::StaticGcp(details) => static_gcp(ui, details),
+        Details::DynamicGcp(_) => {}
+        Details::InterPrism(details) => mirror(ui, details),
+    }
     metrics(ui, &answer.evaluation);
 }
 
@@ -84,7 +92,7 @@ fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {
                 let word = calibration.verdict.name().to_uppercase();
                 ui.label(RichText::new(word).color(ink).strong().size(15.0));
             });
-        ui.label("Method D, inter-prism");
+        ui.label(format!("{}  {}", calibration.method.letter(), calibration.method.title()));
     });
 }
 
@@ -103,7 +111,7 @@ fn transforms(ui: &mut egui::Ui, calibration: &Calibration) {
         for (axis, name) in ["x (m)", "y (m)", "z (m)"].into_iter().enumerate() {
             ui.label(name);
             for station in 1..3 {
-                let value = calibration.station1_from_station()[station].translation_m[axis];
+                let value = calibration.station1_from_station[station].translation_m[axis];
                 let sigma = calibration.sigma.map(|s| s[station - 1].translation_m[axis]);
                 ui.monospace(format!("{value:>9.4}"));
                 ui.monospace(sigma_text(sigma, 1));
@@ -112,7 +120,7 @@ fn transforms(ui: &mut egui::Ui, calibration: &Calibration) {
         }
         ui.label("yaw (rad)");
         for station in 1..3 {
-            let value = calibration.station1_from_station()[station].yaw_rad;
+            let value = calibration.station1_from_station[station].yaw_rad();
             let sigma = calibration.sigma.map(|s| s[station - 1].yaw_rad);
             ui.monospace(format!("{value:>9.5}"));
             ui.monospace(sigma_text(sigma, 3)).on_hover_text("mrad");
@@ -120,7 +128,7 @@ fn transforms(ui: &mut egui::Ui, calibration: &Calibration) {
         ui.end_row();
         ui.label("yaw (deg)");
         for station in 1..3 {
-            let value = calibration.station1_from_station()[station].yaw_rad.to_degrees();
+            let value = calibration.station1_from_station[station].yaw_rad().to_degrees();
             ui.monospace(format!("{value:>9.4}"));
             ui.label("");
         }
@@ -129,8 +137,8 @@ fn transforms(ui: &mut egui::Ui, calibration: &Calibration) {
     ui.small("± one standard deviation: mm for lengths, mrad for the yaw");
 }
 
-fn mirror(ui: &mut egui::Ui, calibration: &Calibration) {
-    let Mirror { twin, cost_ratio, resolved_by } = &calibration.mirror;
+fn mirror(ui: &mut egui::Ui, details: &InterPrismDetails) {
+    let Mirror { twin, cost_ratio, resolved_by } = &details.mirror;
     heading(ui, "Mirror twin");
     let (Some(twin), Some(ratio)) = (twin, cost_ratio) else {
         ui.label("No second minimum: pitch and roll rule it out.");
@@ -149,7 +157,7 @@ fn mirror(ui: &mut egui::Ui, calibration: &Calibration) {
         ui.end_row();
         for station in 1..3 {
             ui.label(format!("z of T1{} (m)", station + 1));
-            for basin in [&calibration.basin, twin] {
+            for basin in [&details.basin, twin] {
                 ui.monospace(format!(
                     "{:>8.4}",
                     basin.station1_from_station[station].translation_m.z
@@ -158,7 +166,7 @@ fn mirror(ui: &mut egui::Ui, calibration: &Calibration) {
             ui.end_row();
         }
         ui.label("RMS error (mm)");
-        for basin in [&calibration.basin, twin] {
+        for basin in [&details.basin, twin] {
             ui.monospace(format!("{:>8.2}", basin.mean_square_m2.sqrt() * 1e3));
         }
         ui.end_row();
@@ -168,6 +176,50 @@ fn mirror(ui: &mut egui::Ui, calibration: &Calibration) {
         ui.end_row();
     });
     ui.label(format!("Told apart {by}."));
+}
+
+/// Every pair of known points, and what the stations make of the points it leaves out.
+fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails) {
+    heading(ui, "Pairs of known points");
+    let widest =
+        |values: &[f64]| values.last().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3));
+    egui::Grid::new("pairs").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+        for (name, hint) in [
+            ("points", "Markers of the two points"),
+            ("apart (m)", "Known distance between them"),
+            (
+                "left out (mm)",
+                "Largest distance between what the stations make of a point left out",
+            ),
+            ("known (mm)", "Largest distance of a point left out to its known position"),
+        ] {
+            ui.label(name).on_hover_text(hint);
+        }
+        ui.end_row();
+        for (index, pair) in details.pairs.iter().enumerate() {
+            let name = format!("{}–{}", pair.markers[0], pair.markers[1]);
+            let chosen = index == details.chosen;
+            let cell = |text: String| {
+                let text = RichText::new(text).monospace();
+                if chosen { text.strong() } else { text }
+            };
+            ui.label(cell(name));
+            ui.label(cell(format!("{:.1}", pair.baseline_m)));
+            ui.label(cell(widest(&pair.left_out_m)));
+            ui.label(cell(widest(&pair.left_out_known_m)));
+            ui.end_row();
+        }
+    });
+    ui.small("Bold: the pair that the answer comes from.");
+}
+
+fn static_gcp(ui: &mut egui::Ui, details: &StaticGcpDetails) {
+    if let Some(world) = &details.world_from_station1 {
+        heading(ui, "Station 1 in the points' frame");
+        let t = world.translation_m;
+        ui.monospace(format!("{:.4}  {:.4}  {:.4} m", t.x, t.y, t.z));
+        ui.monospace(format!("yaw {:.6} rad", world.yaw_rad()));
+    }
 }
 
 fn metrics(ui: &mut egui::Ui, evaluation: &Evaluation) {

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::analysis::Analysis;
 use crate::app::state::Visibility;
 use crate::deployment::Deployment;
-use crate::geometry::LevelTransform;
+use crate::geometry::RigidTransform;
 use crate::palette::{self, Rgb};
 use crate::pipeline::SampleFate;
 
@@ -62,7 +62,7 @@ pub struct SceneContent {
     /// The prism triangle at the time cursor.
     pub cursor: Layer,
     /// Of stations 1–3 into the world.
-    pub station1_from_station: [Option<LevelTransform>; 3],
+    pub station1_from_station: [Option<RigidTransform>; 3],
     pub labels: Vec<Label>,
     /// Corners of the box around stations and tracks (m); `None` when there is nothing.
     pub bounds_m: Option<(Vector3<f32>, Vector3<f32>)>,
@@ -89,8 +89,8 @@ impl SceneContent {
         grid_colour: [u8; 4],
     ) {
         let transforms = match &analysis.answer {
-            Ok(answer) => answer.calibration.station1_from_station().map(Some),
-            Err(_) => [Some(LevelTransform::IDENTITY), None, None],
+            Ok(answer) => answer.calibration.station1_from_station.map(Some),
+            Err(_) => [Some(RigidTransform::IDENTITY), None, None],
         };
         self.station1_from_station = transforms;
         self.data.points.clear();
@@ -169,7 +169,7 @@ impl SceneContent {
         &mut self,
         deployment: &Deployment,
         station: usize,
-        transform: &LevelTransform,
+        transform: &RigidTransform,
     ) {
         for set in &deployment.control_points {
             for point in &set.points {
@@ -198,7 +198,7 @@ impl SceneContent {
     }
 
     /// A tripod with its frame's axes, x red, y green, z blue, and the name.
-    fn add_station(&mut self, station: usize, transform: &LevelTransform) {
+    fn add_station(&mut self, station: usize, transform: &RigidTransform) {
         let origin = transform.translation_m.cast::<f32>();
         let turn = |v: Vector3<f64>| transform.rotate(&v).cast::<f32>();
         for (axis, colour) in [

@@ -12,7 +12,7 @@ use nalgebra::Matrix4;
 
 use super::Camera;
 use super::content::{Layer, LineVertex, PointVertex, SceneContent};
-use crate::geometry::LevelTransform;
+use crate::geometry::RigidTransform;
 
 const SAMPLES: u32 = 4;
 /// egui shows native textures of this format only.
@@ -321,7 +321,7 @@ fn uniforms(
     pixels_per_point: f32,
 ) -> Uniforms {
     let frame = |station: usize| {
-        let transform = content.station1_from_station[station].unwrap_or(LevelTransform::IDENTITY);
+        let transform = content.station1_from_station[station].unwrap_or(RigidTransform::IDENTITY);
         columns(&transform.matrix().cast::<f32>())
     };
     let viewport_pixels = size.map(|side| side as f32);

@@ -6,7 +6,7 @@ use nalgebra::Vector4;
 use super::{Camera, SceneContent, SceneRenderer, ViewPreset};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
-use crate::geometry::LevelTransform;
+use crate::geometry::RigidTransform;
 use crate::palette;
 use crate::pipeline::SampleFate;
 
@@ -222,7 +222,7 @@ impl SceneView {
         let mut nearest: Option<(f32, usize)> = None;
         for station in 0..3 {
             let Some(transform) = self.content.station1_from_station[station] else { continue };
-            let transform: LevelTransform = transform;
+            let transform: RigidTransform = transform;
             for (index, point) in triplets.points_m[station].iter().enumerate() {
                 let place = transform.apply(point).cast::<f32>();
                 let Some(screen) = self.project(rect, &place) else { continue };

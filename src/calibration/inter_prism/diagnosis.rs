@@ -4,25 +4,18 @@ use super::mirror::Choice;
 use super::uncertainty::Uncertainty;
 use super::{CentredTriplets, Minimum, Parameters};
 use crate::calibration::Verdict;
+use crate::calibration::checks::{
+    FREE_SIGMA_M, POOR_FIT_M, WEAK_SIGMA_M, control_points_contradict,
+};
 use crate::deployment::{Deployment, Finding, pairwise_distances};
+use crate::geometry::RigidTransform;
 
-/// An answer whose largest standard deviation exceeds this is weak (m). The paper's deployments reach a few
-/// millimetres; two centimetres is what its failed ones show.
-const WEAK_SIGMA_M: f64 = 0.020;
-/// What two readings of a control point may differ by (m): ranges, centring, angles at a hundred metres.
-const CONTROL_POINT_SIGMA_M: f64 = 0.005;
-/// Control points this many times further apart than expected contradict the answer.
-const CONTRADICTION: f64 = 3.0;
-/// Half the errors are larger than this (m) only when something is wrong: good runs have 1 to 2 mm.
-const POOR_FIT_M: f64 = 0.005;
 /// A reading of the rig, to the millimetre and with 2 mm of noise, may differ this much from the distances (m).
 const RIG_DISTANCE_M: f64 = 0.010;
 /// The vehicle may have been tilted this much against the drive's average while its rig was read.
 const RIG_TILT_RAD: f64 = 0.2;
 /// A minimum that is no mirror twin makes the answer ambiguous below this cost ratio.
 const CLOSE_RIVAL: f64 = 2.0;
-/// Beyond this the direction is as good as free (m).
-const FREE_SIGMA_M: f64 = 0.5;
 
 /// What a verdict is made from.
 pub struct Evidence<'a> {
@@ -47,8 +40,11 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     if let Some(finding) = rival(evidence) {
         lower(Verdict::Ambiguous, finding);
     }
-    let doubts =
-        [control_points_contradict(evidence), rig_contradicts(evidence), poor_fit(evidence)];
+    let transforms = choice.answer.station1_from_station.map(RigidTransform::from);
+    let control_points = uncertainty
+        .sigma()
+        .and_then(|sigma| control_points_contradict(evidence.deployment, &transforms, &sigma));
+    let doubts = [control_points, rig_contradicts(evidence), poor_fit(evidence)];
     for finding in doubts.into_iter().flatten() {
         lower(Verdict::Weak, finding);
     }
@@ -128,46 +124,6 @@ fn poor_fit(evidence: &Evidence<'_>) -> Option<Finding> {
             median_m * 1e3
         ))
     })
-}
-
-/// Control points that lie further apart than their noise and the answer's own uncertainty allow.
-///
-/// Where they do, either they or a station moved, or something that this method does not model biases it.
-fn control_points_contradict(evidence: &Evidence<'_>) -> Option<Finding> {
-    let Evidence { deployment, uncertainty, choice, .. } = *evidence;
-    let sigma = uncertainty.sigma()?;
-    let mut worst: Option<(f64, f64, &str)> = None;
-    for set in deployment.control_points.iter().filter(|set| !set.pillars) {
-        let mut apart_m = set.disagreements_m(&choice.answer.station1_from_station);
-        apart_m.sort_by(f64::total_cmp);
-        let Some(median_m) = apart_m.get(apart_m.len() / 2).copied() else { continue };
-        let mut ranges_m: Vec<f64> = set
-            .points
-            .iter()
-            .flat_map(|p| p.readings)
-            .flatten()
-            .map(|polar| polar.range_m)
-            .collect();
-        ranges_m.sort_by(f64::total_cmp);
-        let range_m = ranges_m[ranges_m.len() / 2];
-        let expected_m = sigma
-            .iter()
-            .map(|s| s.translation_m.norm_squared() + (s.yaw_rad * range_m).powi(2))
-            .fold(CONTROL_POINT_SIGMA_M.powi(2), f64::max)
-            .sqrt()
-            .max(CONTROL_POINT_SIGMA_M);
-        if median_m > CONTRADICTION * expected_m && worst.is_none_or(|(known, ..)| median_m > known)
-        {
-            worst = Some((median_m, expected_m, &set.file));
-        }
-    }
-    let (median_m, expected_m, file) = worst?;
-    Some(Finding::warning(format!(
-        "control points contradict this answer: {:.0} mm apart in {file} (median) where about {:.0} mm are expected; \
-         a station moved between the two, or a bias is not modelled",
-        median_m * 1e3,
-        expected_m * 1e3
-    )))
 }
 
 /// The motion that a direction of the centred parameters stands for, by its largest part.

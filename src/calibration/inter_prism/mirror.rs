@@ -7,6 +7,7 @@
 
 use crate::calibration::{Basin, Mirror, ResolvedBy};
 use crate::deployment::{Deployment, Finding};
+use crate::geometry::RigidTransform;
 
 /// The twin must cost this much more before the cost alone decides: a clock offset or a wrong distance
 /// can move a ratio by tens of per cent.
@@ -111,7 +112,9 @@ fn by_control_points(deployment: &Deployment, lowest: &Basin, twin: &Basin) -> O
             .control_points
             .iter()
             .filter(|set| !set.pillars)
-            .flat_map(|set| set.disagreements_m(&basin.station1_from_station))
+            .flat_map(|set| {
+                set.disagreements_m(&basin.station1_from_station.map(RigidTransform::from))
+            })
             .collect();
         distances.sort_by(f64::total_cmp);
         distances.get(distances.len() / 2).copied()
@@ -149,12 +152,15 @@ mod tests {
             inter_prism_m: [1.0; 3],
             prisms_m: Some([Vector3::new(0.0, 0.0, h), Vector3::x(), Vector3::y()]),
             inter_antenna_m: None,
+            in_vehicle_m: None,
         });
         Deployment {
             name: "test".into(),
             tracks: [Track::default(), Track::default(), Track::default()],
             control_points: Vec::new(),
             rig,
+            prisms: None,
+            gnss: None,
             ingredients: Vec::new(),
             findings: Vec::new(),
         }

@@ -30,9 +30,13 @@ use minima::{Minima, THINNED};
 pub use normal_equations::{NormalEquations, Pulls};
 pub use prior_search::{PriorSearch, SearchRun};
 
-use super::{Basin, Calibration, CalibrationError, CalibrationSettings, Method, PriorMethod};
+use super::method::why_no_triplets;
+use super::{
+    Basin, Calibration, CalibrationError, CalibrationSettings, Details, Method, Mirror, Offer,
+    PriorMethod, Targets,
+};
 use crate::deployment::{Deployment, Finding, PAIRS};
-use crate::geometry::LevelTransform;
+use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 
 /// Eight unknowns, three residuals a triplet: below this there is nothing to average.
@@ -42,15 +46,30 @@ const FEWEST_TRIPLETS: usize = 10;
 pub const SAME_TRANSLATION_M: f64 = 0.05;
 pub const SAME_YAW_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
+/// What only method D knows of its answer.
+#[derive(Clone, Debug)]
+pub struct InterPrismDetails {
+    /// The minimum that is the answer.
+    pub basin: Basin,
+    pub mirror: Mirror,
+    /// What the search of the prior did, when it was asked for.
+    pub prior_search: Option<PriorSearch>,
+}
+
 /// Calibrates by the inter-prism distances.
 pub fn solve(
     deployment: &Deployment,
     triplets: &Triplets,
     settings: &CalibrationSettings,
+    offer: &Offer,
 ) -> Result<Calibration, CalibrationError> {
     let name = || deployment.name.clone();
     if triplets.is_empty() {
-        return Err(CalibrationError::NoTriplets { deployment: name(), why: why_none(deployment) });
+        let why = why_no_triplets(deployment);
+        return Err(CalibrationError::NoTriplets { deployment: name(), why });
+    }
+    if offer.targets == Targets::OnePrism {
+        return Err(CalibrationError::lacking(deployment, Method::InterPrism, offer));
     }
     if triplets.len() < FEWEST_TRIPLETS {
         let (found, needed) = (triplets.len(), FEWEST_TRIPLETS);
@@ -107,13 +126,16 @@ pub fn solve(
     let verdict = diagnosis::judge(&evidence, &mut findings);
     Ok(Calibration {
         method: Method::InterPrism,
-        basin: choice.answer,
+        station1_from_station: choice.answer.station1_from_station.map(RigidTransform::from),
         sigma: uncertainty.sigma(),
         covariance: uncertainty.covariance,
-        mirror: choice.mirror,
         verdict,
         findings,
-        prior_search,
+        details: Details::InterPrism(Box::new(InterPrismDetails {
+            basin: choice.answer,
+            mirror: choice.mirror,
+            prior_search,
+        })),
         prior_ms,
         solve_ms: started.elapsed().as_secs_f64() * 1e3,
     })
@@ -122,16 +144,13 @@ pub fn solve(
 /// Errors of the three distances of every triplet (m): apparent minus known, for pairs 12, 13, 23.
 pub fn distance_errors_m(
     triplets: &Triplets,
-    station1_from_station: &[LevelTransform; 3],
+    station1_from_station: &[RigidTransform; 3],
     inter_prism_m: &[f64; 3],
 ) -> [Vec<f64>; 3] {
     let mut errors: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(triplets.len()));
-    let turns = station1_from_station.map(|t| (t.yaw_rad.sin_cos(), t.translation_m));
     for index in 0..triplets.len() {
         let placed: [Vector3<f64>; 3] = std::array::from_fn(|station| {
-            let ((sin, cos), t) = turns[station];
-            let q = &triplets.points_m[station][index];
-            Vector3::new(cos * q.x - sin * q.y + t.x, sin * q.x + cos * q.y + t.y, q.z + t.z)
+            station1_from_station[station].apply(&triplets.points_m[station][index])
         });
         for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
             errors[pair].push((placed[a] - placed[b]).norm() - inter_prism_m[pair]);
@@ -153,13 +172,5 @@ fn basin(data: &CentredTriplets, minimum: &Minimum) -> Basin {
         station1_from_station: data.transforms(&minimum.parameters),
         mean_square_m2: minimum.normal.cost / (3 * data.len()) as f64,
         height_differences_m: data.height_differences_m(&minimum.parameters),
-    }
-}
-
-fn why_none(deployment: &Deployment) -> String {
-    match deployment.tracks.iter().position(|track| track.measurements.is_empty()) {
-        Some(station) => format!("station {} has no measurement; all three are needed", station + 1),
-        None => "the stations never measured together for longer than τ_l; relax τ_s, τ_l or the outlier filter"
-            .to_owned(),
     }
 }

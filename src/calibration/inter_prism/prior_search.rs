@@ -7,7 +7,7 @@
 
 use super::levenberg_marquardt::ROUGH_M;
 use super::{CentredTriplets, FEWEST_TRIPLETS, distance_errors_m, minimise, same_solution};
-use crate::geometry::{LevelTransform, align_level};
+use crate::geometry::{LevelTransform, RigidTransform, align_level};
 use crate::pipeline::Triplets;
 
 const FIRST_LIMIT_M_PER_S: f64 = 0.01;
@@ -24,16 +24,27 @@ pub struct SearchRun {
     /// Triplets slower than τ_v.
     pub triplets: usize,
     pub station1_from_station: [LevelTransform; 3],
+    /// Root mean square distance error of those triplets (m): the square root of the cost that was minimised.
+    pub rms_m: f64,
     /// Median of |distance error| over all triplets (m).
     pub metric_m: f64,
     /// Other runs of the same step with the same solution.
     pub agreeing: usize,
 }
 
+impl SearchRun {
+    /// Whether enough others ended in the same optimum for it to count.
+    pub fn counts(&self) -> bool {
+        self.agreeing >= AGREEING_RUNS
+    }
+}
+
 /// What the search did and what it chose.
 #[derive(Clone, Debug)]
 pub struct PriorSearch {
     pub steps: [Vec<SearchRun>; 2],
+    /// The run of each step that won; `None` where no run had enough triplets.
+    pub best: [Option<usize>; 2],
     pub chosen: [LevelTransform; 3],
     /// Whether the choice met the rule of three agreeing runs in both steps.
     pub agreed: bool,
@@ -66,6 +77,7 @@ pub fn search(triplets: &Triplets, inter_prism_m: [f64; 3]) -> PriorSearch {
                     tau_v_m_per_s: limit,
                     triplets: count,
                     station1_from_station: found,
+                    rms_m: (minimum.normal.cost / (3 * count) as f64).sqrt(),
                     metric_m,
                     agreeing: 0,
                 });
@@ -88,25 +100,29 @@ pub fn search(triplets: &Triplets, inter_prism_m: [f64; 3]) -> PriorSearch {
     };
 
     let first = step(first_guess, true);
-    let (best, first_agreed) = best_run(&first)
-        .map_or((first_guess, false), |(run, agreed)| (run.station1_from_station, agreed));
+    let first_best = best_run(&first);
+    let best = first_best.map_or(first_guess, |(run, _)| first[run].station1_from_station);
     let second = step(best, false);
-    let (chosen, second_agreed) = best_run(&second)
-        .map_or((best, false), |(run, agreed)| (run.station1_from_station, agreed));
-    PriorSearch { steps: [first, second], chosen, agreed: first_agreed && second_agreed }
+    let second_best = best_run(&second);
+    let chosen = second_best.map_or(best, |(run, _)| second[run].station1_from_station);
+    PriorSearch {
+        steps: [first, second],
+        best: [first_best, second_best].map(|best| best.map(|(run, _)| run)),
+        chosen,
+        agreed: [first_best, second_best].iter().all(|best| best.is_some_and(|(_, agreed)| agreed)),
+    }
 }
 
 /// The best run that enough others agree with; failing that the best of all, and `false`.
-fn best_run(runs: &[SearchRun]) -> Option<(&SearchRun, bool)> {
-    let best = |candidates: &mut dyn Iterator<Item = &'_ SearchRun>| -> Option<usize> {
-        candidates
-            .min_by(|a, b| a.metric_m.total_cmp(&b.metric_m))
-            .and_then(|best| runs.iter().position(|r| std::ptr::eq(r, best)))
+fn best_run(runs: &[SearchRun]) -> Option<(usize, bool)> {
+    let best = |counts: &dyn Fn(&SearchRun) -> bool| {
+        (0..runs.len())
+            .filter(|i| counts(&runs[*i]))
+            .min_by(|a, b| runs[*a].metric_m.total_cmp(&runs[*b].metric_m))
     };
-    match best(&mut runs.iter().filter(|r| r.agreeing >= AGREEING_RUNS)) {
-        Some(index) => Some((&runs[index], true)),
-        None => best(&mut runs.iter()).map(|index| (&runs[index], false)),
-    }
+    best(&SearchRun::counts)
+        .map(|run| (run, true))
+        .or_else(|| best(&|_| true).map(|run| (run, false)))
 }
 
 fn metric_m(
@@ -114,7 +130,8 @@ fn metric_m(
     transforms: &[LevelTransform; 3],
     inter_prism_m: &[f64; 3],
 ) -> f64 {
-    let [a, b, c] = distance_errors_m(triplets, transforms, inter_prism_m);
+    let transforms = transforms.map(RigidTransform::from);
+    let [a, b, c] = distance_errors_m(triplets, &transforms, inter_prism_m);
     let mut all: Vec<f64> = a.into_iter().chain(b).chain(c).map(f64::abs).collect();
     let middle = all.len() / 2;
     *all.select_nth_unstable_by(middle, f64::total_cmp).1
@@ -130,6 +147,7 @@ mod tests {
             tau_v_m_per_s: 0.1,
             triplets: 10,
             station1_from_station: [LevelTransform::IDENTITY, moved, moved],
+            rms_m: metric_m,
             metric_m,
             agreeing,
         }
@@ -139,8 +157,8 @@ mod tests {
     fn a_lonely_optimum_does_not_count_however_good() {
         let runs = [run(0.0, 0.001, 0), run(1.0, 0.002, 3), run(1.0, 0.003, 3)];
         let (best, agreed) = best_run(&runs).expect("three runs");
-        assert_eq!((best.metric_m, agreed), (0.002, true));
+        assert_eq!((best, agreed), (1, true));
         let (best, agreed) = best_run(&runs[..1]).expect("one run");
-        assert_eq!((best.metric_m, agreed), (0.001, false));
+        assert_eq!((best, agreed), (0, false));
     }
 }

@@ -9,10 +9,8 @@
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::{CentredTriplets, Minimum, Parameters, Pulls};
-use crate::calibration::{CalibrationSettings, TransformSigma};
+use crate::calibration::{CalibrationSettings, TransformSigma, time_blocks};
 
-/// Consecutive time that is taken to be independent of the rest (s).
-const BLOCK_SECONDS: f64 = 5.0;
 /// The sandwich needs clearly more blocks than unknowns.
 const FEWEST_BLOCKS: usize = 16;
 /// Readings a second that the fallback takes for independent.
@@ -54,7 +52,7 @@ pub fn estimate(
     let normal = &answer.normal;
     let mut meat = SMatrix::<f64, 8, 8>::zeros();
     let mut by_pair = [SVector::<f64, 8>::zeros(); 3];
-    let blocks = blocks_of_time(time_s, interval);
+    let blocks = time_blocks::of(time_s, interval);
     for block in &blocks {
         let pulls = Pulls::over(data, &answer.parameters, block.clone());
         meat += pulls.gradient * pulls.gradient.transpose();
@@ -130,41 +128,4 @@ fn at_the_stations(
         jacobian[(4 * slot + 1, 4 * slot + 3)] = -turned.x;
     }
     jacobian * centred * jacobian.transpose()
-}
-
-/// Ranges of consecutive triplets of one interval, none longer than [`BLOCK_SECONDS`].
-fn blocks_of_time(time_s: &[f64], interval: &[u32]) -> Vec<std::ops::Range<usize>> {
-    let mut blocks = Vec::new();
-    let mut start = 0;
-    for i in 1..=time_s.len() {
-        let ends = i == time_s.len()
-            || interval[i] != interval[start]
-            || time_s[i] - time_s[start] >= BLOCK_SECONDS;
-        if ends {
-            blocks.push(start..i);
-            start = i;
-        }
-    }
-    blocks
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn blocks_cover_everything_once_and_stay_in_their_interval() {
-        let time_s: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.1).collect();
-        let interval: Vec<u32> = (0..200).map(|i| u32::from(i >= 73)).collect();
-        let blocks = blocks_of_time(&time_s, &interval);
-        let mut next = 0;
-        for block in &blocks {
-            assert_eq!(block.start, next);
-            assert!(interval[block.start] == interval[block.end - 1]);
-            assert!(time_s[block.end - 1] - time_s[block.start] < BLOCK_SECONDS);
-            next = block.end;
-        }
-        assert_eq!(next, 200);
-        assert_eq!(blocks.len(), 2 + 3);
-    }
 }

@@ -46,7 +46,7 @@ pub fn read(
             continue;
         }
         let index = points.iter().position(|p| p.marker == marker).unwrap_or_else(|| {
-            points.push(ControlPoint { marker, readings: [None; 3] });
+            points.push(ControlPoint { marker, readings: [None; 3], known_m: None });
             points.len() - 1
         });
         let reading = &mut points[index].readings[station];

@@ -15,6 +15,12 @@ pub struct Overrides {
     pub prism_constant_m: Option<f64>,
     /// α, β, γ (m).
     pub inter_prism_m: Option<[f64; 3]>,
+    /// How many prisms the stations follow: 1 (all the same) or 3 (each its own); recognised if absent.
+    pub prisms: Option<u8>,
+    /// Prisms 1, 2, 3 in the vehicle's frame (m): what a trajectory is the trajectory of.
+    pub prisms_m: Option<[[f64; 3]; 3]>,
+    /// RTKLIB solution files of antennas 1, 2, 3, where their names do not tell.
+    pub gnss: Option<[String; 3]>,
     /// The control-point files to use.
     pub control_points: Option<Vec<String>>,
 }

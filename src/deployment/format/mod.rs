@@ -9,6 +9,7 @@ pub mod pillars;
 pub mod polar_csv;
 pub mod rig_files;
 pub mod ros1_bag;
+pub mod surveyed_points;
 mod table;
 
 use std::path::PathBuf;
@@ -49,6 +50,7 @@ pub enum Format {
     Ros1Bag,
     ControlPoints,
     Pillars,
+    SurveyedPoints,
     RigReading,
     RigDistances,
     DeploymentToml,
@@ -64,6 +66,7 @@ impl Format {
             Self::Ros1Bag => "polar measurements of the three stations (ROS 1 bag)",
             Self::ControlPoints => "control points",
             Self::Pillars => "surveyed pillars",
+            Self::SurveyedPoints => "coordinates of control points",
             Self::RigReading => "a static station's reading of the rig",
             Self::RigDistances => "inter-prism distances",
             Self::DeploymentToml => "overrides",
@@ -105,6 +108,8 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
         Format::ControlPoints
     } else if table::header_has(first, &pillars::COLUMNS) {
         Format::Pillars
+    } else if table::header_has(first, &surveyed_points::COLUMNS) {
+        Format::SurveyedPoints
     } else {
         match (numeric_fields(first), lines.next()) {
             (Some(15), _) => Format::RigReading,

@@ -1,0 +1,142 @@
+//! What every answer is held against, whatever the method: its own σ, control points that it has not seen, and the
+//! inter-prism distances that it has not seen.
+
+use super::inter_prism::distance_errors_m;
+use super::{Calibration, Method, TransformSigma, Verdict};
+use crate::deployment::{ControlPointSet, Deployment, Finding};
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+/// An answer whose largest standard deviation exceeds this is weak (m). The paper's deployments reach a few
+/// millimetres; two centimetres is what its failed ones show.
+pub const WEAK_SIGMA_M: f64 = 0.020;
+/// Beyond this a direction is as good as free (m).
+pub const FREE_SIGMA_M: f64 = 0.5;
+/// Points that fit this badly (m, rms) show more than noise: good sets have 3 to 5 mm, tracks under 10.
+pub const POOR_POINT_FIT_M: f64 = 0.015;
+/// Half the distance errors are larger than this (m) only when something is wrong: good runs have 1 to 2 mm.
+pub const POOR_FIT_M: f64 = 0.005;
+/// What two readings of a control point may differ by (m): ranges, centring, angles at a hundred metres.
+const CONTROL_POINT_SIGMA_M: f64 = 0.005;
+/// What a good answer leaves in the inter-prism distances (m): noise and interpolation.
+const DISTANCE_SIGMA_M: f64 = 0.003;
+/// Witnesses this many times further off than expected contradict the answer.
+const CONTRADICTION: f64 = 3.0;
+
+/// Median of an ordered list.
+pub fn median(sorted: &[f64]) -> Option<f64> {
+    let middle = sorted.len().checked_sub(1)? / 2;
+    Some(0.5 * (sorted[middle] + sorted[sorted.len() / 2]))
+}
+
+/// Adds what the uncertainty and the unseen witnesses say to the findings and the verdict of methods A, B and C.
+pub fn hold_against_the_rest(
+    calibration: &mut Calibration,
+    deployment: &Deployment,
+    triplets: &Triplets,
+) {
+    let mut doubts = Vec::new();
+    let largest_m = calibration.sigma.map_or(f64::INFINITY, |sigma| {
+        sigma.iter().map(|s| s.translation_m.max()).fold(0.0, f64::max)
+    });
+    if largest_m > FREE_SIGMA_M {
+        doubts.push((
+            Verdict::Degenerate,
+            Finding::problem("the points leave a direction free: spread them over the whole area"),
+        ));
+    } else if largest_m > WEAK_SIGMA_M {
+        doubts.push((
+            Verdict::Weak,
+            Finding::warning(format!(
+                "weakly held: σ up to {:.0} mm at the stations; spread the points over a larger area",
+                largest_m * 1e3
+            )),
+        ));
+    }
+    if let Some(sigma) = &calibration.sigma {
+        let transforms = &calibration.station1_from_station;
+        // Method B has seen the control points already.
+        let unseen = (calibration.method != Method::StaticGcp)
+            .then(|| control_points_contradict(deployment, transforms, sigma));
+        doubts.extend(unseen.flatten().map(|finding| (Verdict::Weak, finding)));
+        if calibration.method != Method::DynamicGcp {
+            let finding = distances_contradict(deployment, triplets, transforms, sigma);
+            doubts.extend(finding.map(|finding| (Verdict::Weak, finding)));
+        }
+    }
+    for (verdict, finding) in doubts {
+        calibration.verdict = calibration.verdict.max(verdict);
+        calibration.findings.push(finding);
+    }
+}
+
+/// Control points that lie further apart than their noise and the answer's own uncertainty allow.
+///
+/// Where they do, either they or a station moved, or something that this method does not model biases it.
+pub fn control_points_contradict(
+    deployment: &Deployment,
+    station1_from_station: &[RigidTransform; 3],
+    sigma: &[TransformSigma; 2],
+) -> Option<Finding> {
+    let mut worst: Option<(f64, f64, &str)> = None;
+    for set in deployment.control_points.iter().filter(|set| !set.pillars) {
+        let mut apart_m = set.disagreements_m(station1_from_station);
+        apart_m.sort_by(f64::total_cmp);
+        let Some(median_m) = median(&apart_m) else { continue };
+        let expected_m = expected_m(sigma, middle_range_m(set), CONTROL_POINT_SIGMA_M);
+        if median_m > CONTRADICTION * expected_m && worst.is_none_or(|(known, ..)| median_m > known)
+        {
+            worst = Some((median_m, expected_m, &set.file));
+        }
+    }
+    let (median_m, expected_m, file) = worst?;
+    Some(Finding::warning(format!(
+        "control points contradict this answer: {:.0} mm apart in {file} (median) where about {:.0} mm are expected; \
+         a station moved between the two, or a bias is not modelled",
+        median_m * 1e3,
+        expected_m * 1e3
+    )))
+}
+
+/// The same for the inter-prism distances of the drive.
+fn distances_contradict(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    station1_from_station: &[RigidTransform; 3],
+    sigma: &[TransformSigma; 2],
+) -> Option<Finding> {
+    let rig = deployment.rig.as_ref()?;
+    if triplets.is_empty() {
+        return None;
+    }
+    let errors_m = distance_errors_m(triplets, station1_from_station, &rig.inter_prism_m);
+    let mut errors_m: Vec<f64> = errors_m.into_iter().flatten().map(f64::abs).collect();
+    errors_m.sort_by(f64::total_cmp);
+    let median_m = median(&errors_m)?;
+    let range_m = triplets.points_m[0][triplets.len() / 2].norm();
+    let expected_m = expected_m(sigma, range_m, DISTANCE_SIGMA_M);
+    (median_m > CONTRADICTION * expected_m).then(|| {
+        Finding::warning(format!(
+            "the drive contradicts this answer: its inter-prism distances are off by {:.1} mm (median) where about \
+             {:.0} mm are expected; a station moved between the two, or a bias is not modelled",
+            median_m * 1e3,
+            expected_m * 1e3
+        ))
+    })
+}
+
+/// What two stations may disagree by at a range (m): the answer's σ, and at least `floor_m`.
+fn expected_m(sigma: &[TransformSigma; 2], range_m: f64, floor_m: f64) -> f64 {
+    sigma
+        .iter()
+        .map(|s| s.translation_m.norm_squared() + (s.yaw_rad * range_m).powi(2))
+        .fold(floor_m.powi(2), f64::max)
+        .sqrt()
+}
+
+fn middle_range_m(set: &ControlPointSet) -> f64 {
+    let mut ranges_m: Vec<f64> =
+        set.points.iter().flat_map(|p| p.readings).flatten().map(|polar| polar.range_m).collect();
+    ranges_m.sort_by(f64::total_cmp);
+    median(&ranges_m).unwrap_or(0.0)
+}

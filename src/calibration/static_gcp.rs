@@ -1,0 +1,121 @@
+//! Method B: point-to-point alignment of static control points.
+//!
+//! Where the points' coordinates in a global frame are known, every station is aligned to that frame; else stations 2
+//! and 3 to station 1 (`paper.tex`, "Static GCP calibration"). All files of control points count, pillars do not.
+
+use nalgebra::Vector3;
+
+use super::point_to_point::{self, Errors, Matches};
+use super::{
+    Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict, checks,
+};
+use crate::deployment::{ControlPoint, Deployment, Finding};
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+pub const FEWEST_POINTS: usize = 3;
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct StaticGcpDetails {
+    /// Points that stations 2 and 3 share with station 1 (or with the global frame).
+    pub points: [usize; 2],
+    /// Root mean square of the point errors after alignment (m).
+    pub rms_m: f64,
+    /// Station 1's frame in the global frame, where the points' coordinates are known.
+    pub world_from_station1: Option<RigidTransform>,
+}
+
+pub fn solve(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+) -> Result<Calibration, CalibrationError> {
+    let started = std::time::Instant::now();
+    let lacking = || CalibrationError::lacking(deployment, Method::StaticGcp, offer);
+    let points: Vec<&ControlPoint> = deployment
+        .control_points
+        .iter()
+        .filter(|set| !set.pillars)
+        .flat_map(|set| &set.points)
+        .collect();
+    let reading =
+        |point: &ControlPoint, station: usize| point.readings[station].map(|p| p.to_cartesian());
+    let collect = |pick: &dyn Fn(&ControlPoint) -> Option<(Vector3<f64>, Vector3<f64>)>| {
+        let mut matches = Matches::default();
+        for (index, point) in points.iter().enumerate() {
+            if let Some((to, from)) = pick(point) {
+                matches.push(to, from, index as u32);
+            }
+        }
+        matches
+    };
+    let to_world: Vec<Matches> = (0..3)
+        .map(|station| collect(&|point| Some((point.known_m?, reading(point, station)?))))
+        .collect();
+    let global = to_world.iter().all(|m| m.len() >= FEWEST_POINTS);
+    let matches = if global {
+        to_world
+    } else {
+        (1..3)
+            .map(|station| collect(&|point| Some((reading(point, 0)?, reading(point, station)?))))
+            .collect()
+    };
+    if matches.iter().any(|m| m.len() < FEWEST_POINTS) {
+        return Err(lacking());
+    }
+    let aligned = point_to_point::align(&matches, settings.alignment, Errors::AsResiduals)
+        .ok_or_else(|| CalibrationError::PointsOnALine {
+            deployment: deployment.name.clone(),
+            method: Method::StaticGcp,
+        })?;
+    let (station1_from_station, covariance, world_from_station1) = match aligned.to_from[..] {
+        [first, second, third] => {
+            let worlds = [first, second, third];
+            let (transforms, covariance) =
+                point_to_point::relative_to_station1(&worlds, aligned.covariance.as_ref());
+            (transforms, covariance, Some(first))
+        }
+        [second, third] => ([RigidTransform::IDENTITY, second, third], aligned.covariance, None),
+        _ => return Err(lacking()),
+    };
+    let covariance = covariance.map(|c| point_to_point::level_part(&c));
+    let residuals = || aligned.residuals_m.iter().flatten();
+    let rms_m = (residuals().map(Vector3::norm_squared).sum::<f64>()
+        / residuals().count().max(1) as f64)
+        .sqrt();
+    let used = matches.len();
+    let counts = [matches[used - 2].len(), matches[used - 1].len()];
+    let mut findings = vec![Finding::note(format!(
+        "{} control points aligned {}, {:.1} mm rms",
+        counts[0].max(counts[1]),
+        if global { "to their global coordinates" } else { "to station 1" },
+        rms_m * 1e3
+    ))];
+    let mut verdict = Verdict::Good;
+    if rms_m > checks::POOR_POINT_FIT_M {
+        verdict = Verdict::Weak;
+        findings.push(Finding::warning(format!(
+            "the control points fit poorly ({:.1} mm rms): check markers, prism constant and whether a station moved",
+            rms_m * 1e3
+        )));
+    }
+    let mut calibration = Calibration {
+        method: Method::StaticGcp,
+        station1_from_station,
+        sigma: covariance.as_ref().map(point_to_point::sigmas),
+        covariance,
+        verdict,
+        findings,
+        details: Details::StaticGcp(StaticGcpDetails {
+            points: counts,
+            rms_m,
+            world_from_station1,
+        }),
+        prior_ms: 0.0,
+        solve_ms: 0.0,
+    };
+    checks::hold_against_the_rest(&mut calibration, deployment, triplets);
+    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
+    Ok(calibration)
+}

@@ -1,0 +1,90 @@
+//! Whether the stations followed one prism or three, read off the triplets.
+//!
+//! With one prism, a level alignment makes the three tracks coincide. Three prisms of a rig stay apart, because the
+//! offset between them turns with the vehicle; only where the vehicle never turns does the alignment swallow it.
+
+use nalgebra::Vector3;
+
+use crate::deployment::{Deployment, PAIRS};
+use crate::geometry::align_level;
+use crate::pipeline::Triplets;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Targets {
+    OnePrism,
+    ThreePrisms,
+    /// Too little was driven, or too straight, to tell; nor does a file.
+    Undecided,
+}
+
+/// Tracks of one prism lie this close after alignment (m, median): far above the noise, the chords of bends and a
+/// clock some milliseconds off; far below any rig.
+const COINCIDE_M: f64 = 0.05;
+/// More triplets than this say nothing new.
+const MOST_TRIPLETS: usize = 2000;
+const FEWEST_TRIPLETS: usize = 10;
+/// Slower than this a direction of travel is noise (m/s).
+const MOVING_M_PER_S: f64 = 0.1;
+/// Mean of the doubled directions of travel: 1 on a line, driven either way.
+const STRAIGHT: f64 = 0.9;
+
+/// What `deployment.toml` says; failing that, what the tracks show; failing that, three where a rig is described.
+pub fn targets(deployment: &Deployment, triplets: &Triplets) -> Targets {
+    match deployment.prisms {
+        Some(1) => return Targets::OnePrism,
+        Some(_) => return Targets::ThreePrisms,
+        None => {}
+    }
+    let by_rig = if deployment.rig.is_some() { Targets::ThreePrisms } else { Targets::Undecided };
+    if triplets.len() < FEWEST_TRIPLETS {
+        return by_rig;
+    }
+    if median_distance_m(triplets).is_none_or(|median_m| median_m > COINCIDE_M) {
+        Targets::ThreePrisms
+    } else if turns(triplets) {
+        Targets::OnePrism
+    } else {
+        by_rig
+    }
+}
+
+/// Median distance between the tracks once stations 2 and 3 are aligned to station 1.
+fn median_distance_m(triplets: &Triplets) -> Option<f64> {
+    let step = triplets.len().div_ceil(MOST_TRIPLETS);
+    let points: [Vec<Vector3<f64>>; 3] =
+        triplets.points_m.each_ref().map(|points| points.iter().step_by(step).copied().collect());
+    let placed: [Vec<Vector3<f64>>; 3] = {
+        let second = align_level(&points[0], &points[1])?;
+        let third = align_level(&points[0], &points[2])?;
+        let [a, b, c] = &points;
+        [
+            a.clone(),
+            b.iter().map(|p| second.apply(p)).collect(),
+            c.iter().map(|p| third.apply(p)).collect(),
+        ]
+    };
+    let mut apart_m: Vec<f64> = PAIRS
+        .iter()
+        .flat_map(|(a, b)| placed[*a].iter().zip(&placed[*b]).map(|(a, b)| (a - b).norm()))
+        .collect();
+    let middle = apart_m.len() / 2;
+    Some(*apart_m.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Whether the direction of travel varies; there and back along a line does not count.
+fn turns(triplets: &Triplets) -> bool {
+    let points = &triplets.points_m[0];
+    let (mut cos, mut sin, mut count) = (0.0, 0.0, 0);
+    for i in 1..triplets.len() {
+        if triplets.interval[i] == triplets.interval[i - 1]
+            && triplets.speed_m_per_s[i] > MOVING_M_PER_S
+        {
+            let way = points[i] - points[i - 1];
+            let doubled = 2.0 * way.y.atan2(way.x);
+            cos += doubled.cos();
+            sin += doubled.sin();
+            count += 1;
+        }
+    }
+    count > 0 && f64::hypot(cos, sin) < STRAIGHT * f64::from(count)
+}

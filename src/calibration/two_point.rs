@@ -1,0 +1,212 @@
+//! Method A: two-point resection, in closed form.
+//!
+//! A level station has four unknowns, and two points with a known relative position give six equations: the station
+//! is placed in the frame of the points by a level alignment (`paper.tex`, "Two-point resection"). Every pair of
+//! known points is tried, and judged by the points that it leaves out.
+
+use nalgebra::Vector3;
+
+use super::checks::{self, median};
+use super::point_to_point::{self, Errors, Matches};
+use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer, Verdict};
+use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS};
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+/// Range accuracy of the instruments (m) and what an arcsecond is: the nominal values of the paper.
+const RANGE_SIGMA_M: f64 = 0.002;
+const ANGLE_SIGMA_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+/// Readings that are off by more than this between two points (parts per million) hint at the atmosphere.
+const NOTABLE_PPM: f64 = 10.0;
+
+/// What one pair of points gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairResection {
+    pub file: String,
+    pub markers: [i64; 2],
+    /// Known distance between the two points (m).
+    pub baseline_m: f64,
+    /// For each station: measured minus known distance (m).
+    pub baseline_errors_m: [f64; 3],
+    pub station1_from_station: [RigidTransform; 3],
+    /// Of the points left out: distances between what the stations make of them (m), sorted.
+    pub left_out_m: Vec<f64>,
+    /// Of the points left out: distances to their known positions (m), sorted.
+    pub left_out_known_m: Vec<f64>,
+}
+
+/// All pairs, and the one that the answer comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TwoPointDetails {
+    pub pairs: Vec<PairResection>,
+    pub chosen: usize,
+}
+
+pub fn solve(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    offer: &Offer,
+) -> Result<Calibration, CalibrationError> {
+    let started = std::time::Instant::now();
+    let mut pairs = Vec::new();
+    let mut placed = Vec::new();
+    for set in &deployment.control_points {
+        let points: Vec<&ControlPoint> =
+            set.points.iter().filter(|point| point.serves_resection()).collect();
+        for a in 0..points.len() {
+            for b in a + 1..points.len() {
+                if let Some((pair, worlds)) = resect(set, &points, [a, b]) {
+                    pairs.push(pair);
+                    placed.push(worlds);
+                }
+            }
+        }
+    }
+    // The points left out judge best; with none, the longest baseline holds yaw best.
+    let by_left_out = |i: &usize| median(&pairs[*i].left_out_m).unwrap_or(f64::INFINITY);
+    let chosen = (0..pairs.len())
+        .min_by(|i, j| {
+            let by_baseline = pairs[*j].baseline_m.total_cmp(&pairs[*i].baseline_m);
+            by_left_out(i).total_cmp(&by_left_out(j)).then(by_baseline)
+        })
+        .ok_or_else(|| CalibrationError::lacking(deployment, Method::TwoPoint, offer))?;
+
+    let sigma_m = point_sigma_m(&placed);
+    let matches = &placed[chosen].matches;
+    let aligned = point_to_point::align(matches, Alignment::Level, Errors::Known(sigma_m));
+    let covariance = aligned.and_then(|aligned| aligned.covariance);
+    let (station1_from_station, covariance) = point_to_point::relative_to_station1(
+        &placed[chosen].world_from_station,
+        covariance.as_ref(),
+    );
+    let covariance = covariance.map(|c| point_to_point::level_part(&c));
+    let mut findings = findings(&pairs, chosen, sigma_m);
+    let mut verdict = Verdict::Good;
+    let doubt = match median(&pairs[chosen].left_out_m) {
+        None => Some(
+            "no third known point checks this resection; a wrong coordinate or a wrong marker would not show"
+                .to_owned(),
+        ),
+        Some(median_m) => (median_m > checks::WEAK_SIGMA_M).then(|| {
+            format!(
+                "even with the best pair the stations disagree by {:.0} mm (median) at the points left out",
+                median_m * 1e3
+            )
+        }),
+    };
+    if let Some(doubt) = doubt {
+        verdict = Verdict::Weak;
+        findings.push(Finding::warning(doubt));
+    }
+    let details = Details::TwoPoint(TwoPointDetails { pairs, chosen });
+    let mut calibration = Calibration {
+        method: Method::TwoPoint,
+        station1_from_station,
+        sigma: covariance.as_ref().map(point_to_point::sigmas),
+        covariance,
+        verdict,
+        findings,
+        details,
+        prior_ms: 0.0,
+        solve_ms: 0.0,
+    };
+    checks::hold_against_the_rest(&mut calibration, deployment, triplets);
+    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
+    Ok(calibration)
+}
+
+struct Placed {
+    world_from_station: [RigidTransform; 3],
+    matches: Vec<Matches>,
+    /// Sum of squared residuals (m²), and the largest range (m).
+    square_m2: f64,
+    range_m: f64,
+}
+
+fn resect(
+    set: &ControlPointSet,
+    points: &[&ControlPoint],
+    chosen: [usize; 2],
+) -> Option<(PairResection, Placed)> {
+    let reading = |point: &ControlPoint, station: usize| {
+        point.readings[station].map(|polar| polar.to_cartesian())
+    };
+    let mut matches = vec![Matches::default(); 3];
+    for (order, index) in chosen.into_iter().enumerate() {
+        for station in 0..3 {
+            let (known, read) = (points[index].known_m?, reading(points[index], station)?);
+            matches[station].push(known, read, order as u32);
+        }
+    }
+    let aligned = point_to_point::align(&matches, Alignment::Level, Errors::Known(1.0))?;
+    // Two points at one place, or one above the other, hold no yaw.
+    aligned.covariance.as_ref()?;
+    let world_from_station: [RigidTransform; 3] = aligned.to_from.try_into().ok()?;
+    let square_m2 = aligned.residuals_m.iter().flatten().map(Vector3::norm_squared).sum();
+    let range_m = matches.iter().flat_map(|m| &m.from_m).map(Vector3::norm).fold(0.0, f64::max);
+
+    let (mut left_out_m, mut left_out_known_m) = (Vec::new(), Vec::new());
+    for (index, point) in points.iter().enumerate().filter(|(i, _)| !chosen.contains(i)) {
+        let placed: Vec<Vector3<f64>> = (0..3)
+            .filter_map(|station| {
+                Some(world_from_station[station].apply(&reading(points[index], station)?))
+            })
+            .collect();
+        left_out_m.extend(PAIRS.iter().map(|(a, b)| (placed[*a] - placed[*b]).norm()));
+        left_out_known_m.extend(placed.iter().filter_map(|p| Some((p - point.known_m?).norm())));
+    }
+    left_out_m.sort_by(f64::total_cmp);
+    left_out_known_m.sort_by(f64::total_cmp);
+    let baseline_m = (matches[0].to_m[0] - matches[0].to_m[1]).norm();
+    let pair = PairResection {
+        file: set.file.clone(),
+        markers: chosen.map(|index| points[index].marker),
+        baseline_m,
+        baseline_errors_m: std::array::from_fn(|station| {
+            (matches[station].from_m[0] - matches[station].from_m[1]).norm() - baseline_m
+        }),
+        station1_from_station: point_to_point::relative_to_station1(&world_from_station, None).0,
+        left_out_m,
+        left_out_known_m,
+    };
+    Some((pair, Placed { world_from_station, matches, square_m2, range_m }))
+}
+
+/// How well a point is known on each axis (m): what the residuals of all pairs say (two degrees of freedom for each
+/// station and pair), but no better than the instruments.
+fn point_sigma_m(placed: &[Placed]) -> f64 {
+    let square_m2: f64 = placed.iter().map(|p| p.square_m2).sum();
+    let range_m = placed.iter().map(|p| p.range_m).fold(0.0, f64::max);
+    let shown_m = (square_m2 / (6 * placed.len()).max(1) as f64).sqrt();
+    shown_m.max(RANGE_SIGMA_M).max(ANGLE_SIGMA_RAD * range_m)
+}
+
+fn findings(pairs: &[PairResection], chosen: usize, sigma_m: f64) -> Vec<Finding> {
+    let pair = &pairs[chosen];
+    let [first, second] = pair.markers;
+    let mut findings = vec![Finding::note(format!(
+        "points {first} and {second} of {} ({:.0} m apart), the best of {} pairs by the points left out{}",
+        pair.file,
+        pair.baseline_m,
+        pairs.len(),
+        median(&pair.left_out_m).map_or(String::new(), |median_m| format!(
+            ": stations agree there within {:.1} mm (median)",
+            median_m * 1e3
+        ))
+    ))];
+    let longest = pairs.iter().max_by(|a, b| a.baseline_m.total_cmp(&b.baseline_m));
+    if let Some(longest) = longest {
+        let error_m = longest.baseline_errors_m.iter().sum::<f64>() / 3.0;
+        let ppm = error_m / longest.baseline_m * 1e6;
+        if ppm.abs() > NOTABLE_PPM && error_m.abs() > sigma_m {
+            findings.push(Finding::warning(format!(
+                "the stations measure points {} and {} {:+.0} mm ({ppm:+.0} ppm) from their known distance: check \
+                 temperature, pressure and prism constant, or the survey",
+                longest.markers[0],
+                longest.markers[1],
+                error_m * 1e3
+            )));
+        }
+    }
+    findings
+}

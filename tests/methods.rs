@@ -1,0 +1,152 @@
+//! The four methods on simulated deployments, whose truth is known.
+
+mod common;
+
+use common::{analyse, answer};
+use resect::analysis::{Analysis, Settings};
+use resect::calibration::{Alignment, Method, Targets, Verdict};
+use resect::geometry::{LevelTransform, wrap_to_pi};
+use resect::simulation::{Preset, simulate};
+
+fn settings(method: Method) -> Settings {
+    let mut settings = Settings::default();
+    settings.calibration.method = Some(method);
+    settings
+}
+
+/// Errors of the eight numbers over their stated σ.
+fn normalised(analysis: &Analysis, truth: &[LevelTransform; 3]) -> Vec<f64> {
+    let calibration = &answer(analysis).calibration;
+    let sigma = calibration.sigma.expect("nothing is free");
+    (1..3)
+        .flat_map(|station| {
+            let (found, truth) = (&calibration.station1_from_station[station], &truth[station]);
+            let sigma = &sigma[station - 1];
+            let off = found.translation_m - truth.translation_m;
+            let turned = wrap_to_pi(found.yaw_rad() - truth.yaw_rad);
+            [
+                off.x / sigma.translation_m.x,
+                off.y / sigma.translation_m.y,
+                off.z / sigma.translation_m.z,
+                turned / sigma.yaw_rad,
+            ]
+        })
+        .collect()
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+#[test]
+fn c_recovers_the_truth_within_its_stated_uncertainty() {
+    for alignment in [Alignment::Level, Alignment::Rigid] {
+        let mut all = Vec::new();
+        for seed in 0..8 {
+            let simulated = simulate(Preset::SinglePrism, seed);
+            let deployment = simulated.deployment().expect("valid");
+            let mut settings = settings(Method::DynamicGcp);
+            settings.calibration.alignment = alignment;
+            let analysis = analyse(&deployment, &settings);
+            let verdict = answer(&analysis).calibration.verdict;
+            assert_eq!(verdict, Verdict::Good, "{:?}", answer(&analysis).calibration.findings);
+            all.extend(normalised(&analysis, &simulated.truth.station1_from_station));
+        }
+        let rms = rms(&all);
+        assert!((0.7..1.4).contains(&rms), "{alignment:?}: rms of error/σ is {rms:.2}");
+        assert!(all.iter().all(|z| z.abs() < 4.0), "{alignment:?}: {all:.1?}");
+    }
+}
+
+#[test]
+fn b_recovers_the_truth_within_its_stated_uncertainty() {
+    let mut all = Vec::new();
+    for seed in 0..12 {
+        let simulated = simulate(Preset::Warthog, seed);
+        let deployment = simulated.deployment().expect("valid");
+        let analysis = analyse(&deployment, &settings(Method::StaticGcp));
+        all.extend(normalised(&analysis, &simulated.truth.station1_from_station));
+    }
+    let rms = rms(&all);
+    assert!((0.7..1.4).contains(&rms), "rms of error/σ is {rms:.2}");
+}
+
+#[test]
+fn known_coordinates_give_the_same_relative_answer_and_the_global_one() {
+    let simulated = simulate(Preset::Warthog, 3);
+    let mut deployment = simulated.deployment().expect("valid");
+    let relative = analyse(&deployment, &settings(Method::StaticGcp));
+    // A map frame, turned and far away, in which the points' true positions are known.
+    let map_from_station1 = LevelTransform::new([5000.0, -2000.0, 90.0].into(), 2.1);
+    for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
+        let read: Vec<nalgebra::Vector3<f64>> = (0..3)
+            .filter_map(|s| {
+                let polar = point.readings[s]?;
+                Some(simulated.truth.station1_from_station[s].apply(&polar.to_cartesian()))
+            })
+            .collect();
+        let mean = read.iter().sum::<nalgebra::Vector3<f64>>() / read.len() as f64;
+        point.known_m = Some(map_from_station1.apply(&mean));
+    }
+    let global = analyse(&deployment, &settings(Method::StaticGcp));
+    let (relative, global) = (&answer(&relative).calibration, &answer(&global).calibration);
+    for station in 1..3 {
+        common::assert_close(
+            &global.station1_from_station[station],
+            &relative.station1_from_station[station],
+            [0.004; 3],
+            1e-4,
+        );
+    }
+    let resect::calibration::Details::StaticGcp(details) = &global.details else {
+        panic!("method B")
+    };
+    let world = details.world_from_station1.expect("coordinates are known");
+    common::assert_close(&world, &map_from_station1, [0.004; 3], 1e-4);
+    // Method A can use them too: two of the points are enough.
+    let two_point = analyse(&deployment, &settings(Method::TwoPoint));
+    for station in 1..3 {
+        let found = &answer(&two_point).calibration.station1_from_station[station];
+        let truth = &simulated.truth.station1_from_station[station];
+        common::assert_close(found, truth, [0.02; 3], 5e-4);
+    }
+}
+
+#[test]
+fn one_prism_is_recognised_and_three_are_not_mistaken_for_it() {
+    for (preset, expected) in [
+        (Preset::SinglePrism, Targets::OnePrism),
+        (Preset::Warthog, Targets::ThreePrisms),
+        (Preset::Hd2Tunnel, Targets::ThreePrisms),
+        (Preset::StraightLine, Targets::ThreePrisms),
+    ] {
+        let deployment = simulate(preset, 5).deployment().expect("valid");
+        let analysis = analyse(&deployment, &Settings::default());
+        assert_eq!(analysis.offer.targets, expected, "{preset:?}");
+        let method = answer(&analysis).calibration.method;
+        assert_eq!(method == Method::DynamicGcp, expected == Targets::OnePrism);
+    }
+}
+
+#[test]
+fn a_straight_drive_without_a_rig_does_not_pass_for_one_prism() {
+    // Level and straight: a translation makes the three prisms' tracks coincide.
+    let mut deployment = simulate(Preset::StraightLine, 5).deployment().expect("valid");
+    deployment.rig = None;
+    let analysis = analyse(&deployment, &settings(Method::DynamicGcp));
+    assert_eq!(analysis.offer.targets, Targets::Undecided);
+    assert_eq!(answer(&analysis).calibration.verdict, Verdict::Ambiguous);
+}
+
+#[test]
+fn a_lacking_method_says_what_it_needs() {
+    let deployment = simulate(Preset::SinglePrism, 1).deployment().expect("valid");
+    for (method, word) in
+        [(Method::TwoPoint, "known coordinates"), (Method::InterPrism, "three prisms")]
+    {
+        let analysis = analyse(&deployment, &settings(method));
+        let error = analysis.answer.expect_err("not for this data").to_string();
+        assert!(error.contains(word), "{error}");
+        assert!(analysis.offer.lack(method).is_some_and(|lack| lack.contains(word)));
+    }
+}
