@@ -13,6 +13,9 @@ pub const STATIONS: [Rgb; 3] = [[86, 160, 233], [230, 159, 0], [0, 178, 130]];
 /// Pairs 12, 13, 23: cyan, vermilion, purple, none of them a station's.
 pub const PAIRS: [Rgb; 3] = [[70, 190, 205], [224, 100, 30], [176, 120, 214]];
 
+/// Series of a study: blue, vermilion, green.
+pub const SERIES: [Rgb; 3] = [[60, 130, 200], [213, 94, 0], [0, 150, 110]];
+
 /// What became of a raw reading.
 pub fn fate(fate: SampleFate) -> Rgb {
     match fate {

@@ -10,7 +10,7 @@ use crate::palette::Rgb;
 pub fn apply(ctx: &egui::Context) {
     // Inter has the arrows and Greek letters that egui's own font lacks, and reads better at 13 points.
     let mut fonts = egui::FontDefinitions::default();
-    let inter = egui::FontData::from_static(include_bytes!("../../assets/fonts/Inter-Regular.otf"));
+    let inter = egui::FontData::from_static(crate::font::INTER);
     fonts.font_data.insert("Inter".to_owned(), std::sync::Arc::new(inter));
     fonts.families.entry(FontFamily::Proportional).or_default().insert(0, "Inter".to_owned());
     ctx.set_fonts(fonts);

@@ -10,10 +10,13 @@ use super::{
     Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict, checks,
 };
 use crate::deployment::{ControlPoint, Deployment, Finding};
-use crate::geometry::RigidTransform;
+use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 
 pub const FEWEST_POINTS: usize = 3;
+
+/// Where a point lies in the target frame, and in the station's (m).
+type Correspondence = (Vector3<f64>, Vector3<f64>);
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct StaticGcpDetails {
@@ -40,8 +43,8 @@ pub fn solve(
         .flat_map(|set| &set.points)
         .collect();
     let reading =
-        |point: &ControlPoint, station: usize| point.readings[station].map(|p| p.to_cartesian());
-    let collect = |pick: &dyn Fn(&ControlPoint) -> Option<(Vector3<f64>, Vector3<f64>)>| {
+        |point: &ControlPoint, station: usize| point.readings[station].map(Polar::to_cartesian);
+    let collect = |pick: &dyn Fn(&ControlPoint) -> Option<Correspondence>| {
         let mut matches = Matches::default();
         for (index, point) in points.iter().enumerate() {
             if let Some((to, from)) = pick(point) {

@@ -10,7 +10,7 @@ use super::checks::{self, median};
 use super::point_to_point::{self, Errors, Matches};
 use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer, Verdict};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS};
-use crate::geometry::RigidTransform;
+use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 
 /// Range accuracy of the instruments (m) and what an arcsecond is: the nominal values of the paper.
@@ -129,7 +129,7 @@ fn resect(
     chosen: [usize; 2],
 ) -> Option<(PairResection, Placed)> {
     let reading = |point: &ControlPoint, station: usize| {
-        point.readings[station].map(|polar| polar.to_cartesian())
+        point.readings[station].map(Polar::to_cartesian)
     };
     let mut matches = vec![Matches::default(); 3];
     for (order, index) in chosen.into_iter().enumerate() {

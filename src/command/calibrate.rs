@@ -2,33 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::Value;
 
+use super::method_name::MethodName;
 use super::settings_args::SettingsArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
 use crate::calibration::Method;
 use crate::export::{json, text};
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum MethodName {
-    TwoPoint,
-    StaticGcp,
-    DynamicGcp,
-    InterPrism,
-}
-
-impl From<MethodName> for Method {
-    fn from(name: MethodName) -> Self {
-        match name {
-            MethodName::TwoPoint => Self::TwoPoint,
-            MethodName::StaticGcp => Self::StaticGcp,
-            MethodName::DynamicGcp => Self::DynamicGcp,
-            MethodName::InterPrism => Self::InterPrism,
-        }
-    }
-}
 
 #[derive(Args)]
 pub struct Arguments {

@@ -1,11 +1,17 @@
 //! The command line: one file a subcommand. Nothing below this module prints.
 
+mod ablate;
 mod calibrate;
 mod check;
+mod compare;
 mod export;
+mod method_name;
 mod screenshot;
 mod settings_args;
 mod simulate;
+mod study_args;
+mod sweep;
+mod trajectory;
 mod window;
 
 use std::path::{Path, PathBuf};
@@ -31,6 +37,14 @@ struct Arguments {
 enum Command {
     /// Calibrate a deployment and print the answer
     Calibrate(calibrate::Arguments),
+    /// Compare all calibrations that the data allows, by both metrics
+    Compare(compare::Arguments),
+    /// Tell what each module of the pipeline brings
+    Ablate(ablate::Arguments),
+    /// Tell how the errors depend on one threshold
+    Sweep(sweep::Arguments),
+    /// Write the vehicle's poses in six degrees of freedom
+    Trajectory(trajectory::Arguments),
     /// Tell what is in a folder or file, and what is wrong with it
     Check(check::Arguments),
     /// Write a picture of the window
@@ -70,6 +84,10 @@ pub fn run() -> ExitCode {
     let result = match arguments.command {
         None => window::run(arguments.path.as_deref()),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
+        Some(Command::Compare(arguments)) => compare::run(&arguments),
+        Some(Command::Ablate(arguments)) => ablate::run(&arguments),
+        Some(Command::Sweep(arguments)) => sweep::run(&arguments),
+        Some(Command::Trajectory(arguments)) => trajectory::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),

@@ -20,7 +20,12 @@ enum Prior {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum InterpolationName {
+    /// Straight lines between readings
     Linear,
+    /// Gaussian process, squared-exponential kernel, learned noise
+    Gp,
+    /// Gaussian process, white noise on acceleration
+    Wnoa,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -107,8 +112,12 @@ impl SettingsArguments {
         if self.no_interval_filter {
             settings.pipeline.interval_filter = false;
         }
-        if let Some(InterpolationName::Linear) = self.interpolation {
-            settings.pipeline.interpolation = Interpolation::Linear;
+        if let Some(name) = self.interpolation {
+            settings.pipeline.interpolation = match name {
+                InterpolationName::Linear => Interpolation::Linear,
+                InterpolationName::Gp => Interpolation::Gp,
+                InterpolationName::Wnoa => Interpolation::Wnoa,
+            };
         }
         match self.prior {
             Some(Prior::Search) => settings.calibration.prior = PriorMethod::Search,

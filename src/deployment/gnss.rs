@@ -2,13 +2,14 @@
 
 use nalgebra::Vector3;
 
-/// One solution of a receiver.
+/// One position of one antenna.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GnssFix {
-    /// Unix time (s).
+    /// Unix time.
     pub time_s: f64,
-    /// In a frame that the antennas of one deployment share: Earth-centred, or about the base station (m).
+    /// Earth-centred, Earth-fixed; or east, north, up of the base station where the file has baselines. The same
+    /// for all antennas that were solved with the same base and settings.
     pub position_m: Vector3<f64>,
-    /// As RTKLIB counts it: 1 fixed, 2 float, 3 SBAS, 4 DGPS, 5 single, 6 PPP.
+    /// 1 fixed, 2 float, 3 SBAS, 4 DGPS, 5 single, 6 PPP, 7 dead reckoning.
     pub quality: u8,
 }

@@ -1,5 +1,9 @@
 //! How good an answer is, by the paper's two metrics.
 
+pub mod gnss;
+pub mod trajectory;
+pub mod vehicle;
+
 use serde::Serialize;
 
 use crate::calibration::Targets;
@@ -33,6 +37,14 @@ impl Spread {
         let q75 = quantile(&mut bits[middle..], middle, 0.75 * last as f64);
         Some(Self { median, q25, q75, iqr: q75 - q25, n })
     }
+}
+
+/// The value below which a share of the list lies, by linear interpolation between order statistics.
+pub fn quantile_of(sorted: &[f64], share: f64) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    let rank = share * last as f64;
+    let (low, high) = (sorted[rank as usize], sorted[(rank as usize + 1).min(last)]);
+    Some(low + (high - low) * rank.fract())
 }
 
 /// The value at a fractional rank of the whole list, of which `part` is the piece from rank `first` on.

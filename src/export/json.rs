@@ -75,7 +75,7 @@ fn twin_transforms(twin: &Basin) -> Vec<Value> {
         .collect()
 }
 
-fn transform(calibration: &Calibration, station: usize) -> Value {
+pub fn transform(calibration: &Calibration, station: usize) -> Value {
     let transform = &calibration.station1_from_station[station];
     let matrix = transform.matrix();
     let rows: Vec<Vec<f64>> = (0..4).map(|row| matrix.row(row).iter().copied().collect()).collect();

@@ -35,9 +35,9 @@ const NARROWEST: f64 = 1e-12;
 /// outer products a bᵀ about the centroids, the rotation is U diag(1, 1, det U det V) Vᵀ. The determinants
 /// keep a reflection, which noise and points in a plane can prefer, from passing for a rotation.
 /// Both slices hold metres, in corresponding order. `None` where more than one rotation does: fewer than
-/// three points, points on a line, a perfect mirror image; and of what is not finite.
+/// three points, points on a line, a mirror image whose two shorter extents are alike; and of what is not finite.
 pub fn align_rigid(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Option<RigidTransform> {
-    if points_a.len() != points_b.len() || points_a.len() < 3 {
+    if points_a.len() != points_b.len() {
         return None;
     }
     let (centre_a, centre_b) = (centroid(points_a), centroid(points_b));
@@ -54,6 +54,7 @@ pub fn align_rigid(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Opti
     let (u, v_t) = (svd.u?, svd.v_t?);
     let handedness = (u.determinant() * v_t.determinant()).signum();
     let [first, second, third] = svd.singular_values.into();
+    // Fewer than three points are on a line too.
     if second + handedness * third <= NARROWEST * first {
         return None;
     }
@@ -179,7 +180,10 @@ mod tests {
         let broken = [Vector3::x(), Vector3::y(), Vector3::repeat(f64::NAN)];
         let huge = triangle.map(|p| 1e200 * p);
         assert!(align_rigid(&triangle, &triangle).is_some());
-        assert_eq!(align_rigid(&triangle[..2], &triangle[..2]), None);
+        for few in 0..3 {
+            assert_eq!(align_rigid(&triangle[..few], &triangle[..few]), None, "{few} points");
+        }
+        assert_eq!(align_rigid(&triangle, &[triangle, triangle].concat()), None);
         for hopeless in [line, spot, broken, huge] {
             assert_eq!(align_rigid(&hopeless, &hopeless), None, "{hopeless:?}");
             assert_eq!(align_rigid(&hopeless, &triangle), None, "{hopeless:?}");

@@ -34,8 +34,34 @@ impl Default for Thresholds {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
+    /// Straight lines between readings.
     #[default]
     Linear,
+    /// Gaussian process with a squared-exponential kernel and learned noise.
+    Gp,
+    /// Gaussian process with white noise on acceleration: the motion model.
+    Wnoa,
+}
+
+impl Interpolation {
+    pub const ALL: [Self; 3] = [Self::Linear, Self::Gp, Self::Wnoa];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Gp => "gp",
+            Self::Wnoa => "wnoa",
+        }
+    }
+
+    /// As a plot names it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Gp => "GP",
+            Self::Wnoa => "GP, motion model",
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -14,16 +14,30 @@ pub struct Triplets {
     pub points_m: [Vec<Vector3<f64>>; 3],
     /// How fast prism 1 moves (m/s), by differences with the neighbouring instants.
     pub speed_m_per_s: Vec<f64>,
+    /// For each station one standard deviation of the position on each axis (m), where the interpolation says.
+    pub sigma_m: Option<[Vec<Vector3<f64>>; 3]>,
 }
 
 impl Triplets {
     pub fn new(time_s: Vec<f64>, interval: Vec<u32>, points_m: [Vec<Vector3<f64>>; 3]) -> Self {
         let speed_m_per_s = speeds(&time_s, &interval, &points_m[0]);
-        Self { time_s, interval, points_m, speed_m_per_s }
+        Self { time_s, interval, points_m, speed_m_per_s, sigma_m: None }
     }
 
     pub fn len(&self) -> usize {
         self.time_s.len()
+    }
+
+    /// Some of the instants, in the order given.
+    pub fn select(&self, indices: &[usize]) -> Self {
+        let points = |all: &Vec<Vector3<f64>>| indices.iter().map(|i| all[*i]).collect();
+        Self {
+            time_s: indices.iter().map(|i| self.time_s[*i]).collect(),
+            interval: indices.iter().map(|i| self.interval[*i]).collect(),
+            points_m: self.points_m.each_ref().map(points),
+            speed_m_per_s: indices.iter().map(|i| self.speed_m_per_s[*i]).collect(),
+            sigma_m: self.sigma_m.as_ref().map(|all| all.each_ref().map(points)),
+        }
     }
 
     pub fn is_empty(&self) -> bool {

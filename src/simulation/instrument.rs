@@ -9,12 +9,12 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::motion::Motion;
 use super::scenario::{Path, Scenario};
-use super::{Simulated, Truth};
+use super::{Simulated, Truth, gnss};
 use crate::deployment::{ControlPoint, ControlPointSet, Measurement, PAIRS, RawRecord};
 use crate::geometry::{LevelTransform, Polar};
 
 /// Unix time of the first reading (s); any will do.
-const EPOCH_S: f64 = 1_760_000_000.0;
+pub const EPOCH_S: f64 = 1_760_000_000.0;
 /// The readings of the rig are averaged over this many.
 const RIG_READINGS: f64 = 10.0;
 
@@ -77,10 +77,19 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let prisms_m = scenario.prisms_m;
     let inter_prism_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).norm());
     let truth = Truth { station1_from_station, inter_prism_m, prisms_m, outliers, lost_readings };
-    Simulated { scenario: scenario.clone(), seed, records, control_points, rig_reading, truth }
+    let antennas = scenario.antennas_m.map(|antennas_m| gnss::measure(&antennas_m, &motion, scenario.duration_s, &mut rng));
+    Simulated {
+        scenario: scenario.clone(),
+        seed,
+        records,
+        control_points,
+        rig_reading,
+        antennas,
+        truth,
+    }
 }
 
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
+pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 

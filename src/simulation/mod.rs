@@ -1,8 +1,9 @@
 //! Deployments with known truth, made from a preset and a seed; the same seed gives the same bytes.
 //!
 //! [`scenario`] says what is driven where, [`motion`] moves the vehicle over the ground, [`instrument`] measures
-//! it as three stations would, and [`write`] puts the readings into the formats of real deployments.
+//! it as three stations would, [`gnss`] as three antennas would, and [`write`] puts the readings into the formats of real deployments.
 
+mod gnss;
 mod instrument;
 mod motion;
 mod scenario;
@@ -13,7 +14,9 @@ pub use write::write_folder;
 
 use nalgebra::Vector3;
 
-use crate::deployment::{ControlPointSet, Deployment, OpenError, RawRecord, open_files};
+use crate::deployment::{
+    ControlPointSet, Deployment, GnssFix, OpenError, RawRecord, open_files,
+};
 use crate::geometry::{LevelTransform, Polar};
 
 /// Everything that was measured, and the truth behind it.
@@ -26,6 +29,7 @@ pub struct Simulated {
     pub control_points: Vec<ControlPointSet>,
     /// A static station's averaged reading of the three prisms, prism constant included.
     pub rig_reading: [Polar; 3],
+    pub antennas: Option<[Vec<GnssFix>; 3]>,
     pub truth: Truth,
 }
 

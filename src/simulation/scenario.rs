@@ -83,6 +83,8 @@ pub struct Scenario {
     pub rate_hz: f64,
     /// Prisms about the vehicle's origin on the ground: x ahead, y left, z up (m).
     pub prisms_m: [Vector3<f64>; 3],
+    /// GNSS antennas, in the same frame.
+    pub antennas_m: Option<[Vector3<f64>; 3]>,
     /// Positions of stations 2 and 3 in station 1's frame (m); their yaws come from the seed.
     pub stations_m: [Vector3<f64>; 2],
     /// Height of the ground's mean below station 1 (m).
@@ -141,6 +143,11 @@ impl Preset {
                     Vector3::new(-0.28, 0.47, 1.20),
                     Vector3::new(-0.13, -0.47, 1.38),
                 ],
+                antennas_m: Some([
+                    Vector3::new(0.40, -0.30, 1.10),
+                    Vector3::new(-0.35, -0.28, 1.12),
+                    Vector3::new(0.02, 0.38, 1.31),
+                ]),
                 stations_m: [Vector3::new(5.2, -2.6, -0.28), Vector3::new(-5.4, 0.4, -0.22)],
                 instrument_height_m: 1.6,
                 control_point_sets: 2,
@@ -155,6 +162,7 @@ impl Preset {
             Self::SinglePrism => Scenario {
                 name: self.name(),
                 prisms_m: [Vector3::new(0.0, 0.0, 1.5); 3],
+                antennas_m: None,
                 ..warthog()
             },
             Self::FigureEight => driven(EIGHT, 300.0),
@@ -179,6 +187,7 @@ impl Preset {
                     Vector3::new(-0.08, 0.17, 0.50),
                     Vector3::new(-0.08, -0.17, 0.57),
                 ],
+                antennas_m: None,
                 stations_m: [Vector3::new(1.6, 1.3, -0.05), Vector3::new(-0.9, -1.2, 0.04)],
                 instrument_height_m: 1.5,
                 control_point_sets: 0,

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::Simulated;
-use crate::deployment::format::{control_points, polar_csv, rig_files};
+use crate::deployment::format::{control_points, polar_csv, rig_files, rtklib_pos};
 use crate::deployment::{OpenError, pairwise_distances};
 use crate::geometry::Polar;
 
@@ -50,13 +50,17 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
         ),
         ("truth.toml".to_owned(), truth_text(simulated)),
     ];
+    let inter_antenna_m = simulated.scenario.antennas_m.as_ref().map(pairwise_distances);
+    for (index, fixes) in simulated.antennas.iter().flatten().enumerate() {
+        files.push((format!("gnss_{}.pos", index + 1), rtklib_pos::write(fixes)));
+    }
     // A single prism has no rig.
     if simulated.truth.inter_prism_m.iter().all(|distance| *distance > 0.0) {
         files.push((
             "calibration_raw.csv".to_owned(),
             rig_files::write_rig_reading(&simulated.rig_reading, prism_constant_m),
         ));
-        files.push(("calibration_results.csv".to_owned(), rig_files::write_distances(&measured)));
+        files.push(("calibration_results.csv".to_owned(), rig_files::write_distances(&measured, inter_antenna_m.as_ref())));
     }
     for set in &simulated.control_points {
         files.push((set.file.clone(), control_points::write(set, prism_constant_m)));

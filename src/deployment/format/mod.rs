@@ -9,6 +9,7 @@ pub mod pillars;
 pub mod polar_csv;
 pub mod rig_files;
 pub mod ros1_bag;
+pub mod rtklib_pos;
 pub mod surveyed_points;
 mod table;
 
@@ -53,6 +54,7 @@ pub enum Format {
     SurveyedPoints,
     RigReading,
     RigDistances,
+    RtklibPos,
     DeploymentToml,
     /// A known kind of file that is not read, and why.
     Ignored(&'static str),
@@ -69,6 +71,7 @@ impl Format {
             Self::SurveyedPoints => "coordinates of control points",
             Self::RigReading => "a static station's reading of the rig",
             Self::RigDistances => "inter-prism distances",
+            Self::RtklibPos => "positions of a GNSS antenna (RTKLIB)",
             Self::DeploymentToml => "overrides",
             Self::Ignored(why) => why,
         }
@@ -98,6 +101,9 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
     }
     let text = String::from_utf8_lossy(head);
     let text = text.trim_start_matches(BYTE_ORDER_MARK);
+    if rtklib_pos::looks_like(text) {
+        return Format::RtklibPos;
+    }
     let mut lines = text.lines().filter(|line| !line.trim().is_empty());
     let Some(first) = lines.next() else {
         return Format::Ignored("empty");

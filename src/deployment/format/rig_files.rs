@@ -32,9 +32,9 @@ pub fn read_distances(file: &str, text: &str) -> Result<([f64; 3], Option<[f64; 
 }
 
 /// The text that [`read_distances`] reads.
-pub fn write_distances(inter_prism_m: &[f64; 3]) -> String {
-    let [d12, d13, d23] = inter_prism_m;
-    format!("{d12:.6} {d13:.6} {d23:.6}\n")
+pub fn write_distances(inter_prism_m: &[f64; 3], inter_antenna_m: Option<&[f64; 3]>) -> String {
+    let all = inter_prism_m.iter().chain(inter_antenna_m.into_iter().flatten());
+    all.map(|distance| format!("{distance:.6}")).collect::<Vec<_>>().join(" ") + "\n"
 }
 
 /// `calibration_raw.csv`: one static station's reading of prisms 1, 2, 3 (then antennas and lidar).

@@ -1,6 +1,18 @@
 //! Module 4: the positions of the three prisms at common instants.
+//!
+//! [`linear`] as published; [`squared_exponential`] and [`white_noise_on_acceleration`] learn their hyper-parameters,
+//! noise included, and say how well each position is known.
 
+mod dense;
 mod linear;
+mod minimise;
+pub mod squared_exponential;
+#[cfg(test)]
+mod tests;
+pub mod white_noise_on_acceleration;
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use super::{FilteredTrack, Interpolation, Interval, Triplets};
 
@@ -12,10 +24,23 @@ pub fn interpolate(
     rate_hz: f64,
 ) -> Triplets {
     let (time_s, interval) = grid(intervals, rate_hz);
-    let points_m = match method {
-        Interpolation::Linear => tracks.each_ref().map(|track| linear::at(track, &time_s)),
+    let model = match method {
+        Interpolation::Linear => {
+            let points_m = tracks.each_ref().map(|track| linear::at(track, &time_s));
+            return Triplets::new(time_s, interval, points_m);
+        }
+        Interpolation::Gp => squared_exponential::at,
+        Interpolation::Wnoa => white_noise_on_acceleration::at,
     };
-    Triplets::new(time_s, interval, points_m)
+    let mut estimates: Vec<Estimate> =
+        tracks.par_iter().map(|track| model(track, intervals, &time_s, &interval)).collect();
+    let mut sigma_m = [const { Vec::new() }; 3];
+    let mut points_m = [const { Vec::new() }; 3];
+    for (station, estimate) in estimates.drain(..).enumerate() {
+        points_m[station] = estimate.points_m;
+        sigma_m[station] = estimate.sigma_m;
+    }
+    Triplets { sigma_m: Some(sigma_m), ..Triplets::new(time_s, interval, points_m) }
 }
 
 /// Instants (s) and the interval each belongs to.
@@ -29,4 +54,64 @@ fn grid(intervals: &[Interval], rate_hz: f64) -> (Vec<f64>, Vec<u32>) {
         }
     }
     (time_s, owner)
+}
+
+/// Positions with what the model says of their own error.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Estimate {
+    pub points_m: Vec<Vector3<f64>>,
+    /// One standard deviation of the prism's position along each axis (m); the noise of readings is not added.
+    pub sigma_m: Vec<Vector3<f64>>,
+}
+
+/// The axes that share hyper-parameters: level ones together, so that a turn about z turns the answer alike.
+const AXIS_GROUPS: [&[usize]; 2] = [&[0, 1], &[2]];
+
+/// An interval with fewer readings takes the hyper-parameters of its whole station.
+const FEWEST_TO_LEARN_FROM: usize = 20;
+
+/// Error (m) that each reading is taken to have beyond what was learned: far below any instrument's, it keeps the
+/// likelihood finite where readings fit the model without error.
+const LEAST_NOISE_M: f64 = 1e-5;
+
+/// One station's readings for one interval.
+struct Series {
+    /// From the interval's start: the stamps are Unix times, too large for arithmetic on their squares.
+    time_s: Vec<f64>,
+    position_m: Vec<Vector3<f64>>,
+}
+
+impl Series {
+    /// From the last reading at or before the interval's start to the first at or after its end.
+    fn new(track: &FilteredTrack, interval: &Interval) -> Self {
+        let from = track.time_s.partition_point(|t| *t <= interval.start_s).saturating_sub(1);
+        let to = track.time_s.partition_point(|t| *t < interval.end_s) + 1;
+        let range = from..to.min(track.time_s.len());
+        Self {
+            time_s: track.time_s[range.clone()].iter().map(|t| t - interval.start_s).collect(),
+            position_m: track.position_m[range].to_vec(),
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.time_s.len()
+    }
+}
+
+/// Asks `predict` for each interval's instants, given by the interval's number and in seconds from its start.
+fn by_interval(
+    intervals: &[Interval],
+    time_s: &[f64],
+    interval: &[u32],
+    mut predict: impl FnMut(usize, &[f64], &mut Estimate),
+) -> Estimate {
+    let mut estimate = Estimate::default();
+    let mut asked = time_s.iter();
+    for same in interval.chunk_by(|a, b| a == b) {
+        let index = same[0] as usize;
+        let start_s = intervals[index].start_s;
+        let instants: Vec<f64> = asked.by_ref().take(same.len()).map(|t| t - start_s).collect();
+        predict(index, &instants, &mut estimate);
+    }
+    estimate
 }

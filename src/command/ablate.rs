@@ -1,0 +1,33 @@
+//! `resect ablate`: what each module of the pipeline brings.
+
+use clap::Args;
+
+use super::method_name::MethodName;
+use super::study_args::StudyArguments;
+use super::{Failure, print};
+use crate::calibration::Method;
+use crate::experiment::{Control, ablate};
+use crate::export::study;
+
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    study: StudyArguments,
+    /// Whose transforms judge: static-gcp where there are control points (as in the paper), else the dynamic method
+    #[arg(long, value_enum, value_name = "METHOD")]
+    reference: Option<MethodName>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let settings = arguments.study.settings.settings()?;
+    let splits = arguments.study.splits()?;
+    let deployments = arguments.study.deployments()?;
+    let reference = arguments.reference.map(Method::from);
+    let result = ablate(&deployments, &settings, reference, splits, &Control::default())?;
+    if arguments.study.json {
+        print(&format!("{:#}\n", study::json(&result)))?;
+    } else {
+        print(&study::table(&result))?;
+    }
+    arguments.study.write(&result)
+}

@@ -1,0 +1,28 @@
+//! `resect compare`: all methods that the data allows, by both metrics.
+
+use clap::Args;
+
+use super::study_args::StudyArguments;
+use super::{Failure, print};
+use crate::experiment::{Control, compare};
+use crate::export::study;
+
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    study: StudyArguments,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let settings = arguments.study.settings.settings()?;
+    let splits = arguments.study.splits()?;
+    let deployments = arguments.study.deployments()?;
+    let result = compare(&deployments, &settings, splits, &Control::default())?;
+    if arguments.study.json {
+        print(&format!("{:#}\n", study::comparison_json(&result)))?;
+    } else {
+        print(&study::table(&result.study))?;
+        print(&study::transforms_table(&result))?;
+    }
+    arguments.study.write(&result.study)
+}

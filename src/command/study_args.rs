@@ -1,0 +1,67 @@
+//! What the commands that run studies share: deployments, splits, where the results go.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::settings_args::SettingsArguments;
+use super::{Failure, load, print};
+use crate::deployment::Deployment;
+use crate::experiment::{Splits, Study};
+use crate::export::study;
+
+#[derive(Args)]
+pub struct StudyArguments {
+    /// Folders or files with the stations' tracks
+    #[arg(required = true)]
+    path: Vec<PathBuf>,
+    /// Folder for the picture (SVG, PNG) and the table (CSV)
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+    /// Solve with a random 75 % of the data and judge by the rest, so many times
+    #[arg(long, value_name = "REPEATS")]
+    splits: Option<usize>,
+    /// Where the random splits start
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    pub settings: SettingsArguments,
+}
+
+impl StudyArguments {
+    pub fn deployments(&self) -> Result<Vec<Arc<Deployment>>, Failure> {
+        self.path
+            .iter()
+            .map(|path| {
+                let (deployment, _) = load(path, self.settings.rig.as_deref())?;
+                self.settings.adjust(deployment)
+            })
+            .collect()
+    }
+
+    pub fn splits(&self) -> Result<Option<Splits>, Failure> {
+        match self.splits {
+            Some(0) => Err(Failure::Usage("--splits must be at least 1".to_owned())),
+            Some(repeats) if repeats > 1000 => {
+                Err(Failure::Usage("--splits: 1000 repeats are the most".to_owned()))
+            }
+            repeats => Ok(repeats.map(|repeats| Splits { repeats, seed: self.seed })),
+        }
+    }
+
+    /// Writes the files and, unless JSON was asked for, says which.
+    pub fn write(&self, study: &Study) -> Result<(), Failure> {
+        let Some(folder) = &self.out else { return Ok(()) };
+        let written = study::write(study, folder)?;
+        if !self.json {
+            for path in written {
+                print(&format!("{}\n", path.display()))?;
+            }
+        }
+        Ok(())
+    }
+}

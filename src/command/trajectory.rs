@@ -1,0 +1,74 @@
+//! `resect trajectory`: the vehicle's poses in six degrees of freedom.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+
+use super::settings_args::SettingsArguments;
+use super::{Failure, load, print};
+use crate::analysis::Analyst;
+use crate::evaluation::vehicle::vehicle_trajectory;
+use crate::export::tum;
+
+#[derive(Args)]
+pub struct Arguments {
+    /// Folder or file with the stations' tracks
+    path: PathBuf,
+    /// File to write: TUM (timestamp tx ty tz qx qy qz qw), or CSV with the covariance if it ends in .csv; TUM on the
+    /// terminal if none
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Leave out epochs with an inter-prism error above this (mm)
+    #[arg(long, value_name = "MM", default_value_t = 20.0)]
+    max_error: f64,
+    #[command(flatten)]
+    settings: SettingsArguments,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let settings = arguments.settings.settings()?;
+    if !(arguments.max_error > 0.0 && arguments.max_error.is_finite()) {
+        let line = format!("--max-error is {} mm; it must be above zero", arguments.max_error);
+        return Err(Failure::Usage(line));
+    }
+    let (deployment, _) = load(&arguments.path, arguments.settings.rig.as_deref())?;
+    let deployment = arguments.settings.adjust(deployment)?;
+    let analysis = Analyst::new(deployment.clone()).run(&settings);
+    let answer = analysis.answer.clone()?;
+    let (trajectory, frame) = vehicle_trajectory(
+        &deployment,
+        &analysis.pipeline.triplets,
+        analysis.offer.targets,
+        &answer.calibration.station1_from_station,
+        arguments.max_error / 1e3,
+    )?;
+    let Some(file) = &arguments.out else {
+        return Ok(print(&tum::tum(&trajectory))?);
+    };
+    let csv = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    let text = if csv { tum::csv(&trajectory) } else { tum::tum(&trajectory) };
+    std::fs::write(file, text).with_context(|| format!("{}: cannot be written", file.display()))?;
+    let calibration = &answer.calibration;
+    print(&format!(
+        "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\
+         frame of the poses: station 1; of the vehicle: {}\n\
+         by method {}, {}, verdict {}\n",
+        file.display(),
+        trajectory.poses.len(),
+        trajectory.dropped,
+        arguments.max_error,
+        frame.in_words(),
+        calibration.method.letter(),
+        calibration.method.title(),
+        calibration.verdict.name(),
+    ))?;
+    if let Some(sigma) = trajectory.middle_sigma() {
+        print(&format!(
+            "typical σ given the calibration: {:.1} mm in position, {:.2} mrad in orientation\n",
+            sigma.position_m * 1e3,
+            sigma.orientation_rad * 1e3
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,295 @@
+//! Poses of the vehicle in six degrees of freedom, from the three prisms it carries.
+
+use nalgebra::{Matrix3, Matrix3x6, Matrix6, UnitQuaternion, Vector3};
+
+use crate::deployment::{PAIRS, pairwise_distances};
+use crate::geometry::align_rigid;
+
+/// Where the vehicle is and how it is turned at one instant: `station1_from_vehicle`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    pub time_s: f64,
+    /// Origin of the vehicle's frame.
+    pub position_m: Vector3<f64>,
+    pub orientation: UnitQuaternion<f64>,
+    /// Of the position (m), then of the rotation vector θ in station 1's frame (rad): the true orientation is
+    /// exp(θ) times this one.
+    pub covariance: Matrix6<f64>,
+    /// The largest |apparent − known distance| between two prisms: what no pose can explain.
+    pub inter_prism_error_m: f64,
+}
+
+/// Poses in order of time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trajectory {
+    pub poses: Vec<Pose>,
+    /// Instants left out: an inter-prism error above the limit, or points that fix no pose.
+    pub dropped: usize,
+}
+
+/// Standard deviations of a pose: the root of the mean variance of the three axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseSigma {
+    pub position_m: f64,
+    pub orientation_rad: f64,
+}
+
+impl Pose {
+    pub fn sigma(&self) -> PoseSigma {
+        let mean = |from: usize| (from..from + 3).map(|k| self.covariance[(k, k)]).sum::<f64>() / 3.0;
+        PoseSigma { position_m: mean(0).sqrt(), orientation_rad: mean(3).sqrt() }
+    }
+}
+
+impl Trajectory {
+    /// That of the pose in the middle, in order of position σ; `None` without poses.
+    pub fn middle_sigma(&self) -> Option<PoseSigma> {
+        let mut all: Vec<PoseSigma> = self.poses.iter().map(Pose::sigma).collect();
+        all.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
+        all.get(all.len() / 2).copied()
+    }
+}
+
+/// The three prisms at one instant, in station 1's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObservedRig {
+    pub time_s: f64,
+    pub points_m: [Vector3<f64>; 3],
+    /// Standard deviation of each point along each axis.
+    pub sigma_m: [Vector3<f64>; 3],
+}
+
+/// One pose for every instant whose inter-prism distances are within the limit of the rig's.
+///
+/// `rig_m` are the prisms in the vehicle's frame; of prisms on a line every instant is dropped.
+pub fn trajectory(
+    rig_m: &[Vector3<f64>; 3],
+    observed: impl IntoIterator<Item = ObservedRig>,
+    largest_inter_prism_error_m: f64,
+) -> Trajectory {
+    let mut result = Trajectory::default();
+    for instant in observed {
+        match align_rig(rig_m, &instant) {
+            Some(pose) if pose.inter_prism_error_m <= largest_inter_prism_error_m => {
+                result.poses.push(pose);
+            }
+            _ => result.dropped += 1,
+        }
+    }
+    result
+}
+
+/// The pose that brings the rig closest to the observed points, all three weighted alike.
+///
+/// The covariance is that of this unweighted solution to first order: with the design matrix J of all nine
+/// coordinates and N = JᵀJ it is N⁻¹ Jᵀ Σ J N⁻¹, the coordinates' covariance Σ through the linear estimator
+/// N⁻¹ Jᵀ (Förstner & Wrobel 2016, "Photogrammetric Computer Vision", chapter 4). `None` of points on a line.
+pub fn align_rig(rig_m: &[Vector3<f64>; 3], observed: &ObservedRig) -> Option<Pose> {
+    let station1_from_vehicle = align_rigid(&observed.points_m, rig_m)?;
+    let (mut normal, mut noise) = (Matrix6::zeros(), Matrix6::zeros());
+    for (prism_m, sigma_m) in rig_m.iter().zip(&observed.sigma_m) {
+        // δq = δp + θ × R r = δp − [R r]× θ.
+        let lever = station1_from_vehicle.rotate(prism_m).cross_matrix();
+        let mut design = Matrix3x6::zeros();
+        design.fixed_columns_mut::<3>(0).copy_from(&Matrix3::identity());
+        design.fixed_columns_mut::<3>(3).copy_from(&-lever);
+        let variance = Matrix3::from_diagonal(&sigma_m.component_mul(sigma_m));
+        normal += design.transpose() * design;
+        noise += design.transpose() * variance * design;
+    }
+    let inverse = normal.cholesky()?.inverse();
+    let (apparent_m, known_m) = (pairwise_distances(&observed.points_m), pairwise_distances(rig_m));
+    Some(Pose {
+        time_s: observed.time_s,
+        position_m: station1_from_vehicle.translation_m,
+        orientation: station1_from_vehicle.rotation.into(),
+        covariance: inverse * noise * inverse,
+        inter_prism_error_m: (0..PAIRS.len())
+            .map(|pair| (apparent_m[pair] - known_m[pair]).abs())
+            .fold(0.0, f64::max),
+    })
+}
+
+/// A vehicle's frame where only the inter-prism distances 12, 13, 23 (m) are known: origin at prism 1, x towards
+/// prism 2, prism 3 on the side of positive y, z normal to the three. `None` of distances of no triangle.
+///
+/// The height of the triangle is from Heron's formula, whose factors are the triangle inequalities.
+pub fn rig_from_distances(inter_prism_m: &[f64; 3]) -> Option<[Vector3<f64>; 3]> {
+    let [d12, d13, d23] = *inter_prism_m;
+    let slack = [d12 + d13 - d23, d12 + d23 - d13, d13 + d23 - d12];
+    if !slack.iter().all(|slack| *slack > 0.0) {
+        return None;
+    }
+    let four_areas = ((d12 + d13 + d23) * slack.iter().product::<f64>()).sqrt();
+    let x = (d12 * d12 + (d13 - d23) * (d13 + d23)) / (2.0 * d12);
+    Some([
+        Vector3::zeros(),
+        Vector3::new(d12, 0.0, 0.0),
+        Vector3::new(x, four_areas / (2.0 * d12), 0.0),
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::RigidTransform;
+    use nalgebra::{Rotation3, Vector6};
+    use proptest::prelude::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Not centred, so that position and orientation are correlated.
+    fn rig() -> [Vector3<f64>; 3] {
+        [Vector3::new(0.4, 0.1, 0.8), Vector3::new(-0.5, 0.3, 0.9), Vector3::new(0.0, -0.6, 0.7)]
+    }
+
+    fn motion() -> impl Strategy<Value = RigidTransform> {
+        (proptest::array::uniform3(-50.0..50.0f64), proptest::array::uniform3(-2.0..2.0f64))
+            .prop_map(|(translation, turn)| RigidTransform {
+                rotation: Rotation3::new(turn.into()),
+                translation_m: translation.into(),
+            })
+    }
+
+    /// A vector of independent normal deviates.
+    fn noise(rng: &mut ChaCha8Rng) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| StandardNormal.sample(rng))
+    }
+
+    #[test]
+    fn the_covariance_is_that_of_a_monte_carlo() {
+        const DRAWS: usize = 4000;
+        let truth = RigidTransform {
+            rotation: Rotation3::from_euler_angles(0.2, -0.3, 1.2),
+            translation_m: Vector3::new(20.0, -35.0, 1.5),
+        };
+        let sigma_m = [
+            Vector3::new(0.002, 0.001, 0.003),
+            Vector3::new(0.001, 0.004, 0.001),
+            Vector3::new(0.003, 0.002, 0.002),
+        ];
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut squares = Vector6::zeros();
+        let mut mahalanobis = 0.0;
+        for _ in 0..DRAWS {
+            let points_m = std::array::from_fn(|prism| {
+                truth.apply(&rig()[prism]) + sigma_m[prism].component_mul(&noise(&mut rng))
+            });
+            let observed = ObservedRig { time_s: 0.0, points_m, sigma_m };
+            let pose = align_rig(&rig(), &observed).expect("a triangle");
+            let moved_m = truth.translation_m - pose.position_m;
+            let turned_rad =
+                (UnitQuaternion::from(truth.rotation) * pose.orientation.inverse()).scaled_axis();
+            let error = Vector6::from_iterator(moved_m.iter().chain(&turned_rad).copied());
+            squares += error.component_mul(&error).component_div(&pose.covariance.diagonal());
+            // The diagonal says nothing of the correlations; this does.
+            let information = pose.covariance.try_inverse().expect("full rank");
+            mahalanobis += error.dot(&(information * error));
+        }
+        let rms = (squares / DRAWS as f64).map(f64::sqrt);
+        assert!(rms.iter().all(|rms| (rms - 1.0).abs() < 0.1), "normalised errors {rms}");
+        let mean = mahalanobis / DRAWS as f64;
+        assert!((mean / 6.0 - 1.0).abs() < 0.1, "Mahalanobis distance {mean} of 6 unknowns");
+    }
+
+    proptest! {
+        #[test]
+        fn moving_the_observations_moves_the_pose_alike(
+            before in motion(),
+            by in motion(),
+            seed in 0..1000u64,
+        ) {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let points_m = rig().map(|prism| before.apply(&prism) + 0.01 * noise(&mut rng));
+            // The same in all directions, so that it turns into itself.
+            let sigma_m = [0.001, 0.002, 0.005].map(Vector3::repeat);
+            let observed = ObservedRig { time_s: 7.0, points_m, sigma_m };
+            let pose = align_rig(&rig(), &observed).expect("a triangle");
+            let moved = ObservedRig { points_m: points_m.map(|p| by.apply(&p)), ..observed };
+            let moved = align_rig(&rig(), &moved).expect("a triangle");
+
+            prop_assert!((moved.position_m - by.apply(&pose.position_m)).norm() < 1e-9);
+            let expected = UnitQuaternion::from(by.rotation) * pose.orientation;
+            prop_assert!(moved.orientation.angle_to(&expected) < 1e-9);
+            let mut turn = Matrix6::zeros();
+            turn.fixed_view_mut::<3, 3>(0, 0).copy_from(by.rotation.matrix());
+            turn.fixed_view_mut::<3, 3>(3, 3).copy_from(by.rotation.matrix());
+            let expected = turn * pose.covariance * turn.transpose();
+            prop_assert!((moved.covariance - expected).norm() < 1e-9 * expected.norm());
+            prop_assert!((moved.inter_prism_error_m - pose.inter_prism_error_m).abs() < 1e-12);
+        }
+
+        #[test]
+        fn a_rig_keeps_its_distances(
+            x in -2.0..2.0f64, y in 0.01..2.0f64, d12 in 0.1..3.0f64,
+        ) {
+            let expected = [Vector3::zeros(), Vector3::new(d12, 0.0, 0.0), Vector3::new(x, y, 0.0)];
+            let found = rig_from_distances(&pairwise_distances(&expected)).expect("a triangle");
+            for (found, expected) in found.iter().zip(&expected) {
+                prop_assert!((found - expected).norm() < 1e-10);
+            }
+        }
+    }
+
+    #[test]
+    fn an_exact_observation_gives_the_pose_and_no_error() {
+        let truth = RigidTransform {
+            rotation: Rotation3::from_euler_angles(0.1, 0.2, -2.0),
+            translation_m: Vector3::new(1.0, 2.0, 3.0),
+        };
+        let points_m = rig().map(|prism| truth.apply(&prism));
+        let observed = ObservedRig { time_s: 3.5, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
+        let pose = align_rig(&rig(), &observed).expect("a triangle");
+        assert_eq!(pose.time_s, 3.5);
+        assert!((pose.position_m - truth.translation_m).norm() < 1e-12);
+        assert!(pose.orientation.angle_to(&truth.rotation.into()) < 1e-12);
+        assert!(pose.inter_prism_error_m < 1e-12);
+    }
+
+    #[test]
+    fn distances_of_no_triangle_make_no_rig() {
+        assert!(rig_from_distances(&[3.0, 4.0, 5.0]).is_some());
+        for broken in [
+            [1.0, 2.0, 4.0],
+            [4.0, 1.0, 2.0],
+            [2.0, 4.0, 1.0],
+            [1.0, 2.0, 3.0],
+            [0.0, 1.0, 1.0],
+            [-3.0, -4.0, -5.0],
+            [1.0, 1.0, f64::NAN],
+            [1.0, f64::INFINITY, f64::INFINITY],
+        ] {
+            assert_eq!(rig_from_distances(&broken), None, "{broken:?}");
+        }
+    }
+
+    #[test]
+    fn prisms_on_a_line_or_a_spot_have_no_pose() {
+        let sigma_m = [Vector3::repeat(1e-3); 3];
+        let fine = ObservedRig { time_s: 0.0, points_m: rig(), sigma_m };
+        let line = [0.0, 1.0, 3.0].map(|s| Vector3::new(s, 2.0 * s, 0.5));
+        for hopeless in [line, [Vector3::x(); 3]] {
+            assert_eq!(align_rig(&hopeless, &fine), None);
+            assert_eq!(align_rig(&rig(), &ObservedRig { points_m: hopeless, ..fine }), None);
+        }
+    }
+
+    #[test]
+    fn instants_above_the_limit_are_dropped_and_counted() {
+        let sigma_m = [Vector3::repeat(1e-3); 3];
+        let along = (rig()[1] - rig()[0]).normalize();
+        let instants =
+            [0.0, 0.004, 0.02, -0.006, -0.03].iter().enumerate().map(|(i, stretch_m)| {
+                let [one, two, three] = rig();
+                let points_m = [one, two + *stretch_m * along, three];
+                ObservedRig { time_s: i as f64, points_m, sigma_m }
+            });
+        let found = trajectory(&rig(), instants, 0.01);
+        assert_eq!(found.dropped, 2);
+        let kept: Vec<_> = found.poses.iter().map(|pose| pose.time_s).collect();
+        assert_eq!(kept, [0.0, 1.0, 3.0]);
+        assert!((found.poses[1].inter_prism_error_m - 0.004).abs() < 1e-12);
+        assert!((found.poses[2].inter_prism_error_m - 0.006).abs() < 1e-12);
+    }
+}

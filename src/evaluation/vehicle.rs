@@ -1,0 +1,136 @@
+//! From an answer to the vehicle's trajectory: which frame the poses are of, and how well each point is known.
+
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+
+use super::trajectory::{ObservedRig, Trajectory, rig_from_distances, trajectory};
+use crate::calibration::Targets;
+use crate::deployment::{Deployment, PAIRS, Rig};
+use crate::geometry::{RigidTransform, align_rigid};
+use crate::pipeline::Triplets;
+
+/// Why there are no poses.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoTrajectory {
+    #[error("{0}: all stations follow one prism, which has a position but no orientation")]
+    OnePrism(String),
+    #[error(
+        "{0}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, or give --rig"
+    )]
+    NoRig(String),
+    #[error("{0}: the three prisms lie on a line, which has no orientation")]
+    PrismsOnALine(String),
+}
+
+/// What the vehicle's frame is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VehicleFrame {
+    /// As `deployment.toml` gives the prisms.
+    Given,
+    /// Origin at prism 1, z up as the rig stood when it was read, x level and towards prism 2.
+    Reading,
+    /// Origin at prism 1, x to prism 2, y on the side of prism 3, z normal to the three.
+    Triangle,
+}
+
+impl VehicleFrame {
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Given => "the vehicle's, in which deployment.toml gives prisms_m",
+            Self::Reading => {
+                "origin at prism 1, z up as the rig stood when it was read, x level towards prism 2"
+            }
+            Self::Triangle => {
+                "origin at prism 1, x to prism 2, y on the side of prism 3, z normal to the three"
+            }
+        }
+    }
+}
+
+/// The prisms in the vehicle's frame (m); `None` where they lie on a line.
+///
+/// The shape is that of the inter-prism distances, which average many readings; the one reading of the rig only says
+/// how it stands.
+pub fn prisms_in_vehicle(rig: &Rig) -> Option<([Vector3<f64>; 3], VehicleFrame)> {
+    if let Some(given) = rig.in_vehicle_m {
+        return Some((given, VehicleFrame::Given));
+    }
+    let triangle = rig_from_distances(&rig.inter_prism_m)?;
+    let Some(read) = rig.prisms_m else {
+        return Some((triangle, VehicleFrame::Triangle));
+    };
+    let reading_from_triangle = align_rigid(&read, &triangle)?;
+    let standing = triangle.map(|prism| reading_from_triangle.rotate(&prism));
+    let towards = [standing[1], standing[2]].into_iter().find(|p| p.xy().norm() > 1e-3)?;
+    let back = Rotation3::from_axis_angle(&Vector3::z_axis(), -towards.y.atan2(towards.x));
+    Some((standing.map(|prism| back * prism), VehicleFrame::Reading))
+}
+
+/// One pose for every triplet whose inter-prism distances are within the limit.
+pub fn vehicle_trajectory(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    targets: Targets,
+    station1_from_station: &[RigidTransform; 3],
+    largest_inter_prism_error_m: f64,
+) -> Result<(Trajectory, VehicleFrame), NoTrajectory> {
+    let name = || deployment.name.clone();
+    if targets == Targets::OnePrism {
+        return Err(NoTrajectory::OnePrism(name()));
+    }
+    let rig = deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?;
+    let (prisms_m, frame) =
+        prisms_in_vehicle(rig).ok_or_else(|| NoTrajectory::PrismsOnALine(name()))?;
+    let observed = observed(triplets, station1_from_station, &rig.inter_prism_m);
+    Ok((trajectory(&prisms_m, observed, largest_inter_prism_error_m), frame))
+}
+
+/// The prisms at every instant, with a standard deviation that the distances bear out.
+///
+/// Errors of a distance come from two points, so they tell how far off a point is on one axis. Where the interpolation
+/// states its own σ, it is widened until it explains the distance errors, never narrowed.
+fn observed(
+    triplets: &Triplets,
+    station1_from_station: &[RigidTransform; 3],
+    inter_prism_m: &[f64; 3],
+) -> Vec<ObservedRig> {
+    let placed = |index: usize| -> [Vector3<f64>; 3] {
+        let points = triplets.triplet_m(index);
+        std::array::from_fn(|station| station1_from_station[station].apply(&points[station]))
+    };
+    // Errors over what the stated σ (1 m where none is stated) lets expect.
+    let mut ratios = Vec::with_capacity(3 * triplets.len());
+    let stated = |station: usize, index: usize| {
+        triplets.sigma_m.as_ref().map_or(Vector3::repeat(1.0), |all| all[station][index])
+    };
+    for index in 0..triplets.len() {
+        let points = placed(index);
+        for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+            let between = points[b] - points[a];
+            let direction = between.normalize();
+            let variance: f64 = [a, b]
+                .iter()
+                .map(|station| stated(*station, index).component_mul(&direction).norm_squared())
+                .sum();
+            ratios.push((between.norm() - inter_prism_m[pair]).abs() / variance.sqrt());
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    // Half of the normal deviates are smaller than 0.6745.
+    let shown = ratios.get(ratios.len() / 2).map_or(0.0, |median| median / 0.6745);
+    let factor = if triplets.sigma_m.is_some() { shown.max(1.0) } else { shown };
+    (0..triplets.len())
+        .map(|index| ObservedRig {
+            time_s: triplets.time_s[index],
+            points_m: placed(index),
+            sigma_m: std::array::from_fn(|station| stated(station, index) * factor),
+        })
+        .collect()
+}
+
+/// The rotation and origin of a pose as a transform.
+pub fn station1_from_vehicle(
+    position_m: Vector3<f64>,
+    orientation: UnitQuaternion<f64>,
+) -> RigidTransform {
+    RigidTransform { rotation: orientation.to_rotation_matrix(), translation_m: position_m }
+}

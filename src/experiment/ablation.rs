@@ -1,0 +1,85 @@
+//! What each module of the pipeline brings (`paper.tex`, "Sensitivity and ablation tests").
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::reference::{self, Reference};
+use super::split::Splits;
+use super::study::{Group, Quantiles, Series, Study};
+use super::{Control, StudyError};
+use crate::analysis::Settings;
+use crate::deployment::Deployment;
+use crate::palette;
+use crate::pipeline::{Interpolation, PipelineSettings};
+
+/// Which optional modules run.
+const COMBINATIONS: [(&str, bool, bool); 4] = [
+    ("no filter", false, false),
+    ("filter 1 (outliers)", true, false),
+    ("filter 3 (intervals)", false, true),
+    ("both filters", true, true),
+];
+
+/// Inter-prism errors for every combination of modules 1 and 3 and every interpolation.
+pub fn ablate(
+    deployments: &[Arc<Deployment>],
+    settings: &Settings,
+    reference: Reference,
+    splits: Option<Splits>,
+    control: &Control,
+) -> Result<Study, StudyError> {
+    control.expect(deployments.len().min(1) + COMBINATIONS.len() * Interpolation::ALL.len());
+    let (judges, findings) =
+        control.step(|| reference::judges(deployments, settings, reference, splits))?;
+    if judges.is_empty() {
+        let why: Vec<String> = findings.iter().map(ToString::to_string).collect();
+        return Err(StudyError::Nothing(why.join("; ")));
+    }
+    let variants: Vec<(usize, Interpolation)> = (0..COMBINATIONS.len())
+        .flat_map(|combination| Interpolation::ALL.map(|interpolation| (combination, interpolation)))
+        .collect();
+    let results = variants
+        .par_iter()
+        .map(|(combination, interpolation)| {
+            let (_, outlier_filter, interval_filter) = COMBINATIONS[*combination];
+            let variant = PipelineSettings {
+                outlier_filter,
+                interval_filter,
+                interpolation: *interpolation,
+                ..settings.pipeline
+            };
+            control.step(|| reference::pooled(&judges, &variant, splits))
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut results = results.into_iter();
+    let groups = COMBINATIONS
+        .iter()
+        .map(|(label, ..)| {
+            let row: Vec<(Vec<f64>, usize)> = results.by_ref().take(Interpolation::ALL.len()).collect();
+            Group {
+                label: (*label).to_owned(),
+                note: row.first().map_or(String::new(), |(_, count)| format!("{count} triplets")),
+                boxes: row
+                    .into_iter()
+                    .map(|(errors, _)| Quantiles::of(errors).ok_or_else(|| "no triplets".to_owned()))
+                    .collect(),
+            }
+        })
+        .collect();
+    Ok(Study {
+        name: "ablation".to_owned(),
+        title: "What the modules of the pipeline bring".to_owned(),
+        subtitle: reference::in_words(&judges, splits),
+        value_label: "inter-prism error (mm)".to_owned(),
+        group_label: "optional modules that run".to_owned(),
+        series: Interpolation::ALL
+            .into_iter()
+            .zip(palette::SERIES)
+            .map(|(interpolation, rgb)| Series { name: interpolation.title().to_owned(), rgb })
+            .collect(),
+        groups,
+        levels: Vec::new(),
+        findings,
+    })
+}

@@ -1,0 +1,24 @@
+//! The paper's studies, over one or many deployments: [`ablate`] (modules of the pipeline), [`sweep`] (a threshold),
+//! [`compare`] (the calibrations).
+//!
+//! Each gives a [`Study`]: boxes of errors with a label each, which the terminal, CSV, JSON, pictures and the window
+//! all show. [`Control`] tells how far one is, and stops it.
+
+mod ablation;
+mod comparison;
+mod control;
+mod reference;
+mod sensitivity;
+mod split;
+mod study;
+
+pub use ablation::ablate;
+pub use comparison::{Comparison, Compared, Disagreement, compare};
+pub use control::{Control, StudyError};
+pub use reference::Reference;
+pub use sensitivity::{Parameter, Sweep, sweep};
+pub use split::Splits;
+pub use study::{Group, Level, Quantiles, Series, Study};
+
+/// Range accuracy of the Trimble S7 (mm): the paper's line for the instruments' own noise.
+pub const INSTRUMENT_NOISE_MM: f64 = 2.0;

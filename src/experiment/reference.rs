@@ -1,0 +1,134 @@
+//! The transforms that the pipeline is judged by.
+//!
+//! The paper judges its pipeline with the static control points' transforms, because those of the dynamic methods come
+//! from the very triplets that are judged.
+
+use super::split::{Part, Splits, parts};
+use crate::analysis::Settings;
+use crate::calibration::{self, Method, Offer, Targets};
+use crate::deployment::{Deployment, Finding};
+use crate::evaluation;
+use crate::geometry::RigidTransform;
+use crate::pipeline::{self, PipelineSettings};
+
+/// Which method's transforms; `None` takes B where the data allows it, else the deployment's own default.
+pub type Reference = Option<Method>;
+
+/// A deployment with what its errors are measured by.
+pub struct Judge {
+    pub method: Method,
+    /// One for each training part.
+    station1_from_station: Vec<[RigidTransform; 3]>,
+    targets: Targets,
+}
+
+impl Judge {
+    /// Calibrates with the settings as they are. The findings say what to think of it.
+    pub fn new(
+        deployment: &Deployment,
+        settings: &Settings,
+        reference: Reference,
+        splits: Option<Splits>,
+    ) -> Result<(Self, Vec<Finding>), String> {
+        let triplets = pipeline::run(deployment, &settings.pipeline).triplets;
+        let offer = Offer::of(deployment, &triplets);
+        let method = reference.unwrap_or_else(|| {
+            if offer.lack(Method::StaticGcp).is_none() {
+                Method::StaticGcp
+            } else {
+                offer.default_method()
+            }
+        });
+        let chosen = calibration::CalibrationSettings { method: Some(method), ..settings.calibration };
+        let mut findings = Vec::new();
+        let mut station1_from_station = Vec::new();
+        for [train, _] in parts(deployment, &triplets, splits) {
+            let answer = calibration::solve(&train.deployment, &train.triplets, &chosen, &offer)
+                .map_err(|error| error.to_string())?;
+            let doubts = answer.findings.into_iter().filter(|f| f.severity > crate::deployment::Severity::Note);
+            if findings.is_empty() {
+                findings.extend(doubts.map(|finding| Finding {
+                    message: format!("{}, method {}: {finding}", deployment.name, method.letter()),
+                    ..finding
+                }));
+            }
+            station1_from_station.push(answer.station1_from_station);
+        }
+        Ok((Self { method, station1_from_station, targets: offer.targets }, findings))
+    }
+
+    /// Distance errors of what the pipeline makes of the deployment (mm), of unseen triplets if there are splits; and
+    /// how many triplets there are.
+    pub fn errors_mm(
+        &self,
+        deployment: &Deployment,
+        settings: &PipelineSettings,
+        splits: Option<Splits>,
+    ) -> (Vec<f64>, usize) {
+        let triplets = pipeline::run(deployment, settings).triplets;
+        let errors = parts(deployment, &triplets, splits)
+            .into_iter()
+            .zip(&self.station1_from_station)
+            .flat_map(|([_, test], transforms)| self.part_errors_mm(&test, transforms))
+            .collect();
+        (errors, triplets.len())
+    }
+
+    fn part_errors_mm(&self, part: &Part, transforms: &[RigidTransform; 3]) -> Vec<f64> {
+        let Part { deployment, triplets } = part;
+        let evaluation = evaluation::evaluate(deployment, triplets, self.targets, transforms);
+        evaluation.distance_errors_mm.into_iter().flatten().collect()
+    }
+}
+
+/// Judges of all deployments; those without one are left out with a finding.
+pub fn judges<'a>(
+    deployments: &'a [std::sync::Arc<Deployment>],
+    settings: &Settings,
+    reference: Reference,
+    splits: Option<Splits>,
+) -> (Vec<(&'a Deployment, Judge)>, Vec<Finding>) {
+    let mut findings = Vec::new();
+    let mut judges = Vec::new();
+    for deployment in deployments {
+        match Judge::new(deployment, settings, reference, splits) {
+            Ok((judge, doubts)) => {
+                findings.extend(doubts);
+                judges.push((deployment.as_ref(), judge));
+            }
+            Err(why) => findings.push(Finding::warning(format!("left out: {why}"))),
+        }
+    }
+    (judges, findings)
+}
+
+/// "the transforms of B (static control points)", naming every method in use.
+pub fn in_words(judges: &[(&Deployment, Judge)], splits: Option<Splits>) -> String {
+    let used = Method::ALL.into_iter().filter(|method| judges.iter().any(|(_, j)| j.method == *method));
+    let names: Vec<String> = used.map(|m| format!("{} ({})", m.letter(), m.title())).collect();
+    let data = match judges.len() {
+        1 => judges[0].0.name.clone(),
+        count => format!("{count} deployments"),
+    };
+    let unseen = splits.map_or(String::new(), |splits| {
+        format!("; each on the 25 % left out, {} random splits, seed {}", splits.repeats, splits.seed)
+    });
+    format!("{data}; by the transforms of {}{unseen}", names.join(" and "))
+}
+
+/// Used by the studies of the pipeline: errors of all deployments under one setting.
+pub fn pooled(
+    judges: &[(&Deployment, Judge)],
+    settings: &PipelineSettings,
+    splits: Option<Splits>,
+) -> (Vec<f64>, usize) {
+    let mut pool = Vec::new();
+    let mut count = 0;
+    for (deployment, judge) in judges {
+        let (errors, triplets) = judge.errors_mm(deployment, settings, splits);
+        pool.extend(errors);
+        count += triplets;
+    }
+    (pool, count)
+}
+

@@ -1,0 +1,192 @@
+//! How the errors depend on one threshold (`paper.tex`, "Sensitivity and ablation tests").
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::reference::{self, Reference};
+use super::split::Splits;
+use super::study::{Group, Quantiles, Series, Study};
+use super::{Control, StudyError};
+use crate::analysis::Settings;
+use crate::deployment::Deployment;
+use crate::palette;
+use crate::pipeline::PipelineSettings;
+
+/// What can be swept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parameter {
+    TauR,
+    TauA,
+    TauE,
+    TauS,
+    TauL,
+    Rate,
+}
+
+impl Parameter {
+    pub const ALL: [Self; 6] =
+        [Self::TauR, Self::TauA, Self::TauE, Self::TauS, Self::TauL, Self::Rate];
+
+    /// As a flag.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TauR => "tau-r",
+            Self::TauA => "tau-a",
+            Self::TauE => "tau-e",
+            Self::TauS => "tau-s",
+            Self::TauL => "tau-l",
+            Self::Rate => "rate",
+        }
+    }
+
+    /// As the paper writes it, and in words.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::TauR => "τ_r, range rate",
+            Self::TauA => "τ_a, azimuth rate",
+            Self::TauE => "τ_e, zenith rate",
+            Self::TauS => "τ_s, longest gap",
+            Self::TauL => "τ_l, shortest interval",
+            Self::Rate => "rate of the triplets",
+        }
+    }
+
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::TauR => "m/s",
+            Self::TauA | Self::TauE => "°/s",
+            Self::TauS | Self::TauL => "s",
+            Self::Rate => "Hz",
+        }
+    }
+
+    pub fn of(self, settings: &mut PipelineSettings) -> &mut f64 {
+        let thresholds = &mut settings.thresholds;
+        match self {
+            Self::TauR => &mut thresholds.tau_r_m_per_s,
+            Self::TauA => &mut thresholds.tau_a_deg_per_s,
+            Self::TauE => &mut thresholds.tau_e_deg_per_s,
+            Self::TauS => &mut thresholds.tau_s_seconds,
+            Self::TauL => &mut thresholds.tau_l_seconds,
+            Self::Rate => &mut settings.rate_hz,
+        }
+    }
+
+    /// Whether the module that it belongs to runs.
+    fn matters(self, settings: &PipelineSettings) -> bool {
+        match self {
+            Self::TauR | Self::TauA | Self::TauE => settings.outlier_filter,
+            Self::TauL => settings.interval_filter,
+            Self::TauS | Self::Rate => true,
+        }
+    }
+}
+
+/// Equal steps of a parameter, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    pub parameter: Parameter,
+    pub from: f64,
+    pub to: f64,
+    pub steps: usize,
+}
+
+impl Sweep {
+    pub const MOST_STEPS: usize = 200;
+
+    pub fn values(&self) -> Vec<f64> {
+        let last = self.steps.saturating_sub(1).max(1) as f64;
+        (0..self.steps).map(|i| self.from + (self.to - self.from) * i as f64 / last).collect()
+    }
+
+    /// What makes no sense, as one line.
+    pub fn check(&self, settings: &PipelineSettings) -> Result<(), String> {
+        let Self { parameter, steps, .. } = *self;
+        if !(2..=Self::MOST_STEPS).contains(&steps) {
+            return Err(format!("steps is {steps}; from 2 to {} are possible", Self::MOST_STEPS));
+        }
+        if !parameter.matters(settings) {
+            return Err(format!("{} has no effect while its filter is off", parameter.name()));
+        }
+        for value in [self.from, self.to] {
+            let mut variant = *settings;
+            *parameter.of(&mut variant) = value;
+            variant.check()?;
+        }
+        Ok(())
+    }
+}
+
+/// Inter-prism errors for every value of the parameter.
+pub fn sweep(
+    deployments: &[Arc<Deployment>],
+    settings: &Settings,
+    sweep: &Sweep,
+    reference: Reference,
+    splits: Option<Splits>,
+    control: &Control,
+) -> Result<Study, StudyError> {
+    sweep.check(&settings.pipeline).map_err(StudyError::Nothing)?;
+    let values = sweep.values();
+    control.expect(1 + values.len());
+    let (judges, findings) =
+        control.step(|| reference::judges(deployments, settings, reference, splits))?;
+    if judges.is_empty() {
+        let why: Vec<String> = findings.iter().map(ToString::to_string).collect();
+        return Err(StudyError::Nothing(why.join("; ")));
+    }
+    let parameter = sweep.parameter;
+    let groups = values
+        .par_iter()
+        .map(|value| {
+            let mut variant = settings.pipeline;
+            *parameter.of(&mut variant) = *value;
+            let (errors, count) = control.step(|| reference::pooled(&judges, &variant, splits))?;
+            Ok(Group {
+                label: short(*value),
+                note: format!("{count}"),
+                boxes: vec![Quantiles::of(errors).ok_or_else(|| "no triplets".to_owned())],
+            })
+        })
+        .collect::<Result<Vec<_>, StudyError>>()?;
+    Ok(Study {
+        name: format!("sweep-{}", parameter.name()),
+        title: format!("How the errors depend on {}", parameter.title()),
+        subtitle: reference::in_words(&judges, splits),
+        value_label: "inter-prism error (mm)".to_owned(),
+        group_label: format!("{} ({}); below it the number of triplets", parameter.title(), parameter.unit()),
+        series: vec![Series {
+            name: settings.pipeline.interpolation.title().to_owned(),
+            rgb: palette::SERIES[0],
+        }],
+        groups,
+        levels: Vec::new(),
+        findings,
+    })
+}
+
+/// Three digits, without the zeros that say nothing.
+fn short(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ends_are_swept_and_nonsense_is_refused() {
+        let tau_s = Sweep { parameter: Parameter::TauS, from: 0.5, to: 3.0, steps: 11 };
+        let values = tau_s.values();
+        assert_eq!((values[0], values[10], values.len()), (0.5, 3.0, 11));
+        assert_eq!(short(values[1]), "0.75");
+        let paper = PipelineSettings::default();
+        assert_eq!(tau_s.check(&paper), Ok(()));
+        assert!(Sweep { from: -1.0, ..tau_s }.check(&paper).is_err());
+        assert!(Sweep { steps: 1, ..tau_s }.check(&paper).is_err());
+        let no_filter = PipelineSettings { outlier_filter: false, ..paper };
+        assert!(Sweep { parameter: Parameter::TauR, ..tau_s }.check(&no_filter).is_err());
+    }
+}

@@ -1,0 +1,78 @@
+//! The result of a study: boxes of errors in groups and series.
+
+use crate::deployment::Finding;
+use crate::evaluation::quantile_of;
+use crate::palette::Rgb;
+
+/// One box: sizes of errors, summed up (mm).
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Quantiles {
+    pub q05: f64,
+    pub q25: f64,
+    pub median: f64,
+    pub q75: f64,
+    pub q95: f64,
+    pub n: usize,
+}
+
+impl Quantiles {
+    /// Of errors (mm) of either sign, in any order; `None` of nothing.
+    pub fn of(errors_mm: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut sizes_mm: Vec<f64> = errors_mm.into_iter().map(f64::abs).collect();
+        sizes_mm.sort_unstable_by(f64::total_cmp);
+        let at = |share: f64| quantile_of(&sizes_mm, share);
+        Some(Self {
+            q05: at(0.05)?,
+            q25: at(0.25)?,
+            median: at(0.5)?,
+            q75: at(0.75)?,
+            q95: at(0.95)?,
+            n: sizes_mm.len(),
+        })
+    }
+
+    pub fn values(&self) -> [f64; 5] {
+        [self.q05, self.q25, self.median, self.q75, self.q95]
+    }
+
+    pub fn iqr(&self) -> f64 {
+        self.q75 - self.q25
+    }
+}
+
+/// Boxes side by side, one of each series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    pub label: String,
+    /// A second line: how much data stands behind it.
+    pub note: String,
+    /// Or why there is none, in a few words.
+    pub boxes: Vec<Result<Quantiles, String>>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    pub name: String,
+    pub rgb: Rgb,
+}
+
+/// A value (mm) to compare with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    pub label: String,
+    pub value: f64,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    /// For file names: "ablation".
+    pub name: String,
+    pub title: String,
+    pub subtitle: String,
+    pub value_label: String,
+    pub group_label: String,
+    pub series: Vec<Series>,
+    pub groups: Vec<Group>,
+    pub levels: Vec<Level>,
+    pub findings: Vec<Finding>,
+}

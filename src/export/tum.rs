@@ -1,0 +1,53 @@
+//! Trajectories for other programs: TUM (`evo` reads it), and CSV with the covariance.
+
+use std::fmt::Write;
+
+use crate::evaluation::trajectory::Trajectory;
+
+/// `timestamp tx ty tz qx qy qz qw`, one pose a line: the format of the TUM RGB-D benchmark.
+pub fn tum(trajectory: &Trajectory) -> String {
+    let mut text = String::from("# timestamp tx ty tz qx qy qz qw\n");
+    for pose in &trajectory.poses {
+        let (t, q) = (&pose.position_m, pose.orientation.quaternion());
+        _ = writeln!(
+            text,
+            "{:.6} {:.6} {:.6} {:.6} {:.9} {:.9} {:.9} {:.9}",
+            pose.time_s, t.x, t.y, t.z, q.i, q.j, q.k, q.w
+        );
+    }
+    text
+}
+
+/// Poses with the largest inter-prism error, six standard deviations and the upper triangle of the covariance of
+/// (position, rotation vector in station 1's frame).
+pub fn csv(trajectory: &Trajectory) -> String {
+    const PARTS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+    let mut header = "timestamp_s,x_m,y_m,z_m,qx,qy,qz,qw,inter_prism_error_m".to_owned();
+    for (index, part) in PARTS.iter().enumerate() {
+        header += &format!(",sigma_{part}_{}", if index < 3 { "m" } else { "rad" });
+    }
+    for row in 0..6 {
+        for column in row..6 {
+            header += &format!(",cov_{}_{}", PARTS[row], PARTS[column]);
+        }
+    }
+    let mut text = header + "\n";
+    for pose in &trajectory.poses {
+        let (t, q) = (&pose.position_m, pose.orientation.quaternion());
+        _ = write!(
+            text,
+            "{:.6},{:.6},{:.6},{:.6},{:.9},{:.9},{:.9},{:.9},{:.6}",
+            pose.time_s, t.x, t.y, t.z, q.i, q.j, q.k, q.w, pose.inter_prism_error_m
+        );
+        for index in 0..6 {
+            _ = write!(text, ",{:.7}", pose.covariance[(index, index)].max(0.0).sqrt());
+        }
+        for row in 0..6 {
+            for column in row..6 {
+                _ = write!(text, ",{:.6e}", pose.covariance[(row, column)]);
+            }
+        }
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,296 @@
+//! A Gaussian process with a squared-exponential kernel, learned from the readings themselves.
+//!
+//! Along each axis the prism moves on a straight line at constant speed, of which nothing is known, plus a smooth
+//! wandering with covariance `σ_f² exp(−Δt²/2ℓ²)`; readings add white noise `σ_n²`. The line stands in for the
+//! usual mean: removing a constant alone would ask the kernel for the ever larger `σ_f` of a vehicle that drives
+//! away. It is integrated out under a flat prior, so its own uncertainty is part of the answer.
+//!
+//! `ℓ`, `σ_f` and `σ_n` maximise the marginal likelihood (Rasmussen & Williams 2006, eq. 5.8, with the gradient
+//! of eq. 5.9 and the explicit basis of section 2.7).
+
+use nalgebra::{DMatrix, Vector2, Vector3};
+
+use super::{
+    AXIS_GROUPS, Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval, dense::Window,
+    minimise,
+};
+use crate::pipeline::{FilteredTrack, Interval};
+
+/// Readings in a chunk to learn from; the cost grows with the cube.
+const CHUNK: usize = 64;
+/// Readings in all chunks together, spread evenly over the series.
+const MOST_READINGS: usize = 4 * CHUNK;
+/// Readings whose neighbourhood is predicted from one factorisation.
+const CORE: usize = 64;
+/// Readings beyond the core on either side: 13 s at the usual rate, some length scales of a vehicle's motion.
+const MARGIN: usize = 32;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hyperparameters {
+    pub length_scale_s: f64,
+    /// How far the prism wanders from the straight line.
+    pub signal_m: f64,
+    pub noise_m: f64,
+}
+
+impl Hyperparameters {
+    /// `σ_n²/σ_f²`.
+    fn ratio(&self) -> f64 {
+        (self.noise_m / self.signal_m).powi(2)
+    }
+}
+
+/// Where no interval holds enough readings to learn from: a walking-pace robot and a good instrument.
+const UNLEARNED: Hyperparameters =
+    Hyperparameters { length_scale_s: 3.0, signal_m: 1.0, noise_m: 2e-3 };
+
+/// Positions at sorted instants (s), each in `intervals[interval[i]]`.
+pub fn at(
+    track: &FilteredTrack,
+    intervals: &[Interval],
+    time_s: &[f64],
+    interval: &[u32],
+) -> Estimate {
+    let learned = learn(track, intervals);
+    by_interval(intervals, time_s, interval, |index, instants_s, estimate| {
+        let series = Series::new(track, &intervals[index]);
+        predict(&series, &learned[index], instants_s, estimate);
+    })
+}
+
+/// For each interval the hyper-parameters of the level axes and of the vertical one.
+pub fn learn(track: &FilteredTrack, intervals: &[Interval]) -> Vec<[Hyperparameters; 2]> {
+    let series: Vec<_> = intervals.iter().map(|interval| Series::new(track, interval)).collect();
+    let shared = AXIS_GROUPS.map(|axes| Likelihood::new(&series, axes).map(|l| l.learn_afresh()));
+    let learn_own = |own: &Series, group: usize| {
+        let Some(shared) = shared[group] else { return UNLEARNED };
+        if own.len() < FEWEST_TO_LEARN_FROM {
+            return shared;
+        }
+        let likelihood = Likelihood::new(std::slice::from_ref(own), AXIS_GROUPS[group]);
+        likelihood.map_or(shared, |likelihood| likelihood.learn_from(&shared))
+    };
+    series.iter().map(|own| std::array::from_fn(|group| learn_own(own, group))).collect()
+}
+
+/// Positions along some axes from a place nearby, so that rounding is that of small numbers.
+fn columns_m(positions_m: &[Vector3<f64>], axes: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(positions_m.len(), axes.len(), |i, j| {
+        positions_m[i][axes[j]] - positions_m[0][axes[j]]
+    })
+}
+
+/// Composite likelihood of some chunks that share hyper-parameters; each has a line of its own.
+struct Likelihood {
+    /// Times (s) and positions (m).
+    chunks: Vec<(Vec<f64>, DMatrix<f64>)>,
+    /// Coordinates of readings less those that fix the lines.
+    freedom: f64,
+    /// Lowest and highest `(ln ℓ, ln σ_n²/σ_f²)`.
+    limits: (Vector2<f64>, Vector2<f64>),
+}
+
+impl Likelihood {
+    /// `None` where no series has readings to spare beyond a line.
+    fn new(series: &[Series], axes: &[usize]) -> Option<Self> {
+        let mut chunks = Vec::new();
+        for series in series {
+            let parts = series.len().div_ceil(CHUNK);
+            for part in 0..parts {
+                let range = part * series.len() / parts..(part + 1) * series.len() / parts;
+                if range.len() > 2 {
+                    let positions_m = columns_m(&series.position_m[range.clone()], axes);
+                    chunks.push((series.time_s[range].to_vec(), positions_m));
+                }
+            }
+        }
+        let readings: usize = chunks.iter().map(|(times_s, _)| times_s.len()).sum();
+        let share = readings.div_ceil(MOST_READINGS);
+        let chunks: Vec<_> = chunks.into_iter().skip(share / 2).step_by(share.max(1)).collect();
+        let steps: usize = chunks.iter().map(|(times_s, _)| times_s.len() - 1).sum();
+        let span_s: f64 =
+            chunks.iter().map(|(times_s, _)| times_s[times_s.len() - 1] - times_s[0]).sum();
+        // Wandering that forgets itself between two readings cannot be told from noise.
+        let shortest_s = (span_s / steps as f64).max(0.2);
+        (steps > 0).then(|| Self {
+            freedom: ((steps - chunks.len()) * axes.len()) as f64,
+            chunks,
+            limits: (
+                Vector2::new(shortest_s.ln(), 1e-11_f64.ln()),
+                Vector2::new(200.0_f64.max(shortest_s).ln(), 1e3_f64.ln()),
+            ),
+        })
+    }
+
+    /// The best of a coarse grid first: there may be several valleys.
+    fn learn_afresh(&self) -> Hyperparameters {
+        let grid = [1.0, 3.0, 10.0, 30.0_f64].into_iter().flat_map(|length_scale_s| {
+            [1e-8, 1e-5, 1e-2_f64].map(|ratio| Vector2::new(length_scale_s.ln(), ratio.ln()))
+        });
+        let start = minimise::least(grid, |place| self.evaluate(place).0);
+        self.climb(start.unwrap_or_default())
+    }
+
+    fn learn_from(&self, start: &Hyperparameters) -> Hyperparameters {
+        self.climb(Vector2::new(start.length_scale_s.ln(), start.ratio().ln()))
+    }
+
+    fn climb(&self, start: Vector2<f64>) -> Hyperparameters {
+        let best = minimise::in_box(start, self.limits, 0.5 * self.freedom, |at| {
+            let (value, slope, _) = self.evaluate(at);
+            (value, slope)
+        });
+        let (_, _, signal_m2) = self.evaluate(&best);
+        Hyperparameters {
+            length_scale_s: best.x.exp(),
+            signal_m: signal_m2.sqrt(),
+            noise_m: (signal_m2 * best.y.exp()).sqrt(),
+        }
+    }
+
+    /// Minus the log-likelihood but for a constant, its gradient over `(ln ℓ, ln σ_n²/σ_f²)`, and the `σ_f²` (m²)
+    /// that is best with these.
+    fn evaluate(&self, at: &Vector2<f64>) -> (f64, Vector2<f64>, f64) {
+        let (length_scale_s, ratio) = (at.x.exp(), at.y.exp());
+        // Of `yᵀ P y`, and of the log-determinants.
+        let least_m2 = self.freedom * LEAST_NOISE_M.powi(2) / ratio;
+        let (mut energy_m2, mut energy_slope) = (least_m2, Vector2::new(0.0, -least_m2));
+        let (mut volume, mut volume_slope) = (0.0, Vector2::zeros());
+        for (times_s, positions_m) in &self.chunks {
+            let window = Window::new(times_s, length_scale_s, ratio);
+            let axes = positions_m.ncols() as f64;
+            let [_, rest_m, weights] = window.weigh(positions_m);
+            energy_m2 += weights.dot(&rest_m);
+            volume += axes * window.ln_determinants();
+            let projector = window.projector();
+            let outer = &weights * weights.transpose();
+            for j in 0..times_s.len() {
+                volume_slope.y += axes * ratio * projector[(j, j)];
+                energy_slope.y -= ratio * outer[(j, j)];
+                for i in 0..j {
+                    let change = 2.0
+                        * ((times_s[i] - times_s[j]) / length_scale_s).powi(2)
+                        * window.correlation[(i, j)];
+                    volume_slope.x += axes * change * projector[(i, j)];
+                    energy_slope.x -= change * outer[(i, j)];
+                }
+            }
+        }
+        let value = 0.5 * (self.freedom * energy_m2.ln() + volume);
+        let slope = 0.5 * (self.freedom / energy_m2 * energy_slope + volume_slope);
+        (value, slope, energy_m2 / self.freedom)
+    }
+}
+
+/// Appends the positions at sorted instants of one interval. A long one goes window by window, each with margins that
+/// overlap its neighbours: readings many length scales away have next to no say.
+fn predict(
+    series: &Series,
+    learned: &[Hyperparameters; 2],
+    instants_s: &[f64],
+    estimate: &mut Estimate,
+) {
+    let cores = if series.len() <= CORE + 2 * MARGIN { 1 } else { series.len().div_ceil(CORE) };
+    let mut asked = 0;
+    for core in 0..cores {
+        let (from, to) = (core * series.len() / cores, (core + 1) * series.len() / cores);
+        let until_s = if to < series.len() { series.time_s[to] } else { f64::INFINITY };
+        let until = instants_s.partition_point(|t| *t < until_s);
+        let near = from.saturating_sub(MARGIN)..(to + MARGIN).min(series.len());
+        let (times_s, near_m) = (&series.time_s[near.clone()], &series.position_m[near]);
+        let [(level_m, level_sigma), (vertical_m, vertical_sigma)] = std::array::from_fn(|group| {
+            let window =
+                Window::new(times_s, learned[group].length_scale_s, learned[group].ratio());
+            window.predict(&columns_m(near_m, AXIS_GROUPS[group]), &instants_s[asked..until])
+        });
+        for i in 0..until - asked {
+            let moved_m = Vector3::new(level_m[(i, 0)], level_m[(i, 1)], vertical_m[(i, 0)]);
+            let sigma = Vector3::new(level_sigma[i], level_sigma[i], vertical_sigma[i]);
+            let [level, vertical] = learned.map(|learned| learned.signal_m);
+            estimate.points_m.push(near_m[0] + moved_m);
+            estimate.sigma_m.push(sigma.component_mul(&Vector3::new(level, level, vertical)));
+        }
+        asked = until;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::interpolation::tests::{dense_by_the_book, series_of, wander};
+
+    #[test]
+    fn the_gradient_is_that_of_the_likelihood() {
+        let series = [series_of(&wander(50, 1)), series_of(&wander(30, 2))];
+        for axes in AXIS_GROUPS {
+            let likelihood = Likelihood::new(&series, axes).expect("enough readings");
+            for place in [Vector2::new(0.3, -4.0), Vector2::new(1.5, -11.0), Vector2::new(2.5, 1.0)]
+            {
+                let (_, slope, _) = likelihood.evaluate(&place);
+                for i in 0..2 {
+                    let step = Vector2::ith(i, 1e-4);
+                    let [up, down] =
+                        [place + step, place - step].map(|p| likelihood.evaluate(&p).0);
+                    let by_difference = (up - down) / 2e-4;
+                    assert!(
+                        (slope[i] - by_difference).abs() < 1e-4 * (1.0 + by_difference.abs()),
+                        "{} and {by_difference} at {place}",
+                        slope[i]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn prediction_is_the_textbook_formula() {
+        let series = series_of(&wander(40, 3));
+        let learned = Hyperparameters { length_scale_s: 2.5, signal_m: 3.0, noise_m: 0.02 };
+        let instants_s: Vec<_> = (0..60).map(|k| 0.25 * f64::from(k)).collect();
+        let mut found = Estimate::default();
+        predict(&series, &[learned; 2], &instants_s, &mut found);
+        let kernel = |a: f64, b: f64| {
+            learned.signal_m.powi(2) * (-0.5 * ((a - b) / learned.length_scale_s).powi(2)).exp()
+        };
+        let (points_m, sigma_m) = dense_by_the_book(kernel, learned.noise_m, &series, &instants_s);
+        for i in 0..instants_s.len() {
+            assert!((found.points_m[i] - points_m[i]).norm() < 1e-8, "at {}", instants_s[i]);
+            assert!((found.sigma_m[i].x / sigma_m[i] - 1.0).abs() < 1e-6, "at {}", instants_s[i]);
+        }
+    }
+
+    #[test]
+    fn windows_agree_with_one_factorisation() {
+        let series = series_of(&wander(400, 4));
+        let learned = Hyperparameters { length_scale_s: 3.0, signal_m: 3.0, noise_m: 0.002 };
+        let instants_s: Vec<_> = (0..1600).map(|k| 0.1 * f64::from(k)).collect();
+        let mut found = Estimate::default();
+        predict(&series, &[learned; 2], &instants_s, &mut found);
+        let window = Window::new(&series.time_s, learned.length_scale_s, learned.ratio());
+        let (moved_m, sigma) =
+            window.predict(&columns_m(&series.position_m, &[0, 1, 2]), &instants_s);
+        for i in 0..instants_s.len() {
+            let off_m = found.points_m[i] - series.position_m[0] - moved_m.row(i).transpose();
+            let sigma_m = learned.signal_m * sigma[i];
+            assert!(off_m.amax() < 0.25 * sigma_m, "{off_m} of {sigma_m} at {}", instants_s[i]);
+            assert!((found.sigma_m[i].x / sigma_m - 1.0).abs() < 0.05, "at {}", instants_s[i]);
+        }
+    }
+
+    #[test]
+    fn no_other_place_explains_the_readings_much_better() {
+        let abrupt = crate::pipeline::interpolation::tests::stop_and_go(2e-3);
+        for track in [wander(200, 5), abrupt] {
+            let likelihood = Likelihood::new(&[series_of(&track)], AXIS_GROUPS[0]).expect("enough");
+            let found = likelihood.learn_afresh();
+            let place = Vector2::new(found.length_scale_s.ln(), found.ratio().ln());
+            let (least, ..) = likelihood.evaluate(&place);
+            for (i, j) in (0..15).flat_map(|i| (0..15).map(move |j| (i, j))) {
+                let share = Vector2::new(f64::from(i), f64::from(j)) / 14.0;
+                let (low, high) = likelihood.limits;
+                let (value, ..) = likelihood.evaluate(&(low + (high - low).component_mul(&share)));
+                assert!(value > least - 0.1, "{value} and {least} at {share}");
+            }
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! A Gaussian process whose acceleration is white noise: the motion model of continuous-time estimation.
+//!
+//! Along each axis the state is position and velocity, driven by white acceleration of power spectral density `q_c`;
+//! readings add white noise `σ_n²`. Such a process is Markov, so that a Kalman filter and a Rauch–Tung–Striebel
+//! smoother give its exact posterior in one pass forth and one back (Barfoot, Tong & Särkkä 2014; Särkkä 2013, ch. 8),
+//! at readings and at instants between them alike. `q_c` and `σ_n` maximise the marginal likelihood, which the
+//! filter's innovations give on the way (Särkkä 2013, ch. 12).
+//!
+//! Readings at 2.5 Hz of a vehicle that turns smoothly leave `σ_n` all but undetermined: the acceleration that the turn
+//! takes, were it white, would hide the noise. The position at a reading is then the reading, and the deviation said
+//! of it too small.
+
+use nalgebra::{Matrix2, RowVector2, SMatrix, Vector2, Vector3};
+
+use super::{Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval, minimise};
+use crate::pipeline::{FilteredTrack, Interval};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hyperparameters {
+    pub density_m2_per_s3: f64,
+    pub noise_m: f64,
+}
+
+/// Where no interval holds enough readings to learn from: a walking-pace robot and a good instrument.
+const UNLEARNED: Hyperparameters = Hyperparameters { density_m2_per_s3: 0.1, noise_m: 2e-3 };
+
+/// Positions at sorted instants (s), each in `intervals[interval[i]]`.
+pub fn at(
+    track: &FilteredTrack,
+    intervals: &[Interval],
+    time_s: &[f64],
+    interval: &[u32],
+) -> Estimate {
+    let learned = learn(track, intervals);
+    by_interval(intervals, time_s, interval, |index, instants_s, estimate| {
+        let series = Series::new(track, &intervals[index]);
+        predict(&series, &learned[index], instants_s, estimate);
+    })
+}
+
+/// For each interval the hyper-parameters of the level axes and of the vertical one.
+pub fn learn(track: &FilteredTrack, intervals: &[Interval]) -> Vec<[Hyperparameters; 2]> {
+    let series: Vec<_> = intervals.iter().map(|interval| Series::new(track, interval)).collect();
+    let shared = learn_together(&series).unwrap_or([UNLEARNED; 2]);
+    let alone = |own: &Series| {
+        (own.len() >= FEWEST_TO_LEARN_FROM).then(|| learn_together(std::slice::from_ref(own)))?
+    };
+    series.iter().map(|own| alone(own).unwrap_or(shared)).collect()
+}
+
+/// `None` where no series has readings to spare beyond a line.
+fn learn_together(series: &[Series]) -> Option<[Hyperparameters; 2]> {
+    let spare = series.iter().any(|series| series.len() > 2);
+    spare.then(|| [learn_axes(series, [0, 1]), learn_axes(series, [2])])
+}
+
+fn learn_axes<const A: usize>(series: &[Series], axes: [usize; A]) -> Hyperparameters {
+    // From a drift that a minute does not show to one that leaves every reading to itself.
+    let (low, high) = (1e-8_f64.ln(), 1e8_f64.ln());
+    let best = minimise::on_line(low, high, 17, |ln| likelihood(series, axes, ln.exp()).0).exp();
+    let (_, noise_m2) = likelihood(series, axes, best);
+    Hyperparameters { density_m2_per_s3: best * noise_m2, noise_m: noise_m2.sqrt() }
+}
+
+/// Minus the log-likelihood but for a constant, and the `σ_n²` (m²) that is best with this `q_c/σ_n²` (1/s³). The first
+/// two readings of a series only fix the line that the motion starts on.
+fn likelihood<const A: usize>(series: &[Series], axes: [usize; A], ratio: f64) -> (f64, f64) {
+    let (mut energy_m2, mut volume, mut freedom) = (0.0, 0.0, 0.0);
+    for series in series.iter().filter(|series| series.len() > 2) {
+        let mut belief = Belief::of_two(series, axes, ratio);
+        for index in 2..series.len() {
+            belief = belief.after(series.time_s[index] - series.time_s[index - 1], ratio);
+            let (surprise_m, spread) = belief.read(coordinates_m(series, index, axes));
+            energy_m2 += surprise_m.norm_squared() / spread;
+            volume += A as f64 * spread.ln();
+            freedom += A as f64;
+        }
+    }
+    let noise_m2 = energy_m2 / freedom + LEAST_NOISE_M.powi(2);
+    (0.5 * (freedom * noise_m2.ln() + volume), noise_m2)
+}
+
+fn coordinates_m<const A: usize>(
+    series: &Series,
+    index: usize,
+    axes: [usize; A],
+) -> SMatrix<f64, 1, A> {
+    SMatrix::from_fn(|_, j| series.position_m[index][axes[j]])
+}
+
+/// Position (m) and velocity (m/s) along some axes, one column each, and their common covariance in units of `σ_n²`.
+#[derive(Clone, Copy)]
+struct Belief<const A: usize> {
+    mean: SMatrix<f64, 2, A>,
+    covariance: Matrix2<f64>,
+}
+
+impl<const A: usize> Belief<A> {
+    /// At the second reading, given the first two and nothing else: what a flat prior comes to there.
+    fn of_two(series: &Series, axes: [usize; A], ratio: f64) -> Self {
+        let elapsed_s = series.time_s[1] - series.time_s[0];
+        let [first_m, second_m] = [0, 1].map(|index| coordinates_m(series, index, axes));
+        let mut mean = SMatrix::<f64, 2, A>::zeros();
+        mean.set_row(0, &second_m);
+        mean.set_row(1, &((second_m - first_m) / elapsed_s));
+        let velocity = (2.0 + drift(elapsed_s, ratio).m11) / elapsed_s.powi(2);
+        let covariance = Matrix2::new(1.0, 1.0 / elapsed_s, 1.0 / elapsed_s, velocity);
+        Self { mean, covariance }
+    }
+
+    fn after(&self, elapsed_s: f64, ratio: f64) -> Self {
+        let motion = motion(elapsed_s);
+        Self {
+            mean: motion * self.mean,
+            covariance: motion * self.covariance * motion.transpose() + drift(elapsed_s, ratio),
+        }
+    }
+
+    /// Takes a reading in; the difference from what was expected (m), and its variance.
+    fn read(&mut self, position_m: SMatrix<f64, 1, A>) -> (SMatrix<f64, 1, A>, f64) {
+        let surprise_m = position_m - self.mean.row(0);
+        let spread = self.covariance.m11 + 1.0;
+        let gain: Vector2<f64> = self.covariance.column(0) / spread;
+        self.mean += gain * surprise_m;
+        self.covariance -= gain * gain.transpose() * spread;
+        (surprise_m, spread)
+    }
+
+    /// This filtered belief, once it is known what became of it some time later.
+    fn in_hindsight(&self, elapsed_s: f64, ratio: f64, later: &Self) -> Self {
+        let ahead = self.after(elapsed_s, ratio);
+        let Some(inverse) = ahead.covariance.try_inverse() else { return *self };
+        let gain = self.covariance * motion(elapsed_s).transpose() * inverse;
+        Self {
+            mean: self.mean + gain * (later.mean - ahead.mean),
+            covariance: self.covariance
+                + gain * (later.covariance - ahead.covariance) * gain.transpose(),
+        }
+    }
+
+    /// From what all readings say of the second one's instant, the state before it. No filter has been there; but given
+    /// that state only the first reading matters, and the motion may as well run backwards.
+    fn before_second(&self, series: &Series, axes: [usize; A], time_s: f64, ratio: f64) -> Self {
+        let back_s = time_s - series.time_s[1];
+        let since_first_s = time_s - series.time_s[0];
+        let drift_back = -drift(back_s, ratio);
+        let first_seen = RowVector2::new(1.0, -since_first_s);
+        let spread = 1.0
+            + drift(since_first_s.abs(), ratio).m11
+            + (first_seen * drift_back * first_seen.transpose()).x;
+        let gain = drift_back * first_seen.transpose() / spread;
+        let kept = Matrix2::identity() - gain * first_seen;
+        let carried = kept * motion(back_s);
+        Self {
+            mean: carried * self.mean + gain * coordinates_m(series, 0, axes),
+            covariance: carried * self.covariance * carried.transpose() + kept * drift_back,
+        }
+    }
+}
+
+/// What a state becomes without acceleration.
+fn motion(elapsed_s: f64) -> Matrix2<f64> {
+    Matrix2::new(1.0, elapsed_s, 0.0, 1.0)
+}
+
+/// Covariance that white acceleration adds on the way, in units of `σ_n²`.
+fn drift(elapsed_s: f64, ratio: f64) -> Matrix2<f64> {
+    let square = elapsed_s.powi(2);
+    ratio * Matrix2::new(square * elapsed_s / 3.0, square / 2.0, square / 2.0, elapsed_s)
+}
+
+/// Appends the positions at sorted instants of one interval.
+fn predict(
+    series: &Series,
+    [level, vertical]: &[Hyperparameters; 2],
+    instants_s: &[f64],
+    estimate: &mut Estimate,
+) {
+    let in_plane = smooth(series, [0, 1], level, instants_s);
+    let in_height = smooth(series, [2], vertical, instants_s);
+    // Weights that add to one cannot average the noise further down; rounding could.
+    let least = 1.0 / series.len() as f64;
+    for (xy, z) in in_plane.iter().zip(&in_height) {
+        let level_m = level.noise_m * xy.covariance.m11.max(least).sqrt();
+        let vertical_m = vertical.noise_m * z.covariance.m11.max(least).sqrt();
+        estimate.points_m.push(Vector3::new(xy.mean[(0, 0)], xy.mean[(0, 1)], z.mean[(0, 0)]));
+        estimate.sigma_m.push(Vector3::new(level_m, level_m, vertical_m));
+    }
+}
+
+/// What all readings say of the state at each instant: once forth and once back over readings and instants together.
+fn smooth<const A: usize>(
+    series: &Series,
+    axes: [usize; A],
+    learned: &Hyperparameters,
+    instants_s: &[f64],
+) -> Vec<Belief<A>> {
+    let ratio = learned.density_m2_per_s3 / learned.noise_m.powi(2);
+    if series.len() == 1 {
+        // Nothing is known of speed: the best guess is that there is none.
+        let mut mean = SMatrix::<f64, 2, A>::zeros();
+        mean.set_row(0, &coordinates_m(series, 0, axes));
+        return vec![Belief { mean, covariance: Matrix2::identity() }; instants_s.len()];
+    }
+    let (early_s, instants_s) =
+        instants_s.split_at(instants_s.partition_point(|t| *t < series.time_s[1]));
+    let readings = (2..series.len()).map(|index| (series.time_s[index], Some(index)));
+    let mut stops: Vec<_> = readings.chain(instants_s.iter().map(|t| (*t, None))).collect();
+    stops.sort_by(|a, b| a.0.total_cmp(&b.0));
+
+    let (mut now_s, mut belief) = (series.time_s[1], Belief::of_two(series, axes, ratio));
+    let mut filtered = vec![(now_s, false, belief)];
+    for (time_s, reading) in stops {
+        belief = belief.after(time_s - now_s, ratio);
+        now_s = time_s;
+        if let Some(index) = reading {
+            belief.read(coordinates_m(series, index, axes));
+        }
+        filtered.push((time_s, reading.is_none(), belief));
+    }
+    let mut latest_first = Vec::with_capacity(early_s.len() + instants_s.len());
+    for (time_s, is_asked, before) in filtered.iter().rev() {
+        belief = before.in_hindsight(now_s - time_s, ratio, &belief);
+        now_s = *time_s;
+        if *is_asked {
+            latest_first.push(belief);
+        }
+    }
+    let early = early_s.iter().rev();
+    latest_first.extend(early.map(|t| belief.before_second(series, axes, *t, ratio)));
+    latest_first.reverse();
+    latest_first
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::interpolation::tests::{dense_by_the_book, series_of, wander};
+
+    #[test]
+    fn smoothing_is_the_textbook_formula_with_the_integrated_wiener_kernel() {
+        let series = series_of(&wander(40, 3));
+        let learned = Hyperparameters { density_m2_per_s3: 0.3, noise_m: 0.02 };
+        let mut instants_s: Vec<_> = (0..60).map(|k| 0.25 * f64::from(k)).collect();
+        instants_s.extend(&series.time_s);
+        instants_s.sort_by(f64::total_cmp);
+        let mut found = Estimate::default();
+        predict(&series, &[learned; 2], &instants_s, &mut found);
+        let kernel = |a: f64, b: f64| {
+            let shorter = a.min(b);
+            learned.density_m2_per_s3 * shorter.powi(2) * (shorter / 3.0 + (a - b).abs() / 2.0)
+        };
+        let (points_m, sigma_m) = dense_by_the_book(kernel, learned.noise_m, &series, &instants_s);
+        for i in 0..instants_s.len() {
+            assert!((found.points_m[i] - points_m[i]).norm() < 1e-9, "at {}", instants_s[i]);
+            assert!((found.sigma_m[i].x / sigma_m[i] - 1.0).abs() < 1e-8, "at {}", instants_s[i]);
+        }
+    }
+
+    /// The likelihood that the innovations give differs from the dense one by the same amount whatever the ratio.
+    #[test]
+    fn innovations_give_the_dense_likelihood() {
+        use nalgebra::{Cholesky, DMatrix};
+        let series = [series_of(&wander(30, 5))];
+        let times_s = &series[0].time_s;
+        let line = DMatrix::from_fn(30, 2, |i, j| times_s[i].powi(j as i32));
+        let z_m = DMatrix::from_fn(30, 1, |i, _| series[0].position_m[i].z);
+        let offsets = [1e-3, 1.0, 1e3, 1e6].map(|ratio| {
+            let kernel = DMatrix::from_fn(30, 30, |i, j| {
+                let shorter = times_s[i].min(times_s[j]);
+                let apart = (times_s[i] - times_s[j]).abs();
+                let noise = if i == j { 1.0 } else { 0.0 };
+                ratio * shorter.powi(2) * (shorter / 3.0 + apart / 2.0) + noise
+            });
+            let factor = Cholesky::new(kernel).expect("positive");
+            let seen = Cholesky::new(line.tr_mul(&factor.solve(&line))).expect("positive");
+            let rest_m = &z_m - &line * seen.solve(&line.tr_mul(&factor.solve(&z_m)));
+            let noise_m2 = rest_m.dot(&factor.solve(&rest_m)) / 28.0 + LEAST_NOISE_M.powi(2);
+            let volume = factor.ln_determinant() + seen.ln_determinant();
+            let (value, found_m2) = likelihood(&series, [2], ratio);
+            assert!((found_m2 / noise_m2 - 1.0).abs() < 1e-4, "{found_m2} and {noise_m2}");
+            value - 0.5 * (28.0 * noise_m2.ln() + volume)
+        });
+        assert!(offsets.iter().all(|o| (o - offsets[0]).abs() < 1e-3), "{offsets:?}");
+    }
+}
