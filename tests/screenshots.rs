@@ -47,7 +47,11 @@ fn snapshot(harness: &mut Harness<'_, ResectWindow>, name: &str) {
 }
 
 fn triplets(harness: &Harness<'_, ResectWindow>) -> usize {
-    harness.state().state.analysis.as_ref().map_or(0, |a| a.pipeline.triplets.len())
+    harness.state().state.analysed().map_or(0, |(_, a)| a.pipeline.triplets.len())
+}
+
+fn cursor_s(harness: &Harness<'_, ResectWindow>) -> f64 {
+    harness.state().state.active().and_then(|open| open.cursor_s).expect("a cursor")
 }
 
 #[test]
@@ -75,7 +79,7 @@ fn switching_the_outlier_filter_off_lets_more_through() {
         let before = triplets(&harness);
         harness.get_by_label("1  Outlier filter").click();
         settle(&mut harness);
-        assert!(!harness.state().state.settings.pipeline.outlier_filter);
+        assert!(!harness.state().state.settings().pipeline.outlier_filter);
         assert!(triplets(&harness) > before);
         snapshot(&mut harness, name);
         harness.get_by_label("Reset to the paper's values").click();
@@ -117,7 +121,7 @@ fn the_other_sample_opens_from_the_menu() {
     harness.run_steps(3);
     harness.get_by_label("Sample: HD2 in a tunnel").click();
     settle(&mut harness);
-    let deployment = harness.state().state.deployment.clone().expect("open");
+    let deployment = harness.state().state.active().expect("open").deployment.clone();
     assert_eq!(deployment.name, "hd2-tunnel (simulated)");
     snapshot(&mut harness, "tunnel-dark");
 }
@@ -133,7 +137,7 @@ fn a_threshold_can_be_typed() {
     harness.run_steps(2);
     harness.key_press(eframe::egui::Key::Enter);
     settle(&mut harness);
-    assert_eq!(harness.state().state.settings.pipeline.thresholds.tau_l_seconds, 25.0);
+    assert_eq!(harness.state().state.settings().pipeline.thresholds.tau_l_seconds, 25.0);
     assert!(triplets(&harness) < before);
 }
 
@@ -147,7 +151,7 @@ fn the_newest_request_wins() {
         harness.state_mut().send(Command::Set(settings), &ctx);
     }
     settle(&mut harness);
-    let analysis = harness.state().state.analysis.clone().expect("an answer");
+    let (_, analysis) = harness.state().state.analysed().expect("an answer");
     assert_eq!(analysis.settings.pipeline.thresholds.tau_l_seconds, 30.0);
     assert!(!harness.state().state.is_busy());
 }
@@ -169,7 +173,7 @@ fn copy_gives_the_text_of_the_command_line() {
 #[test]
 fn a_click_in_the_residuals_moves_the_cursor() {
     let mut harness = window(LARGE, Theme::Dark);
-    let before = harness.state().state.cursor_s.expect("a cursor");
+    let before = cursor_s(&harness);
     let at = eframe::egui::Pos2::new(420.0, 860.0);
     harness.hover_at(at);
     harness.run_steps(1);
@@ -177,7 +181,7 @@ fn a_click_in_the_residuals_moves_the_cursor() {
     harness.run_steps(1);
     harness.drop_at(at);
     settle(&mut harness);
-    let after = harness.state().state.cursor_s.expect("a cursor");
+    let after = cursor_s(&harness);
     assert!((after - before).abs() > 20.0, "{before} {after}");
 }
 
@@ -201,7 +205,7 @@ fn a_dropped_folder_opens() {
     let folder = common::sample_folder("hd2-tunnel");
     harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(folder)));
     settle(&mut harness);
-    let deployment = harness.state().state.deployment.clone().expect("open");
+    let deployment = harness.state().state.active().expect("open").deployment.clone();
     assert_eq!(deployment.name, "hd2-tunnel (simulated)");
 }
 

@@ -18,10 +18,26 @@ pub enum Pane {
     Findings,
     Residuals,
     Histogram,
+    PriorSearch,
+    SideBySide,
+    Studies,
 }
 
 impl Pane {
-    fn title(self) -> &'static str {
+    pub const ALL: [Self; 10] = [
+        Self::Deployment,
+        Self::Pipeline,
+        Self::Scene,
+        Self::Studies,
+        Self::SideBySide,
+        Self::Result,
+        Self::Residuals,
+        Self::Findings,
+        Self::PriorSearch,
+        Self::Histogram,
+    ];
+
+    pub fn title(self) -> &'static str {
         match self {
             Self::Deployment => "Deployment",
             Self::Pipeline => "Pipeline",
@@ -30,6 +46,9 @@ impl Pane {
             Self::Findings => "Findings",
             Self::Residuals => "Distance errors over time",
             Self::Histogram => "Histogram",
+            Self::PriorSearch => "Prior search",
+            Self::SideBySide => "Side by side",
+            Self::Studies => "Studies",
         }
     }
 }
@@ -62,43 +81,36 @@ const DEPLOYMENT_POINTS: f32 = 270.0;
 impl Default for Layout {
     fn default() -> Self {
         let mut tiles = Tiles::default();
-        let [deployment, pipeline, scene, result, findings, residuals, histogram] = [
-            Pane::Deployment,
-            Pane::Pipeline,
-            Pane::Scene,
-            Pane::Result,
-            Pane::Findings,
-            Pane::Residuals,
-            Pane::Histogram,
-        ]
-        .map(|pane| {
-            let pane = tiles.insert_pane(pane);
-            (pane, tiles.insert_tab_tile(vec![pane]))
+        // Each a group of tabs, of which the first is shown.
+        let groups: [&[Pane]; 6] = [
+            &[Pane::Deployment],
+            &[Pane::Pipeline],
+            &[Pane::Scene, Pane::Studies, Pane::SideBySide],
+            &[Pane::Result],
+            &[Pane::Residuals, Pane::Findings, Pane::PriorSearch],
+            &[Pane::Histogram],
+        ];
+        let [deployment, pipeline, scene, result, residuals, histogram] = groups.map(|panes| {
+            let panes = panes.iter().map(|pane| tiles.insert_pane(*pane)).collect();
+            tiles.insert_tab_tile(panes)
         });
         let linear = |tiles: &mut Tiles<Pane>, direction, children: &[TileId]| {
             tiles.insert_container(Linear::new(direction, children.to_vec()))
         };
-        let left = linear(&mut tiles, LinearDir::Vertical, &[deployment.1, pipeline.1]);
-        // Findings are a second tab of the residuals.
-        if let Some(egui_tiles::Tile::Container(Container::Tabs(tabs))) = tiles.get_mut(residuals.1)
-        {
-            tabs.add_child(findings.0);
-            tabs.set_active(residuals.0);
-        }
-        tiles.remove(findings.1);
+        let left = linear(&mut tiles, LinearDir::Vertical, &[deployment, pipeline]);
         let plots = tiles.insert_container(Linear::new_binary(
             LinearDir::Horizontal,
-            [residuals.1, histogram.1],
+            [residuals, histogram],
             0.66,
         ));
-        let centre = linear(&mut tiles, LinearDir::Vertical, &[scene.1, plots]);
-        let root = linear(&mut tiles, LinearDir::Horizontal, &[left, centre, result.1]);
+        let centre = linear(&mut tiles, LinearDir::Vertical, &[scene, plots]);
+        let root = linear(&mut tiles, LinearDir::Horizontal, &[left, centre, result]);
         Self {
             tree: Tree::new(egui::Id::unique("panes"), root, tiles),
             root,
-            columns: [left, centre, result.1],
-            left_rows: (left, [deployment.1, pipeline.1]),
-            centre_rows: (centre, [scene.1, plots]),
+            columns: [left, centre, result],
+            left_rows: (left, [deployment, pipeline]),
+            centre_rows: (centre, [scene, plots]),
             touched: false,
         }
     }
@@ -112,6 +124,11 @@ impl Layout {
         let mut behaviour = PaneBehaviour { panes, edited: false };
         self.tree.ui(&mut behaviour, ui);
         self.touched |= behaviour.edited;
+    }
+
+    /// Brings a pane to the front of its tabs.
+    pub fn show(&mut self, pane: Pane) {
+        self.tree.make_active(|_, tile| matches!(tile, egui_tiles::Tile::Pane(p) if *p == pane));
     }
 
     /// Side columns as wide as their numbers need, the scene takes the rest.

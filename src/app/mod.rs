@@ -5,13 +5,18 @@
 //! commands.
 
 mod layout;
+mod open_deployment;
 mod panels;
 mod plots;
 mod scene;
 mod state;
+mod studies;
 mod theme;
 mod window;
 mod worker;
 
+pub use layout::Pane;
+pub use open_deployment::OpenDeployment;
 pub use state::{Command, Notice, State, Visibility};
+pub use studies::{StudyKind, StudyOptions, StudyResult};
 pub use window::{ResectWindow, Start, offscreen_renderer, open_window, picture};

@@ -8,11 +8,15 @@ use std::time::{Duration, Instant};
 
 use eframe::egui;
 
+use super::layout::Pane;
+use super::open_deployment::OpenDeployment;
 use super::plots::PreparedPlots;
 use super::scene::ViewPreset;
+use super::studies::{self, Studies, StudyOptions};
 use super::worker::{Reply, Source, Worker};
 use crate::analysis::{Analysis, Settings};
 use crate::deployment::{Deployment, Sample};
+use crate::experiment::{Control, StudyError};
 use crate::export;
 
 /// What a pane asks for.
@@ -22,26 +26,43 @@ pub enum Command {
     OpenSample(Sample),
     OpenFolderDialog,
     OpenFileDialog,
+    /// Shows another of the open deployments, by its id.
+    Activate(u64),
+    Close(u64),
+    /// Of the active deployment.
     Set(Settings),
+    /// Gives every open deployment the active one's settings.
+    SetAll,
     Show(Visibility),
     MoveCursor(f64),
     Look(ViewPreset),
     Copy(String),
     OpenInRerun,
     SaveRecordingDialog,
+    SaveTrajectoryDialog,
+    SetStudy(StudyOptions),
+    RunStudy,
+    CancelStudy,
+    SaveStudyDialog,
+    /// Brings a pane to the front.
+    ShowPane(Pane),
     ResetLayout,
     DismissNotice,
 }
 
 pub type Commands = Vec<Command>;
 
-/// What the scene shows.
+/// What the scene and the plots show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Visibility {
     pub stations: [bool; 3],
     pub raw: bool,
     pub tracks: bool,
     pub control_points: bool,
+    /// The vehicle's frame along the track.
+    pub poses: bool,
+    /// What the interpolation states about its own error: ellipsoids in the scene, bands in the plot.
+    pub uncertainty: bool,
     /// Pairs of prisms in the plots.
     pub pairs: [bool; 3],
 }
@@ -53,6 +74,8 @@ impl Default for Visibility {
             raw: true,
             tracks: true,
             control_points: true,
+            poses: true,
+            uncertainty: true,
             pairs: [true; 3],
         }
     }
@@ -71,82 +94,97 @@ const DIM_AFTER: Duration = Duration::from_millis(80);
 /// A dialog that closes before this was never seen.
 const QUICKEST_CANCEL: Duration = Duration::from_millis(300);
 
+/// Poses with a larger inter-prism error are left out of saved and drawn trajectories (m).
+pub const LARGEST_POSE_ERROR_M: f64 = 0.020;
+
 pub struct State {
     worker: Worker,
-    pub deployment: Option<Arc<Deployment>>,
-    /// Of each station; found once, because the window asks in every frame.
-    pub longest_range_m: [f64; 3],
-    /// Counts the deployments shown; changes with the deployment.
-    pub deployment_number: u64,
-    pub settings: Settings,
-    /// The newest answer; older than the settings while [`State::is_stale`].
-    pub analysis: Option<Arc<Analysis>>,
-    /// Its plots.
-    pub plots: Arc<PreparedPlots>,
-    /// Number of the request that the answer belongs to; changes with it.
-    pub analysis_run: u64,
+    /// In the order they were opened.
+    pub open: Vec<OpenDeployment>,
+    /// Which of them the panes show.
+    active: usize,
+    newest_id: u64,
+    /// What the next deployment starts with.
+    pub start_settings: Settings,
     pub visibility: Visibility,
-    /// The time cursor (s, in the stations' clock).
-    pub cursor_s: Option<f64>,
+    pub studies: Studies,
     pub notice: Option<Notice>,
     /// Pictures that are compared byte for byte show this instead of the measured time (ms).
     pub fixed_elapsed_ms: Option<f64>,
-    opening: Option<u64>,
-    analysing: Option<(u64, Instant)>,
+    opening: Vec<u64>,
+    /// The request whose deployment gives way to the first that the user opens.
+    placeholder: Option<u64>,
 }
 
 impl State {
     pub fn new(ctx: egui::Context) -> Self {
         Self {
             worker: Worker::start(ctx),
-            deployment: None,
-            longest_range_m: [0.0; 3],
-            deployment_number: 0,
-            settings: Settings::default(),
-            analysis: None,
-            plots: Arc::default(),
-            analysis_run: 0,
+            open: Vec::new(),
+            active: 0,
+            newest_id: 0,
+            start_settings: Settings::default(),
             visibility: Visibility::default(),
-            cursor_s: None,
+            studies: Studies::default(),
             notice: None,
             fixed_elapsed_ms: None,
-            opening: None,
-            analysing: None,
+            opening: Vec::new(),
+            placeholder: None,
         }
     }
 
-    /// Shows a deployment, from the next answer on.
-    pub fn show(&mut self, deployment: Arc<Deployment>) {
-        self.analysis = None;
-        self.cursor_s = None;
-        self.longest_range_m = deployment
-            .tracks
-            .each_ref()
-            .map(|track| track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max));
-        self.deployment = Some(deployment);
-        self.deployment_number += 1;
-        self.analyse();
+    /// What the panes show.
+    pub fn active(&self) -> Option<&OpenDeployment> {
+        self.open.get(self.active)
     }
 
-    /// Whether anything is being opened or calibrated.
+    /// The active deployment with its newest answer, once there is one.
+    pub fn analysed(&self) -> Option<(&OpenDeployment, &Arc<Analysis>)> {
+        let active = self.active()?;
+        Some((active, active.analysis.as_ref()?))
+    }
+
+    /// Those of the active deployment, or what the next one starts with.
+    pub fn settings(&self) -> &Settings {
+        self.active().map_or(&self.start_settings, |open| &open.settings)
+    }
+
+    /// Opens a deployment, shows it, and calibrates it.
+    pub fn add(&mut self, deployment: Arc<Deployment>) {
+        self.open.retain(|open| !open.placeholder);
+        self.newest_id += 1;
+        self.open.push(OpenDeployment::new(self.newest_id, deployment, self.start_settings));
+        self.active = self.open.len() - 1;
+        self.analyse(self.active);
+    }
+
+    /// Opens the sample that is there until the user opens something.
+    pub fn open_placeholder(&mut self, sample: Sample) {
+        self.open_source(Source::Sample(sample));
+        self.placeholder = self.opening.last().copied();
+    }
+
+    /// Whether anything is being opened, calibrated or studied.
     pub fn is_busy(&self) -> bool {
-        self.opening.is_some() || self.analysing.is_some()
+        let analysing = self.open.iter().any(|open| open.analysing.is_some());
+        !self.opening.is_empty() || analysing || self.studies.running.is_some()
     }
 
     /// Whether the answer shown is old enough to be dimmed.
     pub fn is_stale(&self) -> bool {
-        self.analysing.is_some_and(|(_, since)| since.elapsed() > DIM_AFTER)
+        let since = self.active().and_then(|open| open.analysing);
+        since.is_some_and(|(_, since)| since.elapsed() > DIM_AFTER)
     }
 
     /// How long the answer took (ms), once there is one.
     pub fn elapsed_ms(&self) -> Option<f64> {
-        let analysis = self.analysis.as_ref()?;
+        let (_, analysis) = self.analysed()?;
         Some(self.fixed_elapsed_ms.unwrap_or_else(|| analysis.total_ms()))
     }
 
-    /// Time of the first measurement (s): what the plots count from.
+    /// Time of the active deployment's first measurement (s).
     pub fn start_s(&self) -> f64 {
-        self.deployment.as_ref().and_then(|d| d.start_s()).unwrap_or(0.0)
+        self.active().map_or(0.0, OpenDeployment::start_s)
     }
 
     /// Takes in what the worker has done since the last frame.
@@ -168,50 +206,68 @@ impl State {
 
     fn take(&mut self, reply: Reply) {
         match reply {
-            Reply::Opened(number, result) => {
-                if self.opening != Some(number) {
+            Reply::Opened(number, result) => self.take_opened(number, result),
+            Reply::Analysed { number, id, analysis, plots } => {
+                self.take_analysed(number, id, analysis, plots);
+            }
+            Reply::Studied(number, result) => {
+                if self.studies.running.as_ref().is_none_or(|(running, _)| *running != number) {
                     return;
                 }
-                self.opening = None;
+                self.studies.running = None;
                 match result {
-                    Ok(deployment) => {
-                        self.notice = None;
-                        self.show(deployment);
-                    }
-                    Err(line) => self.notice = Some(Notice::Error(line)),
-                }
-            }
-            Reply::Analysed(number, analysis, plots) => {
-                if self.analysing.is_some_and(|(newest, _)| newest == number) {
-                    self.analysing = None;
-                    if self.cursor_s.is_none() {
-                        // So that the rig is seen before anything is clicked.
-                        let time_s = &analysis.pipeline.triplets.time_s;
-                        self.cursor_s = time_s.get(time_s.len() / 2).copied();
-                    }
-                    self.analysis = Some(analysis);
-                    self.plots = plots;
-                    self.analysis_run = number;
+                    Ok(result) => self.studies.result = Some(result),
+                    Err(StudyError::Cancelled) => {}
+                    Err(error) => self.notice = Some(Notice::Error(error.to_string())),
                 }
             }
             Reply::Failed(number) => {
-                self.opening = self.opening.filter(|newest| *newest != number);
-                self.analysing = self.analysing.filter(|(newest, _)| *newest != number);
+                self.opening.retain(|opening| *opening != number);
+                for open in &mut self.open {
+                    open.analysing = open.analysing.filter(|(newest, _)| *newest != number);
+                }
+                self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);
                 self.notice = Some(Notice::Error(
                     "a bug in resect stopped the calculation; please report it with the data and the settings".to_owned(),
                 ));
             }
-            Reply::Picked(path) => self.open(Source::Path(path)),
+            Reply::Picked(path) => self.open_source(Source::Path(path)),
             Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
             Reply::Done(Err(line)) => self.notice = Some(Notice::Error(line)),
+        }
+    }
+
+    fn take_opened(&mut self, number: u64, result: Result<Arc<Deployment>, String>) {
+        self.opening.retain(|opening| *opening != number);
+        match result {
+            Ok(deployment) => {
+                self.notice = None;
+                self.add(deployment);
+                if self.placeholder == Some(number) {
+                    self.open[self.active].placeholder = true;
+                }
+            }
+            Err(line) => self.notice = Some(Notice::Error(line)),
+        }
+    }
+
+    fn take_analysed(
+        &mut self,
+        number: u64,
+        id: u64,
+        analysis: Arc<Analysis>,
+        plots: Arc<PreparedPlots>,
+    ) {
+        if let Some(open) = self.open.iter_mut().find(|open| open.id == id) {
+            open.take(number, analysis, plots);
         }
     }
 
     /// Carries out a command; those of the window itself (layout, camera) are left to the caller.
     pub fn handle(&mut self, command: Command, ctx: &egui::Context) {
         match command {
-            Command::OpenPath(path) => self.open(Source::Path(path)),
-            Command::OpenSample(sample) => self.open(Source::Sample(sample)),
+            Command::OpenPath(path) => self.open_source(Source::Path(path)),
+            Command::OpenSample(sample) => self.open_source(Source::Sample(sample)),
             Command::OpenFolderDialog => {
                 let dialog = rfd::AsyncFileDialog::new()
                     .set_title("Open a deployment's folder")
@@ -226,14 +282,25 @@ impl State {
                     .pick_file();
                 self.pick(dialog);
             }
-            Command::Set(settings) => {
-                if settings != self.settings {
-                    self.settings = settings;
-                    self.analyse();
+            Command::Activate(id) => {
+                if let Some(index) = self.open.iter().position(|open| open.id == id) {
+                    self.active = index;
+                }
+            }
+            Command::Close(id) => self.close(id),
+            Command::Set(settings) => self.set(self.active, settings),
+            Command::SetAll => {
+                let settings = *self.settings();
+                for index in 0..self.open.len() {
+                    self.set(index, settings);
                 }
             }
             Command::Show(visibility) => self.visibility = visibility,
-            Command::MoveCursor(time_s) => self.cursor_s = Some(time_s),
+            Command::MoveCursor(time_s) => {
+                if let Some(open) = self.open.get_mut(self.active) {
+                    open.cursor_s = Some(time_s);
+                }
+            }
             Command::Copy(text) => ctx.copy_text(text),
             Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
                 let result = export::rerun::open_viewer(&deployment, &analysis)
@@ -242,22 +309,66 @@ impl State {
                 Some(Reply::Done(result))
             }),
             Command::SaveRecordingDialog => self.save_recording(),
+            Command::SaveTrajectoryDialog => self.save_trajectory(),
+            Command::SetStudy(options) => self.studies.options = options,
+            Command::RunStudy => self.run_study(),
+            Command::CancelStudy => {
+                if let Some((_, control)) = &self.studies.running {
+                    control.cancel();
+                }
+            }
+            Command::SaveStudyDialog => self.save_study(),
             Command::DismissNotice => self.notice = None,
-            Command::Look(_) | Command::ResetLayout => {}
+            Command::Look(_) | Command::ShowPane(_) | Command::ResetLayout => {}
         }
     }
 
-    fn open(&mut self, source: Source) {
-        self.opening = Some(self.worker.open(source));
+    fn set(&mut self, index: usize, settings: Settings) {
+        let Some(open) = self.open.get_mut(index) else { return };
+        if open.settings != settings {
+            open.settings = settings;
+            open.placeholder = false;
+            self.analyse(index);
+        }
     }
 
-    fn analyse(&mut self) {
-        if let Some(deployment) = &self.deployment {
-            let number = self.worker.analyse(Arc::clone(deployment), self.settings);
-            // The clock of a first request keeps running while newer ones replace it.
-            let since = self.analysing.map_or_else(Instant::now, |(_, since)| since);
-            self.analysing = Some((number, since));
+    fn close(&mut self, id: u64) {
+        let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
+        self.open.remove(index);
+        self.worker.forget(id);
+        // The one shown stays shown; of a closed one, its neighbour.
+        if index < self.active || self.active == self.open.len() {
+            self.active = self.active.saturating_sub(1);
         }
+    }
+
+    fn open_source(&mut self, source: Source) {
+        let number = self.worker.open(source);
+        self.opening.push(number);
+    }
+
+    fn analyse(&mut self, index: usize) {
+        let Some(open) = self.open.get_mut(index) else { return };
+        let number = self.worker.analyse(open.id, Arc::clone(&open.deployment), open.settings);
+        // The clock of a first request keeps running while newer ones replace it.
+        let since = open.analysing.map_or_else(Instant::now, |(_, since)| since);
+        open.analysing = Some((number, since));
+    }
+
+    fn run_study(&mut self) {
+        let options = self.studies.options;
+        let deployments: Vec<Arc<Deployment>> = if options.all_open {
+            self.open.iter().map(|open| Arc::clone(&open.deployment)).collect()
+        } else {
+            self.active().map(|open| Arc::clone(&open.deployment)).into_iter().collect()
+        };
+        let settings = *self.settings();
+        let control = Arc::new(Control::default());
+        let shared = Arc::clone(&control);
+        let number = self
+            .worker
+            .study(move || studies::run(&options, &deployments, &settings, &shared).map(Arc::new));
+        self.studies.running = Some((number, control));
     }
 
     fn pick(&self, dialog: impl Future<Output = Option<rfd::FileHandle>> + Send + 'static) {
@@ -276,12 +387,21 @@ impl State {
         });
     }
 
+    /// A dialog for a file named after the deployment.
+    fn save_dialog(
+        &self,
+        title: &str,
+        extension: &str,
+    ) -> impl Future<Output = Option<rfd::FileHandle>> + use<> {
+        let name = self.active().map_or("resect", |open| open.deployment.name.as_str());
+        rfd::AsyncFileDialog::new()
+            .set_title(title)
+            .set_file_name(format!("{}.{extension}", name.replace('/', "_")))
+            .save_file()
+    }
+
     fn save_recording(&self) {
-        let name = self.deployment.as_ref().map_or("resect", |d| d.name.as_str()).replace('/', "_");
-        let dialog = rfd::AsyncFileDialog::new()
-            .set_title("Save a recording for Rerun")
-            .set_file_name(format!("{name}.rrd"))
-            .save_file();
+        let dialog = self.save_dialog("Save a recording for Rerun", "rrd");
         self.with_analysis(move |deployment, analysis| {
             let path = pollster::block_on(dialog)?.path().to_owned();
             let result = export::rerun::save(&deployment, &analysis, &path)
@@ -291,13 +411,55 @@ impl State {
         });
     }
 
+    fn save_trajectory(&self) {
+        let dialog = self.save_dialog("Save the vehicle's trajectory (TUM)", "tum");
+        self.with_analysis(move |deployment, analysis| {
+            let path = pollster::block_on(dialog)?.path().to_owned();
+            let result = trajectory_text(&deployment, &analysis).and_then(|text| {
+                std::fs::write(&path, text)
+                    .map(|()| format!("{} written", path.display()))
+                    .map_err(|error| format!("{}: {error}", path.display()))
+            });
+            Some(Reply::Done(result))
+        });
+    }
+
+    fn save_study(&self) {
+        let Some(result) = self.studies.result.clone() else { return };
+        let dialog = rfd::AsyncFileDialog::new()
+            .set_title("Save CSV, SVG and PNG into a folder")
+            .pick_folder();
+        self.worker.beside(move || {
+            let folder = pollster::block_on(dialog)?.path().to_owned();
+            let written = export::study::write(result.study(), &folder);
+            Some(Reply::Done(
+                written
+                    .map(|files| format!("{} files written to {}", files.len(), folder.display()))
+                    .map_err(|error| error.to_string()),
+            ))
+        });
+    }
+
     fn with_analysis(
         &self,
         job: impl FnOnce(Arc<Deployment>, Arc<Analysis>) -> Option<Reply> + Send + 'static,
     ) {
-        if let (Some(deployment), Some(analysis)) = (&self.deployment, &self.analysis) {
-            let (deployment, analysis) = (Arc::clone(deployment), Arc::clone(analysis));
+        if let Some((open, analysis)) = self.analysed() {
+            let (deployment, analysis) = (Arc::clone(&open.deployment), Arc::clone(analysis));
             self.worker.beside(move || job(deployment, analysis));
         }
     }
+}
+
+fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<String, String> {
+    let answer = analysis.answer.as_ref().map_err(ToString::to_string)?;
+    let (trajectory, _) = crate::evaluation::vehicle::vehicle_trajectory(
+        deployment,
+        &analysis.pipeline.triplets,
+        analysis.offer.targets,
+        &answer.calibration.station1_from_station,
+        LARGEST_POSE_ERROR_M,
+    )
+    .map_err(|error| error.to_string())?;
+    Ok(export::tum::tum(&trajectory))
 }

@@ -16,7 +16,7 @@ use crate::deployment::{Deployment, Sample};
 #[derive(Clone)]
 pub enum Start {
     Sample(Sample),
-    Deployment(Arc<Deployment>),
+    Deployments(Vec<Arc<Deployment>>),
 }
 
 /// State, layout and scene; the rest is drawn anew every frame.
@@ -30,10 +30,14 @@ impl ResectWindow {
     pub fn new(creation: &eframe::CreationContext<'_>, start: &Start, settings: Settings) -> Self {
         theme::apply(&creation.egui_ctx);
         let mut state = State::new(creation.egui_ctx.clone());
-        state.settings = settings;
+        state.start_settings = settings;
         match start {
-            Start::Sample(sample) => state.handle(Command::OpenSample(*sample), &creation.egui_ctx),
-            Start::Deployment(deployment) => state.show(Arc::clone(deployment)),
+            Start::Sample(sample) => state.open_placeholder(*sample),
+            Start::Deployments(deployments) => {
+                for deployment in deployments {
+                    state.add(Arc::clone(deployment));
+                }
+            }
         }
         let scene = SceneView::new(creation.wgpu_render_state.as_ref());
         Self { state, layout: Layout::default(), scene }
@@ -48,6 +52,7 @@ impl ResectWindow {
     pub fn send(&mut self, command: Command, ctx: &egui::Context) {
         match command {
             Command::Look(preset) => self.scene.look(preset),
+            Command::ShowPane(pane) => self.layout.show(pane),
             Command::ResetLayout => self.layout = Layout::default(),
             other => self.state.handle(other, ctx),
         }
@@ -92,6 +97,9 @@ impl Panes<'_> {
             Pane::Findings => panels::findings::ui(ui, self.state),
             Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),
             Pane::Histogram => plots::histogram::ui(ui, self.state),
+            Pane::PriorSearch => plots::prior_search::ui(ui, self.state, self.commands),
+            Pane::SideBySide => panels::side_by_side::ui(ui, self.state, self.commands),
+            Pane::Studies => panels::studies::ui(ui, self.state, self.commands),
         }
     }
 }
@@ -123,13 +131,13 @@ pub fn open_window(start: Start) -> eframe::Result {
 
 /// The window as an image, drawn off the screen.
 pub fn picture(
-    deployment: Arc<Deployment>,
+    deployments: Vec<Arc<Deployment>>,
     settings: Settings,
     [width, height]: [u32; 2],
     dark: bool,
 ) -> anyhow::Result<image::RgbaImage> {
     let renderer = offscreen_renderer()?;
-    let start = Start::Deployment(deployment);
+    let start = Start::Deployments(deployments);
     let mut harness = egui_kittest::Harness::builder()
         .with_size([width as f32, height as f32])
         .with_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light })

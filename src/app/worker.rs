@@ -3,6 +3,7 @@
 //! The newest request wins: requests that pile up behind a running one are answered by one run with the last
 //! settings. Each reply carries the number of its request, so a stale one is recognised.
 
+use std::collections::HashMap;
 use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -11,8 +12,10 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use eframe::egui;
 
 use super::plots::PreparedPlots;
+use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
 use crate::deployment::{Deployment, Sample, open};
+use crate::experiment::StudyError;
 
 /// Where a deployment comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,12 +26,33 @@ pub enum Source {
 
 enum Request {
     Open(u64, Source),
-    Analyse(u64, Arc<Deployment>, Settings),
+    Analyse {
+        number: u64,
+        id: u64,
+        deployment: Arc<Deployment>,
+        settings: Settings,
+    },
+    /// The deployment with this id was closed.
+    Forget(u64),
+}
+
+impl Request {
+    fn number(&self) -> u64 {
+        match self {
+            Self::Open(number, _) | Self::Analyse { number, .. } | Self::Forget(number) => *number,
+        }
+    }
 }
 
 pub enum Reply {
     Opened(u64, Result<Arc<Deployment>, String>),
-    Analysed(u64, Arc<Analysis>, Arc<PreparedPlots>),
+    Analysed {
+        number: u64,
+        id: u64,
+        analysis: Arc<Analysis>,
+        plots: Arc<PreparedPlots>,
+    },
+    Studied(u64, Result<Arc<StudyResult>, StudyError>),
     /// A request ended in a bug of the program.
     Failed(u64),
     /// The user chose a path in a dialog.
@@ -66,8 +90,27 @@ impl Worker {
     }
 
     /// Asks for an analysis; gives the request's number.
-    pub fn analyse(&mut self, deployment: Arc<Deployment>, settings: Settings) -> u64 {
-        self.send(|number| Request::Analyse(number, deployment, settings))
+    pub fn analyse(&mut self, id: u64, deployment: Arc<Deployment>, settings: Settings) -> u64 {
+        self.send(|number| Request::Analyse { number, id, deployment, settings })
+    }
+
+    /// Lets go of what is remembered of a deployment.
+    pub fn forget(&mut self, id: u64) {
+        self.requests.send(Request::Forget(id)).ok();
+    }
+
+    /// Runs a study beside the worker; gives the request's number.
+    pub fn study(
+        &mut self,
+        run: impl FnOnce() -> Result<Arc<StudyResult>, StudyError> + Send + 'static,
+    ) -> u64 {
+        self.newest += 1;
+        let number = self.newest;
+        self.beside(move || {
+            let result = std::panic::catch_unwind(AssertUnwindSafe(run));
+            Some(result.map_or(Reply::Failed(number), |result| Reply::Studied(number, result)))
+        });
+        number
     }
 
     fn send(&mut self, request: impl FnOnce(u64) -> Request) -> u64 {
@@ -99,55 +142,67 @@ impl Worker {
 }
 
 fn work(inbox: &Receiver<Request>, outbox: &Sender<Reply>, ctx: &egui::Context) {
-    let mut analyst: Option<Analyst> = None;
+    let mut analysts: HashMap<u64, Analyst> = HashMap::new();
     while let Ok(first) = inbox.recv() {
         let mut waiting = vec![first];
         waiting.extend(inbox.try_iter());
-        for request in &without_overtaken(waiting) {
-            let number = match request {
-                Request::Open(number, _) | Request::Analyse(number, ..) => *number,
-            };
+        for request in without_overtaken(waiting) {
+            let number = request.number();
             let answer =
-                std::panic::catch_unwind(AssertUnwindSafe(|| reply(request, &mut analyst)));
+                std::panic::catch_unwind(AssertUnwindSafe(|| reply(request, &mut analysts)));
             let reply = answer.unwrap_or_else(|_| {
-                analyst = None;
-                Reply::Failed(number)
+                analysts.clear();
+                Some(Reply::Failed(number))
             });
-            if outbox.send(reply).is_err() {
-                return;
+            if let Some(reply) = reply {
+                if outbox.send(reply).is_err() {
+                    return;
+                }
+                ctx.request_repaint();
             }
-            ctx.request_repaint();
         }
     }
 }
 
-/// What is still worth doing: of several analyses only the last, of everything else all.
+/// What is still worth doing: of several analyses of a deployment only the last, of everything else all.
 fn without_overtaken(waiting: Vec<Request>) -> Vec<Request> {
-    let newest = waiting.iter().rposition(|request| matches!(request, Request::Analyse(..)));
+    let analysed = |request: &Request| match request {
+        Request::Analyse { id, .. } => Some(*id),
+        _ => None,
+    };
+    let ids: Vec<Option<u64>> = waiting.iter().map(analysed).collect();
     waiting
         .into_iter()
         .enumerate()
-        .filter(|(at, request)| !matches!(request, Request::Analyse(..)) || Some(*at) == newest)
+        .filter(|(at, _)| ids[*at].is_none() || !ids[at + 1..].contains(&ids[*at]))
         .map(|(_, request)| request)
         .collect()
 }
 
-fn reply(request: &Request, analyst: &mut Option<Analyst>) -> Reply {
+fn reply(request: Request, analysts: &mut HashMap<u64, Analyst>) -> Option<Reply> {
     match request {
         Request::Open(number, source) => {
             let opened = match source {
-                Source::Path(path) => open(path),
+                Source::Path(path) => open(&path),
                 Source::Sample(sample) => sample.open(),
             };
-            Reply::Opened(*number, opened.map(Arc::new).map_err(|error| error.to_string()))
+            Some(Reply::Opened(number, opened.map(Arc::new).map_err(|error| error.to_string())))
         }
-        Request::Analyse(number, deployment, settings) => {
-            let known = analyst.take().filter(|a| Arc::ptr_eq(a.deployment(), deployment));
-            let analyst =
-                analyst.insert(known.unwrap_or_else(|| Analyst::new(Arc::clone(deployment))));
-            let analysis = analyst.run(settings);
-            let plots = PreparedPlots::of(&analysis, deployment.start_s().unwrap_or(0.0));
-            Reply::Analysed(*number, Arc::new(analysis), Arc::new(plots))
+        Request::Analyse { number, id, deployment, settings } => {
+            let start_s = deployment.start_s().unwrap_or(0.0);
+            let analyst = analysts.entry(id).or_insert_with(|| Analyst::new(deployment));
+            let analysis = analyst.run(&settings);
+            let plots = PreparedPlots::of(&analysis, start_s);
+            Some(Reply::Analysed {
+                number,
+                id,
+                analysis: Arc::new(analysis),
+                plots: Arc::new(plots),
+            })
+        }
+        Request::Forget(id) => {
+            analysts.remove(&id);
+            None
         }
     }
 }
@@ -157,18 +212,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_several_analyses_only_the_newest_is_run() {
+    fn of_several_analyses_of_a_deployment_only_the_newest_is_run() {
         let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
-        let analyse =
-            |number| Request::Analyse(number, Arc::clone(&deployment), Settings::default());
+        let analyse = |number, id| Request::Analyse {
+            number,
+            id,
+            deployment: Arc::clone(&deployment),
+            settings: Settings::default(),
+        };
         let open = |number| Request::Open(number, Source::Sample(Sample::Hd2Tunnel));
-        let left = without_overtaken(vec![analyse(1), open(2), analyse(3), analyse(4)]);
-        let numbers: Vec<u64> = left
-            .iter()
-            .map(|request| match request {
-                Request::Open(number, _) | Request::Analyse(number, ..) => *number,
-            })
-            .collect();
-        assert_eq!(numbers, [2, 4]);
+        let waiting = vec![analyse(1, 7), open(2), analyse(3, 7), analyse(4, 8), analyse(5, 7)];
+        let left: Vec<u64> = without_overtaken(waiting).iter().map(Request::number).collect();
+        assert_eq!(left, [2, 4, 5]);
     }
 }

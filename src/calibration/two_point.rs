@@ -128,9 +128,8 @@ fn resect(
     points: &[&ControlPoint],
     chosen: [usize; 2],
 ) -> Option<(PairResection, Placed)> {
-    let reading = |point: &ControlPoint, station: usize| {
-        point.readings[station].map(Polar::to_cartesian)
-    };
+    let reading =
+        |point: &ControlPoint, station: usize| point.readings[station].map(Polar::to_cartesian);
     let mut matches = vec![Matches::default(); 3];
     for (order, index) in chosen.into_iter().enumerate() {
         for station in 0..3 {

@@ -29,8 +29,8 @@ use crate::deployment::{Deployment, OpenError, open_with};
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
-    /// Folder or file to open in the window; the built-in sample if none.
-    path: Option<PathBuf>,
+    /// Folders or files to open in the window; the built-in sample if none.
+    path: Vec<PathBuf>,
 }
 
 #[derive(Subcommand)]
@@ -82,7 +82,7 @@ pub fn run() -> ExitCode {
         Err(help) => help.exit(),
     };
     let result = match arguments.command {
-        None => window::run(arguments.path.as_deref()),
+        None => window::run(&arguments.path),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::Ablate(arguments)) => ablate::run(&arguments),

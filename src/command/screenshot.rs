@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let deployment = arguments.settings.adjust(deployment)?;
     let dark = arguments.theme == Theme::Dark;
-    let image = app::picture(deployment, settings, arguments.size, dark)?;
+    let image = app::picture(vec![deployment], settings, arguments.size, dark)?;
     image
         .save_with_format(&arguments.out, image::ImageFormat::Png)
         .with_context(|| format!("{}: cannot be written", arguments.out.display()))?;

@@ -1,26 +1,31 @@
 //! Plain `resect`: the window, or without a display the answer in the terminal.
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
 use crate::app;
-use crate::deployment::Sample;
+use crate::deployment::{Deployment, Sample};
 use crate::export::text;
 
-pub fn run(path: Option<&Path>) -> Result<(), Failure> {
-    if !has_display() {
-        return without_display(path, "no display");
-    }
+pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
     // A path that does not open ends here, on the terminal it came from.
-    let start = match path {
-        Some(path) => app::Start::Deployment(load(path, None)?.0),
-        None => app::Start::Sample(Sample::Warthog),
+    let deployments = paths
+        .iter()
+        .map(|path| Ok(load(path, None)?.0))
+        .collect::<Result<Vec<Arc<Deployment>>, Failure>>()?;
+    if !has_display() {
+        return without_display(deployments, "no display");
+    }
+    let start = if deployments.is_empty() {
+        app::Start::Sample(Sample::Warthog)
+    } else {
+        app::Start::Deployments(deployments.clone())
     };
     match app::open_window(start) {
         Ok(()) => Ok(()),
-        Err(error) => without_display(path, &format!("the window did not open ({error})")),
+        Err(error) => without_display(deployments, &format!("the window did not open ({error})")),
     }
 }
 
@@ -32,15 +37,18 @@ fn has_display() -> bool {
             .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
-fn without_display(path: Option<&Path>, why: &str) -> Result<(), Failure> {
-    let deployment = match path {
-        Some(path) => load(path, None)?.0,
-        None => Arc::new(Sample::Warthog.open()?),
-    };
-    let analysis = Analyst::new(deployment.clone()).run(&Settings::default());
-    let answer = analysis.answer.clone()?;
-    let what = if path.is_some() { "" } else { "; this is the built-in sample" };
-    print(&format!("{why}{what}\n\n{}", text::calibration(&deployment, &analysis, &answer)))?;
+fn without_display(mut deployments: Vec<Arc<Deployment>>, why: &str) -> Result<(), Failure> {
+    let mut what = "";
+    if deployments.is_empty() {
+        what = "; this is the built-in sample";
+        deployments.push(Arc::new(Sample::Warthog.open()?));
+    }
+    print(&format!("{why}{what}\n\n"))?;
+    for deployment in deployments {
+        let analysis = Analyst::new(deployment.clone()).run(&Settings::default());
+        let answer = analysis.answer.clone()?;
+        print(&text::calibration(&deployment, &analysis, &answer))?;
+    }
     print(
         "\nwindow      run resect where there is a display (over ssh: ssh -X, or xvfb-run)\n\
          picture     resect screenshot [PATH] --out window.png\n\

@@ -211,6 +211,7 @@ fn combine(
     used.extend(used_sets);
 
     let rig = read_rig(sources, &overrides, prism_constant_m, &mut used, &mut findings)?;
+    let gnss = read_gnss(sources, &overrides, &mut used, &mut findings)?;
     let constant_from =
         if overrides.prism_constant_m.is_some() { "deployment.toml" } else { "the MT1000" };
     findings.push(Finding::note(format!(
@@ -234,7 +235,6 @@ fn combine(
         ));
     }
     let prisms = overrides.prisms;
-    let gnss = read_gnss(sources, &overrides, &mut used, &mut findings)?;
     Ok(Deployment { name, tracks, control_points, rig, prisms, gnss, ingredients, findings })
 }
 
@@ -390,7 +390,8 @@ fn read_gnss<'a>(
         used.push(&source.file);
     }
     // Coordinates about a base station are short, those about the Earth's centre are not.
-    let about_the_earth = |fixes: &Vec<GnssFix>| fixes.first().is_some_and(|f| f.position_m.norm() > 1e6);
+    let about_the_earth =
+        |fixes: &Vec<GnssFix>| fixes.first().is_some_and(|f| f.position_m.norm() > 1e6);
     if !antennas.iter().all(|fixes| about_the_earth(fixes) == about_the_earth(&antennas[0])) {
         findings.push(Finding::warning(
             "the GNSS antennas are left out: some positions are about the Earth's centre, others about a base station; \

@@ -30,7 +30,8 @@ impl Sample {
     fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Self::Warthog => sample_files!("warthog":
-                "inter_prism.csv", "GCP_raw_1.txt", "GCP_raw_2.txt",
+                "inter_prism.csv", "GCP_raw_1.txt", "GCP_raw_2.txt", "Two_points.txt", "pillars.csv",
+                "gnss_1.pos", "gnss_2.pos", "gnss_3.pos",
                 "calibration_raw.csv", "calibration_results.csv", "deployment.toml"),
             Self::Hd2Tunnel => sample_files!("hd2-tunnel":
                 "inter_prism.csv", "calibration_raw.csv", "calibration_results.csv", "deployment.toml"),

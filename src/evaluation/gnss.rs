@@ -1,8 +1,8 @@
 //! Three GNSS antennas on the vehicle, and how well their fixes keep the distances between them: the metric of the
 //! prisms for the sensor that the total stations are compared with.
 
-use crate::deployment::PAIRS;
 use crate::deployment::GnssFix;
+use crate::deployment::PAIRS;
 
 /// Quality of a fix with its ambiguities fixed to integers: the only kind good to millimetres.
 const FIXED: u8 = 1;

@@ -36,7 +36,8 @@ pub struct PoseSigma {
 
 impl Pose {
     pub fn sigma(&self) -> PoseSigma {
-        let mean = |from: usize| (from..from + 3).map(|k| self.covariance[(k, k)]).sum::<f64>() / 3.0;
+        let mean =
+            |from: usize| (from..from + 3).map(|k| self.covariance[(k, k)]).sum::<f64>() / 3.0;
         PoseSigma { position_m: mean(0).sqrt(), orientation_rad: mean(3).sqrt() }
     }
 }

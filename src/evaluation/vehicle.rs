@@ -97,21 +97,18 @@ fn observed(
         let points = triplets.triplet_m(index);
         std::array::from_fn(|station| station1_from_station[station].apply(&points[station]))
     };
-    // Errors over what the stated σ (1 m where none is stated) lets expect.
-    let mut ratios = Vec::with_capacity(3 * triplets.len());
     let stated = |station: usize, index: usize| {
         triplets.sigma_m.as_ref().map_or(Vector3::repeat(1.0), |all| all[station][index])
     };
+    // Errors over what the stated σ lets expect, 1 m on every axis where none is stated.
+    let mut ratios = Vec::with_capacity(3 * triplets.len());
     for index in 0..triplets.len() {
         let points = placed(index);
+        let sigma_m = distance_sigma_m(triplets, index, station1_from_station)
+            .unwrap_or([std::f64::consts::SQRT_2; 3]);
         for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
-            let between = points[b] - points[a];
-            let direction = between.normalize();
-            let variance: f64 = [a, b]
-                .iter()
-                .map(|station| stated(*station, index).component_mul(&direction).norm_squared())
-                .sum();
-            ratios.push((between.norm() - inter_prism_m[pair]).abs() / variance.sqrt());
+            let error_m = (points[b] - points[a]).norm() - inter_prism_m[pair];
+            ratios.push(error_m.abs() / sigma_m[pair]);
         }
     }
     ratios.sort_by(f64::total_cmp);
@@ -125,6 +122,27 @@ fn observed(
             sigma_m: std::array::from_fn(|station| stated(station, index) * factor),
         })
         .collect()
+}
+
+/// What the interpolation states for the distances 12, 13, 23 at an instant (m, 1 σ); `None` where it states nothing.
+pub fn distance_sigma_m(
+    triplets: &Triplets,
+    index: usize,
+    station1_from_station: &[RigidTransform; 3],
+) -> Option<[f64; 3]> {
+    let sigma_m = triplets.sigma_m.as_ref()?;
+    let points = triplets.triplet_m(index);
+    let placed: [Vector3<f64>; 3] =
+        std::array::from_fn(|station| station1_from_station[station].apply(&points[station]));
+    Some(PAIRS.map(|(a, b)| {
+        let direction = (placed[b] - placed[a]).normalize();
+        let variance = |station: usize| {
+            // Into the station's own frame, whose axes the σ belong to.
+            let own = station1_from_station[station].rotation.inverse() * direction;
+            sigma_m[station][index].component_mul(&own).norm_squared()
+        };
+        (variance(a) + variance(b)).sqrt()
+    }))
 }
 
 /// The rotation and origin of a pose as a transform.

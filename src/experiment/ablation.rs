@@ -37,7 +37,9 @@ pub fn ablate(
         return Err(StudyError::Nothing(why.join("; ")));
     }
     let variants: Vec<(usize, Interpolation)> = (0..COMBINATIONS.len())
-        .flat_map(|combination| Interpolation::ALL.map(|interpolation| (combination, interpolation)))
+        .flat_map(|combination| {
+            Interpolation::ALL.map(|interpolation| (combination, interpolation))
+        })
         .collect();
     let results = variants
         .par_iter()
@@ -56,13 +58,16 @@ pub fn ablate(
     let groups = COMBINATIONS
         .iter()
         .map(|(label, ..)| {
-            let row: Vec<(Vec<f64>, usize)> = results.by_ref().take(Interpolation::ALL.len()).collect();
+            let row: Vec<(Vec<f64>, usize)> =
+                results.by_ref().take(Interpolation::ALL.len()).collect();
             Group {
                 label: (*label).to_owned(),
                 note: row.first().map_or(String::new(), |(_, count)| format!("{count} triplets")),
                 boxes: row
                     .into_iter()
-                    .map(|(errors, _)| Quantiles::of(errors).ok_or_else(|| "no triplets".to_owned()))
+                    .map(|(errors, _)| {
+                        Quantiles::of(errors).ok_or_else(|| "no triplets".to_owned())
+                    })
                     .collect(),
             }
         })

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::split::{Splits, parts};
@@ -41,7 +42,7 @@ pub struct Disagreement {
     pub yaw_sigmas: Option<f64>,
     /// The largest of (x, y, z, yaw) in σ.
     pub largest_sigmas: f64,
-    /// How far apart the two put a point in the middle of the station's working area (m), and how far that is.
+    /// How far apart the two put what the station measured (m, rms), and how far away that is on average.
     pub moved_m: f64,
     pub range_m: f64,
 }
@@ -52,7 +53,7 @@ impl Disagreement {
         let [first, second] = self.methods.map(Method::letter);
         let mm = self.translation_m.map(|m| m * 1e3);
         let moved = format!(
-            "{:.0} mm for a point {:.0} m away",
+            "{:.0} mm apart on its track, {:.0} m away on average",
             self.moved_m * 1e3,
             self.range_m
         );
@@ -99,7 +100,8 @@ pub fn compare(
     let mut findings = Vec::new();
     for (compared, _) in &each {
         for disagreement in &compared.disagreements {
-            let prefix = if each.len() > 1 { format!("{}: ", compared.deployment) } else { String::new() };
+            let prefix =
+                if each.len() > 1 { format!("{}: ", compared.deployment) } else { String::new() };
             findings.push(Finding::warning(prefix + &disagreement.in_words()));
         }
     }
@@ -120,7 +122,7 @@ pub fn compare(
     });
     let mut levels = gnss_level(deployments).into_iter().collect::<Vec<_>>();
     levels.push(Level {
-        label: format!("range noise of the stations, {INSTRUMENT_NOISE_MM:.0} mm"),
+        label: format!("RTS range noise {INSTRUMENT_NOISE_MM:.0} mm"),
         value: INSTRUMENT_NOISE_MM,
     });
     let study = Study {
@@ -229,7 +231,7 @@ fn gnss_level(deployments: &[Arc<Deployment>]) -> Option<Level> {
         }
     }
     let median = Quantiles::of(errors_mm)?.median;
-    Some(Level { label: format!("RTK GNSS between antennas, {median:.1} mm"), value: median })
+    Some(Level { label: format!("RTK GNSS antennas {median:.1} mm"), value: median })
 }
 
 /// All pairs of answers that are further apart than their σ allow.
@@ -249,7 +251,7 @@ fn disagreements(
                 let area_m = working_area_m(deployment, station);
                 let methods = [Method::ALL[first], Method::ALL[second]];
                 found.extend(
-                    difference(methods, station, transforms, sigmas, area_m).filter(|d| {
+                    difference(methods, station, transforms, sigmas, &area_m).filter(|d| {
                         d.largest_sigmas > DISAGREEMENT_SIGMAS && d.moved_m > NOTABLE_M
                     }),
                 );
@@ -264,9 +266,10 @@ fn difference(
     station: usize,
     [a, b]: [RigidTransform; 2],
     sigmas: [Option<TransformSigma>; 2],
-    area_m: nalgebra::Vector3<f64>,
+    area_m: &[Vector3<f64>],
 ) -> Option<Disagreement> {
     let (Some(sigma_a), Some(sigma_b)) = (sigmas[0], sigmas[1]) else { return None };
+    let count = area_m.len().max(1) as f64;
     let off = b.translation_m - a.translation_m;
     let yaw_rad = wrap_to_pi(b.yaw_rad() - a.yaw_rad());
     let yaw_sigmas = yaw_rad.abs() / sigma_a.yaw_rad.hypot(sigma_b.yaw_rad);
@@ -280,16 +283,16 @@ fn difference(
         yaw_rad,
         yaw_sigmas: Some(yaw_sigmas),
         largest_sigmas: axis_sigmas.fold(yaw_sigmas, f64::max),
-        moved_m: (b.apply(&area_m) - a.apply(&area_m)).norm(),
-        range_m: area_m.norm(),
+        moved_m: (area_m.iter().map(|p| (b.apply(p) - a.apply(p)).norm_squared()).sum::<f64>()
+            / count)
+            .sqrt(),
+        range_m: area_m.iter().map(Vector3::norm).sum::<f64>() / count,
     })
 }
 
-/// Middle of what a station measured (m, its own frame).
-fn working_area_m(deployment: &Deployment, station: usize) -> nalgebra::Vector3<f64> {
+/// Places of a station's readings, some hundred of them (m, its own frame).
+fn working_area_m(deployment: &Deployment, station: usize) -> Vec<Vector3<f64>> {
     let track = &deployment.tracks[station];
     let step = (track.measurements.len() / 500).max(1);
-    let positions: Vec<_> =
-        track.measurements.iter().step_by(step).map(|m| track.position_m(m)).collect();
-    positions.iter().sum::<nalgebra::Vector3<f64>>() / positions.len().max(1) as f64
+    track.measurements.iter().step_by(step).map(|m| track.position_m(m)).collect()
 }

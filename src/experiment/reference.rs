@@ -39,13 +39,17 @@ impl Judge {
                 offer.default_method()
             }
         });
-        let chosen = calibration::CalibrationSettings { method: Some(method), ..settings.calibration };
+        let chosen =
+            calibration::CalibrationSettings { method: Some(method), ..settings.calibration };
         let mut findings = Vec::new();
         let mut station1_from_station = Vec::new();
         for [train, _] in parts(deployment, &triplets, splits) {
             let answer = calibration::solve(&train.deployment, &train.triplets, &chosen, &offer)
                 .map_err(|error| error.to_string())?;
-            let doubts = answer.findings.into_iter().filter(|f| f.severity > crate::deployment::Severity::Note);
+            let doubts = answer
+                .findings
+                .into_iter()
+                .filter(|f| f.severity > crate::deployment::Severity::Note);
             if findings.is_empty() {
                 findings.extend(doubts.map(|finding| Finding {
                     message: format!("{}, method {}: {finding}", deployment.name, method.letter()),
@@ -104,14 +108,18 @@ pub fn judges<'a>(
 
 /// "the transforms of B (static control points)", naming every method in use.
 pub fn in_words(judges: &[(&Deployment, Judge)], splits: Option<Splits>) -> String {
-    let used = Method::ALL.into_iter().filter(|method| judges.iter().any(|(_, j)| j.method == *method));
+    let used =
+        Method::ALL.into_iter().filter(|method| judges.iter().any(|(_, j)| j.method == *method));
     let names: Vec<String> = used.map(|m| format!("{} ({})", m.letter(), m.title())).collect();
     let data = match judges.len() {
         1 => judges[0].0.name.clone(),
         count => format!("{count} deployments"),
     };
     let unseen = splits.map_or(String::new(), |splits| {
-        format!("; each on the 25 % left out, {} random splits, seed {}", splits.repeats, splits.seed)
+        format!(
+            "; each on the 25 % left out, {} random splits, seed {}",
+            splits.repeats, splits.seed
+        )
     });
     format!("{data}; by the transforms of {}{unseen}", names.join(" and "))
 }
@@ -131,4 +139,3 @@ pub fn pooled(
     }
     (pool, count)
 }
-

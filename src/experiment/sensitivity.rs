@@ -155,7 +155,11 @@ pub fn sweep(
         title: format!("How the errors depend on {}", parameter.title()),
         subtitle: reference::in_words(&judges, splits),
         value_label: "inter-prism error (mm)".to_owned(),
-        group_label: format!("{} ({}); below it the number of triplets", parameter.title(), parameter.unit()),
+        group_label: format!(
+            "{} ({}); below it the number of triplets",
+            parameter.title(),
+            parameter.unit()
+        ),
         series: vec![Series {
             name: settings.pipeline.interpolation.title().to_owned(),
             rgb: palette::SERIES[0],

@@ -1,7 +1,7 @@
 //! Random training parts, so that errors are those of data that the calibration has not seen.
 
-use rand::seq::SliceRandom;
 use rand::SeedableRng;
+use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::calibration::time_blocks;
@@ -25,7 +25,11 @@ pub struct Part {
 }
 
 /// What to calibrate on and what to judge by: everything by itself, or `repeats` random parts by the rest.
-pub fn parts(deployment: &Deployment, triplets: &Triplets, splits: Option<Splits>) -> Vec<[Part; 2]> {
+pub fn parts(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    splits: Option<Splits>,
+) -> Vec<[Part; 2]> {
     let Some(Splits { repeats, seed }) = splits else {
         let whole = || Part { deployment: without_tracks(deployment), triplets: triplets.clone() };
         return vec![[whole(), whole()]];

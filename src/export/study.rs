@@ -123,7 +123,9 @@ pub fn json(study: &Study) -> Value {
                 .iter()
                 .zip(&study.series)
                 .map(|(cell, series)| match cell {
-                    Ok(q) => json!({ "series": series.name, "errors": quantiles(q), "why_none": null }),
+                    Ok(q) => {
+                        json!({ "series": series.name, "errors": quantiles(q), "why_none": null })
+                    }
                     Err(why) => json!({ "series": series.name, "errors": null, "why_none": why }),
                 })
                 .collect();
@@ -200,8 +202,7 @@ pub fn write(study: &Study, folder: &Path) -> Result<Vec<PathBuf>, StudyFileErro
     std::fs::create_dir_all(folder).map_err(io(folder))?;
     let svg = to_svg(&box_chart::draw(study, PICTURE_SIZE), false);
     let png = to_png(&svg, PIXELS_PER_UNIT)?;
-    let files =
-        [("csv", csv(study).into_bytes()), ("svg", svg.into_bytes()), ("png", png)];
+    let files = [("csv", csv(study).into_bytes()), ("svg", svg.into_bytes()), ("png", png)];
     let mut written = Vec::new();
     for (extension, bytes) in files {
         let path = folder.join(format!("{}.{extension}", study.name));
@@ -213,16 +214,24 @@ pub fn write(study: &Study, folder: &Path) -> Result<Vec<PathBuf>, StudyFileErro
 
 /// One line a box; a box that is not there has empty numbers and says why.
 pub fn csv(study: &Study) -> String {
-    let mut text = String::from("group,note,series,median_mm,q25_mm,q75_mm,iqr_mm,q05_mm,q95_mm,n,why_none\n");
+    let mut text =
+        String::from("group,note,series,median_mm,q25_mm,q75_mm,iqr_mm,q05_mm,q95_mm,n,why_none\n");
     let quoted = |field: &str| format!("\"{}\"", field.replace('"', "\"\""));
     for group in &study.groups {
         for (cell, series) in group.boxes.iter().zip(&study.series) {
-            let names = [&group.label, &group.note, &series.name].map(|field| quoted(field)).join(",");
+            let names =
+                [&group.label, &group.note, &series.name].map(|field| quoted(field)).join(",");
             _ = match cell {
                 Ok(q) => writeln!(
                     text,
                     "{names},{:.4},{:.4},{:.4},{:.4},{:.4},{:.4},{},",
-                    q.median, q.q25, q.q75, q.iqr(), q.q05, q.q95, q.n
+                    q.median,
+                    q.q25,
+                    q.q75,
+                    q.iqr(),
+                    q.q05,
+                    q.q95,
+                    q.n
                 ),
                 Err(why) => writeln!(text, "{names},,,,,,,0,{}", quoted(why)),
             };

@@ -77,7 +77,13 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let prisms_m = scenario.prisms_m;
     let inter_prism_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).norm());
     let truth = Truth { station1_from_station, inter_prism_m, prisms_m, outliers, lost_readings };
-    let antennas = scenario.antennas_m.map(|antennas_m| gnss::measure(&antennas_m, &motion, scenario.duration_s, &mut rng));
+    let mut control_points: Vec<ControlPointSet> = control_points;
+    if scenario.pillars {
+        control_points.push(pillars(scenario, &station1_from_station, &mut rng));
+    }
+    let antennas = scenario
+        .antennas_m
+        .map(|antennas_m| gnss::measure(&antennas_m, &motion, scenario.duration_s, &mut rng));
     Simulated {
         scenario: scenario.clone(),
         seed,
@@ -125,6 +131,30 @@ fn lost_locks(scenario: &Scenario, rng: &mut ChaCha8Rng) -> Vec<[f64; 2]> {
         spans.push([t, t + length_s]);
         t += length_s;
     }
+}
+
+/// Four pillars on a line past the stations, their places along it and their heights known to the millimetre.
+fn pillars(
+    scenario: &Scenario,
+    station1_from_station: &[LevelTransform; 3],
+    rng: &mut ChaCha8Rng,
+) -> ControlPointSet {
+    let station1_from_line = LevelTransform::new(Vector3::new(-80.0, -35.0, -0.4), 0.35);
+    let points = [0.0, 71.3, 168.9, 241.6]
+        .into_iter()
+        .zip([0.0, 0.41, 0.93, 1.58])
+        .enumerate()
+        .map(|(index, (along_m, height_m))| {
+            let known_m = Vector3::new(along_m, 0.0, height_m);
+            let surveyed_m = known_m + 0.001 * Vector3::from_fn(|_, _| normal(rng));
+            let place = station1_from_line.apply(&surveyed_m);
+            let readings = station1_from_station.map(|transform| {
+                Some(noisy(transform.inverse().apply(&place), scenario, 1.0, rng))
+            });
+            ControlPoint { marker: index as i64 + 1, readings, known_m: Some(known_m) }
+        })
+        .collect();
+    ControlPointSet { file: "Two_points.txt".to_owned(), points, pillars: true }
 }
 
 /// Ten targets on poles around the area, read once by every station.

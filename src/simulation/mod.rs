@@ -14,9 +14,7 @@ pub use write::write_folder;
 
 use nalgebra::Vector3;
 
-use crate::deployment::{
-    ControlPointSet, Deployment, GnssFix, OpenError, RawRecord, open_files,
-};
+use crate::deployment::{ControlPointSet, Deployment, GnssFix, OpenError, RawRecord, open_files};
 use crate::geometry::{LevelTransform, Polar};
 
 /// Everything that was measured, and the truth behind it.

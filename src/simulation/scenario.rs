@@ -91,6 +91,8 @@ pub struct Scenario {
     pub instrument_height_m: f64,
     /// Sets of ten control points.
     pub control_point_sets: usize,
+    /// Surveyed pillars on a line, for method A.
+    pub pillars: bool,
     /// Added by the user to every range; the simulated instruments leave it off.
     pub prism_constant_m: f64,
 }
@@ -151,6 +153,7 @@ impl Preset {
                 stations_m: [Vector3::new(5.2, -2.6, -0.28), Vector3::new(-5.4, 0.4, -0.22)],
                 instrument_height_m: 1.6,
                 control_point_sets: 2,
+                pillars: true,
                 prism_constant_m: 0.010,
             },
             Self::FlatFloor => Scenario { name: self.name(), ground: flat, ..warthog() },
@@ -191,6 +194,7 @@ impl Preset {
                 stations_m: [Vector3::new(1.6, 1.3, -0.05), Vector3::new(-0.9, -1.2, 0.04)],
                 instrument_height_m: 1.5,
                 control_point_sets: 0,
+                pillars: false,
                 prism_constant_m: 0.010,
             },
         }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::Simulated;
-use crate::deployment::format::{control_points, polar_csv, rig_files, rtklib_pos};
+use crate::deployment::format::{control_points, pillars, polar_csv, rig_files, rtklib_pos};
 use crate::deployment::{OpenError, pairwise_distances};
 use crate::geometry::Polar;
 
@@ -60,10 +60,16 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
             "calibration_raw.csv".to_owned(),
             rig_files::write_rig_reading(&simulated.rig_reading, prism_constant_m),
         ));
-        files.push(("calibration_results.csv".to_owned(), rig_files::write_distances(&measured, inter_antenna_m.as_ref())));
+        files.push((
+            "calibration_results.csv".to_owned(),
+            rig_files::write_distances(&measured, inter_antenna_m.as_ref()),
+        ));
     }
     for set in &simulated.control_points {
         files.push((set.file.clone(), control_points::write(set, prism_constant_m)));
+        if set.pillars {
+            files.push(("pillars.csv".to_owned(), pillars::write(set)));
+        }
     }
     files
 }

@@ -1,8 +1,9 @@
-//! What is open: stations with their counts and visibility, files, rig.
+//! What is open: the deployments, and of the active one stations with their counts and visibility, files, rig.
 
 use eframe::egui;
 
 use super::{finding, heading, scrolled};
+use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::deployment::{Sample, Severity, pair_label};
@@ -10,7 +11,7 @@ use crate::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
-        let Some(deployment) = &state.deployment else {
+        let Some(open) = state.active() else {
             ui.label("Open a folder with a deployment, or start with a sample:");
             for sample in Sample::ALL {
                 if ui.button(sample.title()).clicked() {
@@ -19,37 +20,15 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             }
             return;
         };
-        let dark = ui.visuals().dark_mode;
-        let mut visibility = state.visibility;
+        list(ui, state, commands);
+        let deployment = &open.deployment;
         let duration_s = match (deployment.start_s(), deployment.end_s()) {
             (Some(start), Some(end)) => end - start,
             _ => 0.0,
         };
-        ui.strong(&deployment.name);
         ui.label(format!("{duration_s:.0} s of measurements"));
         ui.add_space(2.0);
-        egui::Grid::new("stations").num_columns(3).spacing([10.0, 3.0]).show(ui, |ui| {
-            for (station, track) in deployment.tracks.iter().enumerate() {
-                let name = format!("Station {}", station + 1);
-                let text = egui::RichText::new(name)
-                    .color(theme::readable(palette::STATIONS[station], dark));
-                ui.checkbox(&mut visibility.stations[station], text);
-                ui.label(format!("{} readings", track.measurements.len()));
-                ui.label(format!("to {:.0} m", state.longest_range_m[station]));
-                ui.end_row();
-            }
-        });
-        ui.horizontal_wrapped(|ui| {
-            ui.label("Show");
-            ui.checkbox(&mut visibility.raw, "raw");
-            ui.checkbox(&mut visibility.tracks, "tracks");
-            ui.add_enabled_ui(!deployment.control_points.is_empty(), |ui| {
-                ui.checkbox(&mut visibility.control_points, "control points");
-            });
-        });
-        if visibility != state.visibility {
-            commands.push(Command::Show(visibility));
-        }
+        stations(ui, state, open, commands);
 
         heading(ui, "Rig");
         match &deployment.rig {
@@ -66,6 +45,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 });
             }
         }
+        if let Some(antennas) = &deployment.gnss {
+            let fixes: usize = antennas.iter().map(Vec::len).sum();
+            ui.label(format!("3 GNSS antennas, {fixes} fixes"));
+        }
 
         heading(ui, "Files");
         for ingredient in &deployment.ingredients {
@@ -80,4 +63,59 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             finding(ui, one);
         }
     });
+}
+
+/// Every open deployment: a click shows it, the cross closes it.
+fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    for open in &state.open {
+        let active = state.active().is_some_and(|active| active.id == open.id);
+        ui.horizontal(|ui| {
+            let name = &open.deployment.name;
+            let close = ui
+                .add(egui::Button::new("×").small().frame(false))
+                .on_hover_text(format!("Close {name}"));
+            if close.clicked() {
+                commands.push(Command::Close(open.id));
+            }
+            let label = egui::Button::selectable(active, egui::RichText::new(name).strong());
+            if ui.add(label.truncate()).clicked() && !active {
+                commands.push(Command::Activate(open.id));
+            }
+        });
+    }
+}
+
+fn stations(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
+    let dark = ui.visuals().dark_mode;
+    let mut visibility = state.visibility;
+    egui::Grid::new("stations").num_columns(3).spacing([10.0, 3.0]).show(ui, |ui| {
+        for (station, track) in open.deployment.tracks.iter().enumerate() {
+            let name = format!("Station {}", station + 1);
+            let text =
+                egui::RichText::new(name).color(theme::readable(palette::STATIONS[station], dark));
+            ui.checkbox(&mut visibility.stations[station], text);
+            ui.label(format!("{} readings", track.measurements.len()));
+            ui.label(format!("to {:.0} m", open.longest_range_m[station]));
+            ui.end_row();
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Show");
+        ui.checkbox(&mut visibility.raw, "raw");
+        ui.checkbox(&mut visibility.tracks, "tracks");
+        ui.add_enabled_ui(!open.deployment.control_points.is_empty(), |ui| {
+            ui.checkbox(&mut visibility.control_points, "control points");
+        });
+        ui.checkbox(&mut visibility.poses, "vehicle")
+            .on_hover_text("The vehicle's frame along its track: x red, y green, z blue");
+        let stated = open.analysis.as_ref().is_some_and(|a| a.pipeline.triplets.sigma_m.is_some());
+        ui.add_enabled_ui(stated, |ui| {
+            ui.checkbox(&mut visibility.uncertainty, "uncertainty")
+                .on_hover_text("What the interpolation states about its own error")
+                .on_disabled_hover_text("Straight lines state no error: choose a Gaussian process");
+        });
+    });
+    if visibility != state.visibility {
+        commands.push(Command::Show(visibility));
+    }
 }

@@ -7,15 +7,15 @@ use crate::app::state::State;
 
 pub fn ui(ui: &mut egui::Ui, state: &State) {
     scrolled(ui, |ui| {
-        let Some(deployment) = &state.deployment else {
+        let Some(open) = state.active() else {
             ui.weak("Nothing open.");
             return;
         };
         heading(ui, "Reading");
-        for one in &deployment.findings {
+        for one in &open.deployment.findings {
             finding(ui, one);
         }
-        let Some(analysis) = &state.analysis else { return };
+        let Some(analysis) = &open.analysis else { return };
         heading(ui, "Calibration");
         match &analysis.answer {
             Ok(answer) => {

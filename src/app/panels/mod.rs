@@ -6,6 +6,8 @@ pub mod findings;
 pub mod notice;
 pub mod pipeline;
 pub mod result;
+pub mod side_by_side;
+pub mod studies;
 pub mod top_bar;
 
 use eframe::egui;

@@ -8,19 +8,18 @@ use eframe::egui::{self, Shape, Stroke};
 use super::scrolled;
 use crate::analysis::{Analysis, Settings};
 use crate::app::state::{Command, Commands, State};
-use crate::calibration::{CalibrationSettings, PriorMethod};
+use crate::calibration::{Alignment, CalibrationSettings, Method, Offer, PriorMethod};
 use crate::deployment::Deployment;
-use crate::pipeline::{Interval, PipelineSettings, SampleFate, Thresholds};
+use crate::pipeline::{Interpolation, Interval, PipelineSettings, SampleFate, Thresholds};
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
-        let mut settings = state.settings;
-        let counts = match (&state.deployment, &state.analysis) {
-            (Some(deployment), Some(analysis)) => Some(Counts::of(deployment, analysis)),
-            _ => None,
-        };
+        let mut settings = *state.settings();
+        let counts =
+            state.analysed().map(|(open, analysis)| Counts::of(&open.deployment, analysis));
         modules(ui, &mut settings, counts.as_ref());
-        calibration(ui, &mut settings.calibration);
+        let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
+        calibration(ui, &mut settings.calibration, offer);
         ui.add_space(4.0);
         let paper = settings == Settings::default();
         if ui
@@ -30,7 +29,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         {
             settings = Settings::default();
         }
-        if settings != state.settings {
+        if settings != *state.settings() {
             commands.push(Command::Set(settings));
         }
     });
@@ -67,7 +66,7 @@ impl Counts {
 }
 
 fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) {
-    let PipelineSettings { outlier_filter, interval_filter, thresholds, rate_hz, .. } =
+    let PipelineSettings { outlier_filter, interval_filter, thresholds, .. } =
         &mut settings.pipeline;
     let paper = Thresholds::default();
     let line = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
@@ -127,26 +126,74 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
             counts.map(|c| format!("{} → {} intervals ({:.0} s)", c.split, c.kept, c.kept_seconds)),
         ));
     });
-    module(ui, None, "4  Interpolation, linear", |ui, _| {
+    let PipelineSettings { interpolation, rate_hz, .. } = &mut settings.pipeline;
+    module(ui, None, "4  Interpolation", |ui, _| {
+        ui.horizontal_wrapped(|ui| {
+            for (choice, name, hint) in [
+                (Interpolation::Linear, "linear", "Straight lines between readings, as published"),
+                (
+                    Interpolation::Gp,
+                    "GP",
+                    "Gaussian process, squared-exponential kernel, noise learned: for smooth driving",
+                ),
+                (
+                    Interpolation::Wnoa,
+                    "GP, motion model",
+                    "Gaussian process, white noise on acceleration: also where the vehicle stops and turns",
+                ),
+            ] {
+                ui.radio_value(interpolation, choice, name).on_hover_text(hint);
+            }
+        });
         threshold(ui, "rate", rate_hz, 0.5..=100.0, " Hz", PipelineSettings::default().rate_hz);
         ui.small(line(counts.map(|c| format!("{} intervals → {} triplets", c.kept, c.triplets))));
     });
 }
 
-fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
-    module(ui, None, "D  Inter-prism calibration", |ui, _| {
-        ui.horizontal(|ui| {
-            ui.label("prior");
-            ui.radio_value(&mut settings.prior, PriorMethod::ClosedForm, "closed form")
-                .on_hover_text("Lifted linear least squares: needs no guess");
-            ui.radio_value(&mut settings.prior, PriorMethod::Search, "search")
-                .on_hover_text("The paper's two-step search over the speed limit τ_v");
-        });
-        let mut sigma_mm = settings.inter_prism_sigma_m * 1e3;
-        threshold(ui, "σ distances", &mut sigma_mm, 0.0..=20.0, " mm", 1.0).on_hover_text(
-            "How well the inter-prism distances are known (1 σ); widens every σ of the result",
-        );
-        settings.inter_prism_sigma_m = sigma_mm / 1e3;
+/// The four methods, of which only those that the data allows can be chosen, and the options of the chosen one.
+fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Option<&Offer>) {
+    module(ui, None, "Calibration", |ui, _| {
+        let default = offer.map_or(Method::InterPrism, Offer::default_method);
+        let mut method = settings.method.unwrap_or(default);
+        for choice in Method::ALL {
+            let lack = offer.and_then(|offer| offer.lack(choice));
+            let name = format!("{}  {}", choice.letter(), choice.title());
+            ui.add_enabled_ui(lack.is_none(), |ui| {
+                let radio = ui.radio_value(&mut method, choice, name);
+                radio.on_disabled_hover_text(format!("Needs {}", lack.unwrap_or_default()));
+            });
+        }
+        // What the data asks for stays open, so that other data may ask for something else.
+        if method != settings.method.unwrap_or(default) {
+            settings.method = (method != default).then_some(method);
+        }
+        match method {
+            Method::TwoPoint => {}
+            Method::StaticGcp | Method::DynamicGcp => {
+                ui.horizontal(|ui| {
+                    ui.label("alignment");
+                    ui.radio_value(&mut settings.alignment, Alignment::Level, "level")
+                        .on_hover_text("Translation and yaw: the stations are levelled");
+                    ui.radio_value(&mut settings.alignment, Alignment::Rigid, "rigid")
+                        .on_hover_text("Roll and pitch as well");
+                });
+            }
+            Method::InterPrism => {
+                ui.horizontal(|ui| {
+                    ui.label("prior");
+                    ui.radio_value(&mut settings.prior, PriorMethod::ClosedForm, "closed form")
+                        .on_hover_text("Lifted linear least squares: needs no guess");
+                    ui.radio_value(&mut settings.prior, PriorMethod::Search, "search").on_hover_text(
+                        "The paper's two-step search over the speed limit τ_v; see Prior search",
+                    );
+                });
+                let mut sigma_mm = settings.inter_prism_sigma_m * 1e3;
+                threshold(ui, "σ distances", &mut sigma_mm, 0.0..=20.0, " mm", 1.0).on_hover_text(
+                    "How well the inter-prism distances are known (1 σ); widens every σ of the result",
+                );
+                settings.inter_prism_sigma_m = sigma_mm / 1e3;
+            }
+        }
     });
 }
 

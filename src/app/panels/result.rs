@@ -16,7 +16,7 @@ use crate::export::text;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
-        let (Some(deployment), Some(analysis)) = (&state.deployment, &state.analysis) else {
+        let Some((open, analysis)) = state.analysed() else {
             ui.weak("No result yet.");
             return;
         };
@@ -24,7 +24,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.multiply_opacity(0.45);
         }
         match &analysis.answer {
-            Ok(answer) => show(ui, deployment, analysis, answer, commands),
+            Ok(answer) => show(ui, &open.deployment, analysis, answer, commands),
             Err(error) => {
                 ui.heading("No result");
                 finding(ui, &Finding::problem(error.to_string()));

@@ -2,6 +2,7 @@
 
 use eframe::egui;
 
+use crate::app::layout::Pane;
 use crate::app::scene::ViewPreset;
 use crate::app::state::{Command, Commands, State};
 use crate::deployment::Sample;
@@ -29,13 +30,17 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 }
             });
             ui.menu_button("Export", |ui| {
-                ui.add_enabled_ui(state.analysis.is_some(), |ui| {
+                ui.add_enabled_ui(state.analysed().is_some(), |ui| {
                     if ui.button("Open in Rerun").clicked() {
                         commands.push(Command::OpenInRerun);
                         ui.close();
                     }
                     if ui.button("Save for Rerun (.rrd)…").clicked() {
                         commands.push(Command::SaveRecordingDialog);
+                        ui.close();
+                    }
+                    if ui.button("Save the trajectory (.tum)…").clicked() {
+                        commands.push(Command::SaveTrajectoryDialog);
                         ui.close();
                     }
                 });
@@ -52,6 +57,13 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     }
                 }
                 ui.separator();
+                for pane in Pane::ALL {
+                    if ui.button(pane.title()).clicked() {
+                        commands.push(Command::ShowPane(pane));
+                        ui.close();
+                    }
+                }
+                ui.separator();
                 if ui.button("Reset layout").clicked() {
                     commands.push(Command::ResetLayout);
                     ui.close();
@@ -63,8 +75,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 ui.ctx().set_theme(theme);
             });
             ui.separator();
-            match &state.deployment {
-                Some(deployment) => ui.label(&deployment.name),
+            match state.active() {
+                Some(open) => ui.label(&open.deployment.name),
                 None => ui.weak("nothing open: choose Open, or drop a folder or bag here"),
             };
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -10,14 +10,14 @@ use crate::deployment::pair_label;
 use crate::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State) {
-    if answer(state).is_none() {
+    let Some((open, ..)) = answer(state) else {
         ui.centered_and_justified(|ui| ui.weak("No result to plot."));
         return;
-    }
+    };
     if state.is_stale() {
         ui.multiply_opacity(0.45);
     }
-    let plots = &state.plots;
+    let plots = &open.plots;
     let (half_range, width) = (plots.half_range_mm, plots.bin_width_mm);
     ui.horizontal(|ui| {
         ui.add_space(6.0);
@@ -27,7 +27,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
         }
     });
     let zero_colour = theme::faint(ui.visuals().dark_mode);
-    Plot::new(("histogram", state.deployment_number, state.analysis_run))
+    Plot::new(("histogram", open.id, open.analysis_run))
         .custom_x_axes(vec![AxisHints::new_x().label("error (mm)").label_spacing(20.0..=40.0)])
         .y_axis_label(format!("triplets per {width:.2} mm"))
         .default_x_bounds(-half_range, half_range)

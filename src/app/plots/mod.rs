@@ -1,7 +1,9 @@
 //! Plots of the distance errors.
 
+pub mod chart;
 pub mod histogram;
 mod prepared;
+pub mod prior_search;
 pub mod residuals;
 
 pub use prepared::PreparedPlots;
@@ -9,15 +11,16 @@ pub use prepared::PreparedPlots;
 use eframe::egui;
 
 use crate::analysis::{Analysis, Answer};
+use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;
 
 /// The answer to plot, if there is one.
-fn answer(state: &State) -> Option<(&Analysis, &Answer)> {
-    let analysis = state.analysis.as_deref()?;
-    Some((analysis, analysis.answer.as_deref().ok()?))
+fn answer(state: &State) -> Option<(&OpenDeployment, &Analysis, &Answer)> {
+    let (open, analysis) = state.analysed()?;
+    Some((open, analysis, analysis.answer.as_deref().ok()?))
 }
 
 /// The legend as a line of switches above a plot, where it covers no data.

@@ -2,7 +2,8 @@
 
 use egui_plot::PlotPoint;
 
-use crate::analysis::Analysis;
+use crate::analysis::{Analysis, Answer};
+use crate::evaluation::vehicle::distance_sigma_m;
 
 /// More dots than this a pair are thinned to the extremes of short spans: what the eye would see anyway.
 const MOST_DOTS: usize = 4000;
@@ -15,11 +16,25 @@ pub struct PreparedPlots {
     pub half_range_mm: f64,
     /// For each pair.
     pub dots: [Vec<PlotPoint>; 3],
+    /// Twice the standard deviation that the interpolation states for each pair's distance, one band an interval;
+    /// empty where it states none.
+    pub bands: [Vec<Band>; 3],
     /// Outline of each pair's histogram over ± the range.
     pub outlines: [Vec<PlotPoint>; 3],
     pub bin_width_mm: f64,
     pub highest_count: usize,
 }
+
+/// A band about zero.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Band {
+    /// Since the first measurement.
+    pub times_s: Vec<f64>,
+    pub half_widths_mm: Vec<f64>,
+}
+
+/// More corners than this a pair say nothing more to the eye.
+const MOST_BAND_CORNERS: usize = 1500;
 
 impl PreparedPlots {
     /// `start_s` is the time of the first measurement. Empty without an answer.
@@ -38,11 +53,40 @@ impl PreparedPlots {
                     .map(|index| PlotPoint::new(time_s[index] - start_s, errors[index]))
                     .collect()
             }),
+            bands: bands(analysis, answer, start_s),
             outlines: counts.each_ref().map(|counts| outline(counts, half_range_mm, bin_width_mm)),
             bin_width_mm,
             highest_count: counts.iter().flatten().copied().max().unwrap_or(0),
         }
     }
+}
+
+fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
+    let triplets = &analysis.pipeline.triplets;
+    let mut bands: [Vec<Band>; 3] = Default::default();
+    let step = triplets.len().div_ceil(MOST_BAND_CORNERS).max(1);
+    let mut last = None;
+    for index in 0..triplets.len() {
+        // The ends of an interval stay, where the bands widen.
+        let interval = triplets.interval[index];
+        let ends = triplets.interval.get(index + 1) != Some(&interval);
+        if last == Some(interval) && !ends && index % step != 0 {
+            continue;
+        }
+        let transforms = &answer.calibration.station1_from_station;
+        let Some(sigma_m) = distance_sigma_m(triplets, index, transforms) else { return bands };
+        for (bands, sigma_m) in bands.iter_mut().zip(sigma_m) {
+            if last != Some(interval) {
+                bands.push(Band::default());
+            }
+            if let Some(band) = bands.last_mut() {
+                band.times_s.push(triplets.time_s[index] - start_s);
+                band.half_widths_mm.push(2e3 * sigma_m);
+            }
+        }
+        last = Some(interval);
+    }
+    bands
 }
 
 fn half_range_mm(errors: &[Vec<f64>; 3]) -> f64 {

@@ -1,17 +1,19 @@
 //! Distance errors over time, one colour a pair, with the kept intervals behind and the time cursor.
 
 use eframe::egui;
-use egui_plot::{AxisHints, HoverPosition, Plot, PlotPoints, Points, Span, VLine};
+use egui_plot::{AxisHints, FilledArea, HoverPosition, Plot, PlotPoints, Points, Span, VLine};
 
+use super::prepared::Band;
 use super::{answer, pair_switches};
 use crate::analysis::{Analysis, Answer};
+use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let Some((analysis, answer)) = answer(state) else {
+    let Some((open, analysis, answer)) = answer(state) else {
         ui.centered_and_justified(|ui| ui.weak("No result to plot."));
         return;
     };
@@ -19,21 +21,21 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.multiply_opacity(0.45);
     }
     let dark = ui.visuals().dark_mode;
-    let start_s = state.start_s();
-    let half_range = state.plots.half_range_mm;
-    let end_s = state.deployment.as_ref().and_then(|d| d.end_s()).unwrap_or(start_s) - start_s;
+    let start_s = open.start_s();
+    let half_range = open.plots.half_range_mm;
+    let end_s = open.deployment.end_s().unwrap_or(start_s) - start_s;
     // The range of the last frame: shown in the caption, and kept while the settings change if the user chose it.
-    let range_id = ui.scope_id().with(("shown range", state.deployment_number));
+    let range_id = ui.scope_id().with(("shown range", open.id));
     let last: Option<ShownRange> = ui.data(|data| data.get_temp(range_id));
     let shown_mm = last.map_or([-half_range, half_range], |last| last.shown_mm);
     let follows = last.is_some_and(|last| last.is_default() && last.default_mm != half_range);
     ui.horizontal(|ui| {
         ui.add_space(6.0);
         pair_switches(ui, state, commands);
-        let text = caption(analysis, answer, state, shown_mm);
+        let text = caption(open, analysis, answer, shown_mm);
         ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
     });
-    let plot = Plot::new(("residuals", state.deployment_number))
+    let plot = Plot::new(("residuals", open.id))
         .x_axis_label("time since the first measurement (s)")
         .custom_y_axes(vec![
             AxisHints::new_y().label("distance error (mm)").label_spacing(10.0..=22.0),
@@ -56,7 +58,20 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 Span::new("", interval.start_s - start_s..=interval.end_s - start_s).fill(shade),
             );
         }
-        for (pair, dots) in state.plots.dots.iter().enumerate() {
+        if state.visibility.uncertainty {
+            for (pair, bands) in open.plots.bands.iter().enumerate() {
+                if !state.visibility.pairs[pair] {
+                    continue;
+                }
+                let fill = theme::rgb(palette::PAIRS[pair]).gamma_multiply(0.16);
+                for Band { times_s, half_widths_mm } in bands {
+                    let lower: Vec<f64> = half_widths_mm.iter().map(|w| -w).collect();
+                    let area = FilledArea::new("", times_s, &lower, half_widths_mm);
+                    plot_ui.add(area.fill_color(fill).allow_hover(false));
+                }
+            }
+        }
+        for (pair, dots) in open.plots.dots.iter().enumerate() {
             if !state.visibility.pairs[pair] {
                 continue;
             }
@@ -66,7 +81,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     .radius(1.4),
             );
         }
-        if let Some(cursor_s) = state.cursor_s {
+        if let Some(cursor_s) = open.cursor_s {
             let colour = theme::rgb(theme::cursor(dark));
             plot_ui.vline(VLine::new("", cursor_s - start_s).color(colour).width(1.0));
         }
@@ -100,12 +115,17 @@ impl ShownRange {
 }
 
 /// The errors at the cursor, and how many lie outside what is shown: nothing is hidden without a word.
-fn caption(analysis: &Analysis, answer: &Answer, state: &State, shown_mm: [f64; 2]) -> String {
+fn caption(
+    open: &OpenDeployment,
+    analysis: &Analysis,
+    answer: &Answer,
+    shown_mm: [f64; 2],
+) -> String {
     let errors = || answer.evaluation.distance_errors_mm.iter().flatten();
     let outside = errors().filter(|e| **e < shown_mm[0] || **e > shown_mm[1]).count();
     let mut parts = Vec::new();
-    if let Some(cursor_s) = state.cursor_s {
-        let at = cursor_s - state.start_s();
+    if let Some(cursor_s) = open.cursor_s {
+        let at = cursor_s - open.start_s();
         parts.push(match analysis.pipeline.triplets.nearest(cursor_s) {
             Some(index) => {
                 let [a, b, c] = answer.evaluation.distance_errors_mm.each_ref().map(|e| e[index]);
@@ -113,6 +133,9 @@ fn caption(analysis: &Analysis, answer: &Answer, state: &State, shown_mm: [f64; 
             }
             None => format!("at {at:.1} s  in no interval"),
         });
+    }
+    if open.plots.bands.iter().any(|bands| !bands.is_empty()) {
+        parts.push("bands: ±2σ that the interpolation states".to_owned());
     }
     if outside > 0 {
         parts.push(format!(

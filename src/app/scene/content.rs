@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::overlays;
 use crate::analysis::Analysis;
 use crate::app::state::Visibility;
 use crate::deployment::Deployment;
@@ -10,7 +11,7 @@ use crate::palette::{self, Rgb};
 use crate::pipeline::SampleFate;
 
 /// Index of the frame in which a vertex stands: stations 1–3 are 0–2, the world (station 1) is 3.
-const WORLD: u32 = 3;
+pub const WORLD: u32 = 3;
 /// How many points the camera looks at to fit everything.
 const OUTLINE_POINTS: usize = 2000;
 /// Length of the axes at a station (m).
@@ -69,13 +70,15 @@ pub struct SceneContent {
     /// A sample of the same, for the camera to look at.
     pub outline_m: Vec<Vector3<f32>>,
     pub grid_spacing_m: f32,
+    /// How much larger than true the ellipsoids are, where there are any.
+    pub exaggeration: Option<f64>,
 }
 
-fn f32s(p: &Vector3<f64>) -> [f32; 3] {
+pub fn f32s(p: &Vector3<f64>) -> [f32; 3] {
     [p.x as f32, p.y as f32, p.z as f32]
 }
 
-fn opaque([r, g, b]: Rgb) -> [u8; 4] {
+pub fn opaque([r, g, b]: Rgb) -> [u8; 4] {
     [r, g, b, 255]
 }
 
@@ -97,6 +100,7 @@ impl SceneContent {
         self.data.lines.clear();
         self.labels.clear();
         self.outline_m.clear();
+        self.exaggeration = None;
         self.data.version += 1;
         let mut bounds: Option<(Vector3<f32>, Vector3<f32>)> = None;
         for (station, transform) in transforms.iter().enumerate() {
@@ -123,10 +127,16 @@ impl SceneContent {
             if visibility.tracks {
                 self.add_track(analysis, station);
             }
+            if visibility.uncertainty {
+                self.exaggeration = overlays::add_uncertainty(self, analysis, station);
+            }
             if visibility.control_points {
                 self.add_control_points(deployment, station, transform);
             }
             self.add_station(station, transform);
+        }
+        if visibility.poses {
+            overlays::add_poses(&mut self.data.lines, deployment, analysis);
         }
         self.bounds_m = bounds;
         let step = self.outline_m.len().div_ceil(OUTLINE_POINTS).max(1);
@@ -201,11 +211,7 @@ impl SceneContent {
     fn add_station(&mut self, station: usize, transform: &RigidTransform) {
         let origin = transform.translation_m.cast::<f32>();
         let turn = |v: Vector3<f64>| transform.rotate(&v).cast::<f32>();
-        for (axis, colour) in [
-            (Vector3::x(), [214, 73, 60]),
-            (Vector3::y(), [84, 168, 74]),
-            (Vector3::z(), [70, 130, 220]),
-        ] {
+        for (axis, colour) in overlays::AXES {
             self.world_line(origin, origin + AXIS_M * turn(axis), colour, 2.0);
         }
         for leg in 0..3 {
@@ -273,12 +279,18 @@ impl SceneContent {
         });
     }
 
-    /// Puts the prism triangle at an instant of the triplets, or takes it away.
-    pub fn set_cursor(&mut self, analysis: Option<&Analysis>, instant: Option<usize>, colour: Rgb) {
+    /// Puts the prism triangle and the vehicle's axes at an instant of the triplets, or takes them away.
+    pub fn set_cursor(
+        &mut self,
+        deployment: &Deployment,
+        analysis: &Analysis,
+        instant: Option<usize>,
+        colour: Rgb,
+    ) {
         self.cursor.points.clear();
         self.cursor.lines.clear();
         self.cursor.version += 1;
-        let (Some(analysis), Some(instant)) = (analysis, instant) else { return };
+        let Some(instant) = instant else { return };
         let placed: Vec<usize> =
             (0..3).filter(|s| self.station1_from_station[*s].is_some()).collect();
         let corners = analysis.pipeline.triplets.triplet_m(instant).map(|p| f32s(&p));
@@ -291,6 +303,7 @@ impl SceneContent {
             });
         }
         if placed.len() == 3 {
+            overlays::add_pose_at(&mut self.cursor.lines, deployment, analysis, instant);
             for (a, b) in crate::deployment::PAIRS {
                 self.cursor.lines.push(LineVertex {
                     from_m: corners[a],

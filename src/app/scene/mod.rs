@@ -9,6 +9,7 @@
 
 mod camera;
 mod content;
+mod overlays;
 mod renderer;
 mod view;
 

@@ -96,7 +96,7 @@ impl SceneView {
         }
         self.paint_labels(&painter, rect, ui.visuals().dark_mode);
         self.click(&response, rect, state, commands);
-        if state.analysis.is_some() {
+        if state.analysed().is_some() {
             self.legend(ui, rect, state);
         }
         view_buttons(ui, rect, commands);
@@ -105,29 +105,28 @@ impl SceneView {
     /// Rebuilds what the state has changed.
     fn refresh(&mut self, ui: &egui::Ui, state: &State) {
         let dark = ui.visuals().dark_mode;
-        let Some(analysis) = &state.analysis else { return };
-        let run = state.analysis_run;
-        let wanted = Built {
-            deployment: state.deployment_number,
-            analysis: run,
-            visibility: state.visibility,
-            dark,
+        let Some((open, analysis)) = state.analysed() else {
+            if self.built.take().is_some() {
+                self.content = SceneContent::default();
+            }
+            return;
         };
+        let run = open.analysis_run;
+        let wanted =
+            Built { deployment: open.id, analysis: run, visibility: state.visibility, dark };
         let rebuilt = self.built.as_ref() != Some(&wanted);
         if rebuilt {
-            if self.built.as_ref().map(|built| built.deployment) != Some(state.deployment_number) {
+            if self.built.as_ref().map(|built| built.deployment) != Some(open.id) {
                 self.pending_look = Some(ViewPreset::Fit);
             }
-            if let Some(deployment) = &state.deployment {
-                let grid = theme::scene_grid(dark).to_array();
-                self.content.rebuild(deployment, analysis, &state.visibility, grid);
-            }
+            let grid = theme::scene_grid(dark).to_array();
+            self.content.rebuild(&open.deployment, analysis, &state.visibility, grid);
             self.built = Some(wanted);
         }
-        let instant = state.cursor_s.and_then(|t| analysis.pipeline.triplets.nearest(t));
+        let instant = open.cursor_s.and_then(|t| analysis.pipeline.triplets.nearest(t));
         let wanted = instant.map(|instant| (run, instant));
         if rebuilt || self.cursor != wanted {
-            self.content.set_cursor(Some(analysis), instant, theme::cursor(dark));
+            self.content.set_cursor(&open.deployment, analysis, instant, theme::cursor(dark));
             self.cursor = wanted;
         }
     }
@@ -205,10 +204,19 @@ impl SceneView {
             painter.text(
                 rect.right_bottom() - Vec2::new(8.0, 6.0),
                 Align2::RIGHT_BOTTOM,
-                format!("grid {} m · frame of station 1, z up", self.content.grid_spacing_m),
+                self.scale(),
                 FontId::proportional(11.0),
                 theme::faint(dark),
             );
+        }
+    }
+
+    /// What the lengths in the picture mean.
+    fn scale(&self) -> String {
+        let grid = format!("grid {} m · frame of station 1, z up", self.content.grid_spacing_m);
+        match self.content.exaggeration {
+            Some(factor) => format!("ellipsoids 2σ of the interpolation, ×{factor} · {grid}"),
+            None => grid,
         }
     }
 
@@ -217,7 +225,7 @@ impl SceneView {
         let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) else {
             return;
         };
-        let Some(analysis) = &state.analysis else { return };
+        let Some((_, analysis)) = state.analysed() else { return };
         let triplets = &analysis.pipeline.triplets;
         let mut nearest: Option<(f32, usize)> = None;
         for station in 0..3 {
@@ -239,7 +247,7 @@ impl SceneView {
 
     /// Which colour is what, with counts of the fates.
     fn legend(&self, ui: &mut egui::Ui, rect: Rect, state: &State) {
-        let Some(analysis) = &state.analysis else { return };
+        let Some((_, analysis)) = state.analysed() else { return };
         let dark = ui.visuals().dark_mode;
         let painter = ui.painter_at(rect);
         let font = FontId::proportional(11.5);

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{OpenError, table};
+use crate::deployment::ControlPointSet;
 
 pub const COLUMNS: [&str; 3] = ["marker_number", "distance_m", "height_m"];
 
@@ -25,4 +26,13 @@ pub fn read(file: &str, text: &str) -> Result<Vec<(i64, Vector3<f64>)>, OpenErro
             }
         })
         .collect()
+}
+
+/// The text that [`read`] reads, of the points whose coordinates are known.
+pub fn write(set: &ControlPointSet) -> String {
+    let mut text = COLUMNS.join(",") + "\n";
+    for (marker, known_m) in set.points.iter().filter_map(|p| Some((p.marker, p.known_m?))) {
+        text += &format!("{marker},{:.3},{:.3}\n", known_m.x, known_m.z);
+    }
+    text
 }

@@ -1,8 +1,8 @@
 //! The boxes of a chart: how wide they are, whether their numbers have room, and their marks.
 
 use super::SMALL;
-use crate::export::axis::{Axis, number};
 use crate::experiment::{Quantiles, Study};
+use crate::export::axis::{Axis, number};
 use crate::export::drawing::{Anchor, Ink, Mark, shortened, text_width, wrap};
 
 pub struct Slots {

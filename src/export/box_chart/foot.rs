@@ -18,6 +18,8 @@ pub struct Foot {
     depth: f32,
     title: Vec<String>,
     caption: Vec<String>,
+    /// What the study found, in full ink.
+    remarks: Vec<String>,
 }
 
 struct GroupText {
@@ -60,13 +62,14 @@ impl Foot {
             every: if upwards { (LABEL_LINE / slot).ceil() as usize } else { 1 },
             title: wrap(&chart.group_label, LABEL, width - 24.0, 1),
             caption: wrap(caption, SMALL, width - 24.0, 3),
+            remarks: remarks(chart, width, height),
         }
     }
 
     pub fn height(&self) -> f32 {
         GAP + self.depth
             + self.title.len() as f32 * (LABEL_LINE + 4.0)
-            + self.caption.len() as f32 * SMALL_LINE
+            + (self.caption.len() + self.remarks.len()) as f32 * SMALL_LINE
             + 16.0
     }
 
@@ -101,9 +104,28 @@ impl Foot {
             y += LABEL_LINE + 4.0;
         }
         y += 4.0;
-        for line in &self.caption {
-            marks.push(Mark::text([12.0, y], line, SMALL, Ink::Weak, Anchor::Left));
+        let captions = self.caption.iter().map(|line| (line, Ink::Weak));
+        for (line, ink) in captions.chain(self.remarks.iter().map(|line| (line, Ink::Text))) {
+            marks.push(Mark::text([12.0, y], line, SMALL, ink, Anchor::Left));
             y += SMALL_LINE;
         }
     }
+}
+
+/// The study's findings, two lines each, as many as a sixth of the canvas holds; the last line counts the rest.
+fn remarks(chart: &Study, width: f32, height: f32) -> Vec<String> {
+    let room = (height / 6.0 / SMALL_LINE) as usize;
+    let mut lines = Vec::new();
+    for (index, finding) in chart.findings.iter().enumerate() {
+        let text = format!("{} {finding}", finding.severity.mark());
+        let more = wrap(&text, SMALL, width - 24.0, 2);
+        let left = chart.findings.len() - index;
+        let last = left == 1;
+        if lines.len() + more.len() + usize::from(!last) > room {
+            lines.push(format!("! {left} more findings stand in the table"));
+            break;
+        }
+        lines.extend(more);
+    }
+    lines
 }

@@ -61,7 +61,12 @@ fn chart(shape: Shape) -> Study {
     let level = |label: &str, value| Level { label: label.to_owned(), value };
     Study {
         name: "test".into(),
-        findings: Vec::new(),
+        findings: vec![
+            crate::deployment::Finding::warning(
+                "B and D disagree about the yaw of station 2 by more than their uncertainty allows"
+            );
+            3
+        ],
         title: "Longest gap between readings of deployment 20220224-1, filters 1 and 3".into(),
         subtitle: "WNOA, inter-prism calibration, all else as set".into(),
         value_label: "inter-prism error (mm)".into(),

@@ -1,0 +1,71 @@
+//! One of the deployments that are open: its data, its settings, its newest answer.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::plots::PreparedPlots;
+use crate::analysis::{Analysis, Settings};
+use crate::deployment::Deployment;
+
+pub struct OpenDeployment {
+    /// Tells it from every other that was ever opened.
+    pub id: u64,
+    pub deployment: Arc<Deployment>,
+    /// Of each station; found once, because the window asks in every frame.
+    pub longest_range_m: [f64; 3],
+    pub settings: Settings,
+    /// The newest answer; older than the settings while it is stale.
+    pub analysis: Option<Arc<Analysis>>,
+    /// Its plots.
+    pub plots: Arc<PreparedPlots>,
+    /// Number of the request that the answer belongs to; changes with it.
+    pub analysis_run: u64,
+    /// The time cursor (s, in the stations' clock).
+    pub cursor_s: Option<f64>,
+    /// Opened by the program itself, and never touched: gives way to the first that the user opens.
+    pub placeholder: bool,
+    /// Number of the newest request, and since when an answer is awaited.
+    pub analysing: Option<(u64, Instant)>,
+}
+
+impl OpenDeployment {
+    pub fn new(id: u64, deployment: Arc<Deployment>, settings: Settings) -> Self {
+        let longest_range_m = deployment
+            .tracks
+            .each_ref()
+            .map(|track| track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max));
+        Self {
+            id,
+            deployment,
+            longest_range_m,
+            settings,
+            analysis: None,
+            plots: Arc::default(),
+            analysis_run: 0,
+            cursor_s: None,
+            placeholder: false,
+            analysing: None,
+        }
+    }
+
+    /// Time of the first measurement (s): what the plots count from.
+    pub fn start_s(&self) -> f64 {
+        self.deployment.start_s().unwrap_or(0.0)
+    }
+
+    /// Takes in an answer, unless a newer one is on its way.
+    pub fn take(&mut self, number: u64, analysis: Arc<Analysis>, plots: Arc<PreparedPlots>) {
+        if self.analysing.is_none_or(|(newest, _)| newest != number) {
+            return;
+        }
+        self.analysing = None;
+        if self.cursor_s.is_none() {
+            // So that the rig is seen before anything is clicked.
+            let time_s = &analysis.pipeline.triplets.time_s;
+            self.cursor_s = time_s.get(time_s.len() / 2).copied();
+        }
+        self.analysis = Some(analysis);
+        self.plots = plots;
+        self.analysis_run = number;
+    }
+}

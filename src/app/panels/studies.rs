@@ -1,0 +1,165 @@
+//! The paper's studies: what to run, how far it is, and the picture of what came of it.
+
+use eframe::egui::{self, RichText, vec2};
+
+use super::finding;
+use crate::app::plots::chart;
+use crate::app::state::{Command, Commands, State};
+use crate::app::studies::{StudyKind, StudyOptions};
+use crate::calibration::Method;
+use crate::experiment::{Parameter, Sweep};
+use crate::export::box_chart;
+
+const OPTIONS_WIDTH: f32 = 250.0;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let height = ui.available_height();
+    ui.horizontal_top(|ui| {
+        ui.allocate_ui(vec2(OPTIONS_WIDTH, height), |ui| {
+            egui::ScrollArea::vertical().id_salt("study options").auto_shrink(false).show(
+                ui,
+                |ui| {
+                    egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
+                        ui.set_width(OPTIONS_WIDTH - 24.0);
+                        options(ui, state, commands);
+                    });
+                },
+            );
+        });
+        ui.vertical(|ui| picture(ui, state, height));
+    });
+}
+
+fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let mut options = state.studies.options;
+    for kind in StudyKind::ALL {
+        ui.radio_value(&mut options.kind, kind, kind.title());
+    }
+    ui.separator();
+    ui.horizontal_wrapped(|ui| {
+        ui.label("on");
+        ui.radio_value(&mut options.all_open, false, "the active one");
+        ui.radio_value(&mut options.all_open, true, format!("all open ({})", state.open.len()));
+    });
+    if options.kind == StudyKind::Sensitivity {
+        sweep(ui, &mut options.sweep);
+    }
+    if options.kind != StudyKind::Comparison {
+        reference(ui, &mut options);
+    }
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut options.split, "75 % splits,").on_hover_text(
+            "Solve with a random 75 % of the data and judge by the rest; whole stretches of 5 s go to one side",
+        );
+        ui.add_enabled_ui(options.split, |ui| {
+            let repeats = egui::DragValue::new(&mut options.splits.repeats).range(1..=200);
+            ui.add(repeats.suffix(" repeats")).on_hover_text("Repeats");
+        });
+    });
+    if options.split {
+        ui.horizontal(|ui| {
+            let label = ui.label("seed");
+            ui.add(egui::DragValue::new(&mut options.splits.seed)).labelled_by(label.id);
+        });
+    }
+    if options != state.studies.options {
+        commands.push(Command::SetStudy(options));
+    }
+    ui.add_space(4.0);
+    match &state.studies.running {
+        Some((_, control)) => {
+            ui.add(egui::ProgressBar::new(control.progress()).show_percentage());
+            if ui.button("Cancel").clicked() {
+                commands.push(Command::CancelStudy);
+            }
+        }
+        None => {
+            ui.horizontal(|ui| {
+                let wrong = match options.kind {
+                    StudyKind::Sensitivity => options.sweep.check(&state.settings().pipeline).err(),
+                    _ => None,
+                };
+                let wrong =
+                    wrong.or_else(|| state.open.is_empty().then(|| "Nothing is open".to_owned()));
+                let run = ui.add_enabled(wrong.is_none(), egui::Button::new("Run"));
+                if let Some(wrong) = wrong {
+                    run.on_disabled_hover_text(wrong);
+                } else if run.clicked() {
+                    commands.push(Command::RunStudy);
+                }
+                let save = egui::Button::new("Save…");
+                if ui
+                    .add_enabled(state.studies.result.is_some(), save)
+                    .on_hover_text("CSV, SVG and PNG into a folder")
+                    .clicked()
+                {
+                    commands.push(Command::SaveStudyDialog);
+                }
+            });
+        }
+    }
+    if let Some(result) = &state.studies.result {
+        for one in &result.study().findings {
+            finding(ui, one);
+        }
+    }
+}
+
+fn sweep(ui: &mut egui::Ui, sweep: &mut Sweep) {
+    egui::ComboBox::from_id_salt("parameter")
+        .selected_text(sweep.parameter.title())
+        .width(180.0)
+        .show_ui(ui, |ui| {
+            for parameter in Parameter::ALL {
+                ui.selectable_value(&mut sweep.parameter, parameter, parameter.title());
+            }
+        });
+    let unit = format!(" {}", sweep.parameter.unit());
+    ui.horizontal_wrapped(|ui| {
+        for (name, value) in [("from", &mut sweep.from), ("to", &mut sweep.to)] {
+            let label = ui.label(name);
+            let number = egui::DragValue::new(value).speed(0.05).range(0.0..=100.0);
+            ui.add(number.suffix(unit.as_str())).labelled_by(label.id);
+        }
+        let label = ui.label("in");
+        let steps = egui::DragValue::new(&mut sweep.steps).range(2..=60);
+        ui.add(steps.suffix(" steps")).labelled_by(label.id);
+    });
+}
+
+fn reference(ui: &mut egui::Ui, options: &mut StudyOptions) {
+    let name = |method: Option<Method>| {
+        method.map_or("B if possible (paper)".to_owned(), |m| {
+            format!("{}  {}", m.letter(), m.title())
+        })
+    };
+    ui.horizontal(|ui| {
+        ui.label("judged by").on_hover_text("Whose transforms the errors are measured with");
+        egui::ComboBox::from_id_salt("reference")
+            .selected_text(name(options.reference))
+            .width(140.0)
+            .show_ui(ui, |ui| {
+                for method in std::iter::once(None).chain(Method::ALL.map(Some)) {
+                    ui.selectable_value(&mut options.reference, method, name(method));
+                }
+            });
+    });
+}
+
+fn picture(ui: &mut egui::Ui, state: &State, height: f32) {
+    let size = vec2(ui.available_width(), height);
+    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let Some(result) = &state.studies.result else {
+        let text = "Choose a study and run it: box plots as in the paper appear here.";
+        ui.put(rect, egui::Label::new(RichText::new(text).weak()));
+        return;
+    };
+    let study = result.study();
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &study.title));
+    let painter = ui.painter_at(rect);
+    if state.studies.running.is_some() {
+        ui.multiply_opacity(0.45);
+    }
+    let drawing = box_chart::draw(study, [rect.width().max(200.0), rect.height().max(150.0)]);
+    chart::paint(&painter, rect, &drawing, ui.visuals().dark_mode);
+}

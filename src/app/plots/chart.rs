@@ -1,0 +1,73 @@
+//! A drawing, as files show it, painted in the window.
+
+use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, Vec2};
+
+use crate::app::theme;
+use crate::export::drawing::{Anchor, Drawing, Ink, Mark};
+
+/// Paints with the drawing's origin at the top left of the rectangle.
+pub fn paint(painter: &egui::Painter, rect: Rect, drawing: &Drawing, dark: bool) {
+    let colour = |ink: Ink| theme::rgb(ink.rgb(dark));
+    let place = |[x, y]: [f32; 2]| rect.min + Vec2::new(x, y);
+    painter.rect_filled(rect, 0.0, colour(Ink::Paper));
+    for mark in &drawing.marks {
+        match mark {
+            Mark::Line { points, ink, width, dashed } => {
+                let points: Vec<Pos2> = points.iter().map(|at| place(*at)).collect();
+                let stroke = Stroke::new(*width, colour(*ink));
+                if *dashed {
+                    painter.extend(Shape::dashed_line(&points, stroke, 5.0, 4.0));
+                } else {
+                    painter.add(Shape::line(points, stroke));
+                }
+            }
+            Mark::Rect { min, max, ink, opacity, outline } => {
+                let shape = Rect::from_min_max(place(*min), place(*max));
+                painter.rect_filled(shape, 0.0, colour(*ink).gamma_multiply(*opacity));
+                if let Some(width) = outline {
+                    let stroke = Stroke::new(*width, colour(*ink));
+                    painter.rect_stroke(shape, 0.0, stroke, egui::StrokeKind::Middle);
+                }
+            }
+            Mark::Dot { at, radius, ink } => {
+                painter.circle_filled(place(*at), *radius, colour(*ink));
+            }
+            Mark::Text { at, text, size, ink, anchor, upwards, .. } => {
+                let font = FontId::proportional(*size);
+                write(painter, place(*at), text, font, colour(*ink), *anchor, *upwards);
+            }
+        }
+    }
+}
+
+fn write(
+    painter: &egui::Painter,
+    at: Pos2,
+    text: &str,
+    font: FontId,
+    colour: Color32,
+    anchor: Anchor,
+    upwards: bool,
+) {
+    let galley = painter.layout_no_wrap(text.to_owned(), font, colour);
+    let along = match anchor {
+        Anchor::Left => 0.0,
+        Anchor::Middle => 0.5,
+        Anchor::Right => 1.0,
+    };
+    let size = galley.size();
+    if upwards {
+        // Turned a quarter to the left about its own top left, text reads upwards from there.
+        let corner = at + Vec2::new(-0.5 * size.y, along * size.x);
+        let shape = egui::epaint::TextShape::new(corner, galley, colour)
+            .with_angle(-std::f32::consts::FRAC_PI_2);
+        painter.add(shape);
+    } else {
+        let align = match anchor {
+            Anchor::Left => Align2::LEFT_CENTER,
+            Anchor::Middle => Align2::CENTER_CENTER,
+            Anchor::Right => Align2::RIGHT_CENTER,
+        };
+        painter.galley(align.anchor_size(at, size).min, galley, colour);
+    }
+}

@@ -1,0 +1,131 @@
+//! What an answer adds to the tracks: the vehicle's frame along its way, and how well each point is known.
+
+use nalgebra::Vector3;
+
+use super::content::{LineVertex, SceneContent, WORLD, f32s};
+use crate::analysis::Analysis;
+use crate::app::state::LARGEST_POSE_ERROR_M;
+use crate::deployment::Deployment;
+use crate::evaluation::trajectory::Pose;
+use crate::evaluation::vehicle::vehicle_trajectory;
+use crate::palette::{self, Rgb};
+
+/// The vehicle's frame is drawn so many times along the way, with axes of this length (m).
+const MOST_POSES: usize = 150;
+const POSE_AXIS_M: f64 = 0.6;
+/// Ellipsoids a station, and corners of each of their ellipses.
+const MOST_ELLIPSOIDS: usize = 240;
+const CORNERS: usize = 12;
+/// Ellipsoids are exaggerated by a round factor until the middle one is about this large (m, 2 σ).
+const WANTED_RADIUS_M: f64 = 0.25;
+
+/// x, y, z of any frame.
+pub const AXES: [(Vector3<f64>, Rgb); 3] = [
+    (Vector3::new(1.0, 0.0, 0.0), [214, 73, 60]),
+    (Vector3::new(0.0, 1.0, 0.0), [84, 168, 74]),
+    (Vector3::new(0.0, 0.0, 1.0), [70, 130, 220]),
+];
+
+/// Poses at some of the instants; none where there is no rig or no answer.
+fn poses(deployment: &Deployment, analysis: &Analysis, instants: &[usize]) -> Vec<Pose> {
+    let Ok(answer) = &analysis.answer else { return Vec::new() };
+    let transforms = &answer.calibration.station1_from_station;
+    let some = analysis.pipeline.triplets.select(instants);
+    vehicle_trajectory(deployment, &some, analysis.offer.targets, transforms, LARGEST_POSE_ERROR_M)
+        .map_or(Vec::new(), |(trajectory, _)| trajectory.poses)
+}
+
+/// Adds the vehicle's axes at even steps along the way.
+pub fn add_poses(lines: &mut Vec<LineVertex>, deployment: &Deployment, analysis: &Analysis) {
+    let count = analysis.pipeline.triplets.len();
+    let instants: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POSES).max(1)).collect();
+    for pose in poses(deployment, analysis, &instants) {
+        add_axes(lines, &pose, POSE_AXIS_M, 1.2, 170);
+    }
+}
+
+/// Adds the vehicle's axes at one instant, larger.
+pub fn add_pose_at(
+    lines: &mut Vec<LineVertex>,
+    deployment: &Deployment,
+    analysis: &Analysis,
+    instant: usize,
+) {
+    for pose in poses(deployment, analysis, &[instant]) {
+        add_axes(lines, &pose, 2.0 * POSE_AXIS_M, 2.5, 255);
+    }
+}
+
+fn add_axes(lines: &mut Vec<LineVertex>, pose: &Pose, length_m: f64, width_points: f32, alpha: u8) {
+    for (axis, [r, g, b]) in AXES {
+        lines.push(LineVertex {
+            from_m: f32s(&pose.position_m),
+            from_frame: WORLD,
+            to_m: f32s(&(pose.position_m + length_m * (pose.orientation * axis))),
+            to_frame: WORLD,
+            colour: [r, g, b, alpha],
+            width_points,
+        });
+    }
+}
+
+/// Adds a 2 σ ellipsoid, as three ellipses, at even steps of a station's track, and gives how much it is exaggerated.
+pub fn add_uncertainty(
+    content: &mut SceneContent,
+    analysis: &Analysis,
+    station: usize,
+) -> Option<f64> {
+    let triplets = &analysis.pipeline.triplets;
+    let sigma_m = triplets.sigma_m.as_ref()?;
+    let factor = exaggeration(sigma_m.iter().flatten())?;
+    let step = triplets.len().div_ceil(MOST_ELLIPSOIDS).max(1);
+    let [r, g, b] = palette::STATIONS[station];
+    let corner = |index: usize| (std::f64::consts::TAU * index as f64 / CORNERS as f64).sin_cos();
+    for index in (0..triplets.len()).step_by(step) {
+        let centre = triplets.points_m[station][index];
+        let radii = 2.0 * factor * sigma_m[station][index];
+        for flat in 0..3 {
+            let (first, second) = ((flat + 1) % 3, (flat + 2) % 3);
+            let place = |at: usize| {
+                let (sin, cos) = corner(at);
+                let mut place = centre;
+                place[first] += radii[first] * cos;
+                place[second] += radii[second] * sin;
+                f32s(&place)
+            };
+            content.data.lines.extend((0..CORNERS).map(|at| LineVertex {
+                from_m: place(at),
+                from_frame: station as u32,
+                to_m: place(at + 1),
+                to_frame: station as u32,
+                colour: [r, g, b, 120],
+                width_points: 1.0,
+            }));
+        }
+    }
+    Some(factor)
+}
+
+/// 1, 2 or 5 times a power of ten.
+fn exaggeration<'a>(sigma_m: impl Iterator<Item = &'a Vector3<f64>>) -> Option<f64> {
+    let mut all: Vec<f64> = sigma_m.map(|sigma| 2.0 * sigma.max()).collect();
+    let middle = all.len().checked_sub(1)? / 2;
+    let radius_m = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let wanted = (WANTED_RADIUS_M / radius_m.max(1e-6)).max(1.0);
+    let decade = 10_f64.powf(wanted.log10().floor());
+    [5.0, 2.0, 1.0].into_iter().map(|step| step * decade).find(|factor| *factor <= wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exaggeration_is_round_and_never_shrinks() {
+        let of = |sigma_m: f64| exaggeration([Vector3::repeat(sigma_m)].iter());
+        assert_eq!(of(0.001), Some(100.0));
+        assert_eq!(of(0.002), Some(50.0));
+        assert_eq!(of(1.0), Some(1.0));
+        assert_eq!(exaggeration([].iter()), None);
+    }
+}

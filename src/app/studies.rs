@@ -1,0 +1,101 @@
+//! The studies of the window: what is asked for, what runs, what came of it.
+
+use std::sync::Arc;
+
+use crate::analysis::Settings;
+use crate::deployment::Deployment;
+use crate::experiment::{
+    Comparison, Control, Parameter, Reference, Splits, Study, StudyError, Sweep, ablate, compare,
+    sweep,
+};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StudyKind {
+    Comparison,
+    Ablation,
+    Sensitivity,
+}
+
+impl StudyKind {
+    pub const ALL: [Self; 3] = [Self::Comparison, Self::Ablation, Self::Sensitivity];
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Comparison => "Compare calibrations",
+            Self::Ablation => "Ablate the pipeline",
+            Self::Sensitivity => "Sweep a threshold",
+        }
+    }
+}
+
+/// What the user asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StudyOptions {
+    pub kind: StudyKind,
+    /// All open deployments, or the active one.
+    pub all_open: bool,
+    pub sweep: Sweep,
+    pub reference: Reference,
+    /// Whether to solve with a random part and judge by the rest.
+    pub split: bool,
+    pub splits: Splits,
+}
+
+impl Default for StudyOptions {
+    fn default() -> Self {
+        Self {
+            kind: StudyKind::Comparison,
+            all_open: true,
+            sweep: Sweep { parameter: Parameter::TauS, from: 0.5, to: 3.0, steps: 11 },
+            reference: None,
+            split: false,
+            splits: Splits { repeats: 10, seed: 1 },
+        }
+    }
+}
+
+/// What came of a study.
+#[derive(Clone, Debug)]
+pub enum StudyResult {
+    Pipeline(Study),
+    Comparison(Comparison),
+}
+
+impl StudyResult {
+    pub fn study(&self) -> &Study {
+        match self {
+            Self::Pipeline(study) => study,
+            Self::Comparison(comparison) => &comparison.study,
+        }
+    }
+}
+
+/// Runs what is asked for, on whatever thread this is called.
+pub fn run(
+    options: &StudyOptions,
+    deployments: &[Arc<Deployment>],
+    settings: &Settings,
+    control: &Control,
+) -> Result<StudyResult, StudyError> {
+    let splits = options.split.then_some(options.splits);
+    let StudyOptions { reference, sweep: range, .. } = options;
+    match options.kind {
+        StudyKind::Comparison => {
+            compare(deployments, settings, splits, control).map(StudyResult::Comparison)
+        }
+        StudyKind::Ablation => {
+            ablate(deployments, settings, *reference, splits, control).map(StudyResult::Pipeline)
+        }
+        StudyKind::Sensitivity => sweep(deployments, settings, range, *reference, splits, control)
+            .map(StudyResult::Pipeline),
+    }
+}
+
+/// The state of the studies pane.
+#[derive(Default)]
+pub struct Studies {
+    pub options: StudyOptions,
+    /// The one under way, with its number.
+    pub running: Option<(u64, Arc<Control>)>,
+    pub result: Option<Arc<StudyResult>>,
+}
