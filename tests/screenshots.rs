@@ -9,8 +9,10 @@ use eframe::egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use resect::analysis::Settings;
-use resect::app::{Command, Notice, ResectWindow, Start, offscreen_renderer};
+use resect::app::{Command, Notice, Pane, ResectWindow, Start, StudyKind, offscreen_renderer};
+use resect::calibration::Method;
 use resect::deployment::Sample;
+use resect::simulation::{Preset, simulate};
 
 const LARGE: Vec2 = Vec2::new(1600.0, 1000.0);
 const SMALL: Vec2 = Vec2::new(1100.0, 700.0);
@@ -229,4 +231,184 @@ fn hiding_a_station_takes_it_out_of_the_scene_and_back() {
     };
     assert!(differ(&shown, &hidden) > 100, "{}", differ(&shown, &hidden));
     assert_eq!(differ(&shown, &again), 0);
+}
+
+fn open_sample(harness: &mut Harness<'_, ResectWindow>, sample: Sample) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(Command::OpenSample(sample), &ctx);
+    settle(harness);
+}
+
+/// Changes settings of the active deployment as a pane would.
+fn set(harness: &mut Harness<'_, ResectWindow>, change: impl FnOnce(&mut Settings)) {
+    let mut settings = *harness.state().state.settings();
+    change(&mut settings);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(Command::Set(settings), &ctx);
+    settle(harness);
+}
+
+fn show(harness: &mut Harness<'_, ResectWindow>, pane: Pane) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(Command::ShowPane(pane), &ctx);
+    settle(harness);
+}
+
+#[test]
+fn a_comparison_is_run_and_drawn() {
+    let mut results = SnapshotResults::new();
+    for (size, theme, name) in [
+        (LARGE, Theme::Dark, "studies-dark"),
+        (LARGE, Theme::Light, "studies-light"),
+        (SMALL, Theme::Light, "studies-small-light"),
+    ] {
+        let mut harness = window(size, theme);
+        harness.get_by_label("Studies").click();
+        harness.run_steps(3);
+        harness.get_by_label("Run").click();
+        settle(&mut harness);
+        let result = harness.state().state.studies.result.clone().expect("it ran");
+        assert_eq!(result.study().groups.len(), 4);
+        snapshot(&mut harness, name);
+        results.extend_harness(&mut harness);
+    }
+}
+
+#[test]
+fn an_ablation_can_be_chosen_and_judged_by_d() {
+    let mut harness = window(LARGE, Theme::Dark);
+    show(&mut harness, Pane::Studies);
+    harness.get_by_label("Ablate the pipeline").click();
+    harness.run_steps(3);
+    harness.get_by_label("Run").click();
+    settle(&mut harness);
+    let result = harness.state().state.studies.result.clone().expect("it ran");
+    assert_eq!(result.study().name, "ablation");
+    assert_eq!(result.study().series.len(), 3);
+    snapshot(&mut harness, "ablation-dark");
+}
+
+#[test]
+fn a_study_can_be_cancelled() {
+    let mut harness = window(SMALL, Theme::Dark);
+    let ctx = harness.ctx.clone();
+    let mut options = harness.state().state.studies.options;
+    options.kind = StudyKind::Ablation;
+    harness.state_mut().send(Command::SetStudy(options), &ctx);
+    harness.state_mut().send(Command::RunStudy, &ctx);
+    assert!(harness.state().state.studies.running.is_some());
+    harness.state_mut().send(Command::CancelStudy, &ctx);
+    settle(&mut harness);
+    let studies = &harness.state().state.studies;
+    assert!(studies.running.is_none() && studies.result.is_none());
+    assert!(harness.state().state.notice.is_none());
+}
+
+#[test]
+fn each_open_deployment_keeps_its_settings() {
+    let mut results = SnapshotResults::new();
+    for (size, theme, name) in [
+        (LARGE, Theme::Dark, "side-by-side-dark"),
+        (SMALL, Theme::Light, "side-by-side-small-light"),
+    ] {
+        let mut harness = window(size, theme);
+        // A change makes the sample the user's own; untouched it would give way.
+        set(&mut harness, |s| s.calibration.method = Some(Method::StaticGcp));
+        open_sample(&mut harness, Sample::Hd2Tunnel);
+        set(&mut harness, |s| s.pipeline.thresholds.tau_l_seconds = 20.0);
+        assert_eq!(harness.state().state.open.len(), 2);
+        show(&mut harness, Pane::SideBySide);
+        snapshot(&mut harness, name);
+        harness.get_all_by_label("warthog (simulated)").next().expect("listed").click();
+        settle(&mut harness);
+        let settings = *harness.state().state.settings();
+        assert_eq!(settings.calibration.method, Some(Method::StaticGcp));
+        assert_eq!(settings.pipeline.thresholds.tau_l_seconds, 6.0);
+        harness.get_by_label("Give all the active one's settings").click();
+        settle(&mut harness);
+        assert!(harness.state().state.open.iter().all(|open| open.settings == settings));
+        results.extend_harness(&mut harness);
+    }
+}
+
+#[test]
+fn the_sample_gives_way_to_what_the_user_opens() {
+    let mut harness = window(SMALL, Theme::Dark);
+    open_sample(&mut harness, Sample::Hd2Tunnel);
+    let names: Vec<_> =
+        harness.state().state.open.iter().map(|open| open.deployment.name.clone()).collect();
+    assert_eq!(names, ["hd2-tunnel (simulated)"]);
+    let id = harness.state().state.open[0].id;
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(Command::Close(id), &ctx);
+    settle(&mut harness);
+    assert!(harness.state().state.active().is_none());
+    snapshot(&mut harness, "nothing-open-dark");
+}
+
+#[test]
+fn the_search_of_the_prior_is_shown() {
+    let mut results = SnapshotResults::new();
+    for (theme, name) in [(Theme::Dark, "prior-search-dark"), (Theme::Light, "prior-search-light")]
+    {
+        let mut harness = window(LARGE, theme);
+        show(&mut harness, Pane::PriorSearch);
+        harness.get_by_label("Search as published").click();
+        settle(&mut harness);
+        let (_, analysis) = harness.state().state.analysed().expect("an answer");
+        let answer = analysis.answer.as_ref().expect("an answer");
+        assert!(answer.calibration.inter_prism().expect("method D").prior_search.is_some());
+        snapshot(&mut harness, name);
+        results.extend_harness(&mut harness);
+    }
+}
+
+#[test]
+fn the_motion_model_shows_its_uncertainty() {
+    let mut results = SnapshotResults::new();
+    for (size, theme, name) in [
+        (LARGE, Theme::Dark, "motion-model-dark"),
+        (SMALL, Theme::Light, "motion-model-small-light"),
+    ] {
+        let mut harness = window(size, theme);
+        harness.get_by_label("GP, motion model").click();
+        settle(&mut harness);
+        let (open, analysis) = harness.state().state.analysed().expect("an answer");
+        assert!(analysis.pipeline.triplets.sigma_m.is_some());
+        assert!(open.plots.bands.iter().all(|bands| !bands.is_empty()));
+        snapshot(&mut harness, name);
+        results.extend_harness(&mut harness);
+    }
+}
+
+#[test]
+fn only_the_methods_that_the_data_allows_can_be_chosen() {
+    let mut results = SnapshotResults::new();
+    for (theme, name) in [(Theme::Dark, "single-prism-dark"), (Theme::Light, "two-point-light")] {
+        let mut harness = window(LARGE, theme);
+        if theme == Theme::Dark {
+            let deployment = simulate(Preset::SinglePrism, 1).deployment().expect("valid");
+            harness.state_mut().state.add(deployment.into());
+            settle(&mut harness);
+        } else {
+            harness.get_by_label("A  two-point resection").click();
+            settle(&mut harness);
+        }
+        let (_, analysis) = harness.state().state.analysed().expect("an answer");
+        let method = analysis.answer.as_ref().expect("an answer").calibration.method;
+        let expected = if theme == Theme::Dark { Method::DynamicGcp } else { Method::TwoPoint };
+        assert_eq!(method, expected);
+        snapshot(&mut harness, name);
+        // A click on what is disabled changes nothing.
+        let refused = if theme == Theme::Dark {
+            "D  inter-prism distances"
+        } else {
+            "C  dynamic control points"
+        };
+        harness.get_by_label(refused).click();
+        settle(&mut harness);
+        let (_, analysis) = harness.state().state.analysed().expect("an answer");
+        assert_eq!(analysis.answer.as_ref().expect("an answer").calibration.method, expected);
+        results.extend_harness(&mut harness);
+    }
 }

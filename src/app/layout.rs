@@ -76,7 +76,7 @@ const LEFT_POINTS: f32 = 286.0;
 const RIGHT_POINTS: f32 = 372.0;
 /// The part of the height that the plots get, and the deployment pane.
 const PLOTS_SHARE: f32 = 0.32;
-const DEPLOYMENT_POINTS: f32 = 270.0;
+const DEPLOYMENT_POINTS: f32 = 300.0;
 
 impl Default for Layout {
     fn default() -> Self {

@@ -117,7 +117,8 @@ mod tests {
             assert!(!train.triplets.time_s.iter().any(|t| test.triplets.time_s.contains(t)));
             for (set, all) in train.deployment.control_points.iter().zip(&deployment.control_points)
             {
-                assert_eq!(set.points.len(), (0.75 * all.points.len() as f64).round() as usize);
+                let share = if all.pillars { 1.0 } else { 0.75 };
+                assert_eq!(set.points.len(), (share * all.points.len() as f64).round() as usize);
             }
         }
         assert!(first[0][0].triplets != first[1][0].triplets, "repeats differ");

@@ -1,27 +1,14 @@
-//! The results of all open deployments beside each other.
+//! The results of all open deployments beside each other: a column each.
 
 use eframe::egui::{self, RichText};
 
-use crate::analysis::Settings;
+use crate::analysis::{Answer, Settings};
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
+use crate::calibration::Calibration;
 use crate::deployment::Severity;
-
-const COLUMNS: [&str; 12] = [
-    "deployment",
-    "method",
-    "verdict",
-    "x12 (m)",
-    "y12 (m)",
-    "z12 (m)",
-    "yaw12 (rad)",
-    "x13 (m)",
-    "y13 (m)",
-    "z13 (m)",
-    "yaw13 (rad)",
-    "settings",
-];
+use crate::evaluation::Spread;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if state.open.is_empty() {
@@ -30,104 +17,124 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
-            let columns = COLUMNS.len() + 2;
             egui::Grid::new("side by side")
-                .num_columns(columns)
-                .spacing([14.0, 4.0])
+                .num_columns(state.open.len() + 1)
+                .spacing([18.0, 4.0])
+                .min_col_width(120.0)
                 .striped(true)
-                .show(ui, |ui| {
-                    head(ui);
-                    for open in &state.open {
-                        row(ui, state, open, commands);
-                        ui.end_row();
-                    }
-                });
-            ui.small("± one standard deviation in mm and mrad; metrics are median / IQR in mm");
-            let active = state.settings();
-            let differ = state.open.iter().any(|open| open.settings != *active);
-            if state.open.len() > 1
-                && ui
-                    .add_enabled(differ, egui::Button::new("Give all the active one's settings"))
-                    .on_disabled_hover_text("They have the same settings already")
-                    .clicked()
-            {
-                commands.push(Command::SetAll);
-            }
+                .show(ui, |ui| rows(ui, state, commands));
+            ui.small("± one standard deviation in mm and mrad");
+            give_all(ui, state, commands);
         });
     });
 }
 
-fn head(ui: &mut egui::Ui) {
-    for (index, name) in COLUMNS.iter().enumerate() {
-        if index == 3 {
-            ui.label(RichText::new("inter-prism (mm)").small());
-            ui.label(RichText::new("control points (mm)").small());
+fn rows(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    ui.label("");
+    for open in &state.open {
+        let active = state.active().is_some_and(|active| active.id == open.id);
+        let name = RichText::new(&open.deployment.name).strong();
+        if ui.selectable_label(active, name).clicked() {
+            commands.push(Command::Activate(open.id));
         }
-        ui.label(RichText::new(*name).small());
+    }
+    ui.end_row();
+    row(ui, state, "verdict", |ui, calibration, _| {
+        let (ground, ink) = theme::verdict(calibration.verdict);
+        let word = RichText::new(format!(" {} ", calibration.verdict.name()));
+        ui.label(word.color(ink).background_color(ground));
+    });
+    row(ui, state, "method", |ui, calibration, _| {
+        ui.label(format!("{}  {}", calibration.method.letter(), calibration.method.title()));
+    });
+    row(ui, state, "inter-prism median / IQR (mm)", |ui, _, answer| {
+        spread(ui, answer.evaluation.inter_prism_mm.as_ref());
+    });
+    row(ui, state, "worst control points (mm)", |ui, _, answer| {
+        let files = &answer.evaluation.control_points_mm;
+        let worst = files.iter().max_by(|a, b| a.spread.median.total_cmp(&b.spread.median));
+        let cell = spread(ui, worst.map(|metric| &metric.spread));
+        if let Some(worst) = worst {
+            cell.on_hover_text(format!("{}, the worst of {}", worst.file, files.len()));
+        }
+    });
+    for station in 1..3 {
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            row(ui, state, &format!("{name} of T1{} (m)", station + 1), |ui, calibration, _| {
+                let value = calibration.station1_from_station[station].translation_m[axis];
+                let sigma = calibration.sigma.map(|s| s[station - 1].translation_m[axis]);
+                ui.monospace(plus_minus(value, sigma, 4, 1));
+            });
+        }
+        row(ui, state, &format!("yaw of T1{} (rad)", station + 1), |ui, calibration, _| {
+            let value = calibration.station1_from_station[station].yaw_rad();
+            let sigma = calibration.sigma.map(|s| s[station - 1].yaw_rad);
+            ui.monospace(plus_minus(value, sigma, 5, 3));
+        });
+    }
+    ui.label("triplets");
+    for open in &state.open {
+        let count = open.analysis.as_ref().map(|a| a.pipeline.triplets.len().to_string());
+        ui.monospace(count.unwrap_or_else(|| "–".to_owned()));
+    }
+    ui.end_row();
+    ui.label("settings");
+    for open in &state.open {
+        let name = if open.settings == Settings::default() { "the paper's" } else { "changed" };
+        let all = serde_json::to_string_pretty(&open.settings).unwrap_or_default();
+        ui.label(name).on_hover_text(all);
     }
     ui.end_row();
 }
 
-fn row(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
-    let active = state.active().is_some_and(|active| active.id == open.id);
-    if ui.selectable_label(active, &open.deployment.name).clicked() {
-        commands.push(Command::Activate(open.id));
-    }
-    let dashes = |ui: &mut egui::Ui, count: usize| {
-        for _ in 0..count {
-            ui.weak("–");
-        }
-    };
-    match open.analysis.as_ref().map(|analysis| &analysis.answer) {
-        None => dashes(ui, COLUMNS.len()),
-        Some(Err(error)) => {
-            let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
-            ui.label("–");
-            ui.label(RichText::new(format!("{sign} none")).color(colour))
-                .on_hover_text(error.to_string());
-            dashes(ui, COLUMNS.len() - 2);
-        }
-        Some(Ok(answer)) => {
-            let calibration = &answer.calibration;
-            let method = calibration.method;
-            ui.label(method.letter().to_string()).on_hover_text(method.title());
-            let (ground, ink) = theme::verdict(calibration.verdict);
-            let word = RichText::new(format!(" {} ", calibration.verdict.name()));
-            ui.label(word.color(ink).background_color(ground));
-            let spread = |spread: Option<[f64; 2]>| {
-                spread.map_or("–".to_owned(), |[median, iqr]| format!("{median:.2} / {iqr:.2}"))
-            };
-            let evaluation = &answer.evaluation;
-            ui.monospace(spread(evaluation.inter_prism_mm.map(|s| [s.median, s.iqr])));
-            // The worst file, as the verdict sees it.
-            let worst = evaluation
-                .control_points_mm
-                .iter()
-                .max_by(|a, b| a.spread.median.total_cmp(&b.spread.median));
-            let cell = ui.monospace(spread(worst.map(|m| [m.spread.median, m.spread.iqr])));
-            if let Some(worst) = worst {
-                cell.on_hover_text(format!(
-                    "{}, the worst of {}",
-                    worst.file,
-                    evaluation.control_points_mm.len()
-                ));
+/// One quantity of every deployment; those without an answer have a dash, and why on hover.
+fn row(
+    ui: &mut egui::Ui,
+    state: &State,
+    name: &str,
+    cell: impl Fn(&mut egui::Ui, &Calibration, &Answer),
+) {
+    ui.label(name);
+    for open in &state.open {
+        match newest(open) {
+            Some(Ok(answer)) => cell(ui, &answer.calibration, answer),
+            Some(Err(why)) => {
+                let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
+                ui.label(RichText::new(sign).color(colour)).on_hover_text(why);
             }
-            for station in 1..3 {
-                let transform = &calibration.station1_from_station[station];
-                let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
-                for axis in 0..3 {
-                    let sigma = sigma.map(|s| s.translation_m[axis]);
-                    ui.monospace(plus_minus(transform.translation_m[axis], sigma, 4, 1));
-                }
-                ui.monospace(plus_minus(transform.yaw_rad(), sigma.map(|s| s.yaw_rad), 5, 3));
+            None => {
+                ui.weak("–");
             }
         }
     }
-    ui.label(if open.settings == Settings::default() { "paper's" } else { "changed" })
-        .on_hover_text(serde_json::to_string_pretty(&open.settings).unwrap_or_default());
+    ui.end_row();
+}
+
+fn newest(open: &OpenDeployment) -> Option<Result<&Answer, String>> {
+    let answer = &open.analysis.as_ref()?.answer;
+    Some(answer.as_deref().map_err(ToString::to_string))
+}
+
+fn spread(ui: &mut egui::Ui, spread: Option<&Spread>) -> egui::Response {
+    let text = spread.map_or("–".to_owned(), |s| format!("{:.2} / {:.2}", s.median, s.iqr));
+    ui.monospace(text)
 }
 
 fn plus_minus(value: f64, sigma: Option<f64>, digits: usize, sigma_digits: usize) -> String {
     let sigma = sigma.map_or("–".to_owned(), |s| format!("{:.sigma_digits$}", s * 1e3));
-    format!("{value:.digits$} ± {sigma}")
+    format!("{value:>9.digits$} ± {sigma}")
+}
+
+fn give_all(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    if state.open.len() < 2 {
+        return;
+    }
+    let differ = state.open.iter().any(|open| open.settings != *state.settings());
+    let button = egui::Button::new("Give all the active one's settings");
+    let response = ui
+        .add_enabled(differ, button)
+        .on_disabled_hover_text("They have the same settings already");
+    if response.clicked() {
+        commands.push(Command::SetAll);
+    }
 }

@@ -1,8 +1,8 @@
 //! The paper's studies: what to run, how far it is, and the picture of what came of it.
 
-use eframe::egui::{self, RichText, vec2};
+use eframe::egui::{self, RichText};
 
-use super::finding;
+use super::{finding, scrolled};
 use crate::app::plots::chart;
 use crate::app::state::{Command, Commands, State};
 use crate::app::studies::{StudyKind, StudyOptions};
@@ -10,24 +10,18 @@ use crate::calibration::Method;
 use crate::experiment::{Parameter, Sweep};
 use crate::export::box_chart;
 
-const OPTIONS_WIDTH: f32 = 250.0;
+const OPTIONS_WIDTH: f32 = 256.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let height = ui.available_height();
-    ui.horizontal_top(|ui| {
-        ui.allocate_ui(vec2(OPTIONS_WIDTH, height), |ui| {
-            egui::ScrollArea::vertical().id_salt("study options").auto_shrink(false).show(
-                ui,
-                |ui| {
-                    egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
-                        ui.set_width(OPTIONS_WIDTH - 24.0);
-                        options(ui, state, commands);
-                    });
-                },
-            );
-        });
-        ui.vertical(|ui| picture(ui, state, height));
+    let whole = ui.available_rect_before_wrap();
+    let (left, right) = whole.split_left_right_at_x(whole.left() + OPTIONS_WIDTH);
+    let column = |rect| {
+        egui::UiBuilder::new().max_rect(rect).layout(egui::Layout::top_down(egui::Align::Min))
+    };
+    ui.scope_builder(column(left), |ui| {
+        scrolled(ui, |ui| options(ui, state, commands));
     });
+    ui.scope_builder(column(right), |ui| picture(ui, state));
 }
 
 fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -35,6 +29,7 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     for kind in StudyKind::ALL {
         ui.radio_value(&mut options.kind, kind, kind.title());
     }
+    run_or_cancel(ui, state, commands);
     ui.separator();
     ui.horizontal_wrapped(|ui| {
         ui.label("on");
@@ -65,7 +60,17 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if options != state.studies.options {
         commands.push(Command::SetStudy(options));
     }
-    ui.add_space(4.0);
+    if let Some(result) = &state.studies.result {
+        ui.separator();
+        for one in &result.study().findings {
+            finding(ui, one);
+        }
+    }
+}
+
+/// Above the options, so that a small pane shows it too.
+fn run_or_cancel(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let options = &state.studies.options;
     match &state.studies.running {
         Some((_, control)) => {
             ui.add(egui::ProgressBar::new(control.progress()).show_percentage());
@@ -96,11 +101,6 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     commands.push(Command::SaveStudyDialog);
                 }
             });
-        }
-    }
-    if let Some(result) = &state.studies.result {
-        for one in &result.study().findings {
-            finding(ui, one);
         }
     }
 }
@@ -146,9 +146,8 @@ fn reference(ui: &mut egui::Ui, options: &mut StudyOptions) {
     });
 }
 
-fn picture(ui: &mut egui::Ui, state: &State, height: f32) {
-    let size = vec2(ui.available_width(), height);
-    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+fn picture(ui: &mut egui::Ui, state: &State) {
+    let (rect, response) = ui.allocate_exact_size(ui.available_size(), egui::Sense::hover());
     let Some(result) = &state.studies.result else {
         let text = "Choose a study and run it: box plots as in the paper appear here.";
         ui.put(rect, egui::Label::new(RichText::new(text).weak()));

@@ -34,7 +34,9 @@ pub struct Band {
 }
 
 /// More corners than this a pair say nothing more to the eye.
-const MOST_BAND_CORNERS: usize = 1500;
+const MOST_BAND_CORNERS: usize = 1000;
+/// Triplets of a stretch at least: a second of them.
+const LEAST_STRETCH: usize = 10;
 
 impl PreparedPlots {
     /// `start_s` is the time of the first measurement. Empty without an answer.
@@ -61,30 +63,31 @@ impl PreparedPlots {
     }
 }
 
+/// The widest of each stretch of some triplets: between readings σ rises and falls many times a second.
 fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
     let triplets = &analysis.pipeline.triplets;
+    let transforms = &answer.calibration.station1_from_station;
     let mut bands: [Vec<Band>; 3] = Default::default();
-    let step = triplets.len().div_ceil(MOST_BAND_CORNERS).max(1);
-    let mut last = None;
-    for index in 0..triplets.len() {
-        // The ends of an interval stay, where the bands widen.
-        let interval = triplets.interval[index];
-        let ends = triplets.interval.get(index + 1) != Some(&interval);
-        if last == Some(interval) && !ends && index % step != 0 {
-            continue;
-        }
-        let transforms = &answer.calibration.station1_from_station;
-        let Some(sigma_m) = distance_sigma_m(triplets, index, transforms) else { return bands };
-        for (bands, sigma_m) in bands.iter_mut().zip(sigma_m) {
-            if last != Some(interval) {
-                bands.push(Band::default());
+    if triplets.sigma_m.is_none() {
+        return bands;
+    }
+    let length = triplets.len().div_ceil(MOST_BAND_CORNERS).max(LEAST_STRETCH);
+    let indices: Vec<usize> = (0..triplets.len()).collect();
+    for interval in indices.chunk_by(|a, b| triplets.interval[*a] == triplets.interval[*b]) {
+        bands.iter_mut().for_each(|bands| bands.push(Band::default()));
+        for stretch in interval.chunks(length) {
+            let widest = stretch
+                .iter()
+                .filter_map(|index| distance_sigma_m(triplets, *index, transforms))
+                .fold([0.0; 3], |a, b| std::array::from_fn(|pair| f64::max(a[pair], b[pair])));
+            let ends = [stretch[0], stretch[stretch.len() - 1]];
+            for (bands, sigma_m) in bands.iter_mut().zip(widest) {
+                if let Some(band) = bands.last_mut() {
+                    band.times_s.extend(ends.map(|index| triplets.time_s[index] - start_s));
+                    band.half_widths_mm.extend([2e3 * sigma_m; 2]);
+                }
             }
-            if let Some(band) = bands.last_mut() {
-                band.times_s.push(triplets.time_s[index] - start_s);
-                band.half_widths_mm.push(2e3 * sigma_m);
-            }
         }
-        last = Some(interval);
     }
     bands
 }

@@ -1,7 +1,10 @@
 //! The paper's search of the prior: what each speed limit τ_v led to, which runs agreed, which was chosen.
 
 use eframe::egui;
-use egui_plot::{AxisHints, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
+use egui_plot::{
+    AxisHints, GridInput, GridMark, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints,
+    Points,
+};
 
 use super::answer;
 use crate::app::state::{Command, Commands, State};
@@ -26,22 +29,19 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if state.is_stale() {
         ui.multiply_opacity(0.45);
     }
-    ui.horizontal(|ui| {
-        ui.add_space(6.0);
-        ui.add(egui::Label::new(egui::RichText::new(caption(search)).small()).truncate());
-    });
+    caption(ui, search);
     let id = state.active().map(|open| (open.id, open.analysis_run));
     Plot::new(("prior search", id))
-        .x_axis_label("speed limit τ_v (m/s)")
+        .custom_x_axes(vec![
+            AxisHints::new_x().label("speed limit τ_v (m/s)").label_spacing(20.0..=40.0),
+        ])
         .custom_y_axes(vec![
             AxisHints::new_y()
                 .label("error (mm, log)")
                 .formatter(|mark, _| decade(mark.value))
                 .label_spacing(10.0..=22.0),
         ])
-        // Lines at 1, 10, 100 mm and halfway between.
-        .y_grid_spacer(egui_plot::uniform_grid_spacer(|_| [0.5, 1.0, 2.0]))
-        .legend(egui_plot::Legend::default().position(egui_plot::Corner::RightTop))
+        .y_grid_spacer(decades)
         .label_formatter(|position| match position {
             HoverPosition::NearDataPoint { plot_name, position, .. } => Some(format!(
                 "{plot_name}\nτ_v {:.2} m/s\n{:.2} mm",
@@ -97,27 +97,45 @@ fn series(runs: &[SearchRun], value_m: impl Fn(&SearchRun) -> f64) -> PlotPoints
     PlotPoints::Owned(points.collect())
 }
 
-/// 1, 3, 10, 30, … for the powers of ten and halfway between.
-fn decade(log10: f64) -> String {
-    let value = 10_f64.powf(log10);
-    let round = if log10.fract() == 0.0 { value } else { 3.0 * 10_f64.powf(log10.floor()) };
-    if round < 1.0 { format!("{round:.1}") } else { format!("{round:.0}") }
+/// Lines at 1, 2 and 5 times the powers of ten.
+fn decades(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let steps = [(1.0_f64, 1.0), (2.0, 0.3), (5.0, 0.3)];
+    (low.floor() as i32..=high.ceil() as i32)
+        .flat_map(|decade| {
+            steps.map(|(times, step_size)| GridMark {
+                value: f64::from(decade) + times.log10(),
+                step_size,
+            })
+        })
+        .collect()
 }
 
-/// "step 1: best at τ_v 0.41 m/s, 9 of 12 runs agree with others …".
-fn caption(search: &PriorSearch) -> String {
-    let step = |index: usize| {
-        let runs = &search.steps[index];
-        let agreeing = runs.iter().filter(|run| run.counts()).count();
-        let best = search.best[index].map_or("no run had enough triplets".to_owned(), |best| {
-            let run = &runs[best];
-            format!("chose τ_v {:.2} m/s, {:.2} mm", run.tau_v_m_per_s, run.metric_m * 1e3)
-        });
-        format!("{}: {best}, {agreeing} of {} runs count", STEPS[index], runs.len())
-    };
-    let rule =
-        "dots count (at least three others agree within 5 cm, 0.5°), crosses do not; ring: chosen";
-    format!("{}  ·  {}  ·  {rule}", step(0), step(1))
+/// Back from the logarithm to mm.
+fn decade(log10: f64) -> String {
+    let value = 10_f64.powf(log10);
+    if value < 0.95 { format!("{value:.1}") } else { format!("{value:.0}") }
+}
+
+/// What each step chose, in its colour, and how to read the picture.
+fn caption(ui: &mut egui::Ui, search: &PriorSearch) {
+    let dark = ui.visuals().dark_mode;
+    ui.horizontal_wrapped(|ui| {
+        ui.add_space(6.0);
+        for (index, runs) in search.steps.iter().enumerate() {
+            let counted = runs.iter().filter(|run| run.counts()).count();
+            let best = search.best[index].map_or("no run had enough triplets".to_owned(), |best| {
+                let run = &runs[best];
+                format!("chose τ_v {:.2} m/s, {:.2} mm", run.tau_v_m_per_s, run.metric_m * 1e3)
+            });
+            let text = format!("{}: {best}, {counted} of {} runs count", STEPS[index], runs.len());
+            let colour = theme::readable(palette::SERIES[index], dark);
+            ui.label(egui::RichText::new(text).small().color(colour)).on_hover_text(
+                "A run counts when at least three others end within 5 cm and 0.5° of it",
+            );
+        }
+        ui.small("solid: median of all triplets · dashed: cost (rms) of those below τ_v · cross: does not count · ring: chosen");
+    });
 }
 
 /// The search runs only where it is asked for.

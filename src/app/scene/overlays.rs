@@ -12,12 +12,12 @@ use crate::palette::{self, Rgb};
 
 /// The vehicle's frame is drawn so many times along the way, with axes of this length (m).
 const MOST_POSES: usize = 150;
-const POSE_AXIS_M: f64 = 0.6;
+const POSE_AXIS_M: f64 = 0.8;
 /// Ellipsoids a station, and corners of each of their ellipses.
 const MOST_ELLIPSOIDS: usize = 240;
 const CORNERS: usize = 12;
 /// Ellipsoids are exaggerated by a round factor until the middle one is about this large (m, 2 σ).
-const WANTED_RADIUS_M: f64 = 0.25;
+const WANTED_RADIUS_M: f64 = 0.5;
 
 /// x, y, z of any frame.
 pub const AXES: [(Vector3<f64>, Rgb); 3] = [
@@ -123,8 +123,8 @@ mod tests {
     #[test]
     fn the_exaggeration_is_round_and_never_shrinks() {
         let of = |sigma_m: f64| exaggeration([Vector3::repeat(sigma_m)].iter());
-        assert_eq!(of(0.001), Some(100.0));
-        assert_eq!(of(0.002), Some(50.0));
+        assert_eq!(of(0.001), Some(200.0));
+        assert_eq!(of(0.002), Some(100.0));
         assert_eq!(of(1.0), Some(1.0));
         assert_eq!(exaggeration([].iter()), None);
     }

@@ -113,6 +113,21 @@ pub fn solve(
         Some(twin) if choice.twin_is_real => twin,
         _ => &lowest,
     };
+    if let Some(search) = &prior_search
+        && !same_solution(&search.chosen, &choice.answer.station1_from_station)
+    {
+        let apart_m = (1..3)
+            .map(|s| {
+                search.chosen[s].translation_m
+                    - choice.answer.station1_from_station[s].translation_m
+            })
+            .map(|apart| apart.norm())
+            .fold(0.0, f64::max);
+        findings.push(Finding::note(format!(
+            "the search of the prior ended {apart_m:.2} m from this answer (in another minimum, such as the mirror twin); \
+             the answer does not rest on it"
+        )));
+    }
     let uncertainty =
         uncertainty::estimate(&data, &triplets.time_s, &triplets.interval, answer, settings);
     let evidence = Evidence {
