@@ -382,3 +382,69 @@ fn the_field_data_by_the_command_line() {
         assert!(report.contains(expected), "{expected} is not in:\n{report}");
     }
 }
+
+fn sample() -> String {
+    text(&sample_folder("warthog")).to_owned()
+}
+
+#[test]
+fn several_methods_give_a_list_in_the_order_asked_for() {
+    let mut arguments = vec!["calibrate"];
+    let path = sample();
+    arguments.push(&path);
+    let asked = ["static-gcp", "inter-prism", "two-point"];
+    arguments.extend(asked.iter().flat_map(|method| ["--method", method]));
+    arguments.push("--json");
+    let list = json(&arguments);
+    let methods: Vec<&str> =
+        list.as_array().expect("a list").iter().filter_map(|o| o["method"].as_str()).collect();
+    assert_eq!(methods, asked);
+    assert!(list[0]["diagnosis"]["mirror"].is_null(), "absent is null");
+    assert!(list[1]["diagnosis"]["mirror"]["cost_ratio"].is_number());
+    assert_eq!(list[2]["details"]["pairs"].as_array().map(Vec::len), Some(6));
+}
+
+#[test]
+fn a_method_that_the_data_lacks_is_bad_input() {
+    let line = complaint(&["calibrate", &sample(), "--method", "dynamic-gcp"], 1);
+    assert!(line.contains("method C (dynamic-gcp) needs one prism"), "{line}");
+}
+
+#[test]
+fn the_studies_print_tables_and_write_pictures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("made/for/this");
+    let sweep = ["sweep", "--parameter", "tau-s", "--from", "0.5", "--to", "3", "--steps", "4"];
+    for (arguments, name) in
+        [(&["compare"][..], "comparison"), (&["ablate"], "ablation"), (&sweep, "sweep-tau-s")]
+    {
+        let path = sample();
+        let mut all = arguments.to_vec();
+        all.extend([path.as_str(), "--out", text(&out)]);
+        let table = stdout(&all);
+        assert!(table.contains("median") && table.contains("warthog"), "{table}");
+        for extension in ["csv", "svg", "png"] {
+            let file = out.join(format!("{name}.{extension}"));
+            assert!(file.metadata().expect("written").len() > 200, "{name}.{extension}");
+        }
+        all.push("--json");
+        let object = json(&all);
+        assert_eq!((&object["schema"], &object["study"]), (&1.into(), &name.into()));
+    }
+}
+
+#[test]
+fn nonsense_for_a_study_is_bad_usage() {
+    for more in [
+        &["--parameter", "tau-s", "--from", "0", "--to", "3"][..],
+        &["--parameter", "tau-s", "--from", "1", "--to", "3", "--steps", "1"],
+        &["--parameter", "tau-x", "--from", "1", "--to", "3"],
+        &["--parameter", "tau-r", "--from", "1", "--to", "3", "--no-outlier-filter"],
+        &["--parameter", "tau-s", "--from", "1", "--to", "3", "--splits", "0"],
+    ] {
+        let path = sample();
+        let mut all = vec!["sweep", path.as_str()];
+        all.extend(more);
+        complaint(&all, 2);
+    }
+}

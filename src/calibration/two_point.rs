@@ -16,8 +16,10 @@ use crate::pipeline::Triplets;
 /// Range accuracy of the instruments (m) and what an arcsecond is: the nominal values of the paper.
 const RANGE_SIGMA_M: f64 = 0.002;
 const ANGLE_SIGMA_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
-/// Readings that are off by more than this between two points (parts per million) hint at the atmosphere.
+/// Readings that are off by more than this between two points hint at the atmosphere: parts per million, and metres,
+/// which three stations' noise hardly reaches together.
 const NOTABLE_PPM: f64 = 10.0;
+const NOTABLE_M: f64 = 0.008;
 
 /// What one pair of points gives.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +82,7 @@ pub fn solve(
         covariance.as_ref(),
     );
     let covariance = covariance.map(|c| point_to_point::level_part(&c));
-    let mut findings = findings(&pairs, chosen, sigma_m);
+    let mut findings = findings(&pairs, chosen);
     let mut verdict = Verdict::Good;
     let doubt = match median(&pairs[chosen].left_out_m) {
         None => Some(
@@ -180,7 +182,7 @@ fn point_sigma_m(placed: &[Placed]) -> f64 {
     shown_m.max(RANGE_SIGMA_M).max(ANGLE_SIGMA_RAD * range_m)
 }
 
-fn findings(pairs: &[PairResection], chosen: usize, sigma_m: f64) -> Vec<Finding> {
+fn findings(pairs: &[PairResection], chosen: usize) -> Vec<Finding> {
     let pair = &pairs[chosen];
     let [first, second] = pair.markers;
     let mut findings = vec![Finding::note(format!(
@@ -197,7 +199,7 @@ fn findings(pairs: &[PairResection], chosen: usize, sigma_m: f64) -> Vec<Finding
     if let Some(longest) = longest {
         let error_m = longest.baseline_errors_m.iter().sum::<f64>() / 3.0;
         let ppm = error_m / longest.baseline_m * 1e6;
-        if ppm.abs() > NOTABLE_PPM && error_m.abs() > sigma_m {
+        if ppm.abs() > NOTABLE_PPM && error_m.abs() > NOTABLE_M {
             findings.push(Finding::warning(format!(
                 "the stations measure points {} and {} {:+.0} mm ({ppm:+.0} ppm) from their known distance: check \
                  temperature, pressure and prism constant, or the survey",

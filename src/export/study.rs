@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::box_chart;
 use super::svg::{PictureError, to_png, to_svg};
+use super::text::sigma_text;
 use crate::experiment::{Comparison, Quantiles, Study};
 
 /// Size of the pictures in the units of SVG; the PNG has twice as many pixels each way.
@@ -92,15 +93,12 @@ pub fn transforms_table(comparison: &Comparison) -> String {
             for station in 1..3 {
                 let transform = &calibration.station1_from_station[station];
                 let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
-                let plus_minus = |sigma: Option<f64>, digits: usize| {
-                    sigma.map_or("–".to_owned(), |s| format!("{:.digits$}", s * 1e3))
-                };
                 _ = write!(text, "{}  T1{}    ", method.letter(), station + 1);
                 for axis in 0..3 {
-                    let sigma = plus_minus(sigma.map(|s| s.translation_m[axis]), 1);
+                    let sigma = sigma_text(sigma.map(|s| s.translation_m[axis]), 1);
                     _ = write!(text, "{:>10.4} ± {sigma:<6}", transform.translation_m[axis]);
                 }
-                let sigma = plus_minus(sigma.map(|s| s.yaw_rad), 3);
+                let sigma = sigma_text(sigma.map(|s| s.yaw_rad), 3);
                 let verdict = if station == 1 { calibration.verdict.name() } else { "" };
                 _ = writeln!(text, "{:>11.5} ± {sigma:<8} {verdict}", transform.yaw_rad());
             }

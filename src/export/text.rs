@@ -78,19 +78,26 @@ pub fn transforms(calibration: &Calibration) -> String {
     for station in 1..3 {
         let transform = &calibration.station1_from_station[station];
         let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
-        let plus_minus = |sigma: Option<f64>, digits: usize| {
-            sigma.map_or("–".to_owned(), |s| format!("{:.digits$}", s * 1e3))
-        };
         _ = write!(text, "T1{}     ", station + 1);
         for axis in 0..3 {
             let value = transform.translation_m[axis];
-            let sigma = plus_minus(sigma.map(|s| s.translation_m[axis]), 1);
+            let sigma = sigma_text(sigma.map(|s| s.translation_m[axis]), 1);
             _ = write!(text, "{value:>11.4} ± {sigma:<6}");
         }
-        let sigma = plus_minus(sigma.map(|s| s.yaw_rad), 3);
+        let sigma = sigma_text(sigma.map(|s| s.yaw_rad), 3);
         _ = writeln!(text, "{:>11.5} ± {sigma}", transform.yaw_rad());
     }
     text
+}
+
+/// A σ in thousandths (mm or mrad) with `digits` decimals, more where those would show nothing but zeros.
+pub fn sigma_text(sigma: Option<f64>, digits: usize) -> String {
+    sigma.map_or("–".to_owned(), |sigma| {
+        let thousandths = sigma * 1e3;
+        let least = 0.95 * 10_f64.powi(-(digits as i32));
+        let digits = if thousandths < least { digits + 1 } else { digits };
+        format!("{thousandths:.digits$}")
+    })
 }
 
 /// The homogeneous matrix of a station's frame into station 1's, four rows.

@@ -9,7 +9,7 @@ mod motion;
 mod scenario;
 mod write;
 
-pub use scenario::{Preset, Scenario};
+pub use scenario::{Path, Preset, Scenario};
 pub use write::write_folder;
 
 use nalgebra::Vector3;

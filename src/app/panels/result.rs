@@ -9,7 +9,7 @@ use crate::app::theme;
 use crate::calibration::inter_prism::InterPrismDetails;
 use crate::calibration::static_gcp::StaticGcpDetails;
 use crate::calibration::two_point::TwoPointDetails;
-use crate::calibration::{Calibration, Details, Mirror, ResolvedBy};
+use crate::calibration::{Calibration, Details, Mirror, ResolvedBy, Targets};
 use crate::deployment::{Deployment, Finding, pair_label};
 use crate::evaluation::{Evaluation, Spread};
 use crate::export::text;
@@ -78,7 +78,7 @@ fn show(
         Details::DynamicGcp(_) => {}
         Details::InterPrism(details) => mirror(ui, details),
     }
-    metrics(ui, &answer.evaluation);
+    metrics(ui, &answer.evaluation, analysis.offer.targets);
 }
 
 fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {
@@ -98,9 +98,8 @@ fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {
 
 /// One column for each transform: value ± σ.
 fn transforms(ui: &mut egui::Ui, calibration: &Calibration) {
-    let sigma_text = |sigma: Option<f64>, digits: usize| {
-        sigma.map_or("± –".to_owned(), |s| format!("± {:.digits$}", s * 1e3))
-    };
+    let sigma_text =
+        |sigma: Option<f64>, digits: usize| format!("± {}", text::sigma_text(sigma, digits));
     egui::Grid::new("transforms").num_columns(5).spacing([7.0, 3.0]).striped(true).show(ui, |ui| {
         ui.label("");
         for station in 1..3 {
@@ -222,7 +221,7 @@ fn static_gcp(ui: &mut egui::Ui, details: &StaticGcpDetails) {
     }
 }
 
-fn metrics(ui: &mut egui::Ui, evaluation: &Evaluation) {
+fn metrics(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
     heading(ui, "Metrics (mm)");
     egui::Grid::new("metrics").num_columns(4).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {
         ui.label("");
@@ -237,12 +236,17 @@ fn metrics(ui: &mut egui::Ui, evaluation: &Evaluation) {
             ui.monospace(spread.n.to_string());
             ui.end_row();
         };
+        // Of one prism, what the distances compare are the stations' versions of it.
+        let (all, each) = match targets {
+            Targets::OnePrism => ("Same prism", "stations"),
+            _ => ("Inter-prism", "prisms"),
+        };
         if let Some(spread) = &evaluation.inter_prism_mm {
-            row(ui, RichText::new("Inter-prism").strong(), spread);
+            row(ui, RichText::new(all).strong(), spread);
         }
         for (pair, spread) in evaluation.inter_prism_by_pair_mm.iter().enumerate() {
             if let Some(spread) = spread {
-                row(ui, RichText::new(format!("   prisms {}", pair_label(pair))), spread);
+                row(ui, RichText::new(format!("   {each} {}", pair_label(pair))), spread);
             }
         }
         for metric in &evaluation.control_points_mm {

@@ -9,6 +9,7 @@ use crate::app::theme;
 use crate::calibration::Calibration;
 use crate::deployment::Severity;
 use crate::evaluation::Spread;
+use crate::export::text::sigma_text;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if state.open.is_empty() {
@@ -121,8 +122,7 @@ fn spread(ui: &mut egui::Ui, spread: Option<&Spread>) -> egui::Response {
 }
 
 fn plus_minus(value: f64, sigma: Option<f64>, digits: usize, sigma_digits: usize) -> String {
-    let sigma = sigma.map_or("–".to_owned(), |s| format!("{:.sigma_digits$}", s * 1e3));
-    format!("{value:>9.digits$} ± {sigma}")
+    format!("{value:>9.digits$} ± {}", sigma_text(sigma, sigma_digits))
 }
 
 fn give_all(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {

@@ -1,9 +1,9 @@
 //! How the distance errors are distributed, one outline a pair.
 
 use eframe::egui;
-use egui_plot::{AxisHints, Line, Plot, PlotPoints, VLine};
+use egui_plot::{Line, Plot, PlotPoints, VLine};
 
-use super::{answer, pair_name};
+use super::{answer, pair_name, round_marks};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::deployment::pair_label;
@@ -18,7 +18,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
         ui.multiply_opacity(0.45);
     }
     let plots = &open.plots;
-    let (half_range, width) = (plots.half_range_mm, plots.bin_width_mm);
+    let ([low, high], width) = (plots.range_mm, plots.bin_width_mm);
     ui.horizontal(|ui| {
         ui.add_space(6.0);
         ui.label("prisms");
@@ -28,9 +28,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
     });
     let zero_colour = theme::faint(ui.visuals().dark_mode);
     Plot::new(("histogram", open.id, open.analysis_run))
-        .custom_x_axes(vec![AxisHints::new_x().label("error (mm)").label_spacing(20.0..=40.0)])
+        .x_axis_label("error (mm)")
+        .x_grid_spacer(round_marks)
+        .y_grid_spacer(round_marks)
         .y_axis_label(format!("triplets per {width:.2} mm"))
-        .default_x_bounds(-half_range, half_range)
+        .default_x_bounds(low, high)
         .default_y_bounds(0.0, plots.highest_count as f64 * 1.08)
         .allow_scroll(false)
         .show(ui, |plot_ui| {

@@ -9,6 +9,7 @@ pub mod residuals;
 pub use prepared::PreparedPlots;
 
 use eframe::egui;
+use egui_plot::{GridInput, GridMark};
 
 use crate::analysis::{Analysis, Answer};
 use crate::app::open_deployment::OpenDeployment;
@@ -40,4 +41,27 @@ fn pair_name(pair: usize, dark: bool) -> egui::RichText {
     egui::RichText::new(pair_label(pair))
         .color(theme::readable(palette::PAIRS[pair], dark))
         .strong()
+}
+
+/// Grid lines at 1, 2 or 5 times a power of ten, every one of which has room for its number, and four or five faint
+/// ones between.
+#[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
+fn round_marks(input: GridInput) -> Vec<GridMark> {
+    // egui_plot's least step is eight points wide.
+    let least = 5.0 * input.base_step_size;
+    let decade = 10_f64.powf(least.log10().floor());
+    let (times, parts) = [(1.0, 5), (2.0, 4), (5.0, 5), (10.0, 5)]
+        .into_iter()
+        .find(|(times, _)| times * decade >= least)
+        .unwrap_or((10.0, 5));
+    let step = times * decade;
+    let fine = step / f64::from(parts);
+    let (low, high) = input.bounds;
+    ((low / fine).floor() as i64..=(high / fine).ceil() as i64)
+        .map(|index| {
+            let whole = index.rem_euclid(i64::from(parts)) == 0;
+            // The size decides how strong the line is, and only strong ones have a number.
+            GridMark { value: index as f64 * fine, step_size: if whole { step } else { fine } }
+        })
+        .collect()
 }

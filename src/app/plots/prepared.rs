@@ -12,14 +12,15 @@ const BINS: usize = 40;
 /// Ready to draw; errors in mm, times in s since the first measurement.
 #[derive(Clone, Debug, Default)]
 pub struct PreparedPlots {
-    /// Half the range that shows nearly all errors: outliers must not squeeze the rest into a line.
-    pub half_range_mm: f64,
+    /// The range that shows nearly all errors: outliers must not squeeze the rest into a line. About zero, or from
+    /// zero up where no error is negative.
+    pub range_mm: [f64; 2],
     /// For each pair.
     pub dots: [Vec<PlotPoint>; 3],
     /// Twice the standard deviation that the interpolation states for each pair's distance, one band an interval;
     /// empty where it states none.
     pub bands: [Vec<Band>; 3],
-    /// Outline of each pair's histogram over ± the range.
+    /// Outline of each pair's histogram over the range.
     pub outlines: [Vec<PlotPoint>; 3],
     pub bin_width_mm: f64,
     pub highest_count: usize,
@@ -44,11 +45,11 @@ impl PreparedPlots {
         let Ok(answer) = &analysis.answer else { return Self::default() };
         let errors = &answer.evaluation.distance_errors_mm;
         let time_s = &analysis.pipeline.triplets.time_s;
-        let half_range_mm = half_range_mm(errors);
-        let bin_width_mm = 2.0 * half_range_mm / BINS as f64;
-        let counts = errors.each_ref().map(|errors| bins(errors, half_range_mm));
+        let range_mm = range_mm(errors);
+        let bin_width_mm = (range_mm[1] - range_mm[0]) / BINS as f64;
+        let counts = errors.each_ref().map(|errors| bins(errors, range_mm));
         Self {
-            half_range_mm,
+            range_mm,
             dots: errors.each_ref().map(|errors| {
                 thinned(errors)
                     .into_iter()
@@ -56,7 +57,7 @@ impl PreparedPlots {
                     .collect()
             }),
             bands: bands(analysis, answer, start_s),
-            outlines: counts.each_ref().map(|counts| outline(counts, half_range_mm, bin_width_mm)),
+            outlines: counts.each_ref().map(|counts| outline(counts, range_mm[0], bin_width_mm)),
             bin_width_mm,
             highest_count: counts.iter().flatten().copied().max().unwrap_or(0),
         }
@@ -92,13 +93,14 @@ fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
     bands
 }
 
-fn half_range_mm(errors: &[Vec<f64>; 3]) -> f64 {
+fn range_mm(errors: &[Vec<f64>; 3]) -> [f64; 2] {
     let mut sizes: Vec<f64> = errors.iter().flatten().map(|e| e.abs()).collect();
     if sizes.is_empty() {
-        return 1.0;
+        return [-1.0, 1.0];
     }
     let index = ((sizes.len() as f64 * 0.985) as usize).min(sizes.len() - 1);
-    (*sizes.select_nth_unstable_by(index, f64::total_cmp).1 * 1.15).max(0.5)
+    let high = (*sizes.select_nth_unstable_by(index, f64::total_cmp).1 * 1.15).max(0.5);
+    if errors.iter().flatten().any(|error| *error < 0.0) { [-high, high] } else { [0.0, high] }
 }
 
 /// Indices to draw: all, or lowest and highest of each of equal spans.
@@ -119,11 +121,11 @@ fn thinned(errors: &[f64]) -> Vec<usize> {
         .collect()
 }
 
-/// Counts in equal bins over ± the range; what lies beyond is not counted.
-fn bins(errors: &[f64], half_range: f64) -> Vec<usize> {
+/// Counts in equal bins over the range; what lies beyond is not counted.
+fn bins(errors: &[f64], [low, high]: [f64; 2]) -> Vec<usize> {
     let mut counts = vec![0; BINS];
     for error in errors {
-        let at = (error + half_range) / (2.0 * half_range) * BINS as f64;
+        let at = (error - low) / (high - low) * BINS as f64;
         if at >= 0.0 && at < BINS as f64 {
             counts[at as usize] += 1;
         }
@@ -131,12 +133,12 @@ fn bins(errors: &[f64], half_range: f64) -> Vec<usize> {
     counts
 }
 
-fn outline(counts: &[usize], half_range: f64, width: f64) -> Vec<PlotPoint> {
+fn outline(counts: &[usize], low: f64, width: f64) -> Vec<PlotPoint> {
     counts
         .iter()
         .enumerate()
         .flat_map(|(bin, count)| {
-            let left = -half_range + bin as f64 * width;
+            let left = low + bin as f64 * width;
             [left, left + width].map(|x| PlotPoint::new(x, *count as f64))
         })
         .collect()
@@ -159,7 +161,7 @@ mod tests {
 
     #[test]
     fn everything_within_the_range_is_counted_once() {
-        let counts = bins(&[-0.999, -0.2, 0.0, 0.5, 0.999, 3.0], 1.0);
+        let counts = bins(&[-0.999, -0.2, 0.0, 0.5, 0.999, 3.0], [-1.0, 1.0]);
         assert_eq!(counts.iter().sum::<usize>(), 5);
         assert_eq!((counts[0], counts[BINS - 1]), (1, 1));
     }

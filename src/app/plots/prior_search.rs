@@ -6,7 +6,7 @@ use egui_plot::{
     Points,
 };
 
-use super::answer;
+use super::{answer, round_marks};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::calibration::inter_prism::{PriorSearch, SearchRun};
@@ -32,9 +32,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     caption(ui, search);
     let id = state.active().map(|open| (open.id, open.analysis_run));
     Plot::new(("prior search", id))
-        .custom_x_axes(vec![
-            AxisHints::new_x().label("speed limit τ_v (m/s)").label_spacing(20.0..=40.0),
-        ])
+        .x_axis_label("speed limit τ_v (m/s)")
+        .x_grid_spacer(round_marks)
         .custom_y_axes(vec![
             AxisHints::new_y()
                 .label("error (mm, log)")
@@ -97,16 +96,21 @@ fn series(runs: &[SearchRun], value_m: impl Fn(&SearchRun) -> f64) -> PlotPoints
     PlotPoints::Owned(points.collect())
 }
 
-/// Lines at 1, 2 and 5 times the powers of ten.
+/// Lines at 1, 2 and 5 times the powers of ten, and at the digits between where little of a decade is seen.
+#[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    let steps = [(1.0_f64, 1.0), (2.0, 0.3), (5.0, 0.3)];
+    let steps: Vec<(f64, f64)> = (1..10)
+        .filter(|digit| high - low < 0.7 || [1, 2, 5].contains(digit))
+        .map(|digit| (f64::from(digit), 1.0))
+        .collect();
     (low.floor() as i32..=high.ceil() as i32)
         .flat_map(|decade| {
-            steps.map(|(times, step_size)| GridMark {
+            let mark = move |(times, step_size): &(f64, f64)| GridMark {
                 value: f64::from(decade) + times.log10(),
-                step_size,
-            })
+                step_size: *step_size,
+            };
+            steps.iter().map(mark).collect::<Vec<_>>()
         })
         .collect()
 }

@@ -1,10 +1,10 @@
 //! Distance errors over time, one colour a pair, with the kept intervals behind and the time cursor.
 
 use eframe::egui;
-use egui_plot::{AxisHints, FilledArea, HoverPosition, Plot, PlotPoints, Points, Span, VLine};
+use egui_plot::{FilledArea, HoverPosition, Plot, PlotPoints, Points, Span, VLine};
 
 use super::prepared::Band;
-use super::{answer, pair_switches};
+use super::{answer, pair_switches, round_marks};
 use crate::analysis::{Analysis, Answer};
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::{Command, Commands, State};
@@ -22,13 +22,13 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     let dark = ui.visuals().dark_mode;
     let start_s = open.start_s();
-    let half_range = open.plots.half_range_mm;
+    let range_mm = open.plots.range_mm;
     let end_s = open.deployment.end_s().unwrap_or(start_s) - start_s;
     // The range of the last frame: shown in the caption, and kept while the settings change if the user chose it.
     let range_id = ui.scope_id().with(("shown range", open.id));
     let last: Option<ShownRange> = ui.data(|data| data.get_temp(range_id));
-    let shown_mm = last.map_or([-half_range, half_range], |last| last.shown_mm);
-    let follows = last.is_some_and(|last| last.is_default() && last.default_mm != half_range);
+    let shown_mm = last.map_or(range_mm, |last| last.shown_mm);
+    let follows = last.is_some_and(|last| last.is_default() && last.default_mm != range_mm);
     ui.horizontal(|ui| {
         ui.add_space(6.0);
         pair_switches(ui, state, commands);
@@ -37,11 +37,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
     let plot = Plot::new(("residuals", open.id))
         .x_axis_label("time since the first measurement (s)")
-        .custom_y_axes(vec![
-            AxisHints::new_y().label("distance error (mm)").label_spacing(10.0..=22.0),
-        ])
+        .y_axis_label("distance error (mm)")
+        .x_grid_spacer(round_marks)
+        .y_grid_spacer(round_marks)
         .default_x_bounds(0.0, end_s.max(1.0))
-        .default_y_bounds(-half_range, half_range)
+        .default_y_bounds(range_mm[0], range_mm[1])
         .label_formatter(|position| match position {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
                 Some(format!("{plot_name}\n{:.1} s\n{:+.2} mm", position.x, position.y))
@@ -50,7 +50,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         });
     let response = plot.show(ui, |plot_ui| {
         if follows {
-            plot_ui.set_plot_bounds_y(-half_range..=half_range);
+            plot_ui.set_plot_bounds_y(range_mm[0]..=range_mm[1]);
         }
         let shade = ui_shade(dark);
         for interval in analysis.pipeline.kept_intervals.iter() {
@@ -93,7 +93,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     let bounds = response.transform.bounds();
     let shown_mm = [bounds.min()[1], bounds.max()[1]];
-    ui.data_mut(|data| data.insert_temp(range_id, ShownRange { shown_mm, default_mm: half_range }));
+    ui.data_mut(|data| data.insert_temp(range_id, ShownRange { shown_mm, default_mm: range_mm }));
 }
 
 fn ui_shade(dark: bool) -> egui::Color32 {
@@ -104,13 +104,13 @@ fn ui_shade(dark: bool) -> egui::Color32 {
 #[derive(Clone, Copy)]
 struct ShownRange {
     shown_mm: [f64; 2],
-    default_mm: f64,
+    default_mm: [f64; 2],
 }
 
 impl ShownRange {
     fn is_default(&self) -> bool {
-        let [low, high] = self.shown_mm;
-        (low + self.default_mm).abs() + (high - self.default_mm).abs() < 1e-6 * self.default_mm
+        let [low, high] = self.default_mm;
+        (self.shown_mm[0] - low).abs() + (self.shown_mm[1] - high).abs() < 1e-6 * (high - low)
     }
 }
 

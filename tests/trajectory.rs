@@ -1,0 +1,157 @@
+//! The vehicle's poses in six degrees of freedom, against the truth of the simulator and with the real evo.
+
+mod common;
+
+use std::process::Command;
+
+use common::{analyse, answer, field_data, sample_folder};
+use resect::analysis::Settings;
+use resect::deployment::{Sample, open};
+use resect::evaluation::vehicle::{NoTrajectory, VehicleFrame, vehicle_trajectory};
+use resect::simulation::{Preset, simulate};
+
+const LIMIT_M: f64 = 0.020;
+
+#[test]
+fn the_poses_carry_the_prisms_to_where_they_were_seen() {
+    let deployment = Sample::Warthog.open().expect("built in");
+    let analysis = analyse(&deployment, &Settings::default());
+    let transforms = &answer(&analysis).calibration.station1_from_station;
+    let triplets = &analysis.pipeline.triplets;
+    let (trajectory, frame) =
+        vehicle_trajectory(&deployment, triplets, analysis.offer.targets, transforms, LIMIT_M)
+            .expect("three prisms");
+    assert_eq!(frame, VehicleFrame::Reading);
+    assert!(trajectory.poses.len() + trajectory.dropped == triplets.len());
+    assert!(trajectory.dropped < triplets.len() / 50, "{}", trajectory.dropped);
+    // The rig stood level when it was read and the ground is nearly level: so is the vehicle, most of the time.
+    let mut tilts: Vec<f64> = trajectory
+        .poses
+        .iter()
+        .map(|pose| pose.orientation.to_rotation_matrix()[(2, 2)].acos())
+        .collect();
+    tilts.sort_by(f64::total_cmp);
+    assert!(tilts[tilts.len() / 2] < 0.1, "{}", tilts[tilts.len() / 2]);
+    let sigma = trajectory.middle_sigma().expect("poses");
+    assert!((0.0005..0.005).contains(&sigma.position_m), "{sigma:?}");
+    assert!((0.0005..0.01).contains(&sigma.orientation_rad), "{sigma:?}");
+}
+
+#[test]
+fn a_tighter_limit_drops_more_and_counts_them() {
+    let deployment = Sample::Warthog.open().expect("built in");
+    let analysis = analyse(&deployment, &Settings::default());
+    let transforms = &answer(&analysis).calibration.station1_from_station;
+    let dropped = |limit_m: f64| {
+        let triplets = &analysis.pipeline.triplets;
+        vehicle_trajectory(&deployment, triplets, analysis.offer.targets, transforms, limit_m)
+            .expect("three prisms")
+            .0
+            .dropped
+    };
+    assert!(dropped(0.002) > dropped(0.005) && dropped(0.005) > dropped(0.020));
+    assert_eq!(dropped(f64::INFINITY), 0);
+}
+
+#[test]
+fn the_frame_of_deployment_toml_is_taken_over() {
+    let simulated = simulate(Preset::Warthog, 4);
+    let mut deployment = simulated.deployment().expect("valid");
+    let analysis = analyse(&deployment, &Settings::default());
+    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m);
+    let transforms = simulated.truth.station1_from_station.map(Into::into);
+    let (trajectory, frame) = vehicle_trajectory(
+        &deployment,
+        &analysis.pipeline.triplets,
+        analysis.offer.targets,
+        &transforms,
+        LIMIT_M,
+    )
+    .expect("three prisms");
+    assert_eq!(frame, VehicleFrame::Given);
+    // The vehicle's origin is on the ground, 1.6 m below station 1 on average.
+    let mean_z = trajectory.poses.iter().map(|p| p.position_m.z).sum::<f64>()
+        / trajectory.poses.len() as f64;
+    assert!((mean_z + 1.6).abs() < 0.8, "{mean_z}");
+    // x ahead: where it moves, it moves along its own x axis.
+    let mut along: Vec<f64> = trajectory
+        .poses
+        .windows(2)
+        .filter(|pair| (pair[1].time_s - pair[0].time_s - 0.1).abs() < 1e-6)
+        .map(|pair| pair[1].position_m - pair[0].position_m)
+        .zip(&trajectory.poses)
+        .filter(|(step, _)| step.norm() > 0.05)
+        .map(|(step, pose)| {
+            step.normalize().dot(&(pose.orientation * nalgebra::Vector3::x())).abs()
+        })
+        .collect();
+    along.sort_by(f64::total_cmp);
+    assert!(along[along.len() / 2] > 0.9, "{}", along[along.len() / 2]);
+}
+
+#[test]
+fn one_prism_has_no_orientation() {
+    let deployment = simulate(Preset::SinglePrism, 1).deployment().expect("valid");
+    let analysis = analyse(&deployment, &Settings::default());
+    let transforms = &answer(&analysis).calibration.station1_from_station;
+    let triplets = &analysis.pipeline.triplets;
+    let error =
+        vehicle_trajectory(&deployment, triplets, analysis.offer.targets, transforms, LIMIT_M)
+            .expect_err("one prism");
+    assert!(matches!(error, NoTrajectory::OnePrism(_)));
+}
+
+fn resect() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_resect"))
+}
+
+#[test]
+fn the_command_writes_tum_that_evo_reads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("warthog.tum");
+    let status = resect()
+        .args(["trajectory"])
+        .arg(sample_folder("warthog"))
+        .args(["--out"])
+        .arg(&file)
+        .output()
+        .expect("runs");
+    assert!(status.status.success(), "{}", String::from_utf8_lossy(&status.stderr));
+    let said = String::from_utf8_lossy(&status.stdout);
+    assert!(said.contains("epochs dropped") && said.contains("typical σ"), "{said}");
+    let text = std::fs::read_to_string(&file).expect("written");
+    let mut last = 0.0;
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
+        let numbers: Vec<f64> =
+            line.split(' ').map(|field| field.parse().expect("a number")).collect();
+        let [time_s, _, _, _, x, y, z, w] = numbers[..] else { panic!("eight fields: {line}") };
+        assert!(time_s > last);
+        last = time_s;
+        assert!((x * x + y * y + z * z + w * w - 1.0).abs() < 1e-6, "a unit quaternion");
+    }
+    // `pip install evo` puts it on the path; machines without Python skip this part.
+    match Command::new("evo_traj").args(["tum"]).arg(&file).env("HOME", folder.path()).output() {
+        Ok(output) => {
+            let said = String::from_utf8_lossy(&output.stdout);
+            assert!(output.status.success() && said.contains("poses"), "{said}");
+        }
+        Err(_) => eprintln!("skipped: evo_traj is not here"),
+    }
+}
+
+#[test]
+fn the_csv_has_the_covariance_and_the_field_data_its_poses() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("run.csv");
+    let output =
+        resect().arg("trajectory").arg(&path).arg("--out").arg(&file).output().expect("runs");
+    assert!(output.status.success());
+    let text = std::fs::read_to_string(&file).expect("written");
+    let header: Vec<&str> = text.lines().next().expect("a header").split(',').collect();
+    assert_eq!(header.len(), 9 + 6 + 21);
+    // 2032 triplets, of which a few have a distance off by more than 20 mm.
+    let poses = text.lines().count() - 1;
+    assert!((1950..2032).contains(&poses), "{poses}");
+    assert!(open(&path).is_ok());
+}
