@@ -13,7 +13,7 @@ use resect::calibration::{self, CalibrationSettings, Offer, PriorMethod};
 use resect::deployment::{Deployment, PAIRS};
 use resect::export;
 use resect::geometry::RigidTransform;
-use resect::pipeline::{self, Triplets};
+use resect::pipeline::{self, Interpolation, PipelineSettings, Triplets};
 use resect::simulation::{Preset, simulate_scenario};
 
 type Vector8 = OVector<f64, U8>;
@@ -42,6 +42,14 @@ fn benchmarks(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::new("pipeline", size), |b| {
             b.iter(|| pipeline::run(black_box(&deployment), &settings.pipeline));
         });
+        for (name, interpolation) in
+            [("pipeline-gp", Interpolation::Gp), ("pipeline-wnoa", Interpolation::Wnoa)]
+        {
+            let settings = PipelineSettings { interpolation, ..settings.pipeline };
+            group.bench_function(BenchmarkId::new(name, size), |b| {
+                b.iter(|| pipeline::run(black_box(&deployment), &settings));
+            });
+        }
         for (name, prior) in
             [("d-closed-form", PriorMethod::ClosedForm), ("d-search", PriorMethod::Search)]
         {

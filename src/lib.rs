@@ -25,15 +25,17 @@
 //!
 //! | module | what is in it | what goes there next |
 //! |---|---|---|
-//! | [`geometry`] | polar coordinates, level transforms, alignment | full rigid alignment |
+//! | [`geometry`] | polar and geodetic coordinates, level and rigid transforms, alignment | |
 //! | [`deployment`] | the data model; `format/` has a file a format | a reader: a file in `format/`, a line in `recognise` |
 //! | [`pipeline`] | outlier filter, interval split and filter, interpolation | an interpolation: a file in `interpolation/` |
-//! | [`calibration`] | method D: priors, solver, mirror, uncertainty, verdict | another method: a folder beside `inter_prism/` |
-//! | [`evaluation`] | the paper's two metrics | GNSS baselines, trajectories |
+//! | [`calibration`] | methods A to D, each answer with its uncertainty and verdict | a better estimate of D: a file in `inter_prism/` |
+//! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | |
 //! | [`analysis`] | settings, and the one path | |
 //! | [`simulation`] | deployments with known truth | a preset: an arm in `scenario.rs` |
 //! | [`palette`] | the colours that mean something | |
-//! | [`export`] | JSON, text, CSV, Rerun | a writer |
+//! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |
+//! | [`font`] | the one font | |
+//! | [`export`] | JSON, text, CSV, TUM, SVG, PNG, Rerun | a writer |
 //! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `layout.rs` |
 //! | [`command`] | the command line; prints | a subcommand: a file |
 //!

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Failure, load, print};
+use crate::calibration::{Method, Offer};
 use crate::deployment::{Deployment, Track, pair_label};
+use crate::pipeline::{self, PipelineSettings};
 
 #[derive(Args)]
 pub struct Arguments {
@@ -57,12 +59,28 @@ fn report(deployment: &Deployment) -> String {
     for set in &deployment.control_points {
         let complete = set.points.iter().filter(|p| p.readings.iter().all(Option::is_some)).count();
         let what = if set.pillars { "pillars" } else { "points" };
+        let known = set.points.iter().filter(|p| p.known_m.is_some()).count();
         _ = writeln!(
             text,
-            "  {}  {} {what}, {complete} seen by all stations",
+            "  {}  {} {what}, {complete} seen by all stations, {known} with known coordinates",
             set.file,
             set.points.len()
         );
+    }
+    if let Some(antennas) = &deployment.gnss {
+        text += "\nGNSS\n";
+        for (index, fixes) in antennas.iter().enumerate() {
+            let fixed = fixes.iter().filter(|fix| fix.quality == 1).count();
+            _ = writeln!(text, "  antenna {}  {} solutions, {fixed} fixed", index + 1, fixes.len());
+        }
+    }
+    text += "\ncalibrations\n";
+    let triplets = pipeline::run(deployment, &PipelineSettings::default()).triplets;
+    let offer = Offer::of(deployment, &triplets);
+    for method in Method::ALL {
+        let possible =
+            offer.lack(method).map_or("possible".to_owned(), |lack| format!("needs {lack}"));
+        _ = writeln!(text, "  {}  {:<23} {possible}", method.letter(), method.title());
     }
     text += "\nfindings\n";
     for finding in &deployment.findings {

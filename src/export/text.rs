@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use crate::analysis::{Analysis, Answer};
-use crate::calibration::Calibration;
+use crate::calibration::inter_prism::PriorSearch;
+use crate::calibration::{Calibration, Details, Targets};
 use crate::deployment::Deployment;
 use crate::evaluation::Spread;
 
@@ -48,8 +49,13 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
         }
     }
     text.push('\n');
+    text += &details(calibration);
     if let Some(spread) = &evaluation.inter_prism_mm {
-        _ = writeln!(text, "inter-prism   {}", spread_text(spread));
+        let name = match analysis.offer.targets {
+            Targets::OnePrism => "same prism ",
+            _ => "inter-prism",
+        };
+        _ = writeln!(text, "{name}   {}", spread_text(spread));
     }
     for metric in &evaluation.control_points_mm {
         _ = writeln!(text, "control pts   {}   {}", spread_text(&metric.spread), metric.file);
@@ -67,6 +73,77 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
         calibration.solve_ms,
         analysis.evaluation_ms
     );
+    text
+}
+
+/// What only the method knows; empty where the rest says it all.
+fn details(calibration: &Calibration) -> String {
+    let mut text = String::new();
+    match &calibration.details {
+        Details::TwoPoint(details) => {
+            text += "pairs of known points     apart (m)   baseline errors of stations 1–3 (mm)   left out, largest (mm)   from known (mm)\n";
+            for (index, pair) in details.pairs.iter().enumerate() {
+                let [first, second] = pair.markers;
+                let chosen = if index == details.chosen { "*" } else { " " };
+                let [e1, e2, e3] = pair.baseline_errors_m.map(|error| error * 1e3);
+                let largest = |sorted: &[f64]| {
+                    sorted.last().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3))
+                };
+                _ = writeln!(
+                    text,
+                    "{chosen} {first:>3}–{second:<3} {:<16} {:>9.3}   {e1:>+10.1} {e2:>+10.1} {e3:>+10.1}   {:>22}   {:>15}",
+                    pair.file,
+                    pair.baseline_m,
+                    largest(&pair.left_out_m),
+                    largest(&pair.left_out_known_m),
+                );
+            }
+            text.push('\n');
+        }
+        Details::StaticGcp(details) => {
+            if let Some(world) = &details.world_from_station1 {
+                let t = world.translation_m;
+                _ = writeln!(
+                    text,
+                    "station 1 in the points' frame: {:.4}, {:.4}, {:.4} m, yaw {:.6} rad\n",
+                    t.x,
+                    t.y,
+                    t.z,
+                    world.yaw_rad()
+                );
+            }
+        }
+        Details::DynamicGcp(_) => {}
+        Details::InterPrism(details) => {
+            if let Some(search) = &details.prior_search {
+                text += &search_table(search);
+            }
+        }
+    }
+    text
+}
+
+/// Both steps of the search of the prior, a line for each speed limit.
+fn search_table(search: &PriorSearch) -> String {
+    let mut text = String::from(
+        "search of the prior   τ_v (m/s)   triplets   cost rms (mm)   median of all (mm)   runs that agree\n",
+    );
+    for (step, (runs, best)) in search.steps.iter().zip(search.best).enumerate() {
+        for (index, run) in runs.iter().enumerate() {
+            let chosen = if best == Some(index) { "*" } else { " " };
+            _ = writeln!(
+                text,
+                "{chosen} step {}              {:>9.2}   {:>8}   {:>13.2}   {:>18.2}   {:>15}",
+                step + 1,
+                run.tau_v_m_per_s,
+                run.triplets,
+                run.rms_m * 1e3,
+                run.metric_m * 1e3,
+                run.agreeing,
+            );
+        }
+    }
+    text.push('\n');
     text
 }
 

@@ -141,6 +141,9 @@ impl SceneContent {
         self.bounds_m = bounds;
         let step = self.outline_m.len().div_ceil(OUTLINE_POINTS).max(1);
         self.outline_m = self.outline_m.iter().step_by(step).copied().collect();
+        // Thinning must not lose a station.
+        let origins = transforms.iter().flatten().map(|t| t.translation_m.cast::<f32>());
+        self.outline_m.extend(origins);
         self.add_grid(grid_colour);
     }
 
