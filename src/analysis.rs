@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::calibration::{self, Calibration, CalibrationError, CalibrationSettings, Offer};
 use crate::deployment::Deployment;
 use crate::evaluation::{self, Evaluation};
-use crate::pipeline::{PipelineOutput, PipelineSettings, StagedPipeline};
+use crate::pipeline::{PipelineOutput, PipelineSettings, StagedPipeline, Triplets};
 
 /// Everything a user can set; a `--config` file and the window's sliders are this.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,6 +33,8 @@ impl Settings {
 pub struct Answer {
     pub calibration: Calibration,
     pub evaluation: Evaluation,
+    /// What it holds for: the pipeline's, with the clocks put right where they were estimated.
+    pub triplets: Arc<Triplets>,
 }
 
 /// What came of one run.
@@ -49,6 +51,11 @@ pub struct Analysis {
 }
 
 impl Analysis {
+    /// Those of the answer; without one the pipeline's.
+    pub fn triplets(&self) -> &Arc<Triplets> {
+        self.answer.as_ref().map_or(&self.pipeline.triplets, |answer| &answer.triplets)
+    }
+
     /// Wall time of all parts (ms).
     pub fn total_ms(&self) -> f64 {
         let calibration = self
@@ -84,13 +91,14 @@ impl Analyst {
             calibration::solve(&self.deployment, triplets, &settings.calibration, &offer);
         let started = Instant::now();
         let answer = calibration.map(|calibration| {
-            let evaluation = evaluation::evaluate(
+            let (corrected, evaluation) = evaluation::evaluate_answer(
                 &self.deployment,
                 triplets,
                 offer.targets,
-                &calibration.station1_from_station,
+                &calibration,
             );
-            Arc::new(Answer { calibration, evaluation })
+            let triplets = corrected.map_or_else(|| Arc::clone(triplets), Arc::new);
+            Arc::new(Answer { calibration, evaluation, triplets })
         });
         let evaluation_ms = started.elapsed().as_secs_f64() * 1e3;
         Analysis { settings: *settings, pipeline, offer, answer, pipeline_ms, evaluation_ms }

@@ -455,7 +455,7 @@ fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<Strin
     let answer = analysis.answer.as_ref().map_err(ToString::to_string)?;
     let (trajectory, _) = crate::evaluation::vehicle::vehicle_trajectory(
         deployment,
-        &analysis.pipeline.triplets,
+        analysis.triplets(),
         analysis.offer.targets,
         &answer.calibration.station1_from_station,
         LARGEST_POSE_ERROR_M,

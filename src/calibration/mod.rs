@@ -16,7 +16,7 @@ pub mod two_point;
 mod verdict;
 
 pub use method::{Method, Offer};
-pub use settings::{Alignment, CalibrationSettings, PriorMethod};
+pub use settings::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
 pub use targets::Targets;
 pub use verdict::Verdict;
 

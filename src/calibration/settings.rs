@@ -15,6 +15,31 @@ pub enum PriorMethod {
     Search,
 }
 
+/// What a large error costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Loss {
+    /// Its square, as published.
+    #[default]
+    Squared,
+    /// Beyond 1.345 σ only its size.
+    Huber,
+    /// Hardly more than a middling one.
+    Cauchy,
+}
+
+/// What method D estimates beside the transforms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Estimated {
+    /// Offsets of the clocks of stations 2 and 3 against station 1's.
+    pub clocks: bool,
+    /// The inter-prism distances, held by [`CalibrationSettings::inter_prism_sigma_m`].
+    pub distances: bool,
+    /// Tilts of stations 2 and 3, held to arcseconds.
+    pub tilt: bool,
+}
+
 /// What methods B and C may turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -37,6 +62,11 @@ pub struct CalibrationSettings {
     pub prior: PriorMethod,
     /// How well the inter-prism distances are known (m, 1 σ); widens every σ of the answer.
     pub inter_prism_sigma_m: f64,
+    /// Of method D; the rest goes beyond the paper.
+    pub loss: Loss,
+    /// Whether each distance counts by the noise that the instruments state for it.
+    pub weigh_by_noise: bool,
+    pub estimate: Estimated,
 }
 
 impl Default for CalibrationSettings {
@@ -46,11 +76,28 @@ impl Default for CalibrationSettings {
             alignment: Alignment::Level,
             prior: PriorMethod::ClosedForm,
             inter_prism_sigma_m: 0.001,
+            loss: Loss::Squared,
+            weigh_by_noise: false,
+            estimate: Estimated::default(),
         }
     }
 }
 
 impl CalibrationSettings {
+    /// Method D with everything that holds up in the simulated campaign: Cauchy's loss, clocks, and distances.
+    pub fn robust() -> Self {
+        Self {
+            loss: Loss::Cauchy,
+            estimate: Estimated { clocks: true, distances: true, tilt: false },
+            ..Self::default()
+        }
+    }
+
+    /// Whether anything goes beyond the published method D.
+    pub fn refines(&self) -> bool {
+        self.loss != Loss::Squared || self.weigh_by_noise || self.estimate != Estimated::default()
+    }
+
     pub fn check(&self) -> Result<(), String> {
         let sigma = self.inter_prism_sigma_m;
         if (0.0..=1.0).contains(&sigma) {

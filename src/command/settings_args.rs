@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::Failure;
 use crate::analysis::Settings;
-use crate::calibration::{Alignment, PriorMethod};
+use crate::calibration::{Alignment, CalibrationSettings, Loss, PriorMethod};
 use crate::deployment::format::deployment_toml::parse_toml;
 use crate::deployment::{Deployment, OpenError, read_control_points};
 use crate::pipeline::Interpolation;
@@ -26,6 +26,20 @@ enum InterpolationName {
     Gp,
     /// Gaussian process, white noise on acceleration
     Wnoa,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum LossName {
+    Squared,
+    Huber,
+    Cauchy,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum EstimateName {
+    Clocks,
+    Distances,
+    Tilt,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -67,6 +81,18 @@ pub struct SettingsArguments {
     /// Where method D starts from
     #[arg(long, value_enum)]
     prior: Option<Prior>,
+    /// What a large error costs method D
+    #[arg(long, value_enum)]
+    loss: Option<LossName>,
+    /// Let each distance count by the noise that the instruments state for it
+    #[arg(long)]
+    weigh_by_noise: bool,
+    /// What method D estimates beside the transforms: clocks, distances, tilt
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
+    estimate: Vec<EstimateName>,
+    /// The best estimate known: --loss cauchy --estimate clocks,distances
+    #[arg(long)]
+    robust: bool,
     /// What methods B and C may turn: yaw, or roll and pitch as well
     #[arg(long, value_enum)]
     alignment: Option<AlignmentName>,
@@ -123,6 +149,27 @@ impl SettingsArguments {
             Some(Prior::Search) => settings.calibration.prior = PriorMethod::Search,
             Some(Prior::ClosedForm) => settings.calibration.prior = PriorMethod::ClosedForm,
             None => {}
+        }
+        if self.robust {
+            let CalibrationSettings { loss, estimate, .. } = CalibrationSettings::robust();
+            settings.calibration.loss = loss;
+            settings.calibration.estimate = estimate;
+        }
+        if let Some(name) = self.loss {
+            settings.calibration.loss = match name {
+                LossName::Squared => Loss::Squared,
+                LossName::Huber => Loss::Huber,
+                LossName::Cauchy => Loss::Cauchy,
+            };
+        }
+        settings.calibration.weigh_by_noise |= self.weigh_by_noise;
+        for name in &self.estimate {
+            let estimate = &mut settings.calibration.estimate;
+            match name {
+                EstimateName::Clocks => estimate.clocks = true,
+                EstimateName::Distances => estimate.distances = true,
+                EstimateName::Tilt => estimate.tilt = true,
+            }
         }
         match self.alignment {
             Some(AlignmentName::Level) => settings.calibration.alignment = Alignment::Level,

@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let answer = analysis.answer.clone()?;
     let (trajectory, frame) = vehicle_trajectory(
         &deployment,
-        &analysis.pipeline.triplets,
+        analysis.triplets(),
         analysis.offer.targets,
         &answer.calibration.station1_from_station,
         arguments.max_error / 1e3,

@@ -6,8 +6,8 @@ pub mod vehicle;
 
 use serde::Serialize;
 
-use crate::calibration::Targets;
-use crate::calibration::inter_prism::distance_errors_m;
+use crate::calibration::inter_prism::{distance_errors_m, with_clocks};
+use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
@@ -79,18 +79,46 @@ pub struct Evaluation {
     pub control_points_mm: Vec<ControlPointMetric>,
 }
 
+/// The distances that errors are measured against (m): as measured on the vehicle, or zero where all stations follow
+/// one prism, whose versions should coincide.
+pub fn known_distances_m(deployment: &Deployment, targets: Targets) -> Option<[f64; 3]> {
+    match targets {
+        Targets::OnePrism => Some([0.0; 3]),
+        _ => deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+    }
+}
+
+/// Evaluates an answer with all that it estimates: its clocks put the triplets right, its distances are the known ones.
+/// Gives the corrected triplets, where there are any.
+pub fn evaluate_answer(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    targets: Targets,
+    calibration: &Calibration,
+) -> (Option<Triplets>, Evaluation) {
+    let refinement = calibration.inter_prism().and_then(|details| details.refinement.as_ref());
+    let clocks = refinement.and_then(|refined| refined.clock_offsets_s);
+    let corrected = clocks.map(|clocks| with_clocks(triplets, clocks.map(|clock| clock.value)));
+    let distances_m = refinement
+        .and_then(|refined| refined.distances_m)
+        .map(|distances| distances.map(|distance| distance.value))
+        .or_else(|| known_distances_m(deployment, targets));
+    let evaluation = evaluate(
+        deployment,
+        corrected.as_ref().unwrap_or(triplets),
+        distances_m,
+        &calibration.station1_from_station,
+    );
+    (corrected, evaluation)
+}
+
 /// Evaluates transforms on a deployment's triplets and control points.
 pub fn evaluate(
     deployment: &Deployment,
     triplets: &Triplets,
-    targets: Targets,
+    inter_prism_m: Option<[f64; 3]>,
     station1_from_station: &[RigidTransform; 3],
 ) -> Evaluation {
-    let inter_prism_m = match targets {
-        // The stations' versions of one prism should coincide.
-        Targets::OnePrism => Some([0.0; 3]),
-        _ => deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
-    };
     let distance_errors_mm: [Vec<f64>; 3] = match inter_prism_m {
         Some(inter_prism_m) => distance_errors_m(triplets, station1_from_station, &inter_prism_m)
             .map(|errors| errors.into_iter().map(|e| e * 1e3).collect()),

@@ -188,8 +188,8 @@ fn judge(
         // A part may hold too few points for the method; the others judge it.
         let Ok(answer) = answer else { continue };
         let transforms = &answer.station1_from_station;
-        let evaluation =
-            evaluation::evaluate(&test.deployment, &test.triplets, targets, transforms);
+        let (_, evaluation) =
+            evaluation::evaluate_answer(&test.deployment, &test.triplets, targets, &answer);
         let points = test.deployment.control_points.iter().filter(|set| !set.pillars);
         errors[0].extend(points.flat_map(|set| set.disagreements_m(transforms)).map(|m| m * 1e3));
         errors[1].extend(evaluation.distance_errors_mm.into_iter().flatten());

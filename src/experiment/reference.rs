@@ -5,9 +5,9 @@
 
 use super::split::{Part, Splits, parts};
 use crate::analysis::Settings;
-use crate::calibration::{self, Method, Offer, Targets};
+use crate::calibration::{self, Method, Offer};
 use crate::deployment::{Deployment, Finding};
-use crate::evaluation;
+use crate::evaluation::{self, known_distances_m};
 use crate::geometry::RigidTransform;
 use crate::pipeline::{self, PipelineSettings};
 
@@ -19,7 +19,7 @@ pub struct Judge {
     pub method: Method,
     /// One for each training part.
     station1_from_station: Vec<[RigidTransform; 3]>,
-    targets: Targets,
+    inter_prism_m: Option<[f64; 3]>,
 }
 
 impl Judge {
@@ -58,7 +58,14 @@ impl Judge {
             }
             station1_from_station.push(answer.station1_from_station);
         }
-        Ok((Self { method, station1_from_station, targets: offer.targets }, findings))
+        Ok((
+            Self {
+                method,
+                station1_from_station,
+                inter_prism_m: known_distances_m(deployment, offer.targets),
+            },
+            findings,
+        ))
     }
 
     /// Distance errors of what the pipeline makes of the deployment (mm), of unseen triplets if there are splits; and
@@ -80,7 +87,7 @@ impl Judge {
 
     fn part_errors_mm(&self, part: &Part, transforms: &[RigidTransform; 3]) -> Vec<f64> {
         let Part { deployment, triplets } = part;
-        let evaluation = evaluation::evaluate(deployment, triplets, self.targets, transforms);
+        let evaluation = evaluation::evaluate(deployment, triplets, self.inter_prism_m, transforms);
         evaluation.distance_errors_mm.into_iter().flatten().collect()
     }
 }

@@ -7,7 +7,7 @@ use crate::analysis::Analysis;
 /// `triplets.csv`: time, interval, the three positions each in its station's frame (m), and with an answer
 /// the three distance errors (mm). Full precision: what is read back is bit for bit what was solved.
 pub fn write_triplets(analysis: &Analysis, path: &Path) -> Result<(), ::csv::Error> {
-    let triplets = &analysis.pipeline.triplets;
+    let triplets = analysis.triplets();
     let errors = analysis.answer.as_ref().ok().map(|answer| &answer.evaluation.distance_errors_mm);
     let mut writer = ::csv::Writer::from_path(path)?;
     let mut header = vec!["time_s", "interval", "x1_m", "y1_m", "z1_m", "x2_m", "y2_m", "z2_m"];

@@ -17,7 +17,7 @@ pub fn calibration(
     answer: &Answer,
     load_ms: f64,
 ) -> Value {
-    let Answer { calibration, evaluation } = answer;
+    let Answer { calibration, evaluation, .. } = answer;
     let findings: Vec<String> = deployment
         .findings
         .iter()

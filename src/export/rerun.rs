@@ -61,7 +61,7 @@ fn log_all(
     let answer = analysis.answer.as_ref().ok();
     let transforms =
         answer.map_or([RigidTransform::IDENTITY; 3], |a| a.calibration.station1_from_station);
-    let triplets = &analysis.pipeline.triplets;
+    let triplets = analysis.triplets();
     recording.log_static("world", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
     for station in 0..3 {
         let to_world = |p: nalgebra::Vector3<f64>| {

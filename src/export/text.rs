@@ -10,7 +10,7 @@ use crate::evaluation::Spread;
 
 /// Verdict, transforms with their σ, metrics and findings.
 pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> String {
-    let Answer { calibration, evaluation } = answer;
+    let Answer { calibration, evaluation, .. } = answer;
     let out = &analysis.pipeline;
     let raw = deployment.tracks.each_ref().map(|track| track.measurements.len());
     let mut text = format!(

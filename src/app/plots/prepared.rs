@@ -44,7 +44,7 @@ impl PreparedPlots {
     pub fn of(analysis: &Analysis, start_s: f64) -> Self {
         let Ok(answer) = &analysis.answer else { return Self::default() };
         let errors = &answer.evaluation.distance_errors_mm;
-        let time_s = &analysis.pipeline.triplets.time_s;
+        let time_s = &analysis.triplets().time_s;
         let range_mm = range_mm(errors);
         let bin_width_mm = (range_mm[1] - range_mm[0]) / BINS as f64;
         let counts = errors.each_ref().map(|errors| bins(errors, range_mm));
@@ -66,7 +66,7 @@ impl PreparedPlots {
 
 /// The widest of each stretch of some triplets: between readings σ rises and falls many times a second.
 fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
-    let triplets = &analysis.pipeline.triplets;
+    let triplets = analysis.triplets();
     let transforms = &answer.calibration.station1_from_station;
     let mut bands: [Vec<Band>; 3] = Default::default();
     if triplets.sigma_m.is_none() {

@@ -126,7 +126,7 @@ fn caption(
     let mut parts = Vec::new();
     if let Some(cursor_s) = open.cursor_s {
         let at = cursor_s - open.start_s();
-        parts.push(match analysis.pipeline.triplets.nearest(cursor_s) {
+        parts.push(match analysis.triplets().nearest(cursor_s) {
             Some(index) => {
                 let [a, b, c] = answer.evaluation.distance_errors_mm.each_ref().map(|e| e[index]);
                 format!("at {at:.1} s  {a:+.1}, {b:+.1}, {c:+.1} mm")

@@ -107,7 +107,7 @@ impl SceneContent {
             let Some(transform) = transform else { continue };
             let track = &deployment.tracks[station];
             let kept = track.measurements.iter().zip(&analysis.pipeline.fates[station].each);
-            let none_kept = analysis.pipeline.triplets.is_empty();
+            let none_kept = analysis.triplets().is_empty();
             // Outliers may lie anywhere; they must not push the rest into a corner.
             let seen = kept
                 .filter(|(_, fate)| none_kept || !matches!(fate, SampleFate::Rejected(_)))
@@ -162,7 +162,7 @@ impl SceneContent {
     }
 
     fn add_track(&mut self, analysis: &Analysis, station: usize) {
-        let triplets = &analysis.pipeline.triplets;
+        let triplets = analysis.triplets();
         let points = &triplets.points_m[station];
         for i in 1..points.len() {
             if triplets.interval[i] == triplets.interval[i - 1] {
@@ -296,7 +296,7 @@ impl SceneContent {
         let Some(instant) = instant else { return };
         let placed: Vec<usize> =
             (0..3).filter(|s| self.station1_from_station[*s].is_some()).collect();
-        let corners = analysis.pipeline.triplets.triplet_m(instant).map(|p| f32s(&p));
+        let corners = analysis.triplets().triplet_m(instant).map(|p| f32s(&p));
         for &station in &placed {
             self.cursor.points.push(PointVertex {
                 position_m: corners[station],

@@ -30,14 +30,14 @@ pub const AXES: [(Vector3<f64>, Rgb); 3] = [
 fn poses(deployment: &Deployment, analysis: &Analysis, instants: &[usize]) -> Vec<Pose> {
     let Ok(answer) = &analysis.answer else { return Vec::new() };
     let transforms = &answer.calibration.station1_from_station;
-    let some = analysis.pipeline.triplets.select(instants);
+    let some = analysis.triplets().select(instants);
     vehicle_trajectory(deployment, &some, analysis.offer.targets, transforms, LARGEST_POSE_ERROR_M)
         .map_or(Vec::new(), |(trajectory, _)| trajectory.poses)
 }
 
 /// Adds the vehicle's axes at even steps along the way.
 pub fn add_poses(lines: &mut Vec<LineVertex>, deployment: &Deployment, analysis: &Analysis) {
-    let count = analysis.pipeline.triplets.len();
+    let count = analysis.triplets().len();
     let instants: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POSES).max(1)).collect();
     for pose in poses(deployment, analysis, &instants) {
         add_axes(lines, &pose, POSE_AXIS_M, 1.2, 170);
@@ -75,7 +75,7 @@ pub fn add_uncertainty(
     analysis: &Analysis,
     station: usize,
 ) -> Option<f64> {
-    let triplets = &analysis.pipeline.triplets;
+    let triplets = analysis.triplets();
     let sigma_m = triplets.sigma_m.as_ref()?;
     let factor = exaggeration(sigma_m.iter().flatten())?;
     let step = triplets.len().div_ceil(MOST_ELLIPSOIDS).max(1);

@@ -123,7 +123,7 @@ impl SceneView {
             self.content.rebuild(&open.deployment, analysis, &state.visibility, grid);
             self.built = Some(wanted);
         }
-        let instant = open.cursor_s.and_then(|t| analysis.pipeline.triplets.nearest(t));
+        let instant = open.cursor_s.and_then(|t| analysis.triplets().nearest(t));
         let wanted = instant.map(|instant| (run, instant));
         if rebuilt || self.cursor != wanted {
             self.content.set_cursor(&open.deployment, analysis, instant, theme::cursor(dark));
@@ -226,7 +226,7 @@ impl SceneView {
             return;
         };
         let Some((_, analysis)) = state.analysed() else { return };
-        let triplets = &analysis.pipeline.triplets;
+        let triplets = analysis.triplets();
         let mut nearest: Option<(f32, usize)> = None;
         for station in 0..3 {
             let Some(transform) = self.content.station1_from_station[station] else { continue };

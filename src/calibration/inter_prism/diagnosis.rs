@@ -3,10 +3,10 @@
 use super::mirror::Choice;
 use super::uncertainty::Uncertainty;
 use super::{CentredTriplets, Minimum, Parameters};
-use crate::calibration::Verdict;
 use crate::calibration::checks::{
     FREE_SIGMA_M, POOR_FIT_M, WEAK_SIGMA_M, control_points_contradict,
 };
+use crate::calibration::{TransformSigma, Verdict};
 use crate::deployment::{Deployment, Finding, pairwise_distances};
 use crate::geometry::RigidTransform;
 
@@ -26,6 +26,9 @@ pub struct Evidence<'a> {
     pub rival: Option<(Parameters, f64)>,
     pub uncertainty: &'a Uncertainty,
     pub choice: &'a Choice,
+    /// The answer, refined where that was asked for, and its σ.
+    pub station1_from_station: &'a [RigidTransform; 3],
+    pub sigma: Option<[TransformSigma; 2]>,
 }
 
 /// Judges the answer; reasons are added to the findings, the mirror's first.
@@ -40,10 +43,9 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     if let Some(finding) = rival(evidence) {
         lower(Verdict::Ambiguous, finding);
     }
-    let transforms = choice.answer.station1_from_station.map(RigidTransform::from);
-    let control_points = uncertainty
-        .sigma()
-        .and_then(|sigma| control_points_contradict(evidence.deployment, &transforms, &sigma));
+    let control_points = evidence.sigma.and_then(|sigma| {
+        control_points_contradict(evidence.deployment, evidence.station1_from_station, &sigma)
+    });
     let doubts = [control_points, rig_contradicts(evidence), poor_fit(evidence)];
     for finding in doubts.into_iter().flatten() {
         lower(Verdict::Weak, finding);
@@ -54,7 +56,7 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     let direction = describe(thinned, &uncertainty.weakest);
     let advice = "drive a figure-eight with turns to both sides";
     // The weakest direction is judged at the track; the numbers above hold at the stations, which may lie far away.
-    let largest_m = uncertainty.sigma().map_or(f64::INFINITY, |sigma| {
+    let largest_m = evidence.sigma.map_or(f64::INFINITY, |sigma| {
         sigma.iter().map(|s| s.translation_m.max()).fold(uncertainty.weakest_sigma_m, f64::max)
     });
     if uncertainty.weakest_sigma_m > FREE_SIGMA_M {

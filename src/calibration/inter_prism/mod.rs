@@ -16,6 +16,8 @@ mod minima;
 mod mirror;
 mod normal_equations;
 mod prior_search;
+mod refinement;
+mod refinement_in_words;
 mod uncertainty;
 
 use std::time::Instant;
@@ -29,6 +31,7 @@ pub use levenberg_marquardt::{Minimum, minimise};
 use minima::{Minima, THINNED};
 pub use normal_equations::{NormalEquations, Pulls};
 pub use prior_search::{PriorSearch, SearchRun};
+pub use refinement::{Estimate, Refinement, with_clocks};
 
 use super::method::why_no_triplets;
 use super::{
@@ -54,6 +57,8 @@ pub struct InterPrismDetails {
     pub mirror: Mirror,
     /// What the search of the prior did, when it was asked for.
     pub prior_search: Option<PriorSearch>,
+    /// What goes beyond the published method, when it was asked for: the answer is then its.
+    pub refinement: Option<Refinement>,
 }
 
 /// Calibrates by the inter-prism distances.
@@ -130,6 +135,20 @@ pub fn solve(
     }
     let uncertainty =
         uncertainty::estimate(&data, &triplets.time_s, &triplets.interval, answer, settings);
+    // Where a direction is free, there is nothing to refine.
+    let refinement = (settings.refines() && uncertainty.covariance.is_some())
+        .then(|| {
+            let plain = &choice.answer.station1_from_station;
+            refinement::refine(triplets, plain, &rig.inter_prism_m, settings)
+        })
+        .flatten();
+    let plain = choice.answer.station1_from_station.map(RigidTransform::from);
+    let (station1_from_station, sigma, covariance) = match &refinement {
+        Some(refined) => {
+            (refined.station1_from_station, Some(refined.sigma), Some(refined.covariance))
+        }
+        None => (plain, uncertainty.sigma(), uncertainty.covariance),
+    };
     let evidence = Evidence {
         deployment,
         thinned: &thinned,
@@ -137,19 +156,29 @@ pub fn solve(
         rival,
         uncertainty: &uncertainty,
         choice: &choice,
+        station1_from_station: &station1_from_station,
+        sigma,
     };
     let verdict = diagnosis::judge(&evidence, &mut findings);
+    if let Some(refined) = &refinement {
+        findings.extend(refinement_in_words::findings(refined, &rig.inter_prism_m));
+    } else if settings.refines() {
+        findings.push(Finding::warning(
+            "nothing was refined: the data does not hold all that was to be estimated",
+        ));
+    }
     Ok(Calibration {
         method: Method::InterPrism,
-        station1_from_station: choice.answer.station1_from_station.map(RigidTransform::from),
-        sigma: uncertainty.sigma(),
-        covariance: uncertainty.covariance,
+        station1_from_station,
+        sigma,
+        covariance,
         verdict,
         findings,
         details: Details::InterPrism(Box::new(InterPrismDetails {
             basin: choice.answer,
             mirror: choice.mirror,
             prior_search,
+            refinement,
         })),
         prior_ms,
         solve_ms: started.elapsed().as_secs_f64() * 1e3,

@@ -1,0 +1,360 @@
+//! Beyond the paper: method D with a robust loss, weights from the instruments' noise, and what else can be estimated:
+//! the clocks of stations 2 and 3, the inter-prism distances, the tilts of stations 2 and 3.
+//!
+//! Iteratively reweighted least squares from the answer of the plain method, then Newton's steps. Distances and tilts are
+//! held by priors; a prior must be weighed against data that is correlated in time, so it is multiplied by
+//! λ = tr(H⁻¹B)/8, the ratio of the sandwich's middle to the Hessian of the transforms: with independent residuals of
+//! unit variance it is 1. The covariance is A⁻¹ (B + λ²P) A⁻¹ with A = H + λP, H = Σ ψ'(r) J Jᵀ, B the sum over blocks
+//! of time of the outer products of their gradients, P the priors' precisions (Huber 1981, "Robust Statistics",
+//! section 6.3; Liang & Zeger 1986).
+
+mod model;
+
+use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
+
+use self::model::{
+    CLOCKS, DISTANCES, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS, back, distances,
+    transforms,
+};
+use crate::calibration::{CalibrationSettings, Loss, TransformSigma, time_blocks};
+use crate::deployment::PAIRS;
+use crate::geometry::{LevelTransform, RigidTransform};
+use crate::pipeline::Triplets;
+
+type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+const MOST_NEWTON_STEPS: usize = 30;
+/// Steps smaller than this (m, rad, s; all of the same order here) change nothing that anyone can see.
+const SMALL_STEP: f64 = 1e-9;
+/// The Trimble S7: 2 mm + 2 ppm, one arcsecond (`paper.tex`, "Experiments").
+const INSTRUMENT: PolarNoise = PolarNoise {
+    range_m: 0.002,
+    range_share: 2e-6,
+    angle_rad: std::f64::consts::PI / 180.0 / 3600.0,
+};
+/// What straight lines between readings miss on bends (m, 1 σ); a Gaussian process states its own.
+const CHORD_SIGMA_M: f64 = 0.001;
+/// Compensators hold a station upright to about this (rad, 1 σ): half an arcsecond to a few.
+const TILT_SIGMA_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0 / 3600.0;
+/// Scale of the losses over the residuals' spread: Huber's constant. At it Huber's loss is 95 % and Cauchy's about 80 %
+/// efficient on normal errors, and tails as heavy as a real drive's hardly count.
+const LOSS_SCALE: f64 = 1.345;
+/// The loss's scale settles while weights are iterated; then it is held, and Newton's steps finish.
+const MOST_REWEIGHTINGS: usize = 15;
+
+/// A number with one standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    pub value: f64,
+    pub sigma: f64,
+}
+
+impl Estimate {
+    /// How many σ it is from what it would be without estimating it.
+    pub fn sigmas_from(&self, other: f64) -> f64 {
+        (self.value - other) / self.sigma.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// The refined answer.
+#[derive(Clone, Debug)]
+pub struct Refinement {
+    pub station1_from_station: [RigidTransform; 3],
+    pub sigma: [TransformSigma; 2],
+    /// Of (x, y, z, yaw) of station 2, then 3.
+    pub covariance: SMatrix<f64, 8, 8>,
+    /// By how much the stamps of stations 2 and 3 are late against station 1's (s).
+    pub clock_offsets_s: Option<[Estimate; 2]>,
+    /// Estimated inter-prism distances (m).
+    pub distances_m: Option<[Estimate; 3]>,
+    /// Tilts of stations 2 and 3 about their own x and y (rad).
+    pub tilts_rad: Option<[[Estimate; 2]; 2]>,
+    /// (x, y, z, yaw) of stations 2 and 3: refined minus plain, over the refined σ.
+    pub moves_sigmas: [f64; 8],
+    /// Scale of the robust loss, in units of the stated noise; `None` for squares.
+    pub loss_scale: Option<f64>,
+    pub converged: bool,
+}
+
+/// Refines `plain`, the answer of the published method. `None` when the data leaves a direction free.
+pub fn refine(
+    triplets: &Triplets,
+    plain: &[LevelTransform; 3],
+    inter_prism_m: &[f64; 3],
+    settings: &CalibrationSettings,
+) -> Option<Refinement> {
+    let data = MovingTriplets::new(triplets);
+    let start = start(plain, inter_prism_m);
+    let estimated = estimated(settings);
+    let precision = precisions(settings);
+    let weights = noise_weights(triplets, &plain.map(RigidTransform::from), settings);
+    let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
+
+    let mut state = start;
+    let mut lambda = 0.0;
+    let mut scale = None;
+    let mut converged = false;
+    for iteration in 0..MOST_REWEIGHTINGS + MOST_NEWTON_STEPS {
+        let settled = iteration >= MOST_REWEIGHTINGS;
+        if !settled {
+            scale = loss_scale(&data, &state, &weights, settings.loss);
+        }
+        let sums = accumulate(&data, &state, &weights, settings.loss, scale, &blocks);
+        if !settled {
+            lambda = prior_weight(&sums)?;
+        }
+        let gradient = sums.gradient + (lambda * precision).component_mul(&(state - start));
+        let newton =
+            settled.then(|| step(&sums.hessian, &precision, lambda, &gradient, &estimated));
+        // Reweighting always descends; Newton's step is for the end.
+        let step = newton
+            .flatten()
+            .or_else(|| step(&sums.normal, &precision, lambda, &gradient, &estimated))?;
+        state -= step;
+        if step.amax() < SMALL_STEP {
+            converged = true;
+            break;
+        }
+    }
+    let sums = accumulate(&data, &state, &weights, settings.loss, scale, &blocks);
+    let covariance = covariance(&sums, &precision, lambda, &estimated)?;
+    Some(summary(&state, &start, &covariance, settings, scale, converged))
+}
+
+/// The triplets as they would be had the clocks of stations 2 and 3 been right.
+pub fn with_clocks(triplets: &Triplets, late_s: [f64; 2]) -> Triplets {
+    let data = MovingTriplets::new(triplets);
+    let mut points_m = triplets.points_m.clone();
+    for station in 1..3 {
+        points_m[station] = (0..triplets.len())
+            .map(|index| data.at_true_time(station, index, late_s[station - 1]))
+            .collect();
+    }
+    Triplets { points_m, ..triplets.clone() }
+}
+
+fn start(plain: &[LevelTransform; 3], inter_prism_m: &[f64; 3]) -> State {
+    let mut state = State::zeros();
+    for slot in 0..2 {
+        let transform = &plain[slot + 1];
+        state.fixed_rows_mut::<3>(4 * slot).copy_from(&transform.translation_m);
+        state[4 * slot + 3] = transform.yaw_rad;
+    }
+    state.fixed_rows_mut::<3>(DISTANCES).copy_from_slice(inter_prism_m);
+    state
+}
+
+/// Places of the unknowns that are not held.
+fn estimated(settings: &CalibrationSettings) -> Vec<usize> {
+    let estimate = settings.estimate;
+    let groups = [
+        (true, 0..CLOCKS),
+        (estimate.clocks, CLOCKS..DISTANCES),
+        (estimate.distances, DISTANCES..TILTS),
+        (estimate.tilt, TILTS..UNKNOWNS),
+    ];
+    groups.into_iter().filter(|(on, _)| *on).flat_map(|(_, places)| places).collect()
+}
+
+/// 1/σ² of the priors; zero where nothing is known beforehand.
+fn precisions(settings: &CalibrationSettings) -> State {
+    let mut precision = State::zeros();
+    // A distance known exactly is one that is hardly estimated.
+    let distance_sigma_m = settings.inter_prism_sigma_m.max(1e-6);
+    precision.fixed_rows_mut::<3>(DISTANCES).fill(distance_sigma_m.powi(-2));
+    precision.fixed_rows_mut::<4>(TILTS).fill(TILT_SIGMA_RAD.powi(-2));
+    precision
+}
+
+/// For each triplet and pair 1/σ² (1/m²), from the instruments' noise and the interpolation's; all ones without it.
+fn noise_weights(
+    triplets: &Triplets,
+    station1_from_station: &[RigidTransform; 3],
+    settings: &CalibrationSettings,
+) -> Vec<[f64; 3]> {
+    if !settings.weigh_by_noise {
+        // The size does not matter: λ and the loss take their scale from the residuals.
+        return vec![[CHORD_SIGMA_M.powi(-2); 3]; triplets.len()];
+    }
+    let backs = station1_from_station.each_ref().map(back);
+    (0..triplets.len())
+        .map(|index| {
+            let points = triplets.triplet_m(index);
+            let placed: [Vector3<f64>; 3] =
+                std::array::from_fn(|s| station1_from_station[s].apply(&points[s]));
+            PAIRS.map(|(a, b)| {
+                let direction = (placed[a] - placed[b]).normalize();
+                let variance: f64 = [a, b]
+                    .into_iter()
+                    .map(|station| {
+                        let own = backs[station] * direction;
+                        let interpolation =
+                            triplets.sigma_m.as_ref().map_or(CHORD_SIGMA_M.powi(2), |sigma| {
+                                sigma[station][index].component_mul(&own).norm_squared()
+                            });
+                        INSTRUMENT.variance_along(&points[station], &own) + interpolation
+                    })
+                    .sum();
+                1.0 / variance
+            })
+        })
+        .collect()
+}
+
+/// The scale of the loss, in units of the stated noise, from the median of the errors' sizes.
+fn loss_scale(
+    data: &MovingTriplets<'_>,
+    state: &State,
+    weights: &[[f64; 3]],
+    loss: Loss,
+) -> Option<f64> {
+    if loss == Loss::Squared {
+        return None;
+    }
+    let placed = transforms(state);
+    let mut sizes: Vec<f64> = (0..data.triplets.len())
+        .flat_map(|index| {
+            let residual_m = distances(data, index, state, &placed).residual_m;
+            [0, 1, 2].map(|pair| residual_m[pair].abs() * weights[index][pair].sqrt())
+        })
+        .collect();
+    let middle = sizes.len() / 2;
+    let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+    // Half of normal deviates are smaller than 0.6745.
+    Some(LOSS_SCALE * median / 0.6745)
+}
+
+/// Sums over the triplets.
+struct Sums {
+    /// Σ w J Jᵀ with w = ψ(r)/r.
+    normal: Matrix,
+    /// Σ ψ'(r) J Jᵀ.
+    hessian: Matrix,
+    /// Σ ψ(r) J.
+    gradient: State,
+    /// Σ over blocks of the outer products of their gradients.
+    middle: Matrix,
+}
+
+fn accumulate(
+    data: &MovingTriplets<'_>,
+    state: &State,
+    weights: &[[f64; 3]],
+    loss: Loss,
+    scale: Option<f64>,
+    blocks: &[std::ops::Range<usize>],
+) -> Sums {
+    let placed = transforms(state);
+    let mut sums = Sums {
+        normal: Matrix::zeros(),
+        hessian: Matrix::zeros(),
+        gradient: State::zeros(),
+        middle: Matrix::zeros(),
+    };
+    for block in blocks {
+        let mut pull = State::zeros();
+        for index in block.clone() {
+            let found = distances(data, index, state, &placed);
+            for pair in 0..3 {
+                let noise = weights[index][pair];
+                let residual = found.residual_m[pair];
+                let size = residual.abs() * noise.sqrt();
+                let (weight, slope) = robust_weight(loss, size, scale);
+                let (weight, slope) = (noise * weight, noise * slope);
+                let derivative = &found.derivative[pair];
+                sums.normal.ger(weight, derivative, derivative, 1.0);
+                sums.hessian.ger(slope, derivative, derivative, 1.0);
+                pull += weight * residual * derivative;
+            }
+        }
+        sums.gradient += pull;
+        sums.middle.ger(1.0, &pull, &pull, 1.0);
+    }
+    sums
+}
+
+/// ψ(x)/x and ψ'(x) of the loss at an error of this size.
+fn robust_weight(loss: Loss, size: f64, scale: Option<f64>) -> (f64, f64) {
+    match (loss, scale) {
+        (Loss::Cauchy, Some(scale)) => {
+            let square = (size / scale.max(1e-12)).powi(2);
+            let weight = 1.0 / (1.0 + square);
+            (weight, (1.0 - square) * weight * weight)
+        }
+        (Loss::Huber, Some(scale)) if size > scale => (scale / size, 0.0),
+        _ => (1.0, 1.0),
+    }
+}
+
+/// λ of the module's documentation; `None` when the transforms are not held by the data.
+fn prior_weight(sums: &Sums) -> Option<f64> {
+    let hessian = sums.hessian.fixed_view::<8, 8>(0, 0).into_owned();
+    let middle = sums.middle.fixed_view::<8, 8>(0, 0);
+    let inverse = hessian.cholesky()?.inverse();
+    Some(((inverse * middle).trace() / 8.0).max(f64::MIN_POSITIVE))
+}
+
+fn reduced(matrix: &Matrix, places: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(places.len(), places.len(), |i, j| matrix[(places[i], places[j])])
+}
+
+/// The step of the estimated unknowns, zero for the held ones; `None` where the matrix has no minimum.
+fn step(
+    matrix: &Matrix,
+    precision: &State,
+    lambda: f64,
+    gradient: &State,
+    places: &[usize],
+) -> Option<State> {
+    let matrix = matrix + Matrix::from_diagonal(&(lambda * precision));
+    let right = DVector::from_iterator(places.len(), places.iter().map(|place| gradient[*place]));
+    let step = reduced(&matrix, places).cholesky()?.solve(&right);
+    let mut full = State::zeros();
+    for (place, value) in places.iter().zip(&step) {
+        full[*place] = *value;
+    }
+    full.iter().all(|value| value.is_finite()).then_some(full)
+}
+
+fn covariance(sums: &Sums, precision: &State, lambda: f64, places: &[usize]) -> Option<Matrix> {
+    let priors = Matrix::from_diagonal(&(lambda * precision));
+    let inverse = reduced(&(sums.hessian + priors), places).cholesky()?.inverse();
+    let middle = sums.middle + lambda * priors;
+    let small = &inverse * reduced(&middle, places) * &inverse;
+    let mut full = Matrix::zeros();
+    for (i, row) in places.iter().enumerate() {
+        for (j, column) in places.iter().enumerate() {
+            full[(*row, *column)] = small[(i, j)];
+        }
+    }
+    full.iter().all(|entry| entry.is_finite()).then_some(full)
+}
+
+fn summary(
+    state: &State,
+    start: &State,
+    covariance: &Matrix,
+    settings: &CalibrationSettings,
+    loss_scale: Option<f64>,
+    converged: bool,
+) -> Refinement {
+    let sigma = |place: usize| covariance[(place, place)].max(0.0).sqrt();
+    let estimate = |place: usize| Estimate { value: state[place], sigma: sigma(place) };
+    let chosen = settings.estimate;
+    Refinement {
+        station1_from_station: transforms(state),
+        sigma: [0, 4].map(|at| TransformSigma {
+            translation_m: Vector3::new(sigma(at), sigma(at + 1), sigma(at + 2)),
+            yaw_rad: sigma(at + 3),
+        }),
+        covariance: covariance.fixed_view::<8, 8>(0, 0).into_owned(),
+        clock_offsets_s: chosen.clocks.then(|| [0, 1].map(|slot| estimate(CLOCKS + slot))),
+        distances_m: chosen.distances.then(|| [0, 1, 2].map(|pair| estimate(DISTANCES + pair))),
+        tilts_rad: chosen
+            .tilt
+            .then(|| [0, 1].map(|slot| [0, 1].map(|axis| estimate(TILTS + 2 * slot + axis)))),
+        moves_sigmas: std::array::from_fn(|place| estimate(place).sigmas_from(start[place])),
+        loss_scale,
+        converged,
+    }
+}

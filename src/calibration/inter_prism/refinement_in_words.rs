@@ -1,0 +1,74 @@
+//! What a refinement found, in words: what is off and which way, whether the data supports it, what moved.
+
+use super::refinement::{Estimate, Refinement};
+use crate::deployment::{Finding, pair_label};
+
+/// Smaller than this many σ, an estimate is not told from what was assumed.
+const SUPPORTED_SIGMAS: f64 = 2.0;
+/// An inter-prism distance this many millimetres from its measurement asks for a new one.
+const NOTABLE_DISTANCE_M: f64 = 0.003;
+const MILLIRADIAN_PER_ARCSECOND: f64 = std::f64::consts::PI / 180.0 / 3.6;
+
+pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (slot, clock) in refined.clock_offsets_s.iter().flatten().enumerate() {
+        findings.push(clock_in_words(slot + 2, clock));
+    }
+    for (pair, distance) in refined.distances_m.iter().flatten().enumerate() {
+        let off_m = distance.value - inter_prism_m[pair];
+        let line = format!(
+            "prisms {}: {:+.1} ± {:.1} mm against the measured distance{}",
+            pair_label(pair),
+            off_m * 1e3,
+            distance.sigma * 1e3,
+            support(distance.sigmas_from(inter_prism_m[pair])),
+        );
+        findings.push(if off_m.abs() > NOTABLE_DISTANCE_M {
+            Finding::warning(format!("{line}; measure the rig again"))
+        } else {
+            Finding::note(line)
+        });
+    }
+    for (slot, tilts) in refined.tilts_rad.iter().flatten().enumerate() {
+        let [x, y] = tilts.map(|tilt| tilt.value * 1e3 / MILLIRADIAN_PER_ARCSECOND);
+        let [sx, sy] = tilts.map(|tilt| tilt.sigma * 1e3 / MILLIRADIAN_PER_ARCSECOND);
+        let largest = tilts.map(|tilt| tilt.sigmas_from(0.0).abs()).into_iter().fold(0.0, f64::max);
+        findings.push(Finding::note(format!(
+            "station {} leans {x:+.1} ± {sx:.1}″ about x and {y:+.1} ± {sy:.1}″ about y{}",
+            slot + 2,
+            support(largest),
+        )));
+    }
+    let moves = refined.moves_sigmas.map(|sigmas| format!("{sigmas:+.1}"));
+    findings.push(Finding::note(format!(
+        "against the published method, in σ: T12 moved {} in x, y, z, yaw; T13 {}",
+        moves[..4].join(", "),
+        moves[4..].join(", ")
+    )));
+    if !refined.converged {
+        findings.push(Finding::warning("the refinement stopped before it reached the minimum"));
+    }
+    findings
+}
+
+/// "station 3's stamps are 3.7 ± 0.3 ms late".
+fn clock_in_words(station: usize, clock: &Estimate) -> Finding {
+    let direction = if clock.value > 0.0 { "late" } else { "early" };
+    let sigmas = clock.sigmas_from(0.0).abs();
+    let line = format!(
+        "station {station}'s stamps are {:.2} ± {:.2} ms {direction} against station 1's{}",
+        clock.value.abs() * 1e3,
+        clock.sigma * 1e3,
+        support(sigmas),
+    );
+    Finding::note(line)
+}
+
+fn support(sigmas: f64) -> String {
+    let sigmas = sigmas.abs();
+    if sigmas > SUPPORTED_SIGMAS {
+        format!(" ({sigmas:.1} σ)")
+    } else {
+        format!(" ({sigmas:.1} σ: not told from zero)")
+    }
+}
