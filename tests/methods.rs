@@ -167,3 +167,58 @@ fn a_recovers_the_truth_within_its_stated_uncertainty() {
     let rms = rms(&all);
     assert!((0.4..1.3).contains(&rms), "rms of error/σ is {rms:.2}");
 }
+
+/// Of each component on its own: ranges are noisier than directions, so x and y err more than z.
+#[test]
+fn the_sigmas_of_b_hold_for_every_component() {
+    const SEEDS: u64 = 40;
+    let mut squares = [0.0; 8];
+    for seed in 100..100 + SEEDS {
+        let simulated = simulate(Preset::Warthog, seed);
+        let deployment = simulated.deployment().expect("valid");
+        let analysis = analyse(&deployment, &settings(Method::StaticGcp));
+        let off = normalised(&analysis, &simulated.truth.station1_from_station);
+        squares.iter_mut().zip(off).for_each(|(sum, z)| *sum += z * z);
+    }
+    let rms = squares.map(|sum| (sum / SEEDS as f64).sqrt());
+    assert!(rms.iter().all(|rms| (0.75..1.4).contains(rms)), "{rms:.2?}");
+}
+
+#[test]
+fn a_blunder_is_named_and_lowers_the_verdict() {
+    let mut deployment = simulate(Preset::Warthog, 7).deployment().expect("valid");
+    let point = &mut deployment.control_points[1].points[3];
+    let marker = point.marker;
+    point.readings[2].as_mut().expect("read").range_m += 0.05;
+    let analysis = analyse(&deployment, &settings(Method::StaticGcp));
+    let calibration = &answer(&analysis).calibration;
+    assert_eq!(calibration.verdict, Verdict::Weak);
+    let name = format!("marker {marker} of GCP_raw_2.txt is off by");
+    assert!(calibration.findings.iter().any(|f| f.message.contains(&name)));
+
+    let mut deployment = simulate(Preset::Warthog, 7).deployment().expect("valid");
+    let pillars = deployment.control_points.iter_mut().find(|set| set.pillars).expect("pillars");
+    pillars.points[2].known_m.as_mut().expect("surveyed").x += 0.1;
+    let analysis = analyse(&deployment, &settings(Method::TwoPoint));
+    let calibration = &answer(&analysis).calibration;
+    assert_eq!(calibration.verdict, Verdict::Weak, "{:?}", calibration.findings);
+    assert!(
+        calibration.findings.iter().any(|f| f.message.contains("marker 3 of Two_points.txt lies")),
+        "{:?}",
+        calibration.findings
+    );
+}
+
+#[test]
+fn stations_that_share_few_points_with_each_other_still_have_their_sigma() {
+    let mut deployment = simulate(Preset::Warthog, 7).deployment().expect("valid");
+    deployment.control_points.truncate(1);
+    // Station 2 sees the first five, station 3 the others.
+    for (index, point) in deployment.control_points[0].points.iter_mut().enumerate() {
+        point.readings[if index < 5 { 2 } else { 1 }] = None;
+    }
+    let analysis = analyse(&deployment, &settings(Method::StaticGcp));
+    let calibration = &answer(&analysis).calibration;
+    assert!(calibration.sigma.is_some());
+    assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
+}

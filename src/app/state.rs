@@ -16,6 +16,7 @@ use super::studies::{self, Studies, StudyOptions};
 use super::worker::{Reply, Source, Worker};
 use crate::analysis::{Analysis, Settings};
 use crate::deployment::{Deployment, Sample};
+use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::experiment::{Control, StudyError};
 use crate::export;
 
@@ -93,9 +94,6 @@ const DIM_AFTER: Duration = Duration::from_millis(80);
 
 /// A dialog that closes before this was never seen.
 const QUICKEST_CANCEL: Duration = Duration::from_millis(300);
-
-/// Poses with a larger inter-prism error are left out of saved and drawn trajectories (m).
-pub const LARGEST_POSE_ERROR_M: f64 = 0.020;
 
 pub struct State {
     worker: Worker,
@@ -453,7 +451,7 @@ impl State {
 
 fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<String, String> {
     let answer = analysis.answer.as_ref().map_err(ToString::to_string)?;
-    let (trajectory, _) = crate::evaluation::vehicle::vehicle_trajectory(
+    let (trajectory, _) = vehicle_trajectory(
         deployment,
         analysis.triplets(),
         analysis.offer.targets,
@@ -461,5 +459,12 @@ fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<Strin
         LARGEST_POSE_ERROR_M,
     )
     .map_err(|error| error.to_string())?;
-    Ok(export::tum::tum(&trajectory))
+    let calibration = &answer.calibration;
+    let header = format!(
+        "{}: frame of station 1, by method {}, verdict {}",
+        deployment.name,
+        calibration.method.letter(),
+        calibration.verdict.name()
+    );
+    Ok(export::tum::tum(&trajectory, &header))
 }

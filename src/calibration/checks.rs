@@ -14,6 +14,8 @@ pub const WEAK_SIGMA_M: f64 = 0.020;
 pub const FREE_SIGMA_M: f64 = 0.5;
 /// Points that fit this badly (m, rms) show more than noise: good sets have 3 to 5 mm, tracks under 10.
 pub const POOR_POINT_FIT_M: f64 = 0.015;
+/// Nothing that belongs together fits this badly (m, rms).
+pub const HOPELESS_FIT_M: f64 = 0.1;
 /// Half the distance errors are larger than this (m) only when something is wrong: good runs have 1 to 2 mm.
 pub const POOR_FIT_M: f64 = 0.005;
 /// What two readings of a control point may differ by (m): ranges, centring, angles at a hundred metres.
@@ -39,19 +41,19 @@ pub fn hold_against_the_rest(
     let largest_m = calibration.sigma.map_or(f64::INFINITY, |sigma| {
         sigma.iter().map(|s| s.translation_m.max()).fold(0.0, f64::max)
     });
-    if largest_m > FREE_SIGMA_M {
+    // Points that do not fit make σ large too; where they lie is then not what to change.
+    let fits = calibration.fit_rms_m().is_none_or(|rms_m| rms_m < POOR_POINT_FIT_M);
+    if largest_m > FREE_SIGMA_M && (fits || calibration.sigma.is_none()) {
         doubts.push((
             Verdict::Degenerate,
             Finding::problem("the points leave a direction free: spread them over the whole area"),
         ));
     } else if largest_m > WEAK_SIGMA_M {
-        doubts.push((
-            Verdict::Weak,
-            Finding::warning(format!(
-                "weakly held: σ up to {:.0} mm at the stations; spread the points over a larger area",
-                largest_m * 1e3
-            )),
-        ));
+        let advice =
+            if fits { "spread the points over a larger area" } else { "first make the points fit" };
+        let line =
+            format!("weakly held: σ up to {:.0} mm at the stations; {advice}", largest_m * 1e3);
+        doubts.push((Verdict::Weak, Finding::warning(line)));
     }
     if let Some(sigma) = &calibration.sigma {
         let transforms = &calibration.station1_from_station;

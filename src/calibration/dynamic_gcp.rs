@@ -84,7 +84,15 @@ pub fn solve(
                 .to_owned(),
         );
     }
-    if rms_m > checks::POOR_POINT_FIT_M {
+    if rms_m > checks::HOPELESS_FIT_M {
+        lower(
+            Verdict::Degenerate,
+            format!(
+                "the tracks lie {:.2} m apart (rms): the stations did not follow one prism, or their clocks are far off",
+                rms_m
+            ),
+        );
+    } else if rms_m > checks::POOR_POINT_FIT_M {
         lower(
             Verdict::Weak,
             format!(

@@ -6,7 +6,7 @@ use super::targets::{Targets, targets};
 use crate::deployment::Deployment;
 use crate::pipeline::Triplets;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// A: two points whose relative position is known.

@@ -138,6 +138,16 @@ pub enum Details {
 }
 
 impl Calibration {
+    /// How well the points of methods A, B and C fit (m, root mean square).
+    pub fn fit_rms_m(&self) -> Option<f64> {
+        match &self.details {
+            Details::TwoPoint(details) => Some(details.rms_m()),
+            Details::StaticGcp(details) => Some(details.rms_m),
+            Details::DynamicGcp(details) => Some(details.rms_m),
+            Details::InterPrism(_) => None,
+        }
+    }
+
     /// The details of method D.
     pub fn inter_prism(&self) -> Option<&inter_prism::InterPrismDetails> {
         match &self.details {

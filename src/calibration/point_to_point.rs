@@ -34,7 +34,8 @@ impl Matches {
 /// What is known about the errors of the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Errors {
-    /// As large as the residuals, independent from block to block; a block is one point in each alignment.
+    /// As large as the residuals, alike on all axes, independent from block to block; a block is one point in each
+    /// alignment. For too few points to tell more.
     AsResiduals,
     /// Correlated within each block, whatever their size: the sandwich estimator.
     ByBlock,
@@ -110,7 +111,7 @@ fn covariance(
         .map(|rows| inverse(rows.iter().map(|j| j.transpose() * j).sum(), alignment))
         .collect::<Option<_>>()?;
     let count = matches.len();
-    let unknowns = estimated(alignment).len();
+    let unknowns = estimated(alignment).len() as f64;
     let mut covariance = DMatrix::zeros(6 * count, 6 * count);
     for a in 0..count {
         for b in 0..count {
@@ -126,9 +127,13 @@ fn covariance(
                         .iter()
                         .map(|(i, j)| residuals_m[a][*i].dot(&residuals_m[b][*j]))
                         .sum();
-                    let degrees = (3 * shared.len()) as f64 - unknowns as f64;
+                    let degrees = 3.0 * shared.len() as f64 - unknowns;
                     if degrees <= 0.0 {
-                        return None;
+                        if a == b {
+                            return None;
+                        }
+                        // Too few points in common to tell how the two hang together.
+                        continue;
                     }
                     shared
                         .iter()
@@ -137,17 +142,20 @@ fn covariance(
                         * (products / degrees)
                 }
                 Errors::ByBlock => {
-                    let (pulls_a, pulls_b) = (
-                        pulls(&matches[a].block, &jacobians[a], &residuals_m[a]),
-                        pulls(&matches[b].block, &jacobians[b], &residuals_m[b]),
-                    );
-                    let blocks = pulls_a.len() as f64;
-                    pulls_a
+                    let [pulls_a, pulls_b] =
+                        [a, b].map(|k| pulls(&matches[k].block, &jacobians[k], &residuals_m[k]));
+                    let numbers = |pulls: &[(u32, Vector6<f64>)]| -> Vec<u32> {
+                        pulls.iter().map(|(number, _)| *number).collect()
+                    };
+                    let shared = shared_points(&numbers(&pulls_a), &numbers(&pulls_b));
+                    // Residuals are smaller than errors: each block of points lost a share of its freedom.
+                    let blocks = shared.len() as f64;
+                    let freedom = (blocks - unknowns / 3.0).max(1.0);
+                    shared
                         .iter()
-                        .zip(&pulls_b)
-                        .map(|(a, b)| a * b.transpose())
+                        .map(|(i, j)| pulls_a[*i].1 * pulls_b[*j].1.transpose())
                         .sum::<Matrix6<f64>>()
-                        * (blocks / (blocks - 1.0).max(1.0))
+                        * (blocks / freedom)
                 }
             };
             let part = inverses[a] * meat * inverses[b];
@@ -182,7 +190,7 @@ fn inverse(normal: Matrix6<f64>, alignment: Alignment) -> Option<Matrix6<f64>> {
     Some(full)
 }
 
-/// Places of the points that two alignments share.
+/// Places of the blocks that two alignments share.
 fn shared_points(a: &[u32], b: &[u32]) -> Vec<(usize, usize)> {
     a.iter()
         .enumerate()
@@ -190,20 +198,18 @@ fn shared_points(a: &[u32], b: &[u32]) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Jᵀ r summed over each block.
+/// Number of each block, and Jᵀ r summed over it.
 fn pulls(
     block: &[u32],
     jacobians: &[Matrix3x6<f64>],
     residuals_m: &[Vector3<f64>],
-) -> Vec<Vector6<f64>> {
-    let mut sums: Vec<Vector6<f64>> = Vec::new();
-    let mut last = None;
+) -> Vec<(u32, Vector6<f64>)> {
+    let mut sums: Vec<(u32, Vector6<f64>)> = Vec::new();
     for ((block, jacobian), residual) in block.iter().zip(jacobians).zip(residuals_m) {
-        if last != Some(block) {
-            sums.push(Vector6::zeros());
-            last = Some(block);
+        if sums.last().is_none_or(|(last, _)| last != block) {
+            sums.push((*block, Vector6::zeros()));
         }
-        if let Some(sum) = sums.last_mut() {
+        if let Some((_, sum)) = sums.last_mut() {
             *sum += jacobian.transpose() * residual;
         }
     }

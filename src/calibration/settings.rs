@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Method;
 
 /// Where method D starts from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum PriorMethod {
     /// One small linear least squares per pair; needs no guess.
@@ -16,7 +16,7 @@ pub enum PriorMethod {
 }
 
 /// What a large error costs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Loss {
     /// Its square, as published.
@@ -41,7 +41,7 @@ pub struct Estimated {
 }
 
 /// What methods B and C may turn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Alignment {
     /// Translation and yaw: the stations are levelled.

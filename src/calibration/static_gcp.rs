@@ -14,6 +14,10 @@ use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 
 pub const FEWEST_POINTS: usize = 3;
+const FEWEST_FOR_SANDWICH: usize = 10;
+/// A point this many times further off than half of the others, and by more than the second (m), is named.
+const BLUNDER: f64 = 5.0;
+const LEAST_BLUNDER_M: f64 = 0.010;
 
 /// Where a point lies in the target frame, and in the station's (m).
 type Correspondence = (Vector3<f64>, Vector3<f64>);
@@ -36,12 +40,7 @@ pub fn solve(
 ) -> Result<Calibration, CalibrationError> {
     let started = std::time::Instant::now();
     let lacking = || CalibrationError::lacking(deployment, Method::StaticGcp, offer);
-    let points: Vec<&ControlPoint> = deployment
-        .control_points
-        .iter()
-        .filter(|set| !set.pillars)
-        .flat_map(|set| &set.points)
-        .collect();
+    let points: Vec<&ControlPoint> = numbered_points(deployment).map(|(_, point)| point).collect();
     let reading =
         |point: &ControlPoint, station: usize| point.readings[station].map(Polar::to_cartesian);
     let collect = |pick: &dyn Fn(&ControlPoint) -> Option<Correspondence>| {
@@ -67,11 +66,15 @@ pub fn solve(
     if matches.iter().any(|m| m.len() < FEWEST_POINTS) {
         return Err(lacking());
     }
-    let aligned = point_to_point::align(&matches, settings.alignment, Errors::AsResiduals)
-        .ok_or_else(|| CalibrationError::PointsOnALine {
+    // Ranges are noisier than directions, so errors differ by axis and point: the sandwich tells where it can.
+    let enough = matches.iter().all(|m| m.len() >= FEWEST_FOR_SANDWICH);
+    let errors = if enough { Errors::ByBlock } else { Errors::AsResiduals };
+    let aligned = point_to_point::align(&matches, settings.alignment, errors).ok_or_else(|| {
+        CalibrationError::PointsOnALine {
             deployment: deployment.name.clone(),
             method: Method::StaticGcp,
-        })?;
+        }
+    })?;
     let (station1_from_station, covariance, world_from_station1) = match aligned.to_from[..] {
         [first, second, third] => {
             let worlds = [first, second, third];
@@ -98,10 +101,19 @@ pub fn solve(
     let mut verdict = Verdict::Good;
     if rms_m > checks::POOR_POINT_FIT_M {
         verdict = Verdict::Weak;
-        findings.push(Finding::warning(format!(
-            "the control points fit poorly ({:.1} mm rms): check markers, prism constant and whether a station moved",
+        let line = format!(
+            "the control points fit poorly ({:.1} mm rms): check markers, coordinates, prism constant and whether a station moved",
             rms_m * 1e3
-        )));
+        );
+        findings.push(if rms_m > checks::HOPELESS_FIT_M {
+            Finding::problem(line)
+        } else {
+            Finding::warning(line)
+        });
+    }
+    for finding in blunders(deployment, &matches, &aligned.residuals_m) {
+        verdict = verdict.max(Verdict::Weak);
+        findings.push(finding);
     }
     let mut calibration = Calibration {
         method: Method::StaticGcp,
@@ -121,4 +133,47 @@ pub fn solve(
     checks::hold_against_the_rest(&mut calibration, deployment, triplets);
     calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
     Ok(calibration)
+}
+
+/// All control points with their file, in the order of the blocks' numbers.
+fn numbered_points(deployment: &Deployment) -> impl Iterator<Item = (&str, &ControlPoint)> {
+    deployment
+        .control_points
+        .iter()
+        .filter(|set| !set.pillars)
+        .flat_map(|set| set.points.iter().map(|point| (set.file.as_str(), point)))
+}
+
+/// Points that fit far worse than the rest: a wrong marker, a wrong coordinate, a target that moved.
+fn blunders(
+    deployment: &Deployment,
+    matches: &[Matches],
+    residuals_m: &[Vec<Vector3<f64>>],
+) -> Vec<Finding> {
+    let points: Vec<(&str, &ControlPoint)> = numbered_points(deployment).collect();
+    let mut worst = vec![0.0_f64; points.len()];
+    for (matches, residuals) in matches.iter().zip(residuals_m) {
+        for (block, residual) in matches.block.iter().zip(residuals) {
+            let size = &mut worst[*block as usize];
+            *size = size.max(residual.norm());
+        }
+    }
+    let mut sorted: Vec<f64> = worst.iter().copied().filter(|size| *size > 0.0).collect();
+    sorted.sort_by(f64::total_cmp);
+    let Some(typical_m) = checks::median(&sorted) else { return Vec::new() };
+    let limit_m = (BLUNDER * typical_m).max(LEAST_BLUNDER_M);
+    points
+        .iter()
+        .zip(&worst)
+        .filter(|(_, size)| **size > limit_m)
+        .map(|((file, point), size)| {
+            Finding::warning(format!(
+                "marker {} of {file} is off by {:.0} mm where half of the points are within {:.0} mm: check its readings, \
+                 or leave it out",
+                point.marker,
+                size * 1e3,
+                typical_m * 1e3
+            ))
+        })
+        .collect()
 }

@@ -20,6 +20,8 @@ const ANGLE_SIGMA_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 /// which three stations' noise hardly reaches together.
 const NOTABLE_PPM: f64 = 10.0;
 const NOTABLE_M: f64 = 0.008;
+/// A point this many times further off than the next is named and left out.
+const MISPLACED: f64 = 3.0;
 
 /// What one pair of points gives.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +35,23 @@ pub struct PairResection {
     pub station1_from_station: [RigidTransform; 3],
     /// Of the points left out: distances between what the stations make of them (m), sorted.
     pub left_out_m: Vec<f64>,
-    /// Of the points left out: distances to their known positions (m), sorted.
-    pub left_out_known_m: Vec<f64>,
+    /// Each point left out.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// A point that the pair does not use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeftOut {
+    pub marker: i64,
+    /// Mean distance of the stations' versions of it to its known position (m).
+    pub from_known_m: f64,
+}
+
+impl PairResection {
+    /// The largest distance of a point left out to its known position (m).
+    pub fn largest_from_known_m(&self) -> Option<f64> {
+        self.left_out.iter().map(|left_out| left_out.from_known_m).max_by(f64::total_cmp)
+    }
 }
 
 /// All pairs, and the one that the answer comes from.
@@ -42,6 +59,14 @@ pub struct PairResection {
 pub struct TwoPointDetails {
     pub pairs: Vec<PairResection>,
     pub chosen: usize,
+}
+
+impl TwoPointDetails {
+    /// Of the baseline errors of the pair that the answer comes from (m).
+    pub fn rms_m(&self) -> f64 {
+        let errors = self.pairs[self.chosen].baseline_errors_m;
+        (errors.iter().map(|error| error * error).sum::<f64>() / 3.0).sqrt()
+    }
 }
 
 pub fn solve(
@@ -64,16 +89,21 @@ pub fn solve(
             }
         }
     }
+    let misplaced = misplaced(&pairs);
+    let sound = |i: &usize| misplaced.as_ref().is_none_or(|point| !point.is_in(&pairs[*i]));
     // The points left out judge best; with none, the longest baseline holds yaw best.
     let by_left_out = |i: &usize| median(&pairs[*i].left_out_m).unwrap_or(f64::INFINITY);
     let chosen = (0..pairs.len())
+        .filter(sound)
         .min_by(|i, j| {
             let by_baseline = pairs[*j].baseline_m.total_cmp(&pairs[*i].baseline_m);
             by_left_out(i).total_cmp(&by_left_out(j)).then(by_baseline)
         })
         .ok_or_else(|| CalibrationError::lacking(deployment, Method::TwoPoint, offer))?;
 
-    let sigma_m = point_sigma_m(&placed);
+    let same_file = |i: &usize| pairs[*i].file == pairs[chosen].file;
+    let alike = (0..pairs.len()).filter(same_file).filter(sound);
+    let sigma_m = point_sigma_m(alike.map(|index| &placed[index]));
     let matches = &placed[chosen].matches;
     let aligned = point_to_point::align(matches, Alignment::Level, Errors::Known(sigma_m));
     let covariance = aligned.and_then(|aligned| aligned.covariance);
@@ -96,9 +126,11 @@ pub fn solve(
             )
         }),
     };
-    if let Some(doubt) = doubt {
+    let doubt =
+        doubt.map(Finding::warning).into_iter().chain(misplaced.map(|point| point.in_words()));
+    for doubt in doubt {
         verdict = Verdict::Weak;
-        findings.push(Finding::warning(doubt));
+        findings.push(doubt);
     }
     let details = Details::TwoPoint(TwoPointDetails { pairs, chosen });
     let mut calibration = Calibration {
@@ -120,8 +152,9 @@ pub fn solve(
 struct Placed {
     world_from_station: [RigidTransform; 3],
     matches: Vec<Matches>,
-    /// Sum of squared residuals (m²), and the largest range (m).
-    square_m2: f64,
+    /// Of each station the sum of squared residuals (m²).
+    squares_m2: [f64; 3],
+    /// The largest range (m).
     range_m: f64,
 }
 
@@ -143,10 +176,13 @@ fn resect(
     // Two points at one place, or one above the other, hold no yaw.
     aligned.covariance.as_ref()?;
     let world_from_station: [RigidTransform; 3] = aligned.to_from.try_into().ok()?;
-    let square_m2 = aligned.residuals_m.iter().flatten().map(Vector3::norm_squared).sum();
+    let mut squares_m2 = [0.0; 3];
+    for (square, residuals) in squares_m2.iter_mut().zip(&aligned.residuals_m) {
+        *square = residuals.iter().map(Vector3::norm_squared).sum();
+    }
     let range_m = matches.iter().flat_map(|m| &m.from_m).map(Vector3::norm).fold(0.0, f64::max);
 
-    let (mut left_out_m, mut left_out_known_m) = (Vec::new(), Vec::new());
+    let (mut left_out_m, mut left_out) = (Vec::new(), Vec::new());
     for (index, point) in points.iter().enumerate().filter(|(i, _)| !chosen.contains(i)) {
         let placed: Vec<Vector3<f64>> = (0..3)
             .filter_map(|station| {
@@ -154,10 +190,12 @@ fn resect(
             })
             .collect();
         left_out_m.extend(PAIRS.iter().map(|(a, b)| (placed[*a] - placed[*b]).norm()));
-        left_out_known_m.extend(placed.iter().filter_map(|p| Some((p - point.known_m?).norm())));
+        let known_m = point.known_m?;
+        let from_known_m =
+            placed.iter().map(|p| (p - known_m).norm()).sum::<f64>() / placed.len().max(1) as f64;
+        left_out.push(LeftOut { marker: point.marker, from_known_m });
     }
     left_out_m.sort_by(f64::total_cmp);
-    left_out_known_m.sort_by(f64::total_cmp);
     let baseline_m = (matches[0].to_m[0] - matches[0].to_m[1]).norm();
     let pair = PairResection {
         file: set.file.clone(),
@@ -168,18 +206,70 @@ fn resect(
         }),
         station1_from_station: point_to_point::relative_to_station1(&world_from_station, None).0,
         left_out_m,
-        left_out_known_m,
+        left_out,
     };
-    Some((pair, Placed { world_from_station, matches, square_m2, range_m }))
+    Some((pair, Placed { world_from_station, matches, squares_m2, range_m }))
 }
 
-/// How well a point is known on each axis (m): what the residuals of all pairs say (two degrees of freedom for each
-/// station and pair), but no better than the instruments.
-fn point_sigma_m(placed: &[Placed]) -> f64 {
-    let square_m2: f64 = placed.iter().map(|p| p.square_m2).sum();
-    let range_m = placed.iter().map(|p| p.range_m).fold(0.0, f64::max);
-    let shown_m = (square_m2 / (6 * placed.len()).max(1) as f64).sqrt();
+/// How well a point of a file is known on each axis (m): what the residuals of its pairs say (half of the sums of squares
+/// of two degrees of freedom are below 1.386 σ²), but no better than the instruments.
+fn point_sigma_m<'a>(placed: impl Iterator<Item = &'a Placed>) -> f64 {
+    let (mut squares_m2, mut range_m) = (Vec::new(), 0.0_f64);
+    for one in placed {
+        squares_m2.extend(one.squares_m2);
+        range_m = range_m.max(one.range_m);
+    }
+    squares_m2.sort_by(f64::total_cmp);
+    let shown_m = (median(&squares_m2).unwrap_or(0.0) / 1.386).sqrt();
     shown_m.max(RANGE_SIGMA_M).max(ANGLE_SIGMA_RAD * range_m)
+}
+
+/// A point whose coordinates no pair of the others confirms.
+struct Misplaced {
+    file: String,
+    marker: i64,
+    off_m: f64,
+}
+
+impl Misplaced {
+    fn is_in(&self, pair: &PairResection) -> bool {
+        pair.file == self.file && pair.markers.contains(&self.marker)
+    }
+
+    fn in_words(&self) -> Finding {
+        Finding::warning(format!(
+            "marker {} of {} lies {:.0} mm from where the other points put it, and is left out: check its coordinates and \
+             marker",
+            self.marker,
+            self.file,
+            self.off_m * 1e3
+        ))
+    }
+}
+
+/// The point that even the best pair without it puts far from its known position, clearly further than any other.
+fn misplaced(pairs: &[PairResection]) -> Option<Misplaced> {
+    let mut off: Vec<Misplaced> = Vec::new();
+    for pair in pairs {
+        for left_out in &pair.left_out {
+            let known = off
+                .iter_mut()
+                .find(|point| point.file == pair.file && point.marker == left_out.marker);
+            match known {
+                Some(point) => point.off_m = point.off_m.min(left_out.from_known_m),
+                None => off.push(Misplaced {
+                    file: pair.file.clone(),
+                    marker: left_out.marker,
+                    off_m: left_out.from_known_m,
+                }),
+            }
+        }
+    }
+    off.sort_by(|a, b| b.off_m.total_cmp(&a.off_m));
+    let next_m = off.get(1)?.off_m;
+    off.into_iter()
+        .next()
+        .filter(|worst| worst.off_m > (MISPLACED * next_m).max(checks::WEAK_SIGMA_M))
 }
 
 fn findings(pairs: &[PairResection], chosen: usize) -> Vec<Finding> {

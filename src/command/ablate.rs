@@ -2,7 +2,6 @@
 
 use clap::Args;
 
-use super::method_name::MethodName;
 use super::study_args::StudyArguments;
 use super::{Failure, print};
 use crate::calibration::Method;
@@ -15,14 +14,14 @@ pub struct Arguments {
     study: StudyArguments,
     /// Whose transforms judge: static-gcp where there are control points (as in the paper), else the dynamic method
     #[arg(long, value_enum, value_name = "METHOD")]
-    reference: Option<MethodName>,
+    reference: Option<Method>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.study.settings.settings()?;
     let splits = arguments.study.splits()?;
     let deployments = arguments.study.deployments()?;
-    let reference = arguments.reference.map(Method::from);
+    let reference = arguments.reference;
     let result = ablate(&deployments, &settings, reference, splits, &Control::default())?;
     if arguments.study.json {
         print(&format!("{:#}\n", study::json(&result)))?;

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::Value;
 
-use super::method_name::MethodName;
 use super::settings_args::SettingsArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
@@ -19,7 +18,7 @@ pub struct Arguments {
     /// Calibration method; may be given several times. Inter-prism if none, dynamic-gcp where all stations follow one
     /// prism
     #[arg(long, value_enum)]
-    method: Vec<MethodName>,
+    method: Vec<Method>,
     /// Print one JSON object (a list for several methods)
     #[arg(long)]
     json: bool,
@@ -32,8 +31,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (deployment, load_ms) = load(&arguments.path, arguments.settings.rig.as_deref())?;
     let deployment = arguments.settings.adjust(deployment)?;
     let mut analyst = Analyst::new(deployment.clone());
-    let mut methods: Vec<Option<Method>> =
-        arguments.method.iter().map(|name| Some(Method::from(*name))).collect();
+    let mut methods: Vec<Option<Method>> = arguments.method.iter().copied().map(Some).collect();
     if methods.is_empty() {
         methods.push(settings.calibration.method);
     }

@@ -5,7 +5,6 @@ mod calibrate;
 mod check;
 mod compare;
 mod export;
-mod method_name;
 mod screenshot;
 mod settings_args;
 mod simulate;

@@ -13,61 +13,32 @@ use crate::deployment::{Deployment, OpenError, read_control_points};
 use crate::pipeline::Interpolation;
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Prior {
-    Search,
-    ClosedForm,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum InterpolationName {
-    /// Straight lines between readings
-    Linear,
-    /// Gaussian process, squared-exponential kernel, learned noise
-    Gp,
-    /// Gaussian process, white noise on acceleration
-    Wnoa,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum LossName {
-    Squared,
-    Huber,
-    Cauchy,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
 enum EstimateName {
     Clocks,
     Distances,
     Tilt,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum AlignmentName {
-    Level,
-    Rigid,
-}
-
 #[derive(Args)]
 #[command(next_help_heading = "Settings (defaults are the paper's)")]
 pub struct SettingsArguments {
     /// Fastest believable change of range (m/s)
-    #[arg(long, value_name = "M_PER_S")]
+    #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true)]
     tau_r: Option<f64>,
     /// Fastest believable change of azimuth (deg/s)
-    #[arg(long, value_name = "DEG_PER_S")]
+    #[arg(long, value_name = "DEG_PER_S", allow_negative_numbers = true)]
     tau_a: Option<f64>,
     /// Fastest believable change of the zenith angle (deg/s)
-    #[arg(long, value_name = "DEG_PER_S")]
+    #[arg(long, value_name = "DEG_PER_S", allow_negative_numbers = true)]
     tau_e: Option<f64>,
     /// Longest gap inside an interval (s)
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     tau_s: Option<f64>,
     /// Intervals up to this length are dropped (s)
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     tau_l: Option<f64>,
     /// Triplets per second
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     rate: Option<f64>,
     /// Leave module 1 out
     #[arg(long)]
@@ -77,13 +48,13 @@ pub struct SettingsArguments {
     no_interval_filter: bool,
     /// Module 4
     #[arg(long, value_enum)]
-    interpolation: Option<InterpolationName>,
+    interpolation: Option<Interpolation>,
     /// Where method D starts from
     #[arg(long, value_enum)]
-    prior: Option<Prior>,
+    prior: Option<PriorMethod>,
     /// What a large error costs method D
     #[arg(long, value_enum)]
-    loss: Option<LossName>,
+    loss: Option<Loss>,
     /// Let each distance count by the noise that the instruments state for it
     #[arg(long)]
     weigh_by_noise: bool,
@@ -95,7 +66,7 @@ pub struct SettingsArguments {
     robust: bool,
     /// What methods B and C may turn: yaw, or roll and pitch as well
     #[arg(long, value_enum)]
-    alignment: Option<AlignmentName>,
+    alignment: Option<Alignment>,
     /// Control-point files to use instead of those beside the tracks
     #[arg(long, value_name = "FILE", num_args = 1..)]
     gcp: Vec<PathBuf>,
@@ -138,43 +109,24 @@ impl SettingsArguments {
         if self.no_interval_filter {
             settings.pipeline.interval_filter = false;
         }
-        if let Some(name) = self.interpolation {
-            settings.pipeline.interpolation = match name {
-                InterpolationName::Linear => Interpolation::Linear,
-                InterpolationName::Gp => Interpolation::Gp,
-                InterpolationName::Wnoa => Interpolation::Wnoa,
-            };
-        }
-        match self.prior {
-            Some(Prior::Search) => settings.calibration.prior = PriorMethod::Search,
-            Some(Prior::ClosedForm) => settings.calibration.prior = PriorMethod::ClosedForm,
-            None => {}
-        }
+        let calibration = &mut settings.calibration;
+        settings.pipeline.interpolation =
+            self.interpolation.unwrap_or(settings.pipeline.interpolation);
+        calibration.prior = self.prior.unwrap_or(calibration.prior);
+        calibration.alignment = self.alignment.unwrap_or(calibration.alignment);
         if self.robust {
-            let CalibrationSettings { loss, estimate, .. } = CalibrationSettings::robust();
-            settings.calibration.loss = loss;
-            settings.calibration.estimate = estimate;
+            let robust = CalibrationSettings::robust();
+            calibration.loss = robust.loss;
+            calibration.estimate = robust.estimate;
         }
-        if let Some(name) = self.loss {
-            settings.calibration.loss = match name {
-                LossName::Squared => Loss::Squared,
-                LossName::Huber => Loss::Huber,
-                LossName::Cauchy => Loss::Cauchy,
-            };
-        }
-        settings.calibration.weigh_by_noise |= self.weigh_by_noise;
+        calibration.loss = self.loss.unwrap_or(calibration.loss);
+        calibration.weigh_by_noise |= self.weigh_by_noise;
         for name in &self.estimate {
-            let estimate = &mut settings.calibration.estimate;
             match name {
-                EstimateName::Clocks => estimate.clocks = true,
-                EstimateName::Distances => estimate.distances = true,
-                EstimateName::Tilt => estimate.tilt = true,
+                EstimateName::Clocks => calibration.estimate.clocks = true,
+                EstimateName::Distances => calibration.estimate.distances = true,
+                EstimateName::Tilt => calibration.estimate.tilt = true,
             }
-        }
-        match self.alignment {
-            Some(AlignmentName::Level) => settings.calibration.alignment = Alignment::Level,
-            Some(AlignmentName::Rigid) => settings.calibration.alignment = Alignment::Rigid,
-            None => {}
         }
         settings.check().map_err(Failure::Usage)?;
         Ok(settings)

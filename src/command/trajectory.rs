@@ -8,7 +8,7 @@ use clap::Args;
 use super::settings_args::SettingsArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
-use crate::evaluation::vehicle::vehicle_trajectory;
+use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::export::tum;
 
 #[derive(Args)]
@@ -20,7 +20,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Leave out epochs with an inter-prism error above this (mm)
-    #[arg(long, value_name = "MM", default_value_t = 20.0)]
+    #[arg(long, value_name = "MM", default_value_t = 1e3 * LARGEST_POSE_ERROR_M, allow_negative_numbers = true)]
     max_error: f64,
     #[command(flatten)]
     settings: SettingsArguments,
@@ -43,13 +43,29 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         &answer.calibration.station1_from_station,
         arguments.max_error / 1e3,
     )?;
+    if trajectory.poses.is_empty() {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "{}: no pose: all {} epochs have an inter-prism error above {} mm; check the distances, or raise --max-error",
+            deployment.name,
+            trajectory.dropped,
+            arguments.max_error,
+        )));
+    }
+    let calibration = &answer.calibration;
+    let header = format!(
+        "{}: frame of station 1, by method {} ({}), verdict {}; vehicle: {}",
+        deployment.name,
+        calibration.method.letter(),
+        calibration.method.title(),
+        calibration.verdict.name(),
+        frame.in_words(),
+    );
     let Some(file) = &arguments.out else {
-        return Ok(print(&tum::tum(&trajectory))?);
+        return Ok(print(&tum::tum(&trajectory, &header))?);
     };
     let csv = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-    let text = if csv { tum::csv(&trajectory) } else { tum::tum(&trajectory) };
+    let text = if csv { tum::csv(&trajectory) } else { tum::tum(&trajectory, &header) };
     std::fs::write(file, text).with_context(|| format!("{}: cannot be written", file.display()))?;
-    let calibration = &answer.calibration;
     print(&format!(
         "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\
          frame of the poses: station 1; of the vehicle: {}\n\
@@ -65,7 +81,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     ))?;
     if let Some(sigma) = trajectory.middle_sigma() {
         print(&format!(
-            "typical σ given the calibration: {:.1} mm in position, {:.2} mrad in orientation\n",
+            "typical σ, from the spread of the inter-prism errors and given the calibration: {:.1} mm in position, {:.2} mrad \
+             in orientation\n",
             sigma.position_m * 1e3,
             sigma.orientation_rad * 1e3
         ))?;

@@ -15,6 +15,8 @@ const PRISM_CONSTANT_M: f64 = 0.010;
 const FOLDER_DEPTH: usize = 3;
 /// Distances of one rig in two files may differ by this much (m) before it is worth a word.
 const RIG_TOLERANCE_M: f64 = 0.005;
+/// … and by this much only if they are not of one rig.
+const WRONG_RIG_M: f64 = 0.05;
 
 /// A file that was looked at, and what became of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -369,6 +371,15 @@ fn read_gnss<'a>(
             })
             .collect::<Result<_, _>>()?,
     };
+    let repeated =
+        (1..chosen.len()).any(|i| chosen[..i].iter().any(|earlier| earlier.file == chosen[i].file));
+    if repeated {
+        return Err(OpenError::file(
+            "deployment.toml",
+            "gnss names a file twice",
+            "each antenna has a file of its own",
+        ));
+    }
     let three: [&Source; 3] = match chosen.try_into() {
         Ok(three) => three,
         Err(others) => {
@@ -423,12 +434,18 @@ pub fn read_control_points(
     set.pillars = pillars.map_or(named, |pillars| {
         let known = |marker: i64| pillars.iter().any(|(pillar, _)| *pillar == marker);
         // Ground points are numbered from 1 as well; a set of pillars holds nothing else.
-        set.points.iter().all(|p| known(p.marker)) && (named || set.points.len() == pillars.len())
+        named || (set.points.len() == pillars.len() && set.points.iter().all(|p| known(p.marker)))
     });
     if let (true, Some(pillars)) = (set.pillars, pillars) {
         for point in &mut set.points {
             let pillar = pillars.iter().find(|(pillar, _)| *pillar == point.marker);
             point.known_m = pillar.map(|(_, position_m)| *position_m);
+            if point.known_m.is_none() {
+                findings.push(Finding::warning(format!(
+                    "{file}: pillar {} stands in no survey of pillars, so its coordinates are not known",
+                    point.marker
+                )));
+            }
         }
     }
     Ok(Some(set))
@@ -502,6 +519,26 @@ fn read_rig<'a>(
         }
     }
     let in_vehicle_m = overrides.prisms_m.map(|prisms| prisms.map(Vector3::from));
+    if let Some(given) = in_vehicle_m {
+        let worst = pairwise_distances(&given)
+            .iter()
+            .zip(&inter_prism_m)
+            .map(|(given, known)| (given - known).abs())
+            .fold(0.0, f64::max);
+        if worst > WRONG_RIG_M || given.iter().flatten().any(|value| !value.is_finite()) {
+            return Err(OpenError::file(
+                "deployment.toml",
+                format!("prisms_m does not have the inter-prism distances (off by {worst:.3} m)"),
+                "give the prisms 1, 2, 3 in the vehicle's frame, in metres",
+            ));
+        }
+        if worst > RIG_TOLERANCE_M {
+            findings.push(Finding::warning(format!(
+                "prisms_m and the inter-prism distances disagree by {:.1} mm",
+                worst * 1e3
+            )));
+        }
+    }
     Ok(Some(Rig { inter_prism_m, prisms_m, inter_antenna_m, in_vehicle_m }))
 }
 

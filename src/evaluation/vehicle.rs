@@ -8,6 +8,9 @@ use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
 use crate::pipeline::Triplets;
 
+/// Epochs with a larger inter-prism error are left out of trajectories unless asked for otherwise (m).
+pub const LARGEST_POSE_ERROR_M: f64 = 0.020;
+
 /// Why there are no poses.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoTrajectory {

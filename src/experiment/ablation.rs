@@ -31,11 +31,7 @@ pub fn ablate(
 ) -> Result<Study, StudyError> {
     control.expect(deployments.len().min(1) + COMBINATIONS.len() * Interpolation::ALL.len());
     let (judges, findings) =
-        control.step(|| reference::judges(deployments, settings, reference, splits))?;
-    if judges.is_empty() {
-        let why: Vec<String> = findings.iter().map(ToString::to_string).collect();
-        return Err(StudyError::Nothing(why.join("; ")));
-    }
+        control.step(|| reference::judges(deployments, settings, reference, splits))??;
     let variants: Vec<(usize, Interpolation)> = (0..COMBINATIONS.len())
         .flat_map(|combination| {
             Interpolation::ALL.map(|interpolation| (combination, interpolation))
@@ -51,7 +47,7 @@ pub fn ablate(
                 interpolation: *interpolation,
                 ..settings.pipeline
             };
-            control.step(|| reference::pooled(&judges, &variant, splits))
+            control.step(|| reference::pooled(&judges, &variant))
         })
         .collect::<Result<Vec<_>, _>>()?;
     let mut results = results.into_iter();
@@ -86,5 +82,6 @@ pub fn ablate(
         groups,
         levels: Vec::new(),
         findings,
+        settings: *settings,
     })
 }

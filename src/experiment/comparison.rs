@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::split::{Splits, parts};
+use super::split::{Plan, Splits};
 use super::study::{Group, Level, Quantiles, Series, Study};
 use super::{Control, INSTRUMENT_NOISE_MM, StudyError};
 use crate::analysis::{Analysis, Analyst, Answer, Settings};
@@ -97,6 +97,14 @@ pub fn compare(
         .map(|deployment| control.step(|| one(deployment, settings, splits)))
         .collect::<Result<Vec<_>, _>>()?;
 
+    if each.iter().all(|(compared, _)| compared.answers.iter().all(Result::is_err)) {
+        let name = &each[0].0.deployment;
+        let why = each[0].0.answers.iter().find_map(|answer| answer.as_ref().err());
+        return Err(StudyError::Nothing(format!(
+            "{name}: no method can run; D {}",
+            each[0].0.answers[3].as_ref().err().or(why).map_or("lacks data", String::as_str)
+        )));
+    }
     let mut findings = Vec::new();
     for (compared, _) in &each {
         for disagreement in &compared.disagreements {
@@ -139,6 +147,7 @@ pub fn compare(
         groups,
         levels,
         findings,
+        settings: *settings,
     };
     let deployments = each.into_iter().map(|(compared, _)| compared).collect();
     Ok(Comparison { study, deployments })
@@ -182,7 +191,8 @@ fn judge(
     if analysis.answer.is_err() {
         return errors;
     }
-    for [train, test] in parts(deployment, triplets, splits) {
+    let plan = Plan::new(deployment, triplets, splits);
+    for [train, test] in plan.parts(deployment, triplets) {
         let answer =
             calibration::solve(&train.deployment, &train.triplets, settings, &analysis.offer);
         // A part may hold too few points for the method; the others judge it.

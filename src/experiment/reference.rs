@@ -3,7 +3,8 @@
 //! The paper judges its pipeline with the static control points' transforms, because those of the dynamic methods come
 //! from the very triplets that are judged.
 
-use super::split::{Part, Splits, parts};
+use super::StudyError;
+use super::split::{Part, Plan, Splits};
 use crate::analysis::Settings;
 use crate::calibration::{self, Method, Offer};
 use crate::deployment::{Deployment, Finding};
@@ -17,6 +18,7 @@ pub type Reference = Option<Method>;
 /// A deployment with what its errors are measured by.
 pub struct Judge {
     pub method: Method,
+    plan: Plan,
     /// One for each training part.
     station1_from_station: Vec<[RigidTransform; 3]>,
     inter_prism_m: Option<[f64; 3]>,
@@ -43,7 +45,8 @@ impl Judge {
             calibration::CalibrationSettings { method: Some(method), ..settings.calibration };
         let mut findings = Vec::new();
         let mut station1_from_station = Vec::new();
-        for [train, _] in parts(deployment, &triplets, splits) {
+        let plan = Plan::new(deployment, &triplets, splits);
+        for [train, _] in plan.parts(deployment, &triplets) {
             let answer = calibration::solve(&train.deployment, &train.triplets, &chosen, &offer)
                 .map_err(|error| error.to_string())?;
             let doubts = answer
@@ -61,6 +64,7 @@ impl Judge {
         Ok((
             Self {
                 method,
+                plan,
                 station1_from_station,
                 inter_prism_m: known_distances_m(deployment, offer.targets),
             },
@@ -74,10 +78,11 @@ impl Judge {
         &self,
         deployment: &Deployment,
         settings: &PipelineSettings,
-        splits: Option<Splits>,
     ) -> (Vec<f64>, usize) {
         let triplets = pipeline::run(deployment, settings).triplets;
-        let errors = parts(deployment, &triplets, splits)
+        let errors = self
+            .plan
+            .parts(deployment, &triplets)
             .into_iter()
             .zip(&self.station1_from_station)
             .flat_map(|([_, test], transforms)| self.part_errors_mm(&test, transforms))
@@ -92,13 +97,16 @@ impl Judge {
     }
 }
 
-/// Judges of all deployments; those without one are left out with a finding.
+/// A deployment with its judge.
+pub type Judged<'a> = (&'a Deployment, Judge);
+
+/// Judges of all deployments; those without one are left out with a finding, and none at all is an error.
 pub fn judges<'a>(
     deployments: &'a [std::sync::Arc<Deployment>],
     settings: &Settings,
     reference: Reference,
     splits: Option<Splits>,
-) -> (Vec<(&'a Deployment, Judge)>, Vec<Finding>) {
+) -> Result<(Vec<Judged<'a>>, Vec<Finding>), StudyError> {
     let mut findings = Vec::new();
     let mut judges = Vec::new();
     for deployment in deployments {
@@ -107,14 +115,21 @@ pub fn judges<'a>(
                 findings.extend(doubts);
                 judges.push((deployment.as_ref(), judge));
             }
-            Err(why) => findings.push(Finding::warning(format!("left out: {why}"))),
+            Err(why) => findings.push(Finding::warning(format!("{why} (left out)"))),
         }
     }
-    (judges, findings)
+    if judges.is_empty() {
+        let why: Vec<String> = findings.iter().map(ToString::to_string).collect();
+        return Err(StudyError::Nothing(format!(
+            "no deployment can be judged: {}",
+            why.join("; ")
+        )));
+    }
+    Ok((judges, findings))
 }
 
 /// "the transforms of B (static control points)", naming every method in use.
-pub fn in_words(judges: &[(&Deployment, Judge)], splits: Option<Splits>) -> String {
+pub fn in_words(judges: &[Judged<'_>], splits: Option<Splits>) -> String {
     let used =
         Method::ALL.into_iter().filter(|method| judges.iter().any(|(_, j)| j.method == *method));
     let names: Vec<String> = used.map(|m| format!("{} ({})", m.letter(), m.title())).collect();
@@ -132,15 +147,11 @@ pub fn in_words(judges: &[(&Deployment, Judge)], splits: Option<Splits>) -> Stri
 }
 
 /// Used by the studies of the pipeline: errors of all deployments under one setting.
-pub fn pooled(
-    judges: &[(&Deployment, Judge)],
-    settings: &PipelineSettings,
-    splits: Option<Splits>,
-) -> (Vec<f64>, usize) {
+pub fn pooled(judges: &[Judged<'_>], settings: &PipelineSettings) -> (Vec<f64>, usize) {
     let mut pool = Vec::new();
     let mut count = 0;
     for (deployment, judge) in judges {
-        let (errors, triplets) = judge.errors_mm(deployment, settings, splits);
+        let (errors, triplets) = judge.errors_mm(deployment, settings);
         pool.extend(errors);
         count += triplets;
     }

@@ -14,7 +14,7 @@ use crate::palette;
 use crate::pipeline::PipelineSettings;
 
 /// What can be swept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Parameter {
     TauR,
     TauA,
@@ -106,6 +106,9 @@ impl Sweep {
         if !(2..=Self::MOST_STEPS).contains(&steps) {
             return Err(format!("steps is {steps}; from 2 to {} are possible", Self::MOST_STEPS));
         }
+        if self.from == self.to {
+            return Err(format!("from and to are both {}; give two values", self.from));
+        }
         if !parameter.matters(settings) {
             return Err(format!("{} has no effect while its filter is off", parameter.name()));
         }
@@ -131,20 +134,16 @@ pub fn sweep(
     let values = sweep.values();
     control.expect(1 + values.len());
     let (judges, findings) =
-        control.step(|| reference::judges(deployments, settings, reference, splits))?;
-    if judges.is_empty() {
-        let why: Vec<String> = findings.iter().map(ToString::to_string).collect();
-        return Err(StudyError::Nothing(why.join("; ")));
-    }
+        control.step(|| reference::judges(deployments, settings, reference, splits))??;
     let parameter = sweep.parameter;
     let groups = values
         .par_iter()
         .map(|value| {
             let mut variant = settings.pipeline;
             *parameter.of(&mut variant) = *value;
-            let (errors, count) = control.step(|| reference::pooled(&judges, &variant, splits))?;
+            let (errors, count) = control.step(|| reference::pooled(&judges, &variant))?;
             Ok(Group {
-                label: short(*value),
+                label: short(*value, values[1] - values[0]),
                 note: format!("{count}"),
                 boxes: vec![Quantiles::of(errors).ok_or_else(|| "no triplets".to_owned())],
             })
@@ -167,13 +166,19 @@ pub fn sweep(
         groups,
         levels: Vec::new(),
         findings,
+        settings: *settings,
     })
 }
 
-/// Three digits, without the zeros that say nothing.
-fn short(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+/// Enough digits to tell the steps apart, without the zeros that say nothing.
+fn short(value: f64, step: f64) -> String {
+    let digits = (2.0 - step.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
 }
 
 #[cfg(test)]
@@ -185,7 +190,8 @@ mod tests {
         let tau_s = Sweep { parameter: Parameter::TauS, from: 0.5, to: 3.0, steps: 11 };
         let values = tau_s.values();
         assert_eq!((values[0], values[10], values.len()), (0.5, 3.0, 11));
-        assert_eq!(short(values[1]), "0.75");
+        assert_eq!(short(values[1], 0.25), "0.75");
+        assert_eq!(short(1.2e-8, 1e-9), "0.000000012");
         let paper = PipelineSettings::default();
         assert_eq!(tau_s.check(&paper), Ok(()));
         assert!(Sweep { from: -1.0, ..tau_s }.check(&paper).is_err());

@@ -24,55 +24,81 @@ pub struct Part {
     pub triplets: Triplets,
 }
 
-/// What to calibrate on and what to judge by: everything by itself, or `repeats` random parts by the rest.
-pub fn parts(
-    deployment: &Deployment,
-    triplets: &Triplets,
-    splits: Option<Splits>,
-) -> Vec<[Part; 2]> {
-    let Some(Splits { repeats, seed }) = splits else {
-        let whole = || Part { deployment: without_tracks(deployment), triplets: triplets.clone() };
-        return vec![[whole(), whole()]];
-    };
-    (0..repeats)
-        .map(|repeat| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(repeat as u64);
-            split(deployment, triplets, &mut rng)
-        })
-        .collect()
+/// What each repeat trains on: chosen once, whatever the pipeline then makes of the deployment.
+pub struct Plan {
+    repeats: Vec<Training>,
 }
 
-/// Whole blocks of time go to one side: neighbouring triplets share their readings, and would tell on each other.
-fn split(deployment: &Deployment, triplets: &Triplets, rng: &mut ChaCha8Rng) -> [Part; 2] {
-    let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
-    let sides = sides(blocks.len(), rng);
-    let select = |side: bool| {
-        let indices: Vec<usize> = blocks
-            .iter()
-            .zip(&sides)
-            .filter(|(_, training)| **training == side)
-            .flat_map(|(block, _)| block.clone())
+struct Training {
+    /// Spans of time (s), ends included, in order.
+    spans: Vec<[f64; 2]>,
+    /// For each set of control points, whether each point is trained on; all are, of pillars.
+    points: Vec<Vec<bool>>,
+}
+
+impl Plan {
+    /// From the deployment's blocks of time; without splits one repeat that trains and judges on everything.
+    pub fn new(deployment: &Deployment, triplets: &Triplets, splits: Option<Splits>) -> Self {
+        let Some(Splits { repeats, seed }) = splits else { return Self { repeats: Vec::new() } };
+        let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
+        let repeats = (0..repeats)
+            .map(|repeat| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(repeat as u64);
+                let sides = sides(blocks.len(), &mut rng);
+                let training = blocks.iter().zip(&sides).filter(|(_, training)| **training);
+                let span = |block: &std::ops::Range<usize>| {
+                    [triplets.time_s[block.start], triplets.time_s[block.end - 1]]
+                };
+                let spans = training.map(|(block, _)| span(block)).collect();
+                let points = deployment
+                    .control_points
+                    .iter()
+                    .map(|set| self::sides(set.points.len(), &mut rng))
+                    .collect();
+                Training { spans, points }
+            })
             .collect();
-        triplets.select(&indices)
-    };
-    let (mut train, mut test) = (without_tracks(deployment), without_tracks(deployment));
-    for index in 0..deployment.control_points.len() {
-        // Pillars serve method A alone, which judges by the points it leaves out anyway.
-        if deployment.control_points[index].pillars {
-            continue;
-        }
-        let points = &deployment.control_points[index].points;
-        let sides = self::sides(points.len(), rng);
-        for (part, side) in [(&mut train, true), (&mut test, false)] {
-            let chosen = points.iter().zip(&sides).filter(|(_, training)| **training == side);
-            part.control_points[index].points = chosen.map(|(point, _)| point.clone()).collect();
-        }
+        Self { repeats }
     }
-    [
-        Part { deployment: train, triplets: select(true) },
-        Part { deployment: test, triplets: select(false) },
-    ]
+
+    /// What to calibrate on and what to judge by, for each repeat. The triplets may be others than those of the plan,
+    /// of the same drive.
+    pub fn parts(&self, deployment: &Deployment, triplets: &Triplets) -> Vec<[Part; 2]> {
+        if self.repeats.is_empty() {
+            let whole =
+                || Part { deployment: without_tracks(deployment), triplets: triplets.clone() };
+            return vec![[whole(), whole()]];
+        }
+        self.repeats.iter().map(|training| training.split(deployment, triplets)).collect()
+    }
+}
+
+impl Training {
+    /// Whole blocks of time go to one side: neighbouring triplets share their readings, and would tell on each other.
+    fn split(&self, deployment: &Deployment, triplets: &Triplets) -> [Part; 2] {
+        let trained_on = |time_s: f64| {
+            let next = self.spans.partition_point(|[_, end]| *end < time_s);
+            self.spans.get(next).is_some_and(|[start, _]| *start <= time_s)
+        };
+        let select = |side: bool| {
+            let indices: Vec<usize> =
+                (0..triplets.len()).filter(|i| trained_on(triplets.time_s[*i]) == side).collect();
+            triplets.select(&indices)
+        };
+        let part = |side: bool| {
+            let mut deployment = without_tracks(deployment);
+            for (set, sides) in deployment.control_points.iter_mut().zip(&self.points) {
+                // Pillars serve method A alone, which judges by the points it leaves out anyway.
+                if !set.pillars {
+                    let mut sides = sides.iter();
+                    set.points.retain(|_| sides.next() == Some(&side));
+                }
+            }
+            Part { deployment, triplets: select(side) }
+        };
+        [part(true), part(false)]
+    }
 }
 
 /// For each of `count`, whether it is trained on.
@@ -108,7 +134,7 @@ mod tests {
         let deployment = Sample::Warthog.open().expect("built in");
         let triplets = pipeline::run(&deployment, &PipelineSettings::default()).triplets;
         let splits = Some(Splits { repeats: 3, seed: 7 });
-        let first = parts(&deployment, &triplets, splits);
+        let first = Plan::new(&deployment, &triplets, splits).parts(&deployment, &triplets);
         assert_eq!(first.len(), 3);
         for [train, test] in &first {
             assert_eq!(train.triplets.len() + test.triplets.len(), triplets.len());
@@ -122,7 +148,28 @@ mod tests {
             }
         }
         assert!(first[0][0].triplets != first[1][0].triplets, "repeats differ");
-        let again = parts(&deployment, &triplets, splits);
+        let again = Plan::new(&deployment, &triplets, splits).parts(&deployment, &triplets);
         assert_eq!(first[2][1].triplets, again[2][1].triplets, "a seed repeats");
+    }
+
+    #[test]
+    fn what_was_trained_on_is_never_judged_whatever_the_pipeline_makes_of_it() {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let settings = PipelineSettings::default();
+        let triplets = pipeline::run(&deployment, &settings).triplets;
+        let plan = Plan::new(&deployment, &triplets, Some(Splits { repeats: 2, seed: 1 }));
+        let unfiltered =
+            PipelineSettings { outlier_filter: false, interval_filter: false, ..settings };
+        let others = pipeline::run(&deployment, &unfiltered).triplets;
+        let judged = plan.parts(&deployment, &others);
+        for ([train, _], [_, test]) in plan.parts(&deployment, &triplets).iter().zip(&judged) {
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
+            let both = train
+                .triplets
+                .time_s
+                .iter()
+                .filter(|t| test.triplets.time_s.iter().any(|other| close(**t, *other)));
+            assert_eq!(both.count(), 0);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The result of a study: boxes of errors in groups and series.
 
+use crate::analysis::Settings;
 use crate::deployment::Finding;
 use crate::evaluation::quantile_of;
 use crate::palette::Rgb;
@@ -75,4 +76,6 @@ pub struct Study {
     pub groups: Vec<Group>,
     pub levels: Vec<Level>,
     pub findings: Vec<Finding>,
+    /// What everything that the study does not vary was set to.
+    pub settings: Settings,
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::analysis::{Analysis, Answer};
-use crate::calibration::inter_prism::PriorSearch;
+use crate::calibration::inter_prism::{Estimate, PriorSearch, Refinement};
 use crate::calibration::two_point::PairResection;
 use crate::calibration::{Basin, Calibration, Details};
 use crate::deployment::Deployment;
@@ -106,7 +106,11 @@ fn details(calibration: &Calibration) -> Value {
                     "baseline_m": pair.baseline_m,
                     "baseline_errors_mm": mm(&pair.baseline_errors_m),
                     "left_out_mm": mm(&pair.left_out_m),
-                    "left_out_from_known_mm": mm(&pair.left_out_known_m),
+                    "left_out_from_known_mm": pair
+                        .left_out
+                        .iter()
+                        .map(|left_out| json!({ "marker": left_out.marker, "mm": left_out.from_known_m * 1e3 }))
+                        .collect::<Vec<_>>(),
                 })
             };
             json!({
@@ -127,9 +131,24 @@ fn details(calibration: &Calibration) -> Value {
             json!({ "rms_mm": details.rms_m * 1e3, "blocks": details.blocks })
         }
         Details::InterPrism(details) => {
-            json!({ "prior_search": details.prior_search.as_ref().map(prior_search) })
+            json!({
+                "prior_search": details.prior_search.as_ref().map(prior_search),
+                "refinement": details.refinement.as_ref().map(refinement),
+            })
         }
     }
+}
+
+fn refinement(refined: &Refinement) -> Value {
+    let estimate = |e: &Estimate| json!({ "value": e.value, "sigma": e.sigma });
+    let estimates = |all: &[Estimate]| all.iter().map(estimate).collect::<Vec<_>>();
+    json!({
+        "clock_offsets_s": refined.clock_offsets_s.map(|clocks| estimates(&clocks)),
+        "inter_prism_m": refined.distances_m.map(|distances| estimates(&distances)),
+        "tilts_rad": refined.tilts_rad.map(|tilts| tilts.each_ref().map(|t| estimates(t))),
+        "moves_sigmas": refined.moves_sigmas,
+        "converged": refined.converged,
+    })
 }
 
 fn prior_search(search: &PriorSearch) -> Value {

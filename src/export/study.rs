@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::box_chart;
 use super::svg::{PictureError, to_png, to_svg};
 use super::text::sigma_text;
+use crate::deployment::Severity;
 use crate::experiment::{Comparison, Quantiles, Study};
 
 /// Size of the pictures in the units of SVG; the PNG has twice as many pixels each way.
@@ -102,6 +103,10 @@ pub fn transforms_table(comparison: &Comparison) -> String {
                 let verdict = if station == 1 { calibration.verdict.name() } else { "" };
                 _ = writeln!(text, "{:>11.5} ± {sigma:<8} {verdict}", transform.yaw_rad());
             }
+            let doubts = calibration.findings.iter().filter(|f| f.severity > Severity::Note);
+            for finding in doubts {
+                _ = writeln!(text, "   {} {finding}", finding.severity.mark());
+            }
         }
     }
     text
@@ -136,6 +141,7 @@ pub fn json(study: &Study) -> Value {
         "title": study.title,
         "subtitle": study.subtitle,
         "group_label": study.group_label,
+        "settings": study.settings,
         "groups": groups,
         "levels": study.levels.iter().map(|l| json!({ "label": l.label, "mm": l.value })).collect::<Vec<_>>(),
         "findings": study.findings.iter().map(|f| &f.message).collect::<Vec<_>>(),

@@ -95,7 +95,8 @@ fn details(calibration: &Calibration) -> String {
                     pair.file,
                     pair.baseline_m,
                     largest(&pair.left_out_m),
-                    largest(&pair.left_out_known_m),
+                    pair.largest_from_known_m()
+                        .map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3)),
                 );
             }
             text.push('\n');

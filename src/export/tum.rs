@@ -4,9 +4,10 @@ use std::fmt::Write;
 
 use crate::evaluation::trajectory::Trajectory;
 
-/// `timestamp tx ty tz qx qy qz qw`, one pose a line: the format of the TUM RGB-D benchmark.
-pub fn tum(trajectory: &Trajectory) -> String {
-    let mut text = String::from("# timestamp tx ty tz qx qy qz qw\n");
+/// `timestamp tx ty tz qx qy qz qw`, one pose a line: the format of the TUM RGB-D benchmark. The header says where the
+/// poses come from.
+pub fn tum(trajectory: &Trajectory, header: &str) -> String {
+    let mut text = format!("# {header}\n# timestamp tx ty tz qx qy qz qw\n");
     for pose in &trajectory.poses {
         let (t, q) = (&pose.position_m, pose.orientation.quaternion());
         _ = writeln!(

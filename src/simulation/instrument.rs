@@ -38,8 +38,9 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
         for k in 0..readings {
             let jitter_s = 0.001 * normal(&mut rng);
             let t = (stagger_s + k as f64 / scenario.rate_hz + jitter_s).max(0.0);
-            let position =
+            let level =
                 this_from_station1.apply(&motion.position_m(&scenario.prisms_m[station], t));
+            let position = scenario.errors.lean(station, &level);
             let mut polar = noisy(position, scenario, 1.0, &mut rng);
             if rng.random_bool(scenario.noise.outlier_share) {
                 blunder(&mut polar, &mut rng);
@@ -50,7 +51,7 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
                 continue;
             }
             let measurement = Measurement {
-                time_s: EPOCH_S + t,
+                time_s: EPOCH_S + scenario.errors.stamp_s(station, t, scenario.duration_s),
                 range_m: polar.range_m - scenario.prism_constant_m,
                 azimuth_rad: polar.azimuth_rad.rem_euclid(TAU),
                 zenith_rad: polar.zenith_rad,
@@ -101,6 +102,7 @@ pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
 
 fn noisy(position_m: Vector3<f64>, scenario: &Scenario, share: f64, rng: &mut ChaCha8Rng) -> Polar {
     let mut polar = Polar::from_cartesian(position_m);
+    polar.range_m += scenario.errors.prism_constant_m;
     polar.range_m += share * scenario.noise.range_sigma_m * normal(rng);
     polar.azimuth_rad += share * scenario.noise.angle_sigma_rad * normal(rng);
     polar.zenith_rad += share * scenario.noise.angle_sigma_rad * normal(rng);
@@ -148,8 +150,9 @@ fn pillars(
             let known_m = Vector3::new(along_m, 0.0, height_m);
             let surveyed_m = known_m + 0.001 * Vector3::from_fn(|_, _| normal(rng));
             let place = station1_from_line.apply(&surveyed_m);
-            let readings = station1_from_station.map(|transform| {
-                Some(noisy(transform.inverse().apply(&place), scenario, 1.0, rng))
+            let readings = std::array::from_fn(|station| {
+                let level = station1_from_station[station].inverse().apply(&place);
+                Some(noisy(scenario.errors.lean(station, &level), scenario, 1.0, rng))
             });
             ControlPoint { marker: index as i64 + 1, readings, known_m: Some(known_m) }
         })
@@ -179,8 +182,9 @@ fn control_point_set(
                 centre[1] + out * around.sin(),
                 height,
             );
-            let readings = station1_from_station.map(|transform| {
-                Some(noisy(transform.inverse().apply(&point), scenario, 1.0, rng))
+            let readings = std::array::from_fn(|station| {
+                let level = station1_from_station[station].inverse().apply(&point);
+                Some(noisy(scenario.errors.lean(station, &level), scenario, 1.0, rng))
             });
             ControlPoint { marker: i64::from(marker) + 1, readings, known_m: None }
         })

@@ -3,13 +3,15 @@
 //! [`scenario`] says what is driven where, [`motion`] moves the vehicle over the ground, [`instrument`] measures
 //! it as three stations would, [`gnss`] as three antennas would, and [`write`] puts the readings into the formats of real deployments.
 
+mod errors;
 mod gnss;
 mod instrument;
 mod motion;
 mod scenario;
 mod write;
 
-pub use scenario::{Path, Preset, Scenario};
+pub use errors::SystematicErrors;
+pub use scenario::{ARCSECOND_RAD, Path, Preset, Scenario};
 pub use write::write_folder;
 
 use nalgebra::Vector3;

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::errors::SystematicErrors;
+
 /// The ready-made scenarios.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Preset {
@@ -95,9 +97,10 @@ pub struct Scenario {
     pub pillars: bool,
     /// Added by the user to every range; the simulated instruments leave it off.
     pub prism_constant_m: f64,
+    pub errors: SystematicErrors,
 }
 
-const ARCSECOND_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+pub const ARCSECOND_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 
 impl Preset {
     pub fn name(self) -> &'static str {
@@ -155,6 +158,7 @@ impl Preset {
                 control_point_sets: 2,
                 pillars: true,
                 prism_constant_m: 0.010,
+                errors: SystematicErrors::default(),
             },
             Self::FlatFloor => Scenario { name: self.name(), ground: flat, ..warthog() },
             Self::UnevenGround => Scenario {
@@ -196,6 +200,7 @@ impl Preset {
                 control_point_sets: 0,
                 pillars: false,
                 prism_constant_m: 0.010,
+                errors: SystematicErrors::default(),
             },
         }
     }

@@ -39,6 +39,8 @@ pub fn write_folder(simulated: &Simulated, folder: &Path) -> Result<(), OpenErro
 pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
     let prism_constant_m = simulated.scenario.prism_constant_m;
     let measured = pairwise_distances(&simulated.rig_reading.map(Polar::to_cartesian));
+    let wrong_by = simulated.scenario.errors.inter_prism_m;
+    let measured: [f64; 3] = std::array::from_fn(|pair| measured[pair] + wrong_by[pair]);
     let mut files = vec![
         ("inter_prism.csv".to_owned(), polar_csv::write(&simulated.records)),
         (

@@ -8,7 +8,7 @@ use eframe::egui::{self, Shape, Stroke};
 use super::scrolled;
 use crate::analysis::{Analysis, Settings};
 use crate::app::state::{Command, Commands, State};
-use crate::calibration::{Alignment, CalibrationSettings, Method, Offer, PriorMethod};
+use crate::calibration::{Alignment, CalibrationSettings, Loss, Method, Offer, PriorMethod};
 use crate::deployment::Deployment;
 use crate::pipeline::{Interpolation, Interval, PipelineSettings, SampleFate, Thresholds};
 
@@ -192,9 +192,58 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
                     "How well the inter-prism distances are known (1 σ); widens every σ of the result",
                 );
                 settings.inter_prism_sigma_m = sigma_mm / 1e3;
+                beyond(ui, settings);
             }
         }
     });
+}
+
+/// What goes beyond the published method, and one switch for all that holds up.
+fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
+    let best = CalibrationSettings::robust();
+    let with_best = CalibrationSettings {
+        loss: best.loss,
+        estimate: best.estimate,
+        weigh_by_noise: best.weigh_by_noise,
+        ..*settings
+    };
+    let mut robust = *settings == with_best;
+    if ui
+        .checkbox(&mut robust, "robust, beyond the paper")
+        .on_hover_text("Cauchy's loss, clock offsets and inter-prism distances estimated")
+        .changed()
+    {
+        let paper = CalibrationSettings::default();
+        *settings = if robust {
+            with_best
+        } else {
+            CalibrationSettings {
+                loss: paper.loss,
+                estimate: paper.estimate,
+                weigh_by_noise: paper.weigh_by_noise,
+                ..*settings
+            }
+        };
+    }
+    ui.horizontal_wrapped(|ui| {
+        ui.label("loss");
+        for (loss, name) in
+            [(Loss::Squared, "squared"), (Loss::Huber, "Huber"), (Loss::Cauchy, "Cauchy")]
+        {
+            ui.radio_value(&mut settings.loss, loss, name);
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.label("estimate");
+        let estimate = &mut settings.estimate;
+        ui.checkbox(&mut estimate.clocks, "clocks")
+            .on_hover_text("Offsets of stations 2 and 3 against station 1");
+        ui.checkbox(&mut estimate.distances, "distances")
+            .on_hover_text("Inter-prism distances, held by the σ above");
+        ui.checkbox(&mut estimate.tilt, "tilt").on_hover_text("Of stations 2 and 3, held to 2″");
+    });
+    ui.checkbox(&mut settings.weigh_by_noise, "weigh by noise")
+        .on_hover_text("Each distance counts by the noise of its two readings: 2 mm + 2 ppm, 1″");
 }
 
 /// A frame with a title: dotted and with a switch when the module is optional.

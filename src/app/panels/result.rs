@@ -190,7 +190,10 @@ fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails) {
                 "left out (mm)",
                 "Largest distance between what the stations make of a point left out",
             ),
-            ("known (mm)", "Largest distance of a point left out to its known position"),
+            (
+                "known (mm)",
+                "Largest distance of a point left out to its known position, mean of the stations",
+            ),
         ] {
             ui.label(name).on_hover_text(hint);
         }
@@ -205,7 +208,9 @@ fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails) {
             ui.label(cell(name));
             ui.label(cell(format!("{:.1}", pair.baseline_m)));
             ui.label(cell(widest(&pair.left_out_m)));
-            ui.label(cell(widest(&pair.left_out_known_m)));
+            let known =
+                pair.largest_from_known_m().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3));
+            ui.label(cell(known));
             ui.end_row();
         }
     });

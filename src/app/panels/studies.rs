@@ -34,7 +34,8 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         ui.label("on");
         ui.radio_value(&mut options.all_open, false, "the active one");
-        ui.radio_value(&mut options.all_open, true, format!("all open ({})", state.open.len()));
+        ui.radio_value(&mut options.all_open, true, format!("all open ({})", state.open.len()))
+            .on_hover_text("All with the active one's settings");
     });
     if options.kind == StudyKind::Sensitivity {
         sweep(ui, &mut options.sweep);

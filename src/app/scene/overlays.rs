@@ -4,10 +4,9 @@ use nalgebra::Vector3;
 
 use super::content::{LineVertex, SceneContent, WORLD, f32s};
 use crate::analysis::Analysis;
-use crate::app::state::LARGEST_POSE_ERROR_M;
 use crate::deployment::Deployment;
 use crate::evaluation::trajectory::Pose;
-use crate::evaluation::vehicle::vehicle_trajectory;
+use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::palette::{self, Rgb};
 
 /// The vehicle's frame is drawn so many times along the way, with axes of this length (m).

@@ -9,10 +9,16 @@ pub const COLUMNS: [&str; 3] = ["marker_number", "distance_m", "height_m"];
 
 /// Marker and coordinates (m) of each pillar: x along the line from the first, z up.
 pub fn read(file: &str, text: &str) -> Result<Vec<(i64, Vector3<f64>)>, OpenError> {
+    let mut seen = Vec::new();
     table::read_columns(file, text, &COLUMNS)?
         .iter()
         .map(|row| {
             let marker = row.whole(file, 0, COLUMNS[0])?;
+            if seen.contains(&marker) {
+                let what = format!("pillar {marker} stands twice");
+                return Err(OpenError::line(file, row.line, what, "keep one of the lines"));
+            }
+            seen.push(marker);
             let position_m = Vector3::new(row.values[1], 0.0, row.values[2]);
             if position_m.iter().all(|value| value.is_finite()) {
                 Ok((marker, position_m))

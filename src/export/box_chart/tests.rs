@@ -61,6 +61,7 @@ fn chart(shape: Shape) -> Study {
     let level = |label: &str, value| Level { label: label.to_owned(), value };
     Study {
         name: "test".into(),
+        settings: crate::analysis::Settings::default(),
         findings: vec![
             crate::deployment::Finding::warning(
                 "B and D disagree about the yaw of station 2 by more than their uncertainty allows"

@@ -18,8 +18,9 @@ use crate::pipeline::{FilteredTrack, Interval};
 
 /// Readings in a chunk to learn from; the cost grows with the cube.
 const CHUNK: usize = 64;
-/// Readings in all chunks together, spread evenly over the series.
-const MOST_READINGS: usize = 4 * CHUNK;
+/// Readings in all chunks together that a first guess is made from, spread evenly over the station's intervals. An
+/// interval of its own is learned from whole: the one sharp turn of a long drive is what decides.
+const MOST_FOR_A_GUESS: usize = 4 * CHUNK;
 /// Readings whose neighbourhood is predicted from one factorisation.
 const CORE: usize = 64;
 /// Readings beyond the core on either side: 13 s at the usual rate, some length scales of a vehicle's motion.
@@ -61,13 +62,14 @@ pub fn at(
 /// For each interval the hyper-parameters of the level axes and of the vertical one.
 pub fn learn(track: &FilteredTrack, intervals: &[Interval]) -> Vec<[Hyperparameters; 2]> {
     let series: Vec<_> = intervals.iter().map(|interval| Series::new(track, interval)).collect();
-    let shared = AXIS_GROUPS.map(|axes| Likelihood::new(&series, axes).map(|l| l.learn_afresh()));
+    let shared = AXIS_GROUPS
+        .map(|axes| Likelihood::new(&series, axes, MOST_FOR_A_GUESS).map(|l| l.learn_afresh()));
     let learn_own = |own: &Series, group: usize| {
         let Some(shared) = shared[group] else { return UNLEARNED };
         if own.len() < FEWEST_TO_LEARN_FROM {
             return shared;
         }
-        let likelihood = Likelihood::new(std::slice::from_ref(own), AXIS_GROUPS[group]);
+        let likelihood = Likelihood::new(std::slice::from_ref(own), AXIS_GROUPS[group], usize::MAX);
         likelihood.map_or(shared, |likelihood| likelihood.learn_from(&shared))
     };
     series.iter().map(|own| std::array::from_fn(|group| learn_own(own, group))).collect()
@@ -92,7 +94,7 @@ struct Likelihood {
 
 impl Likelihood {
     /// `None` where no series has readings to spare beyond a line.
-    fn new(series: &[Series], axes: &[usize]) -> Option<Self> {
+    fn new(series: &[Series], axes: &[usize], most_readings: usize) -> Option<Self> {
         let mut chunks = Vec::new();
         for series in series {
             let parts = series.len().div_ceil(CHUNK);
@@ -105,7 +107,7 @@ impl Likelihood {
             }
         }
         let readings: usize = chunks.iter().map(|(times_s, _)| times_s.len()).sum();
-        let share = readings.div_ceil(MOST_READINGS);
+        let share = readings.div_ceil(most_readings);
         let chunks: Vec<_> = chunks.into_iter().skip(share / 2).step_by(share.max(1)).collect();
         let steps: usize = chunks.iter().map(|(times_s, _)| times_s.len() - 1).sum();
         let span_s: f64 =
@@ -223,7 +225,7 @@ mod tests {
     fn the_gradient_is_that_of_the_likelihood() {
         let series = [series_of(&wander(50, 1)), series_of(&wander(30, 2))];
         for axes in AXIS_GROUPS {
-            let likelihood = Likelihood::new(&series, axes).expect("enough readings");
+            let likelihood = Likelihood::new(&series, axes, usize::MAX).expect("enough readings");
             for place in [Vector2::new(0.3, -4.0), Vector2::new(1.5, -11.0), Vector2::new(2.5, 1.0)]
             {
                 let (_, slope, _) = likelihood.evaluate(&place);
@@ -281,7 +283,8 @@ mod tests {
     fn no_other_place_explains_the_readings_much_better() {
         let abrupt = crate::pipeline::interpolation::tests::stop_and_go(2e-3);
         for track in [wander(200, 5), abrupt] {
-            let likelihood = Likelihood::new(&[series_of(&track)], AXIS_GROUPS[0]).expect("enough");
+            let likelihood =
+                Likelihood::new(&[series_of(&track)], AXIS_GROUPS[0], usize::MAX).expect("enough");
             let found = likelihood.learn_afresh();
             let place = Vector2::new(found.length_scale_s.ln(), found.ratio().ln());
             let (least, ..) = likelihood.evaluate(&place);

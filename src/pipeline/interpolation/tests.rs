@@ -298,3 +298,29 @@ fn where_outliers_are_left_in_straight_lines_win_almost_everywhere() {
         assert!(found_m > 3.0 * lines_m, "{name}: {found_m} and {lines_m}");
     }
 }
+
+/// A long drive without a lost lock is learned from whole: a sharp turn in it must not be taken for noise.
+#[test]
+fn one_sharp_turn_in_a_long_straight_drive_is_followed() {
+    let count = 420;
+    let at = |t: f64| {
+        // 0.8 m/s along x, a quarter turn of radius 1 m at 100 s, then along y.
+        let (speed, turn_s) = (0.8, 100.0);
+        let angle = (speed * (t - turn_s)).clamp(0.0, std::f64::consts::FRAC_PI_2);
+        let before = speed * t.min(turn_s);
+        let after = (speed * (t - turn_s) - angle).max(0.0);
+        Vector3::new(before + angle.sin(), 1.0 - angle.cos() + after, 0.0)
+    };
+    let time_s: Vec<f64> = (0..count).map(|k| 0.4 * f64::from(k)).collect();
+    let position_m = time_s.iter().map(|t| at(*t)).collect();
+    let track = FilteredTrack { time_s, position_m, ..Default::default() };
+    let intervals = [Interval { start_s: 0.0, end_s: 0.4 * f64::from(count - 1) }];
+    let instants: Vec<f64> = (0..1600).map(|k| 0.1 * f64::from(k)).collect();
+    let estimate = squared_exponential::at(&track, &intervals, &instants, &vec![0; instants.len()]);
+    let worst_m = instants
+        .iter()
+        .zip(&estimate.points_m)
+        .map(|(t, found)| (found - at(*t)).norm())
+        .fold(0.0, f64::max);
+    assert!(worst_m < 0.03, "{worst_m}");
+}

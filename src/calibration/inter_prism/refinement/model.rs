@@ -178,8 +178,8 @@ mod tests {
         let data = MovingTriplets::new(&triplets);
         let mut state = State::zeros();
         for (place, value) in [
-            0.3, -0.2, 0.5, 0.4, -0.6, 0.1, 0.2, -0.3, 0.004, -0.003, 0.7, 0.9, 1.0, 1e-5, -2e-5,
-            3e-5, 1e-5,
+            0.3, -0.2, 0.5, 0.4, -0.6, 0.1, 0.2, -0.3, 0.004, -0.003, 0.7, 0.9, 1.0, 1e-6, -2e-6,
+            3e-6, 1e-6,
         ]
         .into_iter()
         .enumerate()
