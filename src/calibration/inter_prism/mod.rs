@@ -36,7 +36,7 @@ pub use refinement::{Estimate, Refinement, with_clocks};
 use super::method::why_no_triplets;
 use super::{
     Basin, Calibration, CalibrationError, CalibrationSettings, Details, Method, Mirror, Offer,
-    PriorMethod, Targets,
+    PriorMethod, Targets, Verdict,
 };
 use crate::deployment::{Deployment, Finding, PAIRS};
 use crate::geometry::{LevelTransform, RigidTransform};
@@ -159,7 +159,22 @@ pub fn solve(
         station1_from_station: &station1_from_station,
         sigma,
     };
-    let verdict = diagnosis::judge(&evidence, &mut findings);
+    let mut verdict = diagnosis::judge(&evidence, &mut findings);
+    if !settings.estimate.clocks
+        && uncertainty.covariance.is_some()
+        && let Some(clocks) = refinement::suspected_clocks(
+            triplets,
+            &choice.answer.station1_from_station,
+            &rig.inter_prism_m,
+            settings.inter_prism_sigma_m,
+        )
+    {
+        let suspicions = refinement_in_words::suspicions(&clocks);
+        if !suspicions.is_empty() {
+            verdict = verdict.max(Verdict::Weak);
+        }
+        findings.extend(suspicions);
+    }
     if let Some(refined) = &refinement {
         findings.extend(refinement_in_words::findings(refined, &rig.inter_prism_m));
     } else if settings.refines() {

@@ -7,6 +7,9 @@ use crate::deployment::{Finding, pair_label};
 const SUPPORTED_SIGMAS: f64 = 2.0;
 /// An inter-prism distance this many millimetres from its measurement asks for a new one.
 const NOTABLE_DISTANCE_M: f64 = 0.003;
+/// A clock that is off by more than both is worth a warning where it is not estimated (s).
+const SUSPICIOUS_SIGMAS: f64 = 3.5;
+const SUSPICIOUS_OFFSET_S: f64 = 0.002;
 const MILLIRADIAN_PER_ARCSECOND: f64 = std::f64::consts::PI / 180.0 / 3.6;
 
 pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
@@ -62,6 +65,28 @@ fn clock_in_words(station: usize, clock: &Estimate) -> Finding {
         support(sigmas),
     );
     Finding::note(line)
+}
+
+/// Clocks that are clearly off although they were not estimated: they bias the answer.
+pub fn suspicions(clocks: &[Estimate; 2]) -> Vec<Finding> {
+    clocks
+        .iter()
+        .enumerate()
+        .filter(|(_, clock)| {
+            clock.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
+                && clock.value.abs() > SUSPICIOUS_OFFSET_S
+        })
+        .map(|(slot, clock)| {
+            let direction = if clock.value > 0.0 { "late" } else { "early" };
+            Finding::warning(format!(
+                "station {}'s stamps seem {:.1} ± {:.1} ms {direction} against station 1's, which biases this answer: \
+                 estimate the clocks (--robust)",
+                slot + 2,
+                clock.value.abs() * 1e3,
+                clock.sigma * 1e3,
+            ))
+        })
+        .collect()
 }
 
 fn support(sigmas: f64) -> String {

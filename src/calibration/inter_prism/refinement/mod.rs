@@ -16,7 +16,7 @@ use self::model::{
     CLOCKS, DISTANCES, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS, back, distances,
     transforms,
 };
-use crate::calibration::{CalibrationSettings, Loss, TransformSigma, time_blocks};
+use crate::calibration::{CalibrationSettings, Estimated, Loss, TransformSigma, time_blocks};
 use crate::deployment::PAIRS;
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
@@ -24,6 +24,8 @@ use crate::pipeline::Triplets;
 type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
 const MOST_NEWTON_STEPS: usize = 30;
+/// Triplets that a suspicion about the clocks rests on, spread evenly.
+const SUSPICION_TRIPLETS: usize = 1200;
 /// Steps smaller than this (m, rad, s; all of the same order here) change nothing that anyone can see.
 const SMALL_STEP: f64 = 1e-9;
 /// The Trimble S7: 2 mm + 2 ppm, one arcsecond (`paper.tex`, "Experiments").
@@ -83,7 +85,7 @@ pub fn refine(
     inter_prism_m: &[f64; 3],
     settings: &CalibrationSettings,
 ) -> Option<Refinement> {
-    let data = MovingTriplets::new(triplets);
+    let data = MovingTriplets::all(triplets);
     let start = start(plain, inter_prism_m);
     let estimated = estimated(settings);
     let precision = precisions(settings);
@@ -117,13 +119,50 @@ pub fn refine(
         }
     }
     let sums = accumulate(&data, &state, &weights, settings.loss, scale, &blocks);
-    let covariance = covariance(&sums, &precision, lambda, &estimated)?;
+    let covariance =
+        covariance(&sums, &precision, lambda, &estimated, settings.inter_prism_sigma_m)?;
     Some(summary(&state, &start, &covariance, settings, scale, converged))
+}
+
+/// What the clocks of stations 2 and 3 look like from the plain answer: one step of least squares with transforms, clocks
+/// and distances, on some of the triplets. Cheap enough to ask of every answer. `None` when the data cannot tell.
+pub fn suspected_clocks(
+    triplets: &Triplets,
+    plain: &[LevelTransform; 3],
+    inter_prism_m: &[f64; 3],
+    distance_sigma_m: f64,
+) -> Option<[Estimate; 2]> {
+    let stride = triplets.len().div_ceil(SUSPICION_TRIPLETS).max(1);
+    let data = MovingTriplets::every(triplets, stride);
+    let some = &data.triplets;
+    let state = start(plain, inter_prism_m);
+    let settings = CalibrationSettings {
+        inter_prism_sigma_m: distance_sigma_m,
+        estimate: Estimated { clocks: true, distances: true, tilt: false },
+        ..CalibrationSettings::default()
+    };
+    let (places, precision) = (estimated(&settings), precisions(&settings));
+    let weights = noise_weights(some, &plain.map(RigidTransform::from), &settings);
+    let blocks = time_blocks::of(&some.time_s, &some.interval);
+    // A few gross errors must not decide.
+    let loss = Loss::Huber;
+    let scale = loss_scale(&data, &state, &weights, loss);
+    let sums = accumulate(&data, &state, &weights, loss, scale, &blocks);
+    let lambda = prior_weight(&sums)?;
+    let state = state - step(&sums.normal, &precision, lambda, &sums.gradient, &places)?;
+    // What the clocks explained is no error any more.
+    let scale = loss_scale(&data, &state, &weights, loss);
+    let sums = accumulate(&data, &state, &weights, loss, scale, &blocks);
+    let covariance = covariance(&sums, &precision, lambda, &places, distance_sigma_m)?;
+    Some([CLOCKS, CLOCKS + 1].map(|place| Estimate {
+        value: state[place],
+        sigma: covariance[(place, place)].max(0.0).sqrt(),
+    }))
 }
 
 /// The triplets as they would be had the clocks of stations 2 and 3 been right.
 pub fn with_clocks(triplets: &Triplets, late_s: [f64; 2]) -> Triplets {
-    let data = MovingTriplets::new(triplets);
+    let data = MovingTriplets::all(triplets);
     let mut points_m = triplets.points_m.clone();
     for station in 1..3 {
         points_m[station] = (0..triplets.len())
@@ -234,6 +273,7 @@ struct Sums {
     gradient: State,
     /// Σ over blocks of the outer products of their gradients.
     middle: Matrix,
+    blocks: usize,
 }
 
 fn accumulate(
@@ -250,6 +290,7 @@ fn accumulate(
         hessian: Matrix::zeros(),
         gradient: State::zeros(),
         middle: Matrix::zeros(),
+        blocks: blocks.len(),
     };
     for block in blocks {
         let mut pull = State::zeros();
@@ -316,11 +357,26 @@ fn step(
     full.iter().all(|value| value.is_finite()).then_some(full)
 }
 
-fn covariance(sums: &Sums, precision: &State, lambda: f64, places: &[usize]) -> Option<Matrix> {
+/// Of the estimated unknowns. Distances that are not estimated are not known exactly either: their σ is propagated, since
+/// an error of theirs acts on every triplet alike and no residual shows it.
+fn covariance(
+    sums: &Sums,
+    precision: &State,
+    lambda: f64,
+    places: &[usize],
+    distance_sigma_m: f64,
+) -> Option<Matrix> {
     let priors = Matrix::from_diagonal(&(lambda * precision));
     let inverse = reduced(&(sums.hessian + priors), places).cholesky()?.inverse();
-    let middle = sums.middle + lambda * priors;
-    let small = &inverse * reduced(&middle, places) * &inverse;
+    // Residuals are smaller than errors by what was fitted to them.
+    let freedom = sums.blocks.saturating_sub(places.len()).max(1) as f64;
+    let middle = sums.middle * (sums.blocks as f64 / freedom) + lambda * priors;
+    let mut small = &inverse * reduced(&middle, places) * &inverse;
+    for distance in (DISTANCES..TILTS).filter(|place| !places.contains(place)) {
+        let pull = places.iter().map(|place| sums.hessian[(*place, distance)]);
+        let moved = &inverse * DVector::from_iterator(places.len(), pull) * distance_sigma_m;
+        small += &moved * moved.transpose();
+    }
     let mut full = Matrix::zeros();
     for (i, row) in places.iter().enumerate() {
         for (j, column) in places.iter().enumerate() {

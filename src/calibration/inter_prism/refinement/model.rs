@@ -1,5 +1,7 @@
 //! The distances of one triplet as a function of everything that can be estimated.
 
+use std::borrow::Cow;
+
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
 use crate::deployment::PAIRS;
@@ -16,37 +18,44 @@ pub type State = SVector<f64, UNKNOWNS>;
 
 /// Triplets with the velocities of their prisms, each in its station's frame.
 pub struct MovingTriplets<'a> {
-    pub triplets: &'a Triplets,
+    pub triplets: Cow<'a, Triplets>,
     /// m/s; by differences with the neighbours of the same interval.
     velocity_m_per_s: [Vec<Vector3<f64>>; 3],
 }
 
 impl<'a> MovingTriplets<'a> {
-    pub fn new(triplets: &'a Triplets) -> Self {
-        let last = triplets.len().saturating_sub(1);
-        let velocity = |station: usize| {
-            let points = &triplets.points_m[station];
-            (0..triplets.len())
-                .map(|i| {
-                    let same = |j: usize| triplets.interval[j] == triplets.interval[i];
-                    let before = if i > 0 && same(i - 1) { i - 1 } else { i };
-                    let after = if i < last && same(i + 1) { i + 1 } else { i };
-                    let span_s = triplets.time_s[after] - triplets.time_s[before];
-                    if span_s > 0.0 {
-                        (points[after] - points[before]) / span_s
-                    } else {
-                        Vector3::zeros()
-                    }
-                })
-                .collect()
-        };
-        Self { triplets, velocity_m_per_s: [velocity(0), velocity(1), velocity(2)] }
+    pub fn all(triplets: &'a Triplets) -> Self {
+        let velocity_m_per_s = velocities(triplets, 1);
+        Self { triplets: Cow::Borrowed(triplets), velocity_m_per_s }
+    }
+
+    /// Every so many of them, with the velocities that they have among all.
+    pub fn every(triplets: &Triplets, stride: usize) -> Self {
+        let indices: Vec<usize> = (0..triplets.len()).step_by(stride).collect();
+        let velocity_m_per_s = velocities(triplets, stride);
+        Self { triplets: Cow::Owned(triplets.select(&indices)), velocity_m_per_s }
     }
 
     /// Where a station's prism was when its stamp, `late_s` late, says so (m, the station's frame).
     pub fn at_true_time(&self, station: usize, index: usize, late_s: f64) -> Vector3<f64> {
         self.triplets.points_m[station][index] + late_s * self.velocity_m_per_s[station][index]
     }
+}
+
+fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
+    let last = triplets.len().saturating_sub(1);
+    let velocity = |station: usize| {
+        let points = &triplets.points_m[station];
+        let at = |i: usize| {
+            let same = |j: usize| triplets.interval[j] == triplets.interval[i];
+            let before = if i > 0 && same(i - 1) { i - 1 } else { i };
+            let after = if i < last && same(i + 1) { i + 1 } else { i };
+            let span_s = triplets.time_s[after] - triplets.time_s[before];
+            if span_s > 0.0 { (points[after] - points[before]) / span_s } else { Vector3::zeros() }
+        };
+        (0..triplets.len()).step_by(stride).map(at).collect()
+    };
+    [velocity(0), velocity(1), velocity(2)]
 }
 
 /// Frames of stations 1, 2, 3 into station 1's: the yaw turns what the tilt has put upright.
@@ -175,7 +184,7 @@ mod tests {
                 .collect()
         });
         let triplets = Triplets::new(vec![0.0, 0.1, 0.2], vec![0; 3], points);
-        let data = MovingTriplets::new(&triplets);
+        let data = MovingTriplets::all(&triplets);
         let mut state = State::zeros();
         for (place, value) in [
             0.3, -0.2, 0.5, 0.4, -0.6, 0.1, 0.2, -0.3, 0.004, -0.003, 0.7, 0.9, 1.0, 1e-6, -2e-6,
