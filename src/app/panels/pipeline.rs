@@ -240,7 +240,7 @@ fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
             .on_hover_text("Offsets of stations 2 and 3 against station 1");
         ui.checkbox(&mut estimate.distances, "distances")
             .on_hover_text("Inter-prism distances, held by the σ above");
-        ui.checkbox(&mut estimate.tilt, "tilt").on_hover_text("Of stations 2 and 3, held to 2″");
+        ui.checkbox(&mut estimate.tilt, "tilt").on_hover_text("Of stations 2 and 3, held to 1″");
     });
     ui.checkbox(&mut settings.weigh_by_noise, "weigh by noise")
         .on_hover_text("Each distance counts by the noise of its two readings: 2 mm + 2 ppm, 1″");

@@ -10,11 +10,10 @@
 
 mod model;
 
-use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 
 use self::model::{
-    CLOCKS, DISTANCES, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS, back, distances,
-    transforms,
+    CLOCKS, DISTANCES, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS, distances, transforms,
 };
 use crate::calibration::{CalibrationSettings, Estimated, Loss, TransformSigma, time_blocks};
 use crate::deployment::PAIRS;
@@ -36,8 +35,12 @@ const INSTRUMENT: PolarNoise = PolarNoise {
 };
 /// What straight lines between readings miss on bends (m, 1 σ); a Gaussian process states its own.
 const CHORD_SIGMA_M: f64 = 0.001;
-/// Compensators hold a station upright to about this (rad, 1 σ): half an arcsecond to a few.
-const TILT_SIGMA_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0 / 3600.0;
+/// Share of two readings' noise that a point between them has on average: ∫(1−s)² + s² ds.
+const CHORD_NOISE: f64 = 2.0 / 3.0;
+/// How far the noise's share of the variances may be off (1 σ); what it pulls the answer by is uncertain as much.
+const NOISE_SHARE_SIGMA: f64 = 0.5;
+/// Compensators hold a station upright to about this (rad, 1 σ): an arcsecond.
+const TILT_SIGMA_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 /// Scale of the losses over the residuals' spread: Huber's constant. At it Huber's loss is 95 % and Cauchy's about 80 %
 /// efficient on normal errors, and tails as heavy as a real drive's hardly count.
 const LOSS_SCALE: f64 = 1.345;
@@ -89,7 +92,8 @@ pub fn refine(
     let start = start(plain, inter_prism_m);
     let estimated = estimated(settings);
     let precision = precisions(settings);
-    let weights = noise_weights(triplets, &plain.map(RigidTransform::from), settings);
+    let noise = Noise::new(triplets, &plain.map(RigidTransform::from), settings)
+        .no_larger_than_residuals(&data, &start);
     let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
 
     let mut state = start;
@@ -99,9 +103,9 @@ pub fn refine(
     for iteration in 0..MOST_REWEIGHTINGS + MOST_NEWTON_STEPS {
         let settled = iteration >= MOST_REWEIGHTINGS;
         if !settled {
-            scale = loss_scale(&data, &state, &weights, settings.loss);
+            scale = loss_scale(&data, &state, &noise, settings.loss);
         }
-        let sums = accumulate(&data, &state, &weights, settings.loss, scale, &blocks);
+        let sums = accumulate(&data, &state, &noise, settings.loss, scale, &blocks);
         if !settled {
             lambda = prior_weight(&sums)?;
         }
@@ -118,7 +122,7 @@ pub fn refine(
             break;
         }
     }
-    let sums = accumulate(&data, &state, &weights, settings.loss, scale, &blocks);
+    let sums = accumulate(&data, &state, &noise, settings.loss, scale, &blocks);
     let covariance =
         covariance(&sums, &precision, lambda, &estimated, settings.inter_prism_sigma_m)?;
     Some(summary(&state, &start, &covariance, settings, scale, converged))
@@ -142,17 +146,18 @@ pub fn suspected_clocks(
         ..CalibrationSettings::default()
     };
     let (places, precision) = (estimated(&settings), precisions(&settings));
-    let weights = noise_weights(some, &plain.map(RigidTransform::from), &settings);
+    let noise = Noise::new(some, &plain.map(RigidTransform::from), &settings)
+        .no_larger_than_residuals(&data, &state);
     let blocks = time_blocks::of(&some.time_s, &some.interval);
     // A few gross errors must not decide.
     let loss = Loss::Huber;
-    let scale = loss_scale(&data, &state, &weights, loss);
-    let sums = accumulate(&data, &state, &weights, loss, scale, &blocks);
+    let scale = loss_scale(&data, &state, &noise, loss);
+    let sums = accumulate(&data, &state, &noise, loss, scale, &blocks);
     let lambda = prior_weight(&sums)?;
     let state = state - step(&sums.normal, &precision, lambda, &sums.gradient, &places)?;
     // What the clocks explained is no error any more.
-    let scale = loss_scale(&data, &state, &weights, loss);
-    let sums = accumulate(&data, &state, &weights, loss, scale, &blocks);
+    let scale = loss_scale(&data, &state, &noise, loss);
+    let sums = accumulate(&data, &state, &noise, loss, scale, &blocks);
     let covariance = covariance(&sums, &precision, lambda, &places, distance_sigma_m)?;
     Some([CLOCKS, CLOCKS + 1].map(|place| Estimate {
         value: state[place],
@@ -205,48 +210,76 @@ fn precisions(settings: &CalibrationSettings) -> State {
     precision
 }
 
-/// For each triplet and pair 1/σ² (1/m²), from the instruments' noise and the interpolation's; all ones without it.
-fn noise_weights(
-    triplets: &Triplets,
-    station1_from_station: &[RigidTransform; 3],
-    settings: &CalibrationSettings,
-) -> Vec<[f64; 3]> {
-    if !settings.weigh_by_noise {
-        // The size does not matter: λ and the loss take their scale from the residuals.
-        return vec![[CHORD_SIGMA_M.powi(-2); 3]; triplets.len()];
+/// What is known of the noise of each triplet and pair.
+struct Noise {
+    /// 1/σ² of the distance (1/m²); all alike unless the settings weigh by noise.
+    weights: Vec<[f64; 3]>,
+    /// Covariance of the separation, in station 1's frame (m²).
+    covariance_m2: Vec<[Matrix3<f64>; 3]>,
+}
+
+impl Noise {
+    /// No larger than the residuals show: what is stated may be too much for a good day, and for a Gaussian process. Not
+    /// larger than stated either: residuals hold more than noise.
+    fn no_larger_than_residuals(mut self, data: &MovingTriplets<'_>, state: &State) -> Self {
+        let placed = transforms(state);
+        let mut ratios = Vec::with_capacity(3 * self.covariance_m2.len());
+        for (index, covariances) in self.covariance_m2.iter().enumerate() {
+            let found = distances(data, index, state, &placed);
+            for (pair, covariance_m2) in covariances.iter().enumerate() {
+                let stated_m = found.variance_along_m2(pair, covariance_m2).sqrt();
+                ratios.push(found.residual_m[pair].abs() / stated_m.max(1e-9));
+            }
+        }
+        let middle = ratios.len() / 2;
+        let median = *ratios.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let share = (median / 0.6745).powi(2).min(1.0);
+        self.covariance_m2.iter_mut().flatten().for_each(|covariance| *covariance *= share);
+        self
     }
-    let backs = station1_from_station.each_ref().map(back);
-    (0..triplets.len())
-        .map(|index| {
-            let points = triplets.triplet_m(index);
-            let placed: [Vector3<f64>; 3] =
-                std::array::from_fn(|s| station1_from_station[s].apply(&points[s]));
-            PAIRS.map(|(a, b)| {
-                let direction = (placed[a] - placed[b]).normalize();
-                let variance: f64 = [a, b]
-                    .into_iter()
-                    .map(|station| {
-                        let own = backs[station] * direction;
-                        let interpolation =
-                            triplets.sigma_m.as_ref().map_or(CHORD_SIGMA_M.powi(2), |sigma| {
-                                sigma[station][index].component_mul(&own).norm_squared()
-                            });
-                        INSTRUMENT.variance_along(&points[station], &own) + interpolation
-                    })
-                    .sum();
-                1.0 / variance
+
+    /// From the instruments' noise and the interpolation's.
+    fn new(
+        triplets: &Triplets,
+        station1_from_station: &[RigidTransform; 3],
+        settings: &CalibrationSettings,
+    ) -> Self {
+        let point = |station: usize, index: usize| {
+            let turn = station1_from_station[station].rotation.matrix();
+            let own = match &triplets.sigma_m {
+                // A Gaussian process has weighed the readings already.
+                Some(sigma) => Matrix3::from_diagonal(&sigma[station][index].map(|s| s * s)),
+                None => INSTRUMENT.covariance_m2(&triplets.points_m[station][index]) * CHORD_NOISE,
+            };
+            turn * own * turn.transpose()
+        };
+        let covariance_m2: Vec<[Matrix3<f64>; 3]> = (0..triplets.len())
+            .map(|index| {
+                let points = [0, 1, 2].map(|station| point(station, index));
+                PAIRS.map(|(a, b)| points[a] + points[b])
             })
-        })
-        .collect()
+            .collect();
+        let weights = if settings.weigh_by_noise {
+            let placed = |station: usize, index: usize| {
+                station1_from_station[station].apply(&triplets.points_m[station][index])
+            };
+            let weight = |index: usize, pair: usize| {
+                let (a, b) = PAIRS[pair];
+                let unit = (placed(a, index) - placed(b, index)).normalize();
+                let noise_m2 = unit.dot(&(covariance_m2[index][pair] * unit));
+                1.0 / (noise_m2 + 2.0 * CHORD_SIGMA_M.powi(2))
+            };
+            (0..triplets.len()).map(|index| [0, 1, 2].map(|pair| weight(index, pair))).collect()
+        } else {
+            // The size does not matter: λ and the loss take their scale from the residuals.
+            vec![[CHORD_SIGMA_M.powi(-2); 3]; triplets.len()]
+        };
+        Self { weights, covariance_m2 }
+    }
 }
 
 /// The scale of the loss, in units of the stated noise, from the median of the errors' sizes.
-fn loss_scale(
-    data: &MovingTriplets<'_>,
-    state: &State,
-    weights: &[[f64; 3]],
-    loss: Loss,
-) -> Option<f64> {
+fn loss_scale(data: &MovingTriplets<'_>, state: &State, noise: &Noise, loss: Loss) -> Option<f64> {
     if loss == Loss::Squared {
         return None;
     }
@@ -254,7 +287,7 @@ fn loss_scale(
     let mut sizes: Vec<f64> = (0..data.triplets.len())
         .flat_map(|index| {
             let residual_m = distances(data, index, state, &placed).residual_m;
-            [0, 1, 2].map(|pair| residual_m[pair].abs() * weights[index][pair].sqrt())
+            [0, 1, 2].map(|pair| residual_m[pair].abs() * noise.weights[index][pair].sqrt())
         })
         .collect();
     let middle = sizes.len() / 2;
@@ -269,8 +302,10 @@ struct Sums {
     normal: Matrix,
     /// Σ ψ'(r) J Jᵀ.
     hessian: Matrix,
-    /// Σ ψ(r) J.
+    /// Σ ψ(r) J, less what noise alone makes of it.
     gradient: State,
+    /// What noise alone makes of it.
+    by_noise: State,
     /// Σ over blocks of the outer products of their gradients.
     middle: Matrix,
     blocks: usize,
@@ -279,7 +314,7 @@ struct Sums {
 fn accumulate(
     data: &MovingTriplets<'_>,
     state: &State,
-    weights: &[[f64; 3]],
+    noise: &Noise,
     loss: Loss,
     scale: Option<f64>,
     blocks: &[std::ops::Range<usize>],
@@ -289,25 +324,29 @@ fn accumulate(
         normal: Matrix::zeros(),
         hessian: Matrix::zeros(),
         gradient: State::zeros(),
+        by_noise: State::zeros(),
         middle: Matrix::zeros(),
         blocks: blocks.len(),
     };
     for block in blocks {
-        let mut pull = State::zeros();
+        let (mut pull, mut by_noise) = (State::zeros(), State::zeros());
         for index in block.clone() {
             let found = distances(data, index, state, &placed);
             for pair in 0..3 {
-                let noise = weights[index][pair];
+                let stated = noise.weights[index][pair];
                 let residual = found.residual_m[pair];
-                let size = residual.abs() * noise.sqrt();
+                let size = residual.abs() * stated.sqrt();
                 let (weight, slope) = robust_weight(loss, size, scale);
-                let (weight, slope) = (noise * weight, noise * slope);
+                let (weight, slope) = (stated * weight, stated * slope);
                 let derivative = &found.derivative[pair];
                 sums.normal.ger(weight, derivative, derivative, 1.0);
                 sums.hessian.ger(slope, derivative, derivative, 1.0);
                 pull += weight * residual * derivative;
+                by_noise += slope * found.noise_pull(pair, &noise.covariance_m2[index][pair]);
             }
         }
+        pull -= by_noise;
+        sums.by_noise += by_noise;
         sums.gradient += pull;
         sums.middle.ger(1.0, &pull, &pull, 1.0);
     }
@@ -357,8 +396,8 @@ fn step(
     full.iter().all(|value| value.is_finite()).then_some(full)
 }
 
-/// Of the estimated unknowns. Distances that are not estimated are not known exactly either: their σ is propagated, since
-/// an error of theirs acts on every triplet alike and no residual shows it.
+/// Of the estimated unknowns. Distances and tilts that are not estimated are not known exactly either: their σ is
+/// propagated, since an error of theirs acts on every triplet alike and no residual shows it.
 fn covariance(
     sums: &Sums,
     precision: &State,
@@ -372,11 +411,15 @@ fn covariance(
     let freedom = sums.blocks.saturating_sub(places.len()).max(1) as f64;
     let middle = sums.middle * (sums.blocks as f64 / freedom) + lambda * priors;
     let mut small = &inverse * reduced(&middle, places) * &inverse;
-    for distance in (DISTANCES..TILTS).filter(|place| !places.contains(place)) {
-        let pull = places.iter().map(|place| sums.hessian[(*place, distance)]);
-        let moved = &inverse * DVector::from_iterator(places.len(), pull) * distance_sigma_m;
+    for held in (DISTANCES..UNKNOWNS).filter(|place| !places.contains(place)) {
+        let sigma = if held < TILTS { distance_sigma_m } else { TILT_SIGMA_RAD };
+        let pull = places.iter().map(|place| sums.hessian[(*place, held)]);
+        let moved = &inverse * DVector::from_iterator(places.len(), pull) * sigma;
         small += &moved * moved.transpose();
     }
+    let by_noise = places.iter().map(|place| sums.by_noise[*place]);
+    let moved = &inverse * DVector::from_iterator(places.len(), by_noise) * NOISE_SHARE_SIGMA;
+    small += &moved * moved.transpose();
     let mut full = Matrix::zeros();
     for (i, row) in places.iter().enumerate() {
         for (j, column) in places.iter().enumerate() {

@@ -73,12 +73,21 @@ pub fn transforms(state: &State) -> [RigidTransform; 3] {
     [LevelTransform::IDENTITY.into(), one(0), one(1)]
 }
 
-/// Apparent minus estimated distance of each pair at one instant (m), its derivatives, and the unit vectors between the
-/// prisms (station 1's frame).
+/// Apparent minus estimated distance of each pair at one instant (m), and its derivatives.
 pub struct Distances {
     pub residual_m: [f64; 3],
     pub derivative: [State; 3],
-    pub direction: [Vector3<f64>; 3],
+    /// Unit vectors from the second prism of each pair to the first (station 1's frame), and how far they are apart.
+    direction: [Vector3<f64>; 3],
+    length_m: [f64; 3],
+    /// How each station's placed point moves with the unknowns of [`places`].
+    moves: [[Vector3<f64>; 7]; 3],
+}
+
+/// The unknowns that move the points of station 2 (slot 0) or 3.
+fn places(slot: usize) -> [usize; 7] {
+    let (at, tilt) = (4 * slot, TILTS + 2 * slot);
+    [at, at + 1, at + 2, at + 3, CLOCKS + slot, tilt, tilt + 1]
 }
 
 pub fn distances(
@@ -88,7 +97,6 @@ pub fn distances(
     station1_from_station: &[RigidTransform; 3],
 ) -> Distances {
     let mut placed = [data.triplets.points_m[0][index]; 3];
-    // How each placed point moves with the unknowns of its own station.
     let mut moves = [[Vector3::zeros(); 7]; 3];
     for station in 1..3 {
         let slot = station - 1;
@@ -108,39 +116,53 @@ pub fn distances(
             tilted_by(Vector3::y()),
         ];
     }
+    let between = PAIRS.map(|(a, b)| placed[a] - placed[b]);
+    let length_m = between.map(|between| between.norm().max(1e-9));
     let mut result = Distances {
-        residual_m: [0.0; 3],
+        residual_m: std::array::from_fn(|pair| length_m[pair] - state[DISTANCES + pair]),
         derivative: [State::zeros(); 3],
-        direction: [Vector3::zeros(); 3],
+        direction: std::array::from_fn(|pair| between[pair] / length_m[pair]),
+        length_m,
+        moves,
     };
-    for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
-        let between = placed[a] - placed[b];
-        let length_m = between.norm();
-        let unit = between / length_m.max(1e-9);
-        result.residual_m[pair] = length_m - state[DISTANCES + pair];
-        result.direction[pair] = unit;
-        let derivative = &mut result.derivative[pair];
-        derivative[DISTANCES + pair] = -1.0;
-        for (station, sign) in [(a, 1.0), (b, -1.0)] {
-            if station == 0 {
-                continue;
-            }
-            let slot = station - 1;
-            let places = [
-                4 * slot,
-                4 * slot + 1,
-                4 * slot + 2,
-                4 * slot + 3,
-                CLOCKS + slot,
-                TILTS + 2 * slot,
-                TILTS + 2 * slot + 1,
-            ];
-            for (place, step) in places.into_iter().zip(&moves[station]) {
-                derivative[place] += sign * unit.dot(step);
-            }
-        }
+    for pair in 0..3 {
+        result.derivative[pair] = result.along(pair, &result.direction[pair]);
+        result.derivative[pair][DISTANCES + pair] = -1.0;
     }
     result
+}
+
+impl Distances {
+    /// How far a pair's separation moves along a vector with each unknown.
+    fn along(&self, pair: usize, vector: &Vector3<f64>) -> State {
+        let mut moved = State::zeros();
+        let (a, b) = PAIRS[pair];
+        for (station, sign) in [(a, 1.0), (b, -1.0)].into_iter().filter(|(s, _)| *s > 0) {
+            for (place, step) in places(station - 1).into_iter().zip(&self.moves[station]) {
+                moved[place] += sign * vector.dot(step);
+            }
+        }
+        moved
+    }
+
+    /// Variance of a pair's distance out of the covariance of its separation (m²).
+    pub fn variance_along_m2(&self, pair: usize, covariance_m2: &Matrix3<f64>) -> f64 {
+        self.direction[pair].dot(&(covariance_m2 * self.direction[pair]))
+    }
+
+    /// What noise alone makes of derivative × residual, on average: with noise n of covariance Σ on a separation of length
+    /// d along u, the residual is u·n + nᵀ(I − uuᵀ)n/2d and u itself turns by (I − uuᵀ)n/d, so that
+    /// E[r u] = (I − uuᵀ)Σu/d + u tr((I − uuᵀ)Σ)/2d. Where the data holds a direction weakly, as height against distance on
+    /// level ground, a sum that is off by this moves the answer by centimetres.
+    pub fn noise_pull(&self, pair: usize, covariance_m2: &Matrix3<f64>) -> State {
+        let (unit, length_m) = (&self.direction[pair], self.length_m[pair]);
+        let pulled = covariance_m2 * unit;
+        let along = unit.dot(&pulled);
+        let longer_m = (covariance_m2.trace() - along) / (2.0 * length_m);
+        let mut pull = self.along(pair, &((pulled - along * unit) / length_m + longer_m * unit));
+        pull[DISTANCES + pair] = -longer_m;
+        pull
+    }
 }
 
 /// Nominal noise of a total station: range (m, and parts of the range), and both angles (rad).
@@ -152,18 +174,14 @@ pub struct PolarNoise {
 }
 
 impl PolarNoise {
-    /// Variance (m²) along a direction, given in the station's frame, of a point that the station sees there.
-    pub fn variance_along(&self, point_m: &Vector3<f64>, direction: &Vector3<f64>) -> f64 {
-        let range_m = point_m.norm();
-        let along = (point_m.dot(direction) / range_m.max(1e-9)).powi(2);
-        let range_sigma_m = self.range_m + self.range_share * range_m;
-        along * range_sigma_m.powi(2) + (1.0 - along) * (self.angle_rad * range_m).powi(2)
+    /// Covariance (m²) of a point that the station sees there, in the station's frame.
+    pub fn covariance_m2(&self, point_m: &Vector3<f64>) -> Matrix3<f64> {
+        let range_m = point_m.norm().max(1e-9);
+        let sight = point_m / range_m;
+        let along = (self.range_m + self.range_share * range_m).powi(2);
+        let across = (self.angle_rad * range_m).powi(2);
+        Matrix3::identity() * across + sight * sight.transpose() * (along - across)
     }
-}
-
-/// Rotation that takes a direction of station 1's frame into a station's own.
-pub fn back(transform: &RigidTransform) -> Matrix3<f64> {
-    transform.rotation.matrix().transpose()
 }
 
 #[cfg(test)]
@@ -218,8 +236,8 @@ mod tests {
     fn noise_is_the_range_s_along_the_sight_and_the_angle_s_across() {
         let noise = PolarNoise { range_m: 0.002, range_share: 2e-6, angle_rad: 5e-6 };
         let point = Vector3::new(100.0, 0.0, 0.0);
-        let along = noise.variance_along(&point, &Vector3::x()).sqrt();
-        let across = noise.variance_along(&point, &Vector3::y()).sqrt();
+        let covariance = noise.covariance_m2(&point);
+        let (along, across) = (covariance[(0, 0)].sqrt(), covariance[(1, 1)].sqrt());
         assert!(
             (along - 0.0022).abs() < 1e-9 && (across - 0.0005).abs() < 1e-9,
             "{along} {across}"
