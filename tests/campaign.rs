@@ -4,6 +4,8 @@
 //! The short version runs always; the whole one, which prints the table, on request:
 //! `cargo test --release --no-default-features --test campaign -- --ignored --nocapture`
 
+#![allow(clippy::print_stdout, reason = "the table is the point")]
+
 mod common;
 
 use std::collections::BTreeMap;

@@ -225,6 +225,10 @@ fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
             }
         };
     }
+    ui.collapsing("its parts", |ui| parts(ui, settings));
+}
+
+fn parts(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
     ui.horizontal_wrapped(|ui| {
         ui.label("loss");
         for (loss, name) in
