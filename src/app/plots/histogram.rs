@@ -1,9 +1,9 @@
 //! How the distance errors are distributed, one outline a pair.
 
 use eframe::egui;
-use egui_plot::{Line, Plot, PlotPoints, VLine};
+use egui_plot::{AxisHints, Line, Plot, PlotPoints, VLine};
 
-use super::{answer, pair_name, round_marks};
+use super::{LABELS, answer, pair_name, round_marks};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::deployment::pair_label;
@@ -26,9 +26,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
             ui.label(pair_name(pair, ui.visuals().dark_mode));
         }
     });
+    // The highest number of the axis reaches above it.
+    ui.add_space(4.0);
     let zero_colour = theme::faint(ui.visuals().dark_mode);
     Plot::new(("histogram", open.id, open.analysis_run))
-        .x_axis_label("error (mm)")
+        .custom_x_axes(vec![AxisHints::new_x().label("error (mm)").label_spacing(LABELS)])
         .x_grid_spacer(round_marks)
         .y_grid_spacer(round_marks)
         .y_axis_label(format!("triplets per {width:.2} mm"))

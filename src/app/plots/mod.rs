@@ -43,6 +43,9 @@ fn pair_name(pair: usize, dark: bool) -> egui::RichText {
         .strong()
 }
 
+/// Numbers along x appear from the first of these distances (points), in full from the second.
+const LABELS: std::ops::RangeInclusive<f32> = 20.0..=34.0;
+
 /// Grid lines at 1, 2 or 5 times a power of ten, every one of which has room for its number, and four or five faint
 /// ones between.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
@@ -57,7 +60,7 @@ fn round_marks(input: GridInput) -> Vec<GridMark> {
     let step = times * decade;
     let fine = step / f64::from(parts);
     let (low, high) = input.bounds;
-    ((low / fine).floor() as i64..=(high / fine).ceil() as i64)
+    ((low / fine).ceil() as i64..=(high / fine).floor() as i64)
         .map(|index| {
             let whole = index.rem_euclid(i64::from(parts)) == 0;
             // The size decides how strong the line is, and only strong ones have a number.

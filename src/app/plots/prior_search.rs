@@ -6,7 +6,7 @@ use egui_plot::{
     Points,
 };
 
-use super::{answer, round_marks};
+use super::{LABELS, answer, round_marks};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::calibration::inter_prism::{PriorSearch, SearchRun};
@@ -32,7 +32,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     caption(ui, search);
     let id = state.active().map(|open| (open.id, open.analysis_run));
     Plot::new(("prior search", id))
-        .x_axis_label("speed limit τ_v (m/s)")
+        .custom_x_axes(vec![
+            AxisHints::new_x().label("speed limit τ_v (m/s)").label_spacing(LABELS),
+        ])
         .x_grid_spacer(round_marks)
         .custom_y_axes(vec![
             AxisHints::new_y()
@@ -112,6 +114,7 @@ fn decades(input: GridInput) -> Vec<GridMark> {
             };
             steps.iter().map(mark).collect::<Vec<_>>()
         })
+        .filter(|mark| (low..=high).contains(&mark.value))
         .collect()
 }
 

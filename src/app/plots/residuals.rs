@@ -1,10 +1,10 @@
 //! Distance errors over time, one colour a pair, with the kept intervals behind and the time cursor.
 
 use eframe::egui;
-use egui_plot::{FilledArea, HoverPosition, Plot, PlotPoints, Points, Span, VLine};
+use egui_plot::{AxisHints, FilledArea, HoverPosition, Plot, PlotPoints, Points, Span, VLine};
 
 use super::prepared::Band;
-use super::{answer, pair_switches, round_marks};
+use super::{LABELS, answer, pair_switches, round_marks};
 use crate::analysis::{Analysis, Answer};
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::{Command, Commands, State};
@@ -36,7 +36,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
     });
     let plot = Plot::new(("residuals", open.id))
-        .x_axis_label("time since the first measurement (s)")
+        .custom_x_axes(vec![
+            AxisHints::new_x().label("time since the first measurement (s)").label_spacing(LABELS),
+        ])
         .y_axis_label("distance error (mm)")
         .x_grid_spacer(round_marks)
         .y_grid_spacer(round_marks)
