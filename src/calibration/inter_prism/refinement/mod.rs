@@ -24,7 +24,7 @@ type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
 const MOST_NEWTON_STEPS: usize = 30;
 /// Triplets that a suspicion about the clocks rests on, spread evenly.
-const SUSPICION_TRIPLETS: usize = 1200;
+const SUSPICION_TRIPLETS: usize = 400;
 /// Steps smaller than this (m, rad, s; all of the same order here) change nothing that anyone can see.
 const SMALL_STEP: f64 = 1e-9;
 /// The Trimble S7: 2 mm + 2 ppm, one arcsecond (`paper.tex`, "Experiments").
