@@ -317,6 +317,12 @@ fn read_control_point_sets<'a>(
         used.push(source.file.as_str());
         sets.push(set);
     }
+    if pillars.is_some() && !sets.is_empty() && !sets.iter().any(|set| set.pillars) {
+        findings.push(Finding::warning(
+            "the survey of pillars belongs to no file of readings, and all points count as control points; name the file \
+             with the pillars' readings Two_points.txt",
+        ));
+    }
     for source in sources.iter().filter(|s| s.format == Format::SurveyedPoints) {
         let surveyed = format::surveyed_points::read(&source.file, &source.text()?)?;
         for known in &surveyed {
