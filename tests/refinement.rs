@@ -2,12 +2,11 @@
 
 mod common;
 
-use common::{analyse, answer, field_data};
+use common::{analyse, answer, field_data, normalised, rms_by_component};
 use resect::analysis::{Analysis, Settings};
 use resect::calibration::inter_prism::Refinement;
 use resect::calibration::{CalibrationSettings, Estimated, Loss};
 use resect::deployment::open;
-use resect::geometry::{LevelTransform, wrap_to_pi};
 use resect::simulation::{Preset, SystematicErrors, simulate_scenario};
 
 fn settings(loss: Loss, estimate: Estimated) -> Settings {
@@ -22,25 +21,6 @@ const CLOCKS: Estimated = Estimated { clocks: true, distances: false, tilt: fals
 fn refinement(analysis: &Analysis) -> &Refinement {
     let details = answer(analysis).calibration.inter_prism().expect("method D");
     details.refinement.as_ref().expect("it was asked for")
-}
-
-/// Errors of the eight numbers over their stated σ.
-fn normalised(analysis: &Analysis, truth: &[LevelTransform; 3]) -> Vec<f64> {
-    let calibration = &answer(analysis).calibration;
-    let sigma = calibration.sigma.expect("nothing is free");
-    (1..3)
-        .flat_map(|station| {
-            let (found, truth) = (&calibration.station1_from_station[station], &truth[station]);
-            let sigma = &sigma[station - 1];
-            let off = found.translation_m - truth.translation_m;
-            [
-                off.x / sigma.translation_m.x,
-                off.y / sigma.translation_m.y,
-                off.z / sigma.translation_m.z,
-                wrap_to_pi(found.yaw_rad() - truth.yaw_rad) / sigma.yaw_rad,
-            ]
-        })
-        .collect()
 }
 
 fn with_errors(errors: SystematicErrors, seed: u64) -> resect::simulation::Simulated {
@@ -98,7 +78,7 @@ fn a_wrong_distance_is_found_as_far_as_the_prior_lets_it() {
 #[test]
 fn stated_sigmas_hold_for_the_robust_estimate() {
     const SEEDS: u64 = 24;
-    let mut squares = [0.0; 8];
+    let mut runs = Vec::new();
     for seed in 0..SEEDS {
         let simulated = with_errors(SystematicErrors::default(), seed);
         let deployment = simulated.deployment().expect("valid");
@@ -106,10 +86,9 @@ fn stated_sigmas_hold_for_the_robust_estimate() {
         robust.calibration = CalibrationSettings::robust();
         let analysis = analyse(&deployment, &robust);
         assert!(refinement(&analysis).converged, "seed {seed}");
-        let off = normalised(&analysis, &simulated.truth.station1_from_station);
-        squares.iter_mut().zip(off).for_each(|(sum, z)| *sum += z * z);
+        runs.push(normalised(&analysis, &simulated.truth.station1_from_station));
     }
-    let rms = squares.map(|sum| (sum / SEEDS as f64).sqrt());
+    let rms = rms_by_component(&runs);
     assert!(rms.iter().all(|rms| (0.6..1.4).contains(rms)), "{rms:.2?}");
 }
 

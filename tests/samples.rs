@@ -2,11 +2,11 @@
 
 mod common;
 
-use common::{analyse, answer, sample_folder};
-use resect::analysis::{Analysis, Settings};
+use common::{analyse, answer, normalised, sample_folder};
+use resect::analysis::Settings;
 use resect::calibration::{PriorMethod, Verdict};
 use resect::deployment::{Sample, open};
-use resect::geometry::{LevelTransform, wrap_to_pi};
+use resect::geometry::LevelTransform;
 use resect::simulation::{Preset, simulate};
 
 #[derive(serde::Deserialize)]
@@ -27,22 +27,6 @@ fn truth(sample: &str) -> [LevelTransform; 3] {
         LevelTransform::new(truth.transforms[i].translation_m.into(), truth.transforms[i].yaw_rad)
     });
     [LevelTransform::IDENTITY, a, b]
-}
-
-/// Errors of the eight numbers in units of their stated σ.
-fn normalised(analysis: &Analysis, truth: &[LevelTransform; 3]) -> [f64; 8] {
-    let calibration = &answer(analysis).calibration;
-    let sigma = calibration.sigma.expect("nothing is free");
-    std::array::from_fn(|k| {
-        let (station, part) = (k / 4 + 1, k % 4);
-        let (found, truth) = (&calibration.station1_from_station[station], &truth[station]);
-        if part == 3 {
-            wrap_to_pi(found.yaw_rad() - truth.yaw_rad) / sigma[station - 1].yaw_rad
-        } else {
-            (found.translation_m - truth.translation_m)[part]
-                / sigma[station - 1].translation_m[part]
-        }
-    })
 }
 
 #[test]

@@ -87,6 +87,7 @@ fn lack(
     triplets: &Triplets,
     targets: Targets,
 ) -> Option<String> {
+    let no_triplets = || Some(format!("triplets: {}", why_no_triplets(deployment)));
     match method {
         Method::TwoPoint => {
             let known = |set: &&crate::deployment::ControlPointSet| {
@@ -114,7 +115,7 @@ fn lack(
                 )
             })
         }
-        Method::DynamicGcp if triplets.is_empty() => Some(why_no_triplets(deployment)),
+        Method::DynamicGcp if triplets.is_empty() => no_triplets(),
         Method::DynamicGcp => match targets {
             Targets::ThreePrisms => {
                 Some("one prism that all three stations follow; here each has its own".to_owned())
@@ -127,7 +128,7 @@ fn lack(
             } else if deployment.rig.is_none() {
                 Some("the inter-prism distances (calibration_results.csv, or --rig)".to_owned())
             } else if triplets.is_empty() {
-                Some(why_no_triplets(deployment))
+                no_triplets()
             } else {
                 None
             }

@@ -1,22 +1,23 @@
 //! From a path to a deployment: what is in a folder, which file plays which part, and what is missing.
 
+mod control_points;
+mod gnss;
+mod rig;
+
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use nalgebra::Vector3;
-
 use super::format::{self, Format, OpenError, deployment_toml::Overrides, recognise};
-use super::rig::pairwise_distances;
-use super::{ControlPointSet, Deployment, Finding, GnssFix, RawRecord, Rig, assemble_tracks};
+use super::{Deployment, Finding, RawRecord, assemble_tracks};
+use control_points::read_control_point_sets;
+pub use control_points::read_control_points;
+use gnss::read_gnss;
+use rig::read_rig;
 
 /// What the MT1000 prism adds to a range (m), unless `deployment.toml` says otherwise.
 const PRISM_CONSTANT_M: f64 = 0.010;
 /// How deep below the given folder files are looked for.
 const FOLDER_DEPTH: usize = 3;
-/// Distances of one rig in two files may differ by this much (m) before it is worth a word.
-const RIG_TOLERANCE_M: f64 = 0.005;
-/// … and by this much only if they are not of one rig.
-const WRONG_RIG_M: f64 = 0.05;
 
 /// A file that was looked at, and what became of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -285,267 +286,6 @@ fn read_records(source: &Source) -> Result<(Vec<RawRecord>, &'static str), OpenE
         }
         _ => Ok((format::polar_csv::read(&source.file, &source.text()?)?, "line")),
     }
-}
-
-fn read_control_point_sets<'a>(
-    sources: &'a [Source],
-    overrides: &Overrides,
-    prism_constant_m: f64,
-    findings: &mut Vec<Finding>,
-) -> Result<(Vec<ControlPointSet>, Vec<&'a str>), OpenError> {
-    let mut used = Vec::new();
-    let mut sets = Vec::new();
-    let mut pillars = None;
-    if let Some(source) = sources.iter().find(|s| s.format == Format::Pillars) {
-        pillars = Some(format::pillars::read(&source.file, &source.text()?)?);
-        used.push(source.file.as_str());
-    }
-    for source in sources.iter().filter(|s| s.format == Format::ControlPoints) {
-        if overrides.control_points.as_ref().is_some_and(|files| !files.contains(&source.file)) {
-            continue;
-        }
-        let Some(set) = read_control_points(
-            &source.file,
-            &source.text()?,
-            prism_constant_m,
-            pillars.as_deref(),
-            findings,
-        )?
-        else {
-            continue;
-        };
-        used.push(source.file.as_str());
-        sets.push(set);
-    }
-    if pillars.is_some() && !sets.is_empty() && !sets.iter().any(|set| set.pillars) {
-        findings.push(Finding::warning(
-            "the survey of pillars belongs to no file of readings, and all points count as control points; name the file \
-             with the pillars' readings Two_points.txt",
-        ));
-    }
-    for source in sources.iter().filter(|s| s.format == Format::SurveyedPoints) {
-        let surveyed = format::surveyed_points::read(&source.file, &source.text()?)?;
-        for known in &surveyed {
-            let point = sets
-                .iter_mut()
-                .find(|set| set.file == known.file)
-                .and_then(|set| set.points.iter_mut().find(|p| p.marker == known.marker_number));
-            match point {
-                Some(point) => point.known_m = Some(known.position_m()),
-                None => findings.push(Finding::warning(format!(
-                    "{}: marker {} of {} was not measured",
-                    source.file, known.marker_number, known.file
-                ))),
-            }
-        }
-        used.push(source.file.as_str());
-    }
-    if let Some(wanted) = &overrides.control_points
-        && let Some(missing) = wanted.iter().find(|file| {
-            !sources.iter().any(|s| s.file == **file && s.format == Format::ControlPoints)
-        })
-    {
-        return Err(OpenError::file(
-            "deployment.toml",
-            format!("control_points names `{missing}`, which is no control-point file here"),
-            "give names relative to the folder",
-        ));
-    }
-    Ok((sets, used))
-}
-
-/// Antennas 1, 2, 3: the files that `deployment.toml` names, or the three that are there, by name.
-fn read_gnss<'a>(
-    sources: &'a [Source],
-    overrides: &Overrides,
-    used: &mut Vec<&'a str>,
-    findings: &mut Vec<Finding>,
-) -> Result<Option<[Vec<GnssFix>; 3]>, OpenError> {
-    let there: Vec<&Source> = sources.iter().filter(|s| s.format == Format::RtklibPos).collect();
-    let chosen: Vec<&Source> = match &overrides.gnss {
-        None => there,
-        Some(names) => names
-            .iter()
-            .map(|name| {
-                there.iter().find(|s| s.file == *name).copied().ok_or_else(|| {
-                    OpenError::file(
-                        "deployment.toml",
-                        format!("gnss names `{name}`, which is no RTKLIB solution file here"),
-                        "give names relative to the folder",
-                    )
-                })
-            })
-            .collect::<Result<_, _>>()?,
-    };
-    let repeated =
-        (1..chosen.len()).any(|i| chosen[..i].iter().any(|earlier| earlier.file == chosen[i].file));
-    if repeated {
-        return Err(OpenError::file(
-            "deployment.toml",
-            "gnss names a file twice",
-            "each antenna has a file of its own",
-        ));
-    }
-    let three: [&Source; 3] = match chosen.try_into() {
-        Ok(three) => three,
-        Err(others) => {
-            if !others.is_empty() {
-                findings.push(Finding::warning(format!(
-                    "{} GNSS solution file(s) left out: three antennas are needed; name them in deployment.toml: \
-                     gnss = [\"…\", \"…\", \"…\"]",
-                    others.len()
-                )));
-            }
-            return Ok(None);
-        }
-    };
-    let mut antennas: [Vec<GnssFix>; 3] = Default::default();
-    for (antenna, source) in antennas.iter_mut().zip(three) {
-        let (fixes, said) = format::rtklib_pos::read(&source.file, &source.text()?)?;
-        *antenna = fixes;
-        findings.extend(said);
-        used.push(&source.file);
-    }
-    // Coordinates about a base station are short, those about the Earth's centre are not.
-    let about_the_earth =
-        |fixes: &Vec<GnssFix>| fixes.first().is_some_and(|f| f.position_m.norm() > 1e6);
-    if !antennas.iter().all(|fixes| about_the_earth(fixes) == about_the_earth(&antennas[0])) {
-        findings.push(Finding::warning(
-            "the GNSS antennas are left out: some positions are about the Earth's centre, others about a base station; \
-             solve them with the same settings",
-        ));
-        return Ok(None);
-    }
-    Ok(Some(antennas))
-}
-
-/// One file of control points; `None`, with a finding, when it holds no usable one.
-///
-/// Pillars are known by the markers of their survey, which gives their coordinates; failing that, by the authors'
-/// file name.
-pub fn read_control_points(
-    file: &str,
-    text: &str,
-    prism_constant_m: f64,
-    pillars: Option<&[(i64, Vector3<f64>)]>,
-    findings: &mut Vec<Finding>,
-) -> Result<Option<ControlPointSet>, OpenError> {
-    let (mut set, set_findings) = format::control_points::read(file, text, prism_constant_m)?;
-    findings.extend(set_findings);
-    if set.points.is_empty() {
-        findings.push(Finding::warning(format!("{file}: no usable control point")));
-        return Ok(None);
-    }
-    let named = file.to_lowercase().contains("two_points");
-    set.pillars = pillars.map_or(named, |pillars| {
-        let known = |marker: i64| pillars.iter().any(|(pillar, _)| *pillar == marker);
-        // Ground points are numbered from 1 as well; a set of pillars holds nothing else.
-        named || (set.points.len() == pillars.len() && set.points.iter().all(|p| known(p.marker)))
-    });
-    if let (true, Some(pillars)) = (set.pillars, pillars) {
-        for point in &mut set.points {
-            let pillar = pillars.iter().find(|(pillar, _)| *pillar == point.marker);
-            point.known_m = pillar.map(|(_, position_m)| *position_m);
-            if point.known_m.is_none() {
-                findings.push(Finding::warning(format!(
-                    "{file}: pillar {} stands in no survey of pillars, so its coordinates are not known",
-                    point.marker
-                )));
-            }
-        }
-    }
-    Ok(Some(set))
-}
-
-fn read_rig<'a>(
-    sources: &'a [Source],
-    overrides: &Overrides,
-    prism_constant_m: f64,
-    used: &mut Vec<&'a str>,
-    findings: &mut Vec<Finding>,
-) -> Result<Option<Rig>, OpenError> {
-    let mut only = |format: Format| -> Result<Option<&'a Source>, OpenError> {
-        let found: Vec<_> = sources.iter().filter(|s| s.format == format).collect();
-        match found[..] {
-            [] => Ok(None),
-            [one] => {
-                used.push(&one.file);
-                Ok(Some(one))
-            }
-            [first, second, ..] => Err(OpenError::file(
-                &first.file,
-                format!("and {} both hold {}", second.file, format.describe()),
-                "leave one of them in the folder",
-            )),
-        }
-    };
-    let prisms_m = match only(Format::RigReading)? {
-        Some(s) => {
-            Some(format::rig_files::read_rig_reading(&s.file, &s.text()?, prism_constant_m)?)
-        }
-        None => None,
-    };
-    let distances = match only(Format::RigDistances)? {
-        Some(s) => Some(format::rig_files::read_distances(&s.file, &s.text()?)?),
-        None => None,
-    };
-    let inter_antenna_m = distances.and_then(|(_, antennas)| antennas);
-    let measured = prisms_m.as_ref().map(pairwise_distances);
-    let inter_prism_m =
-        overrides.inter_prism_m.or(distances.map(|(prisms, _)| prisms)).or(measured);
-    let Some(inter_prism_m) = inter_prism_m else {
-        // One prism has no distances.
-        if overrides.prisms != Some(1) {
-            findings.push(Finding::warning(
-                "the inter-prism distances, which method D needs, are not known; put calibration_results.csv beside the \
-                 tracks, set inter_prism_m in deployment.toml, or give --rig",
-            ));
-        }
-        return Ok(None);
-    };
-    let [d12, d13, d23] = inter_prism_m;
-    if inter_prism_m.iter().any(|d| !format::rig_files::PLAUSIBLE_DISTANCE_M.contains(d))
-        || d12 > d13 + d23
-        || d13 > d12 + d23
-        || d23 > d12 + d13
-    {
-        return Err(OpenError::file(
-            "inter-prism distances",
-            format!("{d12} m, {d13} m and {d23} m are not the sides of a triangle"),
-            "the order is 12, 13, 23, in metres",
-        ));
-    }
-    if let Some(measured) = measured {
-        let worst = (0..3).map(|i| (measured[i] - inter_prism_m[i]).abs()).fold(0.0, f64::max);
-        if worst > RIG_TOLERANCE_M {
-            findings.push(Finding::warning(format!(
-                "the inter-prism distances and the reading of the rig disagree by {:.1} mm",
-                worst * 1e3
-            )));
-        }
-    }
-    let in_vehicle_m = overrides.prisms_m.map(|prisms| prisms.map(Vector3::from));
-    if let Some(given) = in_vehicle_m {
-        let worst = pairwise_distances(&given)
-            .iter()
-            .zip(&inter_prism_m)
-            .map(|(given, known)| (given - known).abs())
-            .fold(0.0, f64::max);
-        if worst > WRONG_RIG_M || given.iter().flatten().any(|value| !value.is_finite()) {
-            return Err(OpenError::file(
-                "deployment.toml",
-                format!("prisms_m does not have the inter-prism distances (off by {worst:.3} m)"),
-                "give the prisms 1, 2, 3 in the vehicle's frame, in metres",
-            ));
-        }
-        if worst > RIG_TOLERANCE_M {
-            findings.push(Finding::warning(format!(
-                "prisms_m and the inter-prism distances disagree by {:.1} mm",
-                worst * 1e3
-            )));
-        }
-    }
-    Ok(Some(Rig { inter_prism_m, prisms_m, inter_antenna_m, in_vehicle_m }))
 }
 
 #[cfg(test)]

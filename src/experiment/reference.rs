@@ -41,6 +41,9 @@ impl Judge {
                 offer.default_method()
             }
         });
+        if let Some(lack) = offer.lack(method) {
+            return Err(format!("{}: method {} needs {lack}", deployment.name, method.letter()));
+        }
         let chosen =
             calibration::CalibrationSettings { method: Some(method), ..settings.calibration };
         let mut findings = Vec::new();

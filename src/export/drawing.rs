@@ -40,11 +40,6 @@ pub enum Mark {
         opacity: f32,
         outline: Option<f32>,
     },
-    Dot {
-        at: [f32; 2],
-        radius: f32,
-        ink: Ink,
-    },
     /// One line of text. `anchor` says which part of it is at `at`, along its direction; across, its middle
     /// is. `upwards` reads from bottom to top.
     Text {
@@ -112,10 +107,6 @@ impl Mark {
                 grow(min);
                 grow(max);
                 outline.iter_mut().for_each(|width| *width *= scale);
-            }
-            Self::Dot { at, radius, .. } => {
-                grow(at);
-                *radius *= scale;
             }
             Self::Text { at, size, .. } => {
                 grow(at);

@@ -58,10 +58,6 @@ fn element(mark: &Mark, dark: bool) -> String {
                 max[1] - min[1],
             )
         }
-        Mark::Dot { at: [x, y], radius, ink } => {
-            let colour = hex(*ink, dark);
-            format!("<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius:.2}\" fill=\"{colour}\"/>\n")
-        }
         Mark::Text { at: [x, y], text, size, ink, anchor, strong, upwards } => {
             let colour = hex(*ink, dark);
             let anchor = match anchor {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use resect::analysis::{Analysis, Analyst, Answer, Settings};
 use resect::deployment::Deployment;
-use resect::geometry::{RigidTransform, wrap_to_pi};
+use resect::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 
 /// A folder or file of the field data, which is never part of the repository; `None` (said aloud) where it is
 /// not there.
@@ -48,4 +48,28 @@ pub fn assert_close(
         (0..3).all(|axis| off[axis].abs() <= metres[axis]) && turned.abs() <= radians,
         "off by {off:?} m and {turned} rad: {found:?} instead of {expected:?}"
     );
+}
+
+/// Errors of (x, y, z, yaw) of stations 2 and 3 over their stated σ.
+#[track_caller]
+pub fn normalised(analysis: &Analysis, truth: &[LevelTransform; 3]) -> [f64; 8] {
+    let calibration = &answer(analysis).calibration;
+    let sigma = calibration.sigma.expect("nothing is free");
+    std::array::from_fn(|k| {
+        let (station, part) = (k / 4 + 1, k % 4);
+        let (found, truth) = (&calibration.station1_from_station[station], &truth[station]);
+        let sigma = &sigma[station - 1];
+        if part == 3 {
+            wrap_to_pi(found.yaw_rad() - truth.yaw_rad) / sigma.yaw_rad
+        } else {
+            (found.translation_m - truth.translation_m)[part] / sigma.translation_m[part]
+        }
+    })
+}
+
+/// Root mean square of each component over many runs.
+pub fn rms_by_component(runs: &[[f64; 8]]) -> [f64; 8] {
+    std::array::from_fn(|k| {
+        (runs.iter().map(|run| run[k].powi(2)).sum::<f64>() / runs.len() as f64).sqrt()
+    })
 }

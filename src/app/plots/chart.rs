@@ -29,9 +29,6 @@ pub fn paint(painter: &egui::Painter, rect: Rect, drawing: &Drawing, dark: bool)
                     painter.rect_stroke(shape, 0.0, stroke, egui::StrokeKind::Middle);
                 }
             }
-            Mark::Dot { at, radius, ink } => {
-                painter.circle_filled(place(*at), *radius, colour(*ink));
-            }
             Mark::Text { at, text, size, ink, anchor, upwards, .. } => {
                 let font = FontId::proportional(*size);
                 write(painter, place(*at), text, font, colour(*ink), *anchor, *upwards);

@@ -99,7 +99,6 @@ fn extent(mark: &Mark) -> [[f32; 2]; 2] {
             [fold(f32::INFINITY, f32::min), fold(f32::NEG_INFINITY, f32::max)]
         }
         Mark::Rect { min, max, .. } => [*min, *max],
-        Mark::Dot { at, radius, .. } => [at.map(|x| x - radius), at.map(|x| x + radius)],
         Mark::Text { at: [x, y], text, size, anchor, upwards, .. } => {
             let length = text_width(text, *size);
             let before = match anchor {

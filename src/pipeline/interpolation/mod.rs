@@ -98,12 +98,14 @@ impl Series {
     }
 }
 
-/// Asks `predict` for each interval's instants, given by the interval's number and in seconds from its start.
+/// Asks `predict` for each interval's instants, given by the interval's number, its readings, and in seconds from its
+/// start.
 fn by_interval(
+    track: &FilteredTrack,
     intervals: &[Interval],
     time_s: &[f64],
     interval: &[u32],
-    mut predict: impl FnMut(usize, &[f64], &mut Estimate),
+    mut predict: impl FnMut(usize, &Series, &[f64], &mut Estimate),
 ) -> Estimate {
     let mut estimate = Estimate::default();
     let mut asked = time_s.iter();
@@ -111,7 +113,8 @@ fn by_interval(
         let index = same[0] as usize;
         let start_s = intervals[index].start_s;
         let instants: Vec<f64> = asked.by_ref().take(same.len()).map(|t| t - start_s).collect();
-        predict(index, &instants, &mut estimate);
+        let series = Series::new(track, &intervals[index]);
+        predict(index, &series, &instants, &mut estimate);
     }
     estimate
 }

@@ -32,9 +32,8 @@ pub fn at(
     interval: &[u32],
 ) -> Estimate {
     let learned = learn(track, intervals);
-    by_interval(intervals, time_s, interval, |index, instants_s, estimate| {
-        let series = Series::new(track, &intervals[index]);
-        predict(&series, &learned[index], instants_s, estimate);
+    by_interval(track, intervals, time_s, interval, |index, series, instants_s, estimate| {
+        predict(series, &learned[index], instants_s, estimate);
     })
 }
 

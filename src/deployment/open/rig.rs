@@ -1,0 +1,105 @@
+//! The rig, out of whatever describes it, and whether the descriptions agree.
+
+use nalgebra::Vector3;
+
+use super::Source;
+use crate::deployment::format::{self, Format, OpenError, deployment_toml::Overrides};
+use crate::deployment::rig::pairwise_distances;
+use crate::deployment::{Finding, Rig};
+
+/// Distances of one rig in two files may differ by this much (m) before it is worth a word.
+const RIG_TOLERANCE_M: f64 = 0.005;
+/// … and by this much only if they are not of one rig.
+const WRONG_RIG_M: f64 = 0.05;
+
+/// `None`, with a finding, where nothing gives the inter-prism distances.
+pub fn read_rig<'a>(
+    sources: &'a [Source],
+    overrides: &Overrides,
+    prism_constant_m: f64,
+    used: &mut Vec<&'a str>,
+    findings: &mut Vec<Finding>,
+) -> Result<Option<Rig>, OpenError> {
+    let mut only = |format: Format| -> Result<Option<&'a Source>, OpenError> {
+        let found: Vec<_> = sources.iter().filter(|s| s.format == format).collect();
+        match found[..] {
+            [] => Ok(None),
+            [one] => {
+                used.push(&one.file);
+                Ok(Some(one))
+            }
+            [first, second, ..] => Err(OpenError::file(
+                &first.file,
+                format!("and {} both hold {}", second.file, format.describe()),
+                "leave one of them in the folder",
+            )),
+        }
+    };
+    let prisms_m = match only(Format::RigReading)? {
+        Some(s) => {
+            Some(format::rig_files::read_rig_reading(&s.file, &s.text()?, prism_constant_m)?)
+        }
+        None => None,
+    };
+    let distances = match only(Format::RigDistances)? {
+        Some(s) => Some(format::rig_files::read_distances(&s.file, &s.text()?)?),
+        None => None,
+    };
+    let inter_antenna_m = distances.and_then(|(_, antennas)| antennas);
+    let measured = prisms_m.as_ref().map(pairwise_distances);
+    let inter_prism_m =
+        overrides.inter_prism_m.or(distances.map(|(prisms, _)| prisms)).or(measured);
+    let Some(inter_prism_m) = inter_prism_m else {
+        // One prism has no distances.
+        if overrides.prisms != Some(1) {
+            findings.push(Finding::warning(
+                "the inter-prism distances, which method D needs, are not known; put calibration_results.csv beside the \
+                 tracks, set inter_prism_m in deployment.toml, or give --rig",
+            ));
+        }
+        return Ok(None);
+    };
+    let [d12, d13, d23] = inter_prism_m;
+    if inter_prism_m.iter().any(|d| !format::rig_files::PLAUSIBLE_DISTANCE_M.contains(d))
+        || d12 > d13 + d23
+        || d13 > d12 + d23
+        || d23 > d12 + d13
+    {
+        return Err(OpenError::file(
+            "inter-prism distances",
+            format!("{d12} m, {d13} m and {d23} m are not the sides of a triangle"),
+            "the order is 12, 13, 23, in metres",
+        ));
+    }
+    if let Some(measured) = measured {
+        let worst = (0..3).map(|i| (measured[i] - inter_prism_m[i]).abs()).fold(0.0, f64::max);
+        if worst > RIG_TOLERANCE_M {
+            findings.push(Finding::warning(format!(
+                "the inter-prism distances and the reading of the rig disagree by {:.1} mm",
+                worst * 1e3
+            )));
+        }
+    }
+    let in_vehicle_m = overrides.prisms_m.map(|prisms| prisms.map(Vector3::from));
+    if let Some(given) = in_vehicle_m {
+        let worst = pairwise_distances(&given)
+            .iter()
+            .zip(&inter_prism_m)
+            .map(|(given, known)| (given - known).abs())
+            .fold(0.0, f64::max);
+        if worst > WRONG_RIG_M || given.iter().flatten().any(|value| !value.is_finite()) {
+            return Err(OpenError::file(
+                "deployment.toml",
+                format!("prisms_m does not have the inter-prism distances (off by {worst:.3} m)"),
+                "give the prisms 1, 2, 3 in the vehicle's frame, in metres",
+            ));
+        }
+        if worst > RIG_TOLERANCE_M {
+            findings.push(Finding::warning(format!(
+                "prisms_m and the inter-prism distances disagree by {:.1} mm",
+                worst * 1e3
+            )));
+        }
+    }
+    Ok(Some(Rig { inter_prism_m, prisms_m, inter_antenna_m, in_vehicle_m }))
+}
