@@ -11,24 +11,33 @@ use crate::experiment::{Parameter, Sweep};
 use crate::export::box_chart;
 
 const OPTIONS_WIDTH: f32 = 256.0;
+const OPTIONS_HEIGHT: f32 = 132.0;
+const NARROW_WIDTH: f32 = 600.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let whole = ui.available_rect_before_wrap();
-    let (left, right) = whole.split_left_right_at_x(whole.left() + OPTIONS_WIDTH);
+    // In a narrow pane the picture needs all of the width.
+    let (first, second) = if whole.width() < NARROW_WIDTH {
+        whole.split_top_bottom_at_y(whole.top() + OPTIONS_HEIGHT)
+    } else {
+        whole.split_left_right_at_x(whole.left() + OPTIONS_WIDTH)
+    };
     let column = |rect| {
         egui::UiBuilder::new().max_rect(rect).layout(egui::Layout::top_down(egui::Align::Min))
     };
-    ui.scope_builder(column(left), |ui| {
+    ui.scope_builder(column(first), |ui| {
         scrolled(ui, |ui| options(ui, state, commands));
     });
-    ui.scope_builder(column(right), |ui| picture(ui, state));
+    ui.scope_builder(column(second), |ui| picture(ui, state));
 }
 
 fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut options = state.studies.options;
-    for kind in StudyKind::ALL {
-        ui.radio_value(&mut options.kind, kind, kind.title());
-    }
+    ui.horizontal_wrapped(|ui| {
+        for kind in StudyKind::ALL {
+            ui.radio_value(&mut options.kind, kind, kind.title());
+        }
+    });
     run_or_cancel(ui, state, commands);
     ui.separator();
     ui.horizontal_wrapped(|ui| {
