@@ -66,6 +66,8 @@ pub struct CalibrationSettings {
     pub loss: Loss,
     /// Whether each distance counts by the noise that the instruments state for it.
     pub weigh_by_noise: bool,
+    /// Whether the motion is estimated from the readings themselves, instead of interpolated before.
+    pub continuous_time: bool,
     pub estimate: Estimated,
 }
 
@@ -78,6 +80,7 @@ impl Default for CalibrationSettings {
             inter_prism_sigma_m: 0.001,
             loss: Loss::Squared,
             weigh_by_noise: false,
+            continuous_time: false,
             estimate: Estimated::default(),
         }
     }
@@ -95,7 +98,10 @@ impl CalibrationSettings {
 
     /// Whether anything goes beyond the published method D.
     pub fn refines(&self) -> bool {
-        self.loss != Loss::Squared || self.weigh_by_noise || self.estimate != Estimated::default()
+        self.loss != Loss::Squared
+            || self.weigh_by_noise
+            || self.continuous_time
+            || self.estimate != Estimated::default()
     }
 
     pub fn check(&self) -> Result<(), String> {

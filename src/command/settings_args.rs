@@ -58,6 +58,9 @@ pub struct SettingsArguments {
     /// Let each distance count by the noise that the instruments state for it
     #[arg(long)]
     weigh_by_noise: bool,
+    /// Estimate the motion from the readings themselves (method D), instead of interpolating before
+    #[arg(long)]
+    continuous_time: bool,
     /// What method D estimates beside the transforms: clocks, distances, tilt
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     estimate: Vec<EstimateName>,
@@ -121,6 +124,7 @@ impl SettingsArguments {
         }
         calibration.loss = self.loss.unwrap_or(calibration.loss);
         calibration.weigh_by_noise |= self.weigh_by_noise;
+        calibration.continuous_time |= self.continuous_time;
         for name in &self.estimate {
             match name {
                 EstimateName::Clocks => calibration.estimate.clocks = true,

@@ -128,12 +128,13 @@ impl StagedPipeline {
         });
         let key = (settings.interpolation, settings.rate_hz);
         let triplets = remember(&mut self.triplets, key, &mut stale, || {
-            interpolation::interpolate(
+            let triplets = interpolation::interpolate(
                 &filtered,
                 &kept_intervals,
                 settings.interpolation,
                 settings.rate_hz,
-            )
+            );
+            Triplets { readings: Arc::clone(&filtered), ..triplets }
         });
         PipelineOutput { filtered, intervals, kept_intervals, triplets, fates }
     }

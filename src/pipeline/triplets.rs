@@ -1,6 +1,10 @@
 //! The pipeline's product.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
+
+use super::FilteredTrack;
 
 /// `Q_1, Q_2, Q_3` of the paper: positions of the three prisms at common instants.
 ///
@@ -16,12 +20,15 @@ pub struct Triplets {
     pub speed_m_per_s: Vec<f64>,
     /// For each station one standard deviation of the position on each axis (m), where the interpolation says.
     pub sigma_m: Option<[Vec<Vector3<f64>>; 3]>,
+    /// The filtered readings that they were interpolated from; empty where there were none.
+    pub readings: Arc<[FilteredTrack; 3]>,
 }
 
 impl Triplets {
     pub fn new(time_s: Vec<f64>, interval: Vec<u32>, points_m: [Vec<Vector3<f64>>; 3]) -> Self {
         let speed_m_per_s = speeds(&time_s, &interval, &points_m[0]);
-        Self { time_s, interval, points_m, speed_m_per_s, sigma_m: None }
+        let readings = Arc::default();
+        Self { time_s, interval, points_m, speed_m_per_s, sigma_m: None, readings }
     }
 
     pub fn len(&self) -> usize {
@@ -36,6 +43,7 @@ impl Triplets {
             interval: indices.iter().map(|i| self.interval[*i]).collect(),
             points_m: self.points_m.each_ref().map(points),
             speed_m_per_s: indices.iter().map(|i| self.speed_m_per_s[*i]).collect(),
+            readings: Arc::clone(&self.readings),
             sigma_m: self.sigma_m.as_ref().map(|all| all.each_ref().map(points)),
         }
     }

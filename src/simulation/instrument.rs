@@ -77,7 +77,7 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
         .map(|prism| noisy(beside.apply(&prism), scenario, 1.0 / RIG_READINGS.sqrt(), &mut rng));
     let prisms_m = scenario.prisms_m;
     let inter_prism_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).norm());
-    let truth = Truth { station1_from_station, inter_prism_m, prisms_m, outliers, lost_readings };
+
     let mut control_points: Vec<ControlPointSet> = control_points;
     if scenario.pillars {
         control_points.push(pillars(scenario, &station1_from_station, &mut rng));
@@ -85,6 +85,8 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let antennas = scenario
         .antennas_m
         .map(|antennas_m| gnss::measure(&antennas_m, &motion, scenario.duration_s, &mut rng));
+    let truth =
+        Truth { station1_from_station, inter_prism_m, prisms_m, motion, outliers, lost_readings };
     Simulated {
         scenario: scenario.clone(),
         seed,

@@ -11,6 +11,8 @@ mod scenario;
 mod write;
 
 pub use errors::SystematicErrors;
+pub use instrument::EPOCH_S;
+pub use motion::Motion;
 pub use scenario::{ARCSECOND_RAD, Path, Preset, Scenario};
 pub use write::write_folder;
 
@@ -40,6 +42,8 @@ pub struct Truth {
     pub inter_prism_m: [f64; 3],
     /// Prisms about the vehicle's origin: x ahead, y left, z up (m).
     pub prisms_m: [Vector3<f64>; 3],
+    /// The drive itself, from [`EPOCH_S`] on.
+    pub motion: Motion,
     /// Readings that were given a gross error, and how many were suppressed as lost locks.
     pub outliers: usize,
     pub lost_readings: usize,

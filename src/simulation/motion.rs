@@ -17,12 +17,13 @@ const BETWEEN_STOPS_S: f64 = 75.0;
 const TURN_RADIUS_M: f64 = 3.5;
 
 /// Where the vehicle is at every hundredth of a second.
+#[derive(Clone, Debug)]
 pub struct Motion {
     poses: Vec<Planar>,
     terrain: Terrain,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Planar {
     x_m: f64,
     y_m: f64,
@@ -76,11 +77,13 @@ impl Motion {
 }
 
 /// A sum of waves, its slopes being what tilts the vehicle.
+#[derive(Clone, Debug)]
 struct Terrain {
     mean_m: f64,
     waves: Vec<Wave>,
 }
 
+#[derive(Clone, Debug)]
 struct Wave {
     amplitude_m: f64,
     wave_numbers: [f64; 2],

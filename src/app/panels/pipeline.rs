@@ -205,6 +205,7 @@ fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
         loss: best.loss,
         estimate: best.estimate,
         weigh_by_noise: best.weigh_by_noise,
+        continuous_time: best.continuous_time,
         ..*settings
     };
     let mut robust = *settings == with_best;
@@ -221,6 +222,7 @@ fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
                 loss: paper.loss,
                 estimate: paper.estimate,
                 weigh_by_noise: paper.weigh_by_noise,
+                continuous_time: paper.continuous_time,
                 ..*settings
             }
         };

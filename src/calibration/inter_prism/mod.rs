@@ -31,7 +31,7 @@ pub use levenberg_marquardt::{Minimum, minimise};
 use minima::{Minima, THINNED};
 pub use normal_equations::{NormalEquations, Pulls};
 pub use prior_search::{PriorSearch, SearchRun};
-pub use refinement::{Estimate, Refinement, with_clocks};
+pub use refinement::{Clock, Estimate, Refinement, with_clocks};
 
 use super::method::why_no_triplets;
 use super::{

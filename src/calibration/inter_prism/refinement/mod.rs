@@ -8,12 +8,15 @@
 //! of time of the outer products of their gradients, P the priors' precisions (Huber 1981, "Robust Statistics",
 //! section 6.3; Liang & Zeger 1986).
 
+mod continuous_time;
 mod model;
 
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 
+pub use self::model::Clock;
 use self::model::{
-    CLOCKS, DISTANCES, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS, distances, transforms,
+    CLOCKS, DISTANCES, DRIFTS, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS, distances,
+    transforms,
 };
 use crate::calibration::{CalibrationSettings, Estimated, Loss, TransformSigma, time_blocks};
 use crate::deployment::PAIRS;
@@ -41,6 +44,8 @@ const CHORD_NOISE: f64 = 2.0 / 3.0;
 const NOISE_SHARE_SIGMA: f64 = 0.5;
 /// Compensators hold a station upright to about this (rad, 1 σ): an arcsecond.
 const TILT_SIGMA_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+/// Clocks of instruments drift by parts per million (s per s, 1 σ).
+const DRIFT_SIGMA: f64 = 5e-6;
 /// Scale of the losses over the residuals' spread: Huber's constant. At it Huber's loss is 95 % and Cauchy's about 80 %
 /// efficient on normal errors, and tails as heavy as a real drive's hardly count.
 const LOSS_SCALE: f64 = 1.345;
@@ -70,6 +75,8 @@ pub struct Refinement {
     pub covariance: SMatrix<f64, 8, 8>,
     /// By how much the stamps of stations 2 and 3 are late against station 1's (s).
     pub clock_offsets_s: Option<[Estimate; 2]>,
+    /// And how fast that grows (s per s).
+    pub clock_drifts: Option<[Estimate; 2]>,
     /// Estimated inter-prism distances (m).
     pub distances_m: Option<[Estimate; 3]>,
     /// Tilts of stations 2 and 3 about their own x and y (rad).
@@ -79,6 +86,16 @@ pub struct Refinement {
     /// Scale of the robust loss, in units of the stated noise; `None` for squares.
     pub loss_scale: Option<f64>,
     pub converged: bool,
+}
+
+impl Refinement {
+    /// How late the stamps of stations 2 and 3 are, where that was estimated.
+    pub fn clocks(&self) -> Option<[Clock; 2]> {
+        let (offsets_s, drifts) = (self.clock_offsets_s?, self.clock_drifts?);
+        let clock =
+            |slot: usize| Clock { offset_s: offsets_s[slot].value, drift: drifts[slot].value };
+        Some([clock(0), clock(1)])
+    }
 }
 
 /// Refines `plain`, the answer of the published method. `None` when the data leaves a direction free.
@@ -92,6 +109,18 @@ pub fn refine(
     let start = start(plain, inter_prism_m);
     let estimated = estimated(settings);
     let precision = precisions(settings);
+    if settings.continuous_time {
+        let found =
+            continuous_time::estimate(triplets, &start, &estimated, &precision, settings.loss)?;
+        let sums = Sums {
+            hessian: found.information,
+            middle: found.information,
+            ..Sums::zeros(usize::MAX)
+        };
+        let covariance =
+            covariance(&sums, &precision, 1.0, &estimated, settings.inter_prism_sigma_m)?;
+        return Some(summary(&found.state, &start, &covariance, settings, None, found.converged));
+    }
     let noise = Noise::new(triplets, &plain.map(RigidTransform::from), settings)
         .no_larger_than_residuals(&data, &start);
     let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
@@ -166,12 +195,12 @@ pub fn suspected_clocks(
 }
 
 /// The triplets as they would be had the clocks of stations 2 and 3 been right.
-pub fn with_clocks(triplets: &Triplets, late_s: [f64; 2]) -> Triplets {
+pub fn with_clocks(triplets: &Triplets, clocks: [Clock; 2]) -> Triplets {
     let data = MovingTriplets::all(triplets);
     let mut points_m = triplets.points_m.clone();
     for station in 1..3 {
         points_m[station] = (0..triplets.len())
-            .map(|index| data.at_true_time(station, index, late_s[station - 1]))
+            .map(|index| data.at_true_time(station, index, clocks[station - 1]))
             .collect();
     }
     Triplets { points_m, ..triplets.clone() }
@@ -195,7 +224,8 @@ fn estimated(settings: &CalibrationSettings) -> Vec<usize> {
         (true, 0..CLOCKS),
         (estimate.clocks, CLOCKS..DISTANCES),
         (estimate.distances, DISTANCES..TILTS),
-        (estimate.tilt, TILTS..UNKNOWNS),
+        (estimate.tilt, TILTS..DRIFTS),
+        (estimate.clocks, DRIFTS..UNKNOWNS),
     ];
     groups.into_iter().filter(|(on, _)| *on).flat_map(|(_, places)| places).collect()
 }
@@ -207,6 +237,7 @@ fn precisions(settings: &CalibrationSettings) -> State {
     let distance_sigma_m = settings.inter_prism_sigma_m.max(1e-6);
     precision.fixed_rows_mut::<3>(DISTANCES).fill(distance_sigma_m.powi(-2));
     precision.fixed_rows_mut::<4>(TILTS).fill(TILT_SIGMA_RAD.powi(-2));
+    precision.fixed_rows_mut::<2>(DRIFTS).fill(DRIFT_SIGMA.powi(-2));
     precision
 }
 
@@ -311,6 +342,19 @@ struct Sums {
     blocks: usize,
 }
 
+impl Sums {
+    fn zeros(blocks: usize) -> Self {
+        Self {
+            normal: Matrix::zeros(),
+            hessian: Matrix::zeros(),
+            gradient: State::zeros(),
+            by_noise: State::zeros(),
+            middle: Matrix::zeros(),
+            blocks,
+        }
+    }
+}
+
 fn accumulate(
     data: &MovingTriplets<'_>,
     state: &State,
@@ -320,14 +364,7 @@ fn accumulate(
     blocks: &[std::ops::Range<usize>],
 ) -> Sums {
     let placed = transforms(state);
-    let mut sums = Sums {
-        normal: Matrix::zeros(),
-        hessian: Matrix::zeros(),
-        gradient: State::zeros(),
-        by_noise: State::zeros(),
-        middle: Matrix::zeros(),
-        blocks: blocks.len(),
-    };
+    let mut sums = Sums::zeros(blocks.len());
     for block in blocks {
         let (mut pull, mut by_noise) = (State::zeros(), State::zeros());
         for index in block.clone() {
@@ -411,7 +448,7 @@ fn covariance(
     let freedom = sums.blocks.saturating_sub(places.len()).max(1) as f64;
     let middle = sums.middle * (sums.blocks as f64 / freedom) + lambda * priors;
     let mut small = &inverse * reduced(&middle, places) * &inverse;
-    for held in (DISTANCES..UNKNOWNS).filter(|place| !places.contains(place)) {
+    for held in (DISTANCES..DRIFTS).filter(|place| !places.contains(place)) {
         let sigma = if held < TILTS { distance_sigma_m } else { TILT_SIGMA_RAD };
         let pull = places.iter().map(|place| sums.hessian[(*place, held)]);
         let moved = &inverse * DVector::from_iterator(places.len(), pull) * sigma;
@@ -448,6 +485,7 @@ fn summary(
         }),
         covariance: covariance.fixed_view::<8, 8>(0, 0).into_owned(),
         clock_offsets_s: chosen.clocks.then(|| [0, 1].map(|slot| estimate(CLOCKS + slot))),
+        clock_drifts: chosen.clocks.then(|| [0, 1].map(|slot| estimate(DRIFTS + slot))),
         distances_m: chosen.distances.then(|| [0, 1, 2].map(|pair| estimate(DISTANCES + pair))),
         tilts_rad: chosen
             .tilt

@@ -8,36 +8,57 @@ use crate::deployment::PAIRS;
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 
-/// (x, y, z, yaw) of stations 2 and 3; their clock offsets; the three distances; their tilts about their own x and y.
-pub const UNKNOWNS: usize = 17;
+/// (x, y, z, yaw) of stations 2 and 3; their clock offsets; the three distances; their tilts about their own x and y; the
+/// drifts of their clocks.
+pub const UNKNOWNS: usize = 19;
 pub const CLOCKS: usize = 8;
 pub const DISTANCES: usize = 10;
 pub const TILTS: usize = 13;
+pub const DRIFTS: usize = 17;
 
 pub type State = SVector<f64, UNKNOWNS>;
+
+/// How late the stamps of a station are against station 1's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// In the middle of the drive (s).
+    pub offset_s: f64,
+    /// And how that grows (s per s).
+    pub drift: f64,
+}
+
+/// Of station 2 (slot 0) or 3.
+pub fn clock(state: &State, slot: usize) -> Clock {
+    Clock { offset_s: state[CLOCKS + slot], drift: state[DRIFTS + slot] }
+}
 
 /// Triplets with the velocities of their prisms, each in its station's frame.
 pub struct MovingTriplets<'a> {
     pub triplets: Cow<'a, Triplets>,
     /// m/s; by differences with the neighbours of the same interval.
     velocity_m_per_s: [Vec<Vector3<f64>>; 3],
+    /// Drifts of the clocks count from here (s).
+    middle_s: f64,
 }
 
 impl<'a> MovingTriplets<'a> {
     pub fn all(triplets: &'a Triplets) -> Self {
         let velocity_m_per_s = velocities(triplets, 1);
-        Self { triplets: Cow::Borrowed(triplets), velocity_m_per_s }
+        let middle_s = middle_s(triplets);
+        Self { triplets: Cow::Borrowed(triplets), velocity_m_per_s, middle_s }
     }
 
     /// Every so many of them, with the velocities that they have among all.
     pub fn every(triplets: &Triplets, stride: usize) -> Self {
         let indices: Vec<usize> = (0..triplets.len()).step_by(stride).collect();
         let velocity_m_per_s = velocities(triplets, stride);
-        Self { triplets: Cow::Owned(triplets.select(&indices)), velocity_m_per_s }
+        let middle_s = middle_s(triplets);
+        Self { triplets: Cow::Owned(triplets.select(&indices)), velocity_m_per_s, middle_s }
     }
 
-    /// Where a station's prism was when its stamp, `late_s` late, says so (m, the station's frame).
-    pub fn at_true_time(&self, station: usize, index: usize, late_s: f64) -> Vector3<f64> {
+    /// Where the prism of station 2 or 3 was when its stamp says so, given how late it is (m, the station's frame).
+    pub fn at_true_time(&self, station: usize, index: usize, clock: Clock) -> Vector3<f64> {
+        let late_s = clock.offset_s + clock.drift * (self.triplets.time_s[index] - self.middle_s);
         self.triplets.points_m[station][index] + late_s * self.velocity_m_per_s[station][index]
     }
 }
@@ -56,6 +77,14 @@ fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
         (0..triplets.len()).step_by(stride).map(at).collect()
     };
     [velocity(0), velocity(1), velocity(2)]
+}
+
+/// The middle of a drive (s).
+pub fn middle_s(triplets: &Triplets) -> f64 {
+    match (triplets.time_s.first(), triplets.time_s.last()) {
+        (Some(first), Some(last)) => 0.5 * (first + last),
+        _ => 0.0,
+    }
 }
 
 /// Frames of stations 1, 2, 3 into station 1's: the yaw turns what the tilt has put upright.
@@ -81,13 +110,13 @@ pub struct Distances {
     direction: [Vector3<f64>; 3],
     length_m: [f64; 3],
     /// How each station's placed point moves with the unknowns of [`places`].
-    moves: [[Vector3<f64>; 7]; 3],
+    moves: [[Vector3<f64>; 8]; 3],
 }
 
 /// The unknowns that move the points of station 2 (slot 0) or 3.
-fn places(slot: usize) -> [usize; 7] {
+fn places(slot: usize) -> [usize; 8] {
     let (at, tilt) = (4 * slot, TILTS + 2 * slot);
-    [at, at + 1, at + 2, at + 3, CLOCKS + slot, tilt, tilt + 1]
+    [at, at + 1, at + 2, at + 3, CLOCKS + slot, DRIFTS + slot, tilt, tilt + 1]
 }
 
 pub fn distances(
@@ -97,11 +126,12 @@ pub fn distances(
     station1_from_station: &[RigidTransform; 3],
 ) -> Distances {
     let mut placed = [data.triplets.points_m[0][index]; 3];
-    let mut moves = [[Vector3::zeros(); 7]; 3];
+    let mut moves = [[Vector3::zeros(); 8]; 3];
     for station in 1..3 {
         let slot = station - 1;
         let transform = &station1_from_station[station];
-        let point = data.at_true_time(station, index, state[CLOCKS + slot]);
+        let point = data.at_true_time(station, index, clock(state, slot));
+        let moving = transform.rotate(&data.velocity_m_per_s[station][index]);
         let turned = transform.rotate(&point);
         placed[station] = turned + transform.translation_m;
         let tilted_by = |axis: Vector3<f64>| transform.rotate(&axis.cross(&point));
@@ -110,7 +140,8 @@ pub fn distances(
             Vector3::y(),
             Vector3::z(),
             Vector3::z().cross(&turned),
-            transform.rotate(&data.velocity_m_per_s[station][index]),
+            moving,
+            moving * (data.triplets.time_s[index] - data.middle_s),
             // To first order in the tilt, which is arcseconds.
             tilted_by(Vector3::x()),
             tilted_by(Vector3::y()),
@@ -206,7 +237,7 @@ mod tests {
         let mut state = State::zeros();
         for (place, value) in [
             0.3, -0.2, 0.5, 0.4, -0.6, 0.1, 0.2, -0.3, 0.004, -0.003, 0.7, 0.9, 1.0, 1e-6, -2e-6,
-            3e-6, 1e-6,
+            3e-6, 1e-6, 2e-3, -1e-3,
         ]
         .into_iter()
         .enumerate()

@@ -6,7 +6,9 @@
 
 #![allow(clippy::print_stdout, reason = "the table is the point")]
 
+#[path = "../common/mod.rs"]
 mod common;
+mod cramer_rao;
 
 use std::collections::BTreeMap;
 
@@ -172,4 +174,134 @@ fn nothing_is_silently_wrong_in_a_short_campaign() {
 fn nothing_is_silently_wrong_in_a_thousand_deployments() {
     let [published, robust] = summarise(&run(1000));
     assert_eq!((published.0, robust.0), (0, 0), "silent failures");
+}
+
+#[test]
+#[ignore = "experiment"]
+fn efficiency() {
+    use resect::pipeline::Interpolation;
+    let count: u64 = std::env::var("N").ok().and_then(|n| n.parse().ok()).unwrap_or(50);
+    let drawn =
+        cramer_rao::Drawn { tilt_rad: ARCSECOND_RAD, distance_m: 0.0005, prism_constant_m: 0.0 };
+    for preset in WELL_POSED {
+        let rows: Vec<_> = (0..count)
+            .into_par_iter()
+            .map(|seed| {
+                let seed = seed + 1000 * preset as u64;
+                let simulated = simulate_scenario(&random_scenario(preset, seed), seed);
+                let deployment = simulated.deployment().expect("valid");
+                let truth = &simulated.truth.station1_from_station;
+                let mut all = Vec::new();
+                let mut bound = None;
+                for (robust, wnoa, weigh) in [(1, 0, 0), (2, 0, 0)] {
+                    let mut settings = Settings::default();
+                    if robust > 0 {
+                        settings.calibration = CalibrationSettings::robust();
+                    }
+                    if wnoa == 1 {
+                        settings.pipeline.interpolation = Interpolation::Wnoa;
+                    }
+                    settings.calibration.weigh_by_noise = weigh == 1;
+                    if robust > 1 {
+                        settings.calibration.continuous_time = true;
+                        settings.calibration.estimate.tilt = robust == 3;
+                    }
+                    let analysis = analyse(&deployment, &settings);
+                    bound.get_or_insert_with(|| cramer_rao::bound(&simulated, &analysis, &drawn));
+                    let calibration = &analysis.answer.as_ref().expect("answer").calibration;
+                    let e = SVector::<f64, 8>::from_fn(|k, _| {
+                        let (found, truth) =
+                            (&calibration.station1_from_station[k / 4 + 1], &truth[k / 4 + 1]);
+                        match k % 4 {
+                            3 => wrap_to_pi(found.yaw_rad() - truth.yaw_rad),
+                            axis => found.translation_m[axis] - truth.translation_m[axis],
+                        }
+                    });
+                    all.push((e, calibration.covariance));
+                }
+                (all, bound.unwrap())
+            })
+            .collect();
+        println!("{}", preset.name());
+        for (seed, r) in rows.iter().enumerate() {
+            let z = |w: usize| {
+                (r.0[w].0.iter().enumerate().map(|(k, e)| e * e / r.1[(k, k)]).sum::<f64>() / 8.0)
+                    .sqrt()
+            };
+            if z(1) > 2.0 {
+                println!("seed {seed}: {:.1} {:.1}", z(0), z(1));
+            }
+        }
+        for (which, name) in ["robust", "continuous"].iter().enumerate() {
+            print!("  {name:<20}");
+            for k in 0..8 {
+                let err: f64 = rows.iter().map(|r| r.0[which].0[k].powi(2)).sum();
+                let crb: f64 = rows.iter().map(|r| r.1[(k, k)]).sum();
+                print!(" {:6.2}", (err / crb).sqrt());
+            }
+            let mut maha: Vec<f64> = rows
+                .iter()
+                .filter_map(|r| {
+                    let e = r.0[which].0;
+                    Some((e.transpose() * r.0[which].1?.cholesky()?.inverse() * e)[0])
+                })
+                .collect();
+            maha.sort_by(f64::total_cmp);
+            let cover =
+                100.0 * maha.iter().filter(|m| **m < CHI2_95).count() as f64 / maha.len() as f64;
+            let z: Vec<f64> = (0..8)
+                .map(|k| {
+                    let s: f64 = rows
+                        .iter()
+                        .filter_map(|r| Some(r.0[which].0[k].powi(2) / r.0[which].1?[(k, k)]))
+                        .sum();
+                    (s / maha.len() as f64).sqrt()
+                })
+                .collect();
+            print!("   cover {cover:5.1} z");
+            z.iter().for_each(|z| print!(" {z:4.2}"));
+            println!();
+        }
+        print!("  crb mm/mrad         ");
+        for k in 0..8 {
+            let crb: f64 = rows.iter().map(|r| r.1[(k, k)]).sum::<f64>() / rows.len() as f64;
+            print!(" {:6.2}", 1e3 * crb.sqrt());
+        }
+        println!();
+    }
+}
+
+#[test]
+#[ignore = "experiment"]
+fn look() {
+    let simulated = simulate_scenario(&random_scenario(Preset::Warthog, 7), 7);
+    println!("{:?}", simulated.scenario.errors);
+    println!("{:?}", simulated.scenario.noise);
+    let deployment = simulated.deployment().expect("valid");
+    let mut settings = Settings::default();
+    settings.calibration = CalibrationSettings::robust();
+    settings.calibration.continuous_time = true;
+    let analysis = analyse(&deployment, &settings);
+    let c = &analysis.answer.as_ref().unwrap().calibration;
+    println!("{:?}", analysis.pipeline.kept_intervals);
+    println!("{:?}", c.verdict);
+    c.findings.iter().for_each(|f| println!("{}", f.message));
+    println!("{:?}\n{:?}", c.station1_from_station, c.sigma);
+    println!("{:?}", simulated.truth.station1_from_station);
+    let t = &analysis.pipeline.triplets;
+    let e = resect::calibration::inter_prism::distance_errors_m(
+        t,
+        &simulated.truth.station1_from_station.map(Into::into),
+        &simulated.truth.inter_prism_m,
+    );
+    for (i, s) in t.time_s.iter().enumerate() {
+        if (0..3).any(|p| e[p][i].abs() > 0.05) {
+            println!(
+                "{:.2} {} {:?}",
+                s - 1_760_000_000.0,
+                t.interval[i],
+                e.each_ref().map(|e| e[i])
+            );
+        }
+    }
 }

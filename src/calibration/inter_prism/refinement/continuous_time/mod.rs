@@ -1,0 +1,248 @@
+//! The readings themselves instead of triplets: the motion of the three prisms is estimated with everything else, as
+//! cubic splines that keep the rig's distances, so that nothing is interpolated and each reading counts by its own noise.
+//!
+//! Gauss–Newton on normal equations whose local unknowns are eliminated ([`arrow`]). The noise of ranges and of angles
+//! and the drive's smoothness are learned as Helmert's variance components, the redundancies by random probes (Girard
+//! 1989). Continuous-time batch estimation: Furgale, Barfoot & Sibley 2012; Barfoot, Tong & Särkkä 2014.
+
+mod arrow;
+mod observations;
+mod spline;
+
+use std::collections::BTreeMap;
+
+use self::arrow::{Arrow, Eliminated, Row};
+pub use self::observations::NoiseLevels;
+use self::observations::{Drive, Estimates, Kind};
+use self::spline::PER_KNOT;
+use super::model::{State, transforms};
+use super::{INSTRUMENT, Matrix, reduced, robust_weight, step};
+use crate::calibration::Loss;
+use crate::calibration::time_blocks::BLOCK_SECONDS;
+use crate::pipeline::Triplets;
+
+/// Noise levels and weights settle within this many steps; then they are held, and what is left is nearly linear.
+const SETTLING_STEPS: usize = 14;
+const MOST_STEPS: usize = 30;
+/// A step whose square is this share of the answer's variances changes nothing that anyone can see.
+const SMALL_STEP: f64 = 1e-6;
+/// Probes for each redundancy: good to three per cent of it.
+const PROBES: u64 = 2;
+/// Errors that are together this many times what is usual count half under Cauchy's loss, and are where Huber's bends.
+const LOSS_SCALE: f64 = 2.4;
+/// How jerky a drive is taken to be at first (m/s³); no vehicle is smoother than the least.
+const FIRST_JERK_M_PER_S3: f64 = 1.0;
+const LEAST_JERK_M_PER_S3: f64 = 0.01;
+/// Learned noise stays within these factors of what is stated.
+const NOISE_FACTORS: [f64; 2] = [0.1, 10.0];
+
+/// What was found.
+pub struct Found {
+    pub state: State,
+    /// What the readings say of the global unknowns, without their priors.
+    pub information: Matrix,
+    pub noise: NoiseLevels,
+    pub converged: bool,
+}
+
+/// `None` without readings, or where they leave the motion free.
+pub fn estimate(
+    triplets: &Triplets,
+    start: &State,
+    places: &[usize],
+    precision: &State,
+    loss: Loss,
+) -> Option<Found> {
+    let drive = Drive::new(triplets, &INSTRUMENT)?;
+    let mut at =
+        Estimates { coefficients_m: drive.start(triplets, &transforms(start)), global: *start };
+    let mut by = Weighing {
+        noise: NoiseLevels { range: 1.0, angle: 1.0, jerk_m_per_s3: FIRST_JERK_M_PER_S3 },
+        loss,
+        redundancy: 0.5,
+        held: None,
+    };
+    let mut converged = false;
+    for iteration in 0..MOST_STEPS {
+        if iteration == SETTLING_STEPS {
+            by.held = Some(weights(&drive, &at, &by));
+        }
+        let eliminated = normal_equations(&drive, &at, &by).eliminate()?;
+        let gradient = eliminated.global_gradient + precision.component_mul(&(at.global - start));
+        let global = step(&eliminated.information, precision, 1.0, &gradient, places)?;
+        let local = eliminated.local_step(&global);
+        at.global -= global;
+        at.coefficients_m.iter_mut().zip(&local).for_each(|(value, step)| *value -= step);
+        let moved = (global.transpose() * eliminated.information * global)[0];
+        if std::env::var("RESECT_DEBUG").is_ok() {
+            eprintln!("{iteration} {moved:.2e} {:.2e} {:?}", global.amax(), by.noise);
+        }
+        if by.held.is_some() && moved < SMALL_STEP {
+            converged = true;
+            break;
+        }
+        // The first steps bring the motion to the readings; only then do errors tell of noise.
+        if (2..SETTLING_STEPS).contains(&iteration) {
+            (by.noise, by.redundancy) = learn(&drive, &at, &by, &eliminated);
+        }
+    }
+    let eliminated = normal_equations(&drive, &at, &by).eliminate()?;
+    let spread = overdispersion(&drive, &at, &by, &eliminated, places)?;
+    if std::env::var("RESECT_DEBUG").is_ok() {
+        eprintln!("{:?} redundancy {:.3} spread {spread:.2} {converged}", by.noise, by.redundancy);
+    }
+    Some(Found {
+        state: at.global,
+        information: eliminated.information / spread.max(1.0),
+        noise: by.noise,
+        converged,
+    })
+}
+
+/// What equations count by.
+struct Weighing {
+    noise: NoiseLevels,
+    loss: Loss,
+    /// The share of a reading's errors that the motion does not take up.
+    redundancy: f64,
+    /// The weights of readings and of knots in their order, once they have settled.
+    held: Option<Vec<f64>>,
+}
+
+/// Every equation with its weight; a reading's three share theirs, and so do a knot's.
+fn each_equation(
+    drive: &Drive,
+    at: &Estimates,
+    by: &Weighing,
+    mut each: impl FnMut(Kind, f64, &Row, f64),
+) {
+    let transforms = transforms(&at.global);
+    let mut rows = [Row::default(), Row::default(), Row::default()];
+    let mut held = by.held.iter().flatten();
+    let mut weight_of = |loss: Loss, rows: &[Row], redundancy: f64| match held.next() {
+        Some(weight) => *weight,
+        None => {
+            let square: f64 = rows.iter().map(|row| row.error * row.error).sum();
+            let size = (square / (rows.len() as f64 * redundancy)).sqrt();
+            robust_weight(loss, size, Some(LOSS_SCALE)).0
+        }
+    };
+    for (station, readings) in drive.readings.iter().enumerate() {
+        for reading in readings {
+            drive.reading(station, reading, at, &transforms, &by.noise, &mut rows);
+            let weight = weight_of(by.loss, &rows, by.redundancy);
+            for (row, kind) in rows.iter().zip([Kind::Range, Kind::Angle, Kind::Angle]) {
+                each(kind, reading.time_s, row, weight);
+            }
+        }
+    }
+    drive.distances(at, |time_s, row| each(Kind::Distance, time_s, row, 1.0));
+    drive.jerks(at, &by.noise, |time_s, rows| {
+        // Vehicles start and stop, whatever the readings are like.
+        let weight = weight_of(Loss::Cauchy, rows, 1.0);
+        rows.iter().for_each(|row| each(Kind::Jerk, time_s, row, weight));
+    });
+}
+
+/// The weights of readings and of knots, in their order.
+fn weights(drive: &Drive, at: &Estimates, by: &Weighing) -> Vec<f64> {
+    let (mut weights, mut count) = (Vec::new(), 0);
+    each_equation(drive, at, by, |kind, _, _, weight| {
+        let together = match kind {
+            Kind::Range | Kind::Angle => 3,
+            Kind::Jerk => PER_KNOT,
+            Kind::Distance => return,
+        };
+        if count == 0 {
+            weights.push(weight);
+        }
+        count = (count + 1) % together;
+    });
+    weights
+}
+
+fn normal_equations(drive: &Drive, at: &Estimates, by: &Weighing) -> Arrow {
+    let mut arrow = Arrow::new(at.coefficients_m.len());
+    each_equation(drive, at, by, |_, _, row, weight| arrow.add(row, weight));
+    arrow
+}
+
+/// Noise levels out of the errors and their redundancies, and the mean redundancy of readings.
+fn learn(
+    drive: &Drive,
+    at: &Estimates,
+    by: &Weighing,
+    eliminated: &Eliminated,
+) -> (NoiseLevels, f64) {
+    let kinds = [Kind::Range, Kind::Angle, Kind::Jerk];
+    let (mut squares, mut counts) = ([0.0; 3], [0.0; 3]);
+    let mut probes = vec![vec![0.0; at.coefficients_m.len()]; kinds.len() * PROBES as usize];
+    let mut number = 0_u64;
+    each_equation(drive, at, by, |kind, _, row, weight| {
+        let Some(group) = kinds.iter().position(|other| *other == kind) else { return };
+        squares[group] += weight * row.error * row.error;
+        counts[group] += weight;
+        for probe in 0..PROBES {
+            number += 1;
+            let right = &mut probes[group * PROBES as usize + probe as usize];
+            let sign = weight.sqrt() * random_sign(number);
+            row.local.iter().for_each(|(at, factor)| right[*at] += sign * factor);
+        }
+    });
+    let mut taken_up = [0.0; 3];
+    for (number, probe) in probes.iter_mut().enumerate() {
+        let right = probe.clone();
+        eliminated.solve_local(probe);
+        let product: f64 = right.iter().zip(probe.iter()).map(|(a, b)| a * b).sum();
+        taken_up[number / PROBES as usize] += product / PROBES as f64;
+    }
+    let left = |group: usize| (counts[group] - taken_up[group]).max(0.02 * counts[group]);
+    let noise = |level: f64, group: usize| {
+        let factor = (squares[group] / left(group)).sqrt();
+        (level * factor).clamp(NOISE_FACTORS[0], NOISE_FACTORS[1])
+    };
+    // The motion is hardly redundant where it is loosely held: expectation maximisation is slower and never astray.
+    let jerk = ((squares[2] + taken_up[2]) / counts[2].max(1.0)).sqrt();
+    let learned = NoiseLevels {
+        range: noise(by.noise.range, 0),
+        angle: noise(by.noise.angle, 1),
+        jerk_m_per_s3: (by.noise.jerk_m_per_s3 * jerk).max(LEAST_JERK_M_PER_S3),
+    };
+    (learned, (left(0) + left(1)) / (counts[0] + counts[1]).max(1.0))
+}
+
+/// How much more the gradients of blocks of time scatter than the noise explains, on average over the unknowns: 1 where
+/// the model holds, more where errors are correlated in time.
+fn overdispersion(
+    drive: &Drive,
+    at: &Estimates,
+    by: &Weighing,
+    eliminated: &Eliminated,
+    places: &[usize],
+) -> Option<f64> {
+    let followed = eliminated.followed();
+    let start_s = drive.spans.spans.first()?.start_s;
+    let mut blocks: BTreeMap<i64, State> = BTreeMap::new();
+    each_equation(drive, at, by, |_, time_s, row, weight| {
+        let mut effective = row.global;
+        for (index, factor) in &row.local {
+            effective.axpy(-factor, &followed[*index], 1.0);
+        }
+        let block = ((time_s - start_s) / BLOCK_SECONDS).floor() as i64;
+        *blocks.entry(block).or_insert_with(State::zeros) += effective * (weight * row.error);
+    });
+    let middle: Matrix = blocks.values().map(|pull| pull * pull.transpose()).sum();
+    let inverse = reduced(&eliminated.information, places).cholesky()?.inverse();
+    let count = blocks.len() as f64;
+    let freedom = (count - places.len() as f64).max(1.0) / count;
+    Some((inverse * reduced(&middle, places)).trace() / places.len() as f64 / freedom)
+}
+
+/// +1 or −1; the same for the same number.
+fn random_sign(number: u64) -> f64 {
+    // Steele, Lea & Flood 2014, "splitmix64".
+    let mut z = number.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    if (z ^ (z >> 31)) & 1 == 0 { 1.0 } else { -1.0 }
+}

@@ -1,0 +1,136 @@
+//! The Cramér–Rao bound of a simulated drive: what no unbiased estimate of its extrinsics can be better than.
+//!
+//! Of the same drive, read by the three stations at the same instants, with the poses of the rig free: of nine numbers
+//! an instant, six go into the pose, and the three distances are left. That is their Fisher information, with the noise
+//! that was simulated and with priors of what was drawn at random. Derivatives are differences: nothing is shared with
+//! the estimator.
+
+use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use resect::analysis::Analysis;
+use resect::deployment::PAIRS;
+use resect::geometry::Polar;
+use resect::simulation::{EPOCH_S, Simulated};
+
+/// (x, y, z, yaw) of stations 2 and 3, their clocks, tilts of all stations, distances, prism constant.
+const UNKNOWNS: usize = 20;
+const CLOCKS: usize = 8;
+const TILTS: usize = 10;
+const DISTANCES: usize = 16;
+const CONSTANT: usize = 19;
+
+type Unknowns = SVector<f64, UNKNOWNS>;
+
+/// One standard deviation of what a campaign draws at random.
+#[derive(Clone, Copy)]
+pub struct Drawn {
+    pub tilt_rad: f64,
+    pub distance_m: f64,
+    pub prism_constant_m: f64,
+}
+
+/// Bound of the covariance of (x, y, z, yaw) of stations 2 and 3, over the instants that the pipeline keeps.
+pub fn bound(simulated: &Simulated, analysis: &Analysis, drawn: &Drawn) -> SMatrix<f64, 8, 8> {
+    let mut information = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
+    let prior = |sigma: f64| sigma.max(1e-7).powi(-2);
+    for place in TILTS..DISTANCES {
+        information[(place, place)] += prior(drawn.tilt_rad);
+    }
+    for place in DISTANCES..CONSTANT {
+        information[(place, place)] += prior(drawn.distance_m);
+    }
+    information[(CONSTANT, CONSTANT)] += prior(drawn.prism_constant_m);
+    for interval in analysis.pipeline.kept_intervals.iter() {
+        let readings = (interval.length_s() * simulated.scenario.rate_hz).floor() as usize;
+        for reading in 0..readings {
+            let time_s = interval.start_s - EPOCH_S + reading as f64 / simulated.scenario.rate_hz;
+            information += at(simulated, time_s);
+        }
+    }
+    let covariance = information.cholesky().expect("held").inverse();
+    covariance.fixed_view::<8, 8>(0, 0).into_owned()
+}
+
+/// Information of one instant.
+fn at(simulated: &Simulated, time_s: f64) -> SMatrix<f64, UNKNOWNS, UNKNOWNS> {
+    let truth = &simulated.truth;
+    let seen = |time_s: f64| -> [Vector3<f64>; 3] {
+        std::array::from_fn(|station| {
+            let prism_m = truth.motion.position_m(&truth.prisms_m[station], time_s);
+            truth.station1_from_station[station].inverse().apply(&prism_m)
+        })
+    };
+    let points_m = seen(time_s);
+    let later_m = seen(time_s + 0.05);
+    let earlier_m = seen(time_s - 0.05);
+    let placed = |unknowns: &Unknowns, moved: Option<(usize, Vector3<f64>)>| -> [Vector3<f64>; 3] {
+        std::array::from_fn(|station| {
+            let mut point = points_m[station];
+            if let Some((_, by)) = moved.filter(|(which, _)| *which == station) {
+                point += by;
+            }
+            point += point.normalize() * unknowns[CONSTANT];
+            if station > 0 {
+                let velocity = (later_m[station] - earlier_m[station]) / 0.1;
+                point += velocity * unknowns[CLOCKS + station - 1];
+            }
+            let at = TILTS + 2 * station;
+            point = Rotation3::new(Vector3::new(unknowns[at], unknowns[at + 1], 0.0)) * point;
+            let mut placed = truth.station1_from_station[station].rotate(&point);
+            if station > 0 {
+                let at = 4 * (station - 1);
+                let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), unknowns[at + 3]);
+                placed = yaw * placed + unknowns.fixed_rows::<3>(at);
+            }
+            placed + truth.station1_from_station[station].translation_m
+        })
+    };
+    let errors = |unknowns: &Unknowns, moved: Option<(usize, Vector3<f64>)>| {
+        let placed = placed(unknowns, moved);
+        Vector3::from_iterator(PAIRS.into_iter().enumerate().map(|(pair, (a, b))| {
+            (placed[a] - placed[b]).norm() - truth.inter_prism_m[pair] - unknowns[DISTANCES + pair]
+        }))
+    };
+    const STEP: f64 = 1e-5;
+    let mut slopes = SMatrix::<f64, 3, UNKNOWNS>::zeros();
+    for place in 0..UNKNOWNS {
+        let mut step = Unknowns::zeros();
+        step[place] = STEP;
+        let slope = (errors(&step, None) - errors(&-step, None)) / (2.0 * STEP);
+        slopes.set_column(place, &slope);
+    }
+    let mut noise_m2 = Matrix3::zeros();
+    let none = Unknowns::zeros();
+    for station in 0..3 {
+        let mut slope = Matrix3::zeros();
+        for axis in 0..3 {
+            let mut step = Vector3::zeros();
+            step[axis] = STEP;
+            let by = errors(&none, Some((station, step))) - errors(&none, Some((station, -step)));
+            slope.set_column(axis, &(by / (2.0 * STEP)));
+        }
+        noise_m2 +=
+            slope * reading_covariance_m2(simulated, &points_m[station]) * slope.transpose();
+    }
+    let weight = noise_m2.cholesky().expect("noise").inverse();
+    slopes.transpose() * weight * slopes
+}
+
+/// From the noise of range and angles, by differences.
+fn reading_covariance_m2(simulated: &Simulated, point_m: &Vector3<f64>) -> Matrix3<f64> {
+    let polar = Polar::from_cartesian(*point_m);
+    let noise = &simulated.scenario.noise;
+    let along = point_m.normalize() * noise.range_sigma_m;
+    let moved = |azimuth_rad: f64, zenith_rad: f64| {
+        let turned = Polar {
+            azimuth_rad: polar.azimuth_rad + azimuth_rad,
+            zenith_rad: polar.zenith_rad + zenith_rad,
+            ..polar
+        };
+        turned.to_cartesian() - point_m
+    };
+    let sigma = noise.angle_sigma_rad;
+    [along, moved(sigma, 0.0), moved(0.0, sigma)]
+        .into_iter()
+        .map(|column| column * column.transpose())
+        .sum()
+}
