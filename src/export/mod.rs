@@ -7,6 +7,7 @@ pub mod drawing;
 mod frame;
 pub mod json;
 pub mod plan_view;
+pub mod report;
 #[cfg_attr(not(feature = "rerun"), path = "rerun_missing.rs")]
 pub mod rerun;
 pub mod residual_chart;
