@@ -149,6 +149,20 @@ fn settings_that_are_not_the_defaults_stand_out() {
 }
 
 #[test]
+fn files_that_flags_put_aside_are_not_called_used() {
+    let path = sample_folder("warthog");
+    let gcp = path.join("GCP_raw_2.txt");
+    let html = report(&[text(&path), "--gcp", text(&gcp)]);
+    let body = body(&html);
+    let document = Document::parse(&body).expect("well-formed");
+    let fate = |file: &str| row(&document, file)[1].clone();
+    assert_eq!(fate("GCP_raw_1.txt"), "ignored");
+    assert_eq!(fate("pillars.csv"), "ignored");
+    assert_eq!(fate("inter_prism.csv"), "used");
+    assert_eq!(fate(text(&gcp)), "used");
+}
+
+#[test]
 fn no_name_can_break_the_page() {
     let hostile = "<script>alert(\"x\")</script>&amp;' ]]> --> \u{1b}[31m \u{0}\u{202e}";
     let mut deployment = Sample::Warthog.open().expect("built in");
