@@ -35,7 +35,7 @@
 //! | [`palette`] | the colours that mean something | |
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |
 //! | [`font`] | the one font | |
-//! | [`export`] | JSON, text, CSV, TUM, SVG, PNG, Rerun | a writer |
+//! | [`export`] | JSON, text, CSV, TUM, HTML, SVG, PNG, Rerun | a writer |
 //! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `layout.rs` |
 //! | [`command`] | the command line; prints | a subcommand: a file |
 //!

@@ -2,6 +2,7 @@
 //!
 //! From Okabe & Ito's set, which stays distinct for colour-blind eyes.
 
+use crate::calibration::Verdict;
 use crate::pipeline::{OutlierReason, SampleFate};
 
 /// Red, green, blue, sRGB.
@@ -25,5 +26,15 @@ pub fn fate(fate: SampleFate) -> Rgb {
         SampleFate::Rejected(OutlierReason::Zenith) => [240, 215, 50],
         SampleFate::InNoInterval => [110, 90, 200],
         SampleFate::IntervalTooShort => [60, 130, 160],
+    }
+}
+
+/// Ground of a verdict's badge, and black or white text that can be read on it.
+pub fn verdict(verdict: Verdict) -> [Rgb; 2] {
+    match verdict {
+        Verdict::Good => [[0, 140, 100], [255; 3]],
+        Verdict::Weak => [[230, 159, 0], [0; 3]],
+        Verdict::Ambiguous => [[204, 121, 167], [0; 3]],
+        Verdict::Degenerate => [[200, 60, 30], [255; 3]],
     }
 }

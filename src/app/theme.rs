@@ -2,7 +2,6 @@
 
 use eframe::egui::{self, Color32, FontFamily, FontId, TextStyle};
 
-use crate::calibration::Verdict;
 use crate::deployment::Severity;
 use crate::palette::Rgb;
 
@@ -61,16 +60,6 @@ pub fn cursor(dark: bool) -> Rgb {
 /// Text that may be overlooked.
 pub fn faint(dark: bool) -> Color32 {
     if dark { Color32::from_gray(140) } else { Color32::from_gray(105) }
-}
-
-/// Ground of a verdict's badge, with black or white text that can be read on it.
-pub fn verdict(verdict: Verdict) -> (Color32, Color32) {
-    match verdict {
-        Verdict::Good => (Color32::from_rgb(0, 140, 100), Color32::WHITE),
-        Verdict::Weak => (Color32::from_rgb(230, 159, 0), Color32::BLACK),
-        Verdict::Ambiguous => (Color32::from_rgb(204, 121, 167), Color32::BLACK),
-        Verdict::Degenerate => (Color32::from_rgb(200, 60, 30), Color32::WHITE),
-    }
 }
 
 /// Colour and sign of a finding; the sign tells it without colour.

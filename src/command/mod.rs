@@ -5,6 +5,7 @@ mod calibrate;
 mod check;
 mod compare;
 mod export;
+mod report;
 mod screenshot;
 mod settings_args;
 mod simulate;
@@ -46,6 +47,8 @@ enum Command {
     Trajectory(trajectory::Arguments),
     /// Tell what is in a folder or file, and what is wrong with it
     Check(check::Arguments),
+    /// Write verdict, transforms, residuals and data as one HTML page
+    Report(report::Arguments),
     /// Write a picture of the window
     Screenshot(screenshot::Arguments),
     /// Make a deployment with known truth
@@ -88,6 +91,7 @@ pub fn run() -> ExitCode {
         Some(Command::Sweep(arguments)) => sweep::run(&arguments),
         Some(Command::Trajectory(arguments)) => trajectory::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Report(arguments)) => report::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),

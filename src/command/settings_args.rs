@@ -8,8 +8,8 @@ use clap::{Args, ValueEnum};
 use super::Failure;
 use crate::analysis::Settings;
 use crate::calibration::{Alignment, CalibrationSettings, Loss, PriorMethod};
-use crate::deployment::format::deployment_toml::parse_toml;
-use crate::deployment::{Deployment, OpenError, read_control_points};
+use crate::deployment::format::{Format, deployment_toml::parse_toml};
+use crate::deployment::{Deployment, Ingredient, OpenError, read_control_points};
 use crate::pipeline::Interpolation;
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -144,6 +144,10 @@ impl SettingsArguments {
         let prism_constant_m = deployment.tracks[0].prism_constant_m;
         let mut deployment = Arc::unwrap_or_clone(deployment);
         deployment.control_points.clear();
+        let replaced = [Format::ControlPoints, Format::Pillars, Format::SurveyedPoints];
+        for ingredient in &mut deployment.ingredients {
+            ingredient.used &= !replaced.map(Format::describe).contains(&ingredient.what);
+        }
         for path in &self.gcp {
             let text = std::fs::read_to_string(path)
                 .map_err(|error| OpenError::Io { path: path.clone(), error })?;
@@ -155,6 +159,8 @@ impl SettingsArguments {
                 None,
                 &mut deployment.findings,
             )?;
+            let (what, used) = (Format::ControlPoints.describe(), set.is_some());
+            deployment.ingredients.push(Ingredient { file, what, used });
             deployment.control_points.extend(set);
         }
         Ok(Arc::new(deployment))

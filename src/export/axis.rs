@@ -1,6 +1,6 @@
 //! The value axis of a chart: its range, its round ticks, and numbers as people write them.
 
-/// From values to pixels, upwards from `bottom` to `top`.
+/// From values to pixels: from `bottom` to `top`, which for an axis across are its left and right end.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
     log: bool,
@@ -46,6 +46,11 @@ impl Axis {
         Self { log, low, high, bottom, top }
     }
 
+    /// A linear axis from `low` to `high` exactly, in any direction.
+    pub fn between([low, high]: [f64; 2], [from, to]: [f32; 2]) -> Self {
+        Self { log: false, low, high, bottom: from, top: to }
+    }
+
     /// Where a value is; what lies beyond an end is at the end.
     pub fn place(&self, value: f64) -> f32 {
         let value = if self.log { value.max(f64::MIN_POSITIVE).log10() } else { value };
@@ -55,7 +60,7 @@ impl Axis {
 
     /// In pixels.
     pub fn length(&self) -> f32 {
-        self.bottom - self.top
+        (self.bottom - self.top).abs()
     }
 
     /// Whether the axis begins above this value.
@@ -99,7 +104,7 @@ impl Axis {
 }
 
 /// The largest of …, 0.5, 1, 2, 5, 10, … that is not above the value.
-fn round_down(value: f64) -> f64 {
+pub fn round_down(value: f64) -> f64 {
     let ten = 10f64.powf(value.log10().floor());
     let digit = value / ten;
     ten * if digit >= 5.0 {
@@ -165,6 +170,16 @@ mod tests {
         }
         let axis = Axis::of([1.0, 7.0].into_iter(), true, 300.0, 0.0, 18.0);
         assert_eq!(axis.place(0.0), 300.0);
+    }
+
+    #[test]
+    fn an_axis_between_two_ends_runs_either_way() {
+        let across = Axis::between([-5.0, 15.0], [100.0, 300.0]);
+        assert_eq!([-5.0, 5.0, 15.0].map(|value| across.place(value)), [100.0, 200.0, 300.0]);
+        let labels: Vec<String> = across.ticks().into_iter().map(|(_, label)| label).collect();
+        assert_eq!(labels, ["−5", "0", "5", "10", "15"]);
+        let upwards = Axis::between([-5.0, 15.0], [300.0, 100.0]);
+        assert_eq!(upwards.place(0.0), 250.0);
     }
 
     #[test]

@@ -1,12 +1,16 @@
-//! Answers for other programs and for people: JSON, text, CSV, and recordings for the Rerun viewer.
+//! Answers for other programs and for people: JSON, text, CSV, HTML, pictures, and recordings for the Rerun viewer.
 
 mod axis;
 pub mod box_chart;
 pub mod csv;
 pub mod drawing;
+mod frame;
 pub mod json;
+pub mod plan_view;
+pub mod report;
 #[cfg_attr(not(feature = "rerun"), path = "rerun_missing.rs")]
 pub mod rerun;
+pub mod residual_chart;
 pub mod study;
 pub mod svg;
 pub mod text;

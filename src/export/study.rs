@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::box_chart;
-use super::svg::{PictureError, to_png, to_svg};
+use super::svg::{Colours, PictureError, to_png, to_svg};
 use super::text::sigma_text;
 use crate::deployment::Severity;
 use crate::experiment::{Comparison, Quantiles, Study};
@@ -204,7 +204,7 @@ pub fn write(study: &Study, folder: &Path) -> Result<Vec<PathBuf>, StudyFileErro
         move |error| StudyFileError::Io { path, error }
     };
     std::fs::create_dir_all(folder).map_err(io(folder))?;
-    let svg = to_svg(&box_chart::draw(study, PICTURE_SIZE), false);
+    let svg = to_svg(&box_chart::draw(study, PICTURE_SIZE), Colours::Light);
     let png = to_png(&svg, PIXELS_PER_UNIT)?;
     let files = [("csv", csv(study).into_bytes()), ("svg", svg.into_bytes()), ("png", png)];
     let mut written = Vec::new();

@@ -6,6 +6,7 @@ use resvg::{tiny_skia, usvg};
 
 use super::drawing::{Anchor, Drawing, Ink, Mark};
 use crate::font::INTER;
+use crate::palette::Rgb;
 
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
@@ -17,10 +18,19 @@ pub enum PictureError {
     Png(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-pub fn to_svg(drawing: &Drawing, dark: bool) -> String {
+/// Where the colours of a picture's roles come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Colours {
+    Light,
+    Dark,
+    /// The page that the picture stands in: its CSS sets --text, --weak, --grid and --paper.
+    Page,
+}
+
+pub fn to_svg(drawing: &Drawing, colours: Colours) -> String {
     let [width, height] = drawing.size;
-    let marks: String = drawing.marks.iter().map(|mark| element(mark, dark)).collect();
-    let paper = hex(Ink::Paper, dark);
+    let marks: String = drawing.marks.iter().map(|mark| element(mark, colours)).collect();
+    let paper = colour(Ink::Paper, colours);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          viewBox=\"0 0 {width} {height}\" font-family=\"Inter, sans-serif\">\n\
@@ -28,7 +38,7 @@ pub fn to_svg(drawing: &Drawing, dark: bool) -> String {
     )
 }
 
-fn element(mark: &Mark, dark: bool) -> String {
+fn element(mark: &Mark, colours: Colours) -> String {
     match mark {
         Mark::Line { points, ink, width, dashed } => {
             let points: Vec<String> =
@@ -41,11 +51,11 @@ fn element(mark: &Mark, dark: bool) -> String {
             format!(
                 "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width:.2}\"{dashes}/>\n",
                 points.join(" "),
-                hex(*ink, dark),
+                colour(*ink, colours),
             )
         }
         Mark::Rect { min, max, ink, opacity, outline } => {
-            let colour = hex(*ink, dark);
+            let colour = colour(*ink, colours);
             let border = outline
                 .map(|width| format!(" stroke=\"{colour}\" stroke-width=\"{width:.2}\""))
                 .unwrap_or_default();
@@ -59,7 +69,7 @@ fn element(mark: &Mark, dark: bool) -> String {
             )
         }
         Mark::Text { at: [x, y], text, size, ink, anchor, strong, upwards } => {
-            let colour = hex(*ink, dark);
+            let colour = colour(*ink, colours);
             let anchor = match anchor {
                 Anchor::Left => "start",
                 Anchor::Middle => "middle",
@@ -83,8 +93,22 @@ fn element(mark: &Mark, dark: bool) -> String {
     }
 }
 
-fn hex(ink: Ink, dark: bool) -> String {
-    let [r, g, b] = ink.rgb(dark);
+fn colour(ink: Ink, colours: Colours) -> String {
+    let variable = match ink {
+        Ink::Text => "var(--text)",
+        Ink::Weak => "var(--weak)",
+        Ink::Grid => "var(--grid)",
+        Ink::Paper => "var(--paper)",
+        Ink::Rgb(rgb) => return hex(rgb),
+    };
+    match colours {
+        Colours::Page => variable.to_owned(),
+        _ => hex(ink.rgb(colours == Colours::Dark)),
+    }
+}
+
+/// As CSS and SVG write it.
+pub fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
@@ -133,17 +157,17 @@ mod tests {
     #[test]
     fn any_text_survives() -> Result<(), Box<dyn std::error::Error>> {
         let text = "a<b & \"c\" > 'd' ]]> µ °";
-        let svg = to_svg(&one_text(text), false);
+        let svg = to_svg(&one_text(text), Colours::Light);
         let document = Document::parse(&svg)?;
         let found = document.descendants().find(|node| node.has_tag_name("text"));
         assert_eq!(found.and_then(|node| node.text()), Some(text));
-        Document::parse(&to_svg(&one_text("\0 \u{1b} \u{ffff}"), true))?;
+        Document::parse(&to_svg(&one_text("\0 \u{1b} \u{ffff}"), Colours::Dark))?;
         Ok(())
     }
 
     #[test]
     fn a_png_has_the_scaled_size() -> Result<(), Box<dyn std::error::Error>> {
-        let png = to_png(&to_svg(&one_text("1.93"), true), 2.0)?;
+        let png = to_png(&to_svg(&one_text("1.93"), Colours::Dark), 2.0)?;
         let pixels = tiny_skia::Pixmap::decode_png(&png)?;
         assert_eq!((pixels.width(), pixels.height()), (600, 80));
         let paper = Ink::Paper.rgb(true);
@@ -155,7 +179,10 @@ mod tests {
     #[test]
     fn what_cannot_be_drawn_is_an_error() {
         assert!(matches!(to_png("<svg", 1.0), Err(PictureError::Svg(_))));
-        assert!(matches!(to_png(&to_svg(&one_text(""), true), 0.0), Err(PictureError::Size(..))));
+        assert!(matches!(
+            to_png(&to_svg(&one_text(""), Colours::Dark), 0.0),
+            Err(PictureError::Size(..))
+        ));
     }
 
     #[test]
@@ -164,7 +191,7 @@ mod tests {
         options.fontdb_mut().load_font_data(INTER.to_vec());
         for text in ["inter-prism error (mm)", "RTK GNSS 8.1 mm", "WAVE To 0123456789", "±3σ ≤ 5 °"]
         {
-            let tree = usvg::Tree::from_str(&to_svg(&one_text(text), false), &options)?;
+            let tree = usvg::Tree::from_str(&to_svg(&one_text(text), Colours::Light), &options)?;
             let drawn = tree.root().children()[1].bounding_box().width();
             let estimated = text_width(text, 12.0);
             assert!((drawn / estimated - 1.0).abs() < 0.06, "{text}: {drawn} not {estimated}");

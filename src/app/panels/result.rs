@@ -13,6 +13,7 @@ use crate::calibration::{Calibration, Details, Mirror, ResolvedBy, Targets};
 use crate::deployment::{Deployment, Finding, pair_label};
 use crate::evaluation::{Evaluation, Spread};
 use crate::export::text;
+use crate::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
@@ -82,7 +83,7 @@ fn show(
 }
 
 fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {
-    let (fill, ink) = theme::verdict(calibration.verdict);
+    let [fill, ink] = palette::verdict(calibration.verdict).map(theme::rgb);
     ui.horizontal(|ui| {
         egui::Frame::new()
             .fill(fill)

@@ -10,6 +10,7 @@ use crate::calibration::Calibration;
 use crate::deployment::Severity;
 use crate::evaluation::Spread;
 use crate::export::text::sigma_text;
+use crate::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if state.open.is_empty() {
@@ -41,7 +42,7 @@ fn rows(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     ui.end_row();
     row(ui, state, "verdict", |ui, calibration, _| {
-        let (ground, ink) = theme::verdict(calibration.verdict);
+        let [ground, ink] = palette::verdict(calibration.verdict).map(theme::rgb);
         let word = RichText::new(format!(" {} ", calibration.verdict.name()));
         ui.label(word.color(ink).background_color(ground));
     });

@@ -4,6 +4,7 @@ use egui_plot::PlotPoint;
 
 use crate::analysis::{Analysis, Answer};
 use crate::evaluation::vehicle::distance_sigma_m;
+use crate::export::residual_chart::{histogram, range_mm};
 
 /// More dots than this a pair are thinned to the extremes of short spans: what the eye would see anyway.
 const MOST_DOTS: usize = 4000;
@@ -47,7 +48,7 @@ impl PreparedPlots {
         let time_s = &analysis.triplets().time_s;
         let range_mm = range_mm(errors);
         let bin_width_mm = (range_mm[1] - range_mm[0]) / BINS as f64;
-        let counts = errors.each_ref().map(|errors| bins(errors, range_mm));
+        let counts = errors.each_ref().map(|errors| histogram(errors, range_mm, BINS));
         Self {
             range_mm,
             dots: errors.each_ref().map(|errors| {
@@ -93,16 +94,6 @@ fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
     bands
 }
 
-fn range_mm(errors: &[Vec<f64>; 3]) -> [f64; 2] {
-    let mut sizes: Vec<f64> = errors.iter().flatten().map(|e| e.abs()).collect();
-    if sizes.is_empty() {
-        return [-1.0, 1.0];
-    }
-    let index = ((sizes.len() as f64 * 0.985) as usize).min(sizes.len() - 1);
-    let high = (*sizes.select_nth_unstable_by(index, f64::total_cmp).1 * 1.15).max(0.5);
-    if errors.iter().flatten().any(|error| *error < 0.0) { [-high, high] } else { [0.0, high] }
-}
-
 /// Indices to draw: all, or lowest and highest of each of equal spans.
 fn thinned(errors: &[f64]) -> Vec<usize> {
     if errors.len() <= MOST_DOTS {
@@ -119,18 +110,6 @@ fn thinned(errors: &[f64]) -> Vec<usize> {
             [low.min(high), low.max(high)]
         })
         .collect()
-}
-
-/// Counts in equal bins over the range; what lies beyond is not counted.
-fn bins(errors: &[f64], [low, high]: [f64; 2]) -> Vec<usize> {
-    let mut counts = vec![0; BINS];
-    for error in errors {
-        let at = (error - low) / (high - low) * BINS as f64;
-        if at >= 0.0 && at < BINS as f64 {
-            counts[at as usize] += 1;
-        }
-    }
-    counts
 }
 
 fn outline(counts: &[usize], low: f64, width: f64) -> Vec<PlotPoint> {
@@ -157,12 +136,5 @@ mod tests {
         assert!(kept.len() <= MOST_DOTS + 2);
         assert!(kept.contains(&51_234) && kept.contains(&7));
         assert!(kept.windows(2).all(|w| w[0] <= w[1]));
-    }
-
-    #[test]
-    fn everything_within_the_range_is_counted_once() {
-        let counts = bins(&[-0.999, -0.2, 0.0, 0.5, 0.999, 3.0], [-1.0, 1.0]);
-        assert_eq!(counts.iter().sum::<usize>(), 5);
-        assert_eq!((counts[0], counts[BINS - 1]), (1, 1));
     }
 }

@@ -1,0 +1,64 @@
+//! `resect report`: verdict, transforms, residuals and what they were made from, as one HTML page.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::settings_args::SettingsArguments;
+use super::{Failure, load, print};
+use crate::analysis::{Analyst, Settings};
+use crate::export::report::{self, Chapter};
+
+#[derive(Args)]
+pub struct Arguments {
+    /// Folders or files with the stations' tracks
+    #[arg(required = true)]
+    path: Vec<PathBuf>,
+    /// HTML to write
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    #[command(flatten)]
+    settings: SettingsArguments,
+}
+
+/// One bad deployment does not keep the others' answers back; with none at all the page still tells why, so that no
+/// older one is taken for it.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let settings = arguments.settings.settings()?;
+    let chapters: Vec<Chapter> =
+        arguments.path.iter().map(|path| chapter(path, &arguments.settings, &settings)).collect();
+    report::write(&report::page(&chapters), &arguments.out)?;
+    let file = arguments.out.display();
+    let errors: Vec<String> = chapters.iter().filter_map(|c| c.answer().err()).collect();
+    let (all, without) = (chapters.len(), errors.len());
+    match &errors[..] {
+        [only] if all == 1 => Err(Failure::Input(anyhow::anyhow!("{only}"))),
+        [first, ..] if without == all => Err(Failure::Input(anyhow::anyhow!(
+            "none of {all} deployments has an answer ({file} says why); the first: {first}"
+        ))),
+        _ => {
+            let plural = if all == 1 { "" } else { "s" };
+            let without = match without {
+                0 => String::new(),
+                _ => format!(", {without} of them without an answer"),
+            };
+            Ok(print(&format!("{file}: report on {all} deployment{plural}{without}\n"))?)
+        }
+    }
+}
+
+fn chapter(path: &Path, arguments: &SettingsArguments, settings: &Settings) -> Chapter {
+    let opened = load(path, arguments.rig.as_deref())
+        .map_err(Failure::from)
+        .and_then(|(deployment, _)| arguments.adjust(deployment));
+    match opened {
+        Ok(deployment) => {
+            let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));
+            Chapter::Analysed { deployment, analysis }
+        }
+        Err(Failure::Input(error)) => {
+            Chapter::Unopened { path: path.display().to_string(), error: format!("{error:#}") }
+        }
+        Err(Failure::Usage(error)) => Chapter::Unopened { path: path.display().to_string(), error },
+    }
+}

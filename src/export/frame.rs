@@ -1,0 +1,52 @@
+//! The frame of a chart with two axes: its grid, the numbers along it, and where values go.
+
+use super::axis::Axis;
+use super::drawing::{Anchor, Ink, Mark};
+
+/// Size of the numbers along the axes.
+pub const NUMBER: f32 = 10.0;
+
+/// Both axes are linear and fill the frame from end to end.
+pub struct Frame {
+    x: Axis,
+    y: Axis,
+    /// Corners, the upper left one first.
+    min: [f32; 2],
+    max: [f32; 2],
+}
+
+impl Frame {
+    /// The values at the ends of both axes, and the corners.
+    pub fn new(x: [f64; 2], y: [f64; 2], min: [f32; 2], max: [f32; 2]) -> Self {
+        let (x, y) = (Axis::between(x, [min[0], max[0]]), Axis::between(y, [max[1], min[1]]));
+        Self { x, y, min, max }
+    }
+
+    pub fn place(&self, x: f64, y: f64) -> [f32; 2] {
+        [self.x.place(x), self.y.place(y)]
+    }
+
+    /// Lines across at the round values of the vertical axis, with their numbers if wanted.
+    pub fn draw_rows(&self, numbers: bool, marks: &mut Vec<Mark>) {
+        for (value, label) in self.y.ticks() {
+            let y = self.y.place(value);
+            marks.push(Mark::line([self.min[0], y], [self.max[0], y], Ink::Grid, 1.0));
+            if numbers {
+                let at = [self.min[0] - 6.0, y];
+                marks.push(Mark::text(at, label, NUMBER, Ink::Weak, Anchor::Right));
+            }
+        }
+    }
+
+    /// Lines up at the round values of the horizontal axis, with their numbers if wanted.
+    pub fn draw_columns(&self, numbers: bool, marks: &mut Vec<Mark>) {
+        for (value, label) in self.x.ticks() {
+            let x = self.x.place(value);
+            marks.push(Mark::line([x, self.min[1]], [x, self.max[1]], Ink::Grid, 1.0));
+            if numbers {
+                let at = [x, self.max[1] + 0.5 * NUMBER + 5.0];
+                marks.push(Mark::text(at, label, NUMBER, Ink::Weak, Anchor::Middle));
+            }
+        }
+    }
+}

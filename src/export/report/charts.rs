@@ -1,0 +1,55 @@
+//! The pictures of an answer, in the colours of the page.
+
+use maud::{Markup, PreEscaped, html};
+
+use crate::analysis::{Analysis, Answer};
+use crate::calibration::Targets;
+use crate::deployment::Deployment;
+use crate::export::drawing::Drawing;
+use crate::export::svg::{Colours, to_svg};
+use crate::export::{plan_view, residual_chart};
+
+/// At this width texts have their own size on the screen, and on paper nearly.
+const WIDTH: f32 = 800.0;
+
+pub fn plan(deployment: &Deployment, answer: &Answer) -> Markup {
+    let transforms = &answer.calibration.station1_from_station;
+    let drawing = plan_view::draw(deployment, &answer.triplets, transforms, WIDTH);
+    figure(&drawing, "plan view", &html! { "From above, both axes to the same scale." })
+}
+
+pub fn residuals(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
+    let errors_mm = &answer.evaluation.distance_errors_mm;
+    if answer.evaluation.inter_prism_mm.is_none() {
+        return html! { p.weak { "There is none: either no triplet was found, or the distances are not known." } };
+    }
+    let start_s = deployment.start_s().unwrap_or(0.0);
+    let time_s: Vec<f64> = answer.triplets.time_s.iter().map(|time_s| time_s - start_s).collect();
+    let (each, what) = match analysis.offer.targets {
+        Targets::OnePrism => {
+            ("stations", "Distance between two stations' versions of the one prism")
+        }
+        _ => ("prisms", "Apparent minus known distance between two prisms"),
+    };
+    let drawing = residual_chart::draw(errors_mm, &time_s, each, WIDTH);
+    let beyond = residual_chart::beyond(errors_mm, residual_chart::range_mm(errors_mm));
+    let all = errors_mm.iter().map(Vec::len).sum::<usize>();
+    figure(
+        &drawing,
+        "distance errors over time",
+        &html! {
+            (what) ". Thin strokes reach from the lowest to the highest error of a short time, thick ones between its "
+            "quartiles. "
+            @if beyond > 0 { (beyond) " of " (all) " errors lie beyond the axis; their strokes end at its edge." }
+        },
+    )
+}
+
+fn figure(drawing: &Drawing, name: &str, caption: &Markup) -> Markup {
+    html! {
+        figure {
+            div.picture role="img" aria-label=(name) { (PreEscaped(to_svg(drawing, Colours::Page))) }
+            figcaption { (caption) }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! What an answer was made from: the pipeline's counts, the data, the settings.
+
+use maud::{Markup, html};
+use serde_json::Value;
+
+use super::findings;
+use crate::analysis::{Analysis, Settings};
+use crate::deployment::{Deployment, pair_label};
+use crate::pipeline::SampleFate;
+
+pub fn markup(deployment: &Deployment, analysis: &Analysis) -> Markup {
+    html! {
+        (pipeline(deployment, analysis))
+        (data(deployment))
+        (settings(&analysis.settings))
+    }
+}
+
+/// From raw readings to triplets, one column a station.
+fn pipeline(deployment: &Deployment, analysis: &Analysis) -> Markup {
+    let out = &analysis.pipeline;
+    let row = |name: &str, counts: [usize; 3]| {
+        html! { tr {
+            th { (name) }
+            @for count in counts { td.number { (count) } }
+            td.number { (counts.iter().sum::<usize>()) }
+        } }
+    };
+    let dropped = SampleFate::ALL.into_iter().filter(|fate| *fate != SampleFate::Kept);
+    html! {
+        h3 { "Pipeline" }
+        table {
+            thead { tr {
+                th { "readings" }
+                @for station in 1..4 { th.number { "station " (station) } }
+                th.number { "all" }
+            } }
+            tbody {
+                (row("raw", deployment.tracks.each_ref().map(|track| track.measurements.len())))
+                @for fate in dropped {
+                    (row(fate.label(), std::array::from_fn(|station| out.count(station, fate))))
+                }
+                (row(SampleFate::Kept.label(), out.kept()))
+            }
+        }
+        p {
+            (out.intervals.len()) " intervals, " (out.kept_intervals.len()) " of them kept; "
+            (out.triplets.len()) " triplets."
+        }
+    }
+}
+
+fn data(deployment: &Deployment) -> Markup {
+    html! {
+        h3 { "Data" }
+        table {
+            thead { tr { th { "file" } th { "content" } th { "" } } }
+            tbody {
+                @for ingredient in &deployment.ingredients { tr {
+                    td { code { (ingredient.file) } }
+                    td { (ingredient.what) }
+                    td.weak[!ingredient.used] { @if ingredient.used { "used" } @else { "ignored" } }
+                } }
+            }
+        }
+        p {
+            "Prism constants of stations 1, 2, 3: "
+            (deployment.tracks.each_ref().map(|track| format!("{:+.1}", track.prism_constant_m * 1e3)).join(", "))
+            " mm. "
+            @match &deployment.rig {
+                Some(rig) => {
+                    "Inter-prism distances: "
+                    @for (pair, metres) in rig.inter_prism_m.iter().enumerate() {
+                        @if pair > 0 { ", " }
+                        (pair_label(pair)) " " (format!("{metres:.4}")) " m"
+                    }
+                    "."
+                }
+                None => "The inter-prism distances are not known.",
+            }
+        }
+        (findings(&deployment.findings))
+    }
+}
+
+/// All of them by the names of a `--config` file; those that are not the defaults stand out.
+fn settings(settings: &Settings) -> Markup {
+    let rows = listed(settings).into_iter().zip(listed(&Settings::default()));
+    html! {
+        h3 { "Settings" }
+        table.settings {
+            thead { tr { th { "setting" } th.number { "value" } th.number { "default" } } }
+            tbody {
+                @for ((name, value), (_, default)) in rows {
+                    tr.chosen[value != default] {
+                        td { code { (name) } }
+                        td.number { (value) }
+                        td.number.weak { (default) }
+                    }
+                }
+            }
+        }
+        p.weak { "Marked: what is not the default." }
+    }
+}
+
+/// Names with their tables' before them, and values as a person writes them.
+fn listed(settings: &Settings) -> Vec<(String, String)> {
+    let mut list = Vec::new();
+    // Settings are plain numbers, words and switches: JSON holds them all.
+    let value = serde_json::to_value(settings).unwrap_or_default();
+    list_into(&mut list, "", &value);
+    list
+}
+
+fn list_into(list: &mut Vec<(String, String)>, name: &str, value: &Value) {
+    match value {
+        Value::Object(object) => {
+            for (key, value) in object {
+                let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
+                list_into(list, &name, value);
+            }
+        }
+        Value::Null => list.push((name.to_owned(), "by the data".to_owned())),
+        Value::Bool(on) => list.push((name.to_owned(), if *on { "yes" } else { "no" }.to_owned())),
+        Value::String(word) => list.push((name.to_owned(), word.clone())),
+        other => list.push((name.to_owned(), other.to_string())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_is_listed_and_a_changed_one_stands_out() {
+        let mut changed = Settings::default();
+        changed.pipeline.thresholds.tau_s_seconds = 1.5;
+        changed.calibration.estimate.clocks = true;
+        let list = listed(&changed);
+        assert!(list.contains(&("calibration.method".to_owned(), "by the data".to_owned())));
+        assert!(list.contains(&("pipeline.thresholds.tau_s_seconds".to_owned(), "1.5".to_owned())));
+        let html = settings(&changed).into_string();
+        assert_eq!(html.matches("class=\"chosen\"").count(), 2, "{html}");
+        assert_eq!(html.matches("<code>").count(), list.len());
+    }
+}
