@@ -30,9 +30,15 @@ pub struct Arguments {
     /// Lost locks of each station per minute
     #[arg(long, value_name = "PER_MIN")]
     lost_locks: Option<f64>,
+    /// How often a minute each station follows a wrong prism for a while
+    #[arg(long, value_name = "PER_MIN")]
+    wrong_targets: Option<f64>,
     /// Readings per second of each station
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
+    /// When stations 1, 2, 3 take their first reading (ms); from the seed if not given
+    #[arg(long, value_name = "MS,MS,MS", value_delimiter = ',')]
+    stagger: Vec<f64>,
     /// How long is driven (s)
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
@@ -101,6 +107,13 @@ fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
     )?;
     set("outliers", arguments.outliers, [0.0, 1.0], 1.0, &mut noise.outlier_share)?;
     set("lost-locks", arguments.lost_locks, [0.0, 60.0], 1.0, &mut noise.lost_locks_per_minute)?;
+    set(
+        "wrong-targets",
+        arguments.wrong_targets,
+        [0.0, 60.0],
+        1.0,
+        &mut noise.wrong_targets_per_minute,
+    )?;
     set("rate", arguments.rate, [0.1, 50.0], 1.0, &mut scenario.rate_hz)?;
     set("duration", arguments.duration, [10.0, 20_000.0], 1.0, &mut scenario.duration_s)?;
     let constant = &mut scenario.errors.prism_constant_m;
@@ -110,6 +123,7 @@ fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
         to.iter_mut().zip(from).for_each(|(to, from)| *to = from * unit);
     };
     for (name, given, wanted) in [
+        ("stagger", arguments.stagger.len(), 3),
         ("clock-offset", arguments.clock_offset.len(), 3),
         ("clock-drift", arguments.clock_drift.len(), 3),
         ("clock-step", arguments.clock_step.len(), 2),
@@ -125,6 +139,14 @@ fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
     copy(&arguments.clock_drift, 1e-6, &mut errors.clock_drift);
     copy(&arguments.tilt, arcsecond, errors.tilt_rad.as_flattened_mut());
     copy(&arguments.distance_error, 1e-3, &mut errors.inter_prism_m);
+    if let [first, second, third] = arguments.stagger[..] {
+        let stagger_ms = [first, second, third];
+        if let Some(wrong) = stagger_ms.iter().find(|ms| !(0.0..=5000.0).contains(*ms)) {
+            let line = format!("--stagger is {wrong}; it must be from 0 to 5000");
+            return Err(Failure::Usage(line));
+        }
+        scenario.stagger_s = Some(stagger_ms.map(|ms| ms * 1e-3));
+    }
     if let [station, step_ms] = arguments.clock_step[..] {
         if ![1.0, 2.0, 3.0].contains(&station) {
             let line = format!("--clock-step names station {station}; stations are 1, 2, 3");

@@ -146,6 +146,19 @@ fn refinement(refined: &Refinement) -> Value {
         "clock_offsets_s": refined.clock_offsets_s.map(|clocks| estimates(&clocks)),
         "inter_prism_m": refined.distances_m.map(|distances| estimates(&distances)),
         "tilts_rad": refined.tilts_rad.map(|tilts| tilts.each_ref().map(|t| estimates(t))),
+        "clock_drifts": refined.clock_drifts.map(|drifts| estimates(&drifts)),
+        "prism_constant_error_m": refined.prism_constant_error_m.as_ref().map(estimate),
+        "noise": refined.motion.map(|motion| json!({
+            "range_m": motion.noise.range_m(),
+            "angle_rad": motion.noise.angle_rad(),
+            "jerk_m_per_s3": motion.noise.jerk_m_per_s3,
+        })),
+        "support": refined.support.iter().map(|support| json!({
+            "what": support.what,
+            "chi_square": support.chi_square,
+            "unknowns": support.unknowns,
+            "supported": support.supported,
+        })).collect::<Vec<_>>(),
         "moves_sigmas": refined.moves_sigmas,
         "converged": refined.converged,
     })

@@ -32,21 +32,33 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let (mut outliers, mut lost_readings) = (0, 0);
     for (station, station1_from_this) in station1_from_station.iter().enumerate() {
         let this_from_station1 = station1_from_this.inverse();
-        let stagger_s = rng.random_range(0.0..1.0 / scenario.rate_hz);
-        let silences = lost_locks(scenario, &mut rng);
+        // Drawn in any case: an option must not change what others draw.
+        let drawn_s = rng.random_range(0.0..1.0 / scenario.rate_hz);
+        let stagger_s = scenario.stagger_s.map_or(drawn_s, |given| given[station]);
+        let silences =
+            spans(scenario.duration_s, scenario.noise.lost_locks_per_minute, 1.5..14.0, &mut rng);
+        let mistaken = spans(
+            scenario.duration_s,
+            scenario.noise.wrong_targets_per_minute,
+            1.0..4.0,
+            &mut ChaCha8Rng::seed_from_u64(seed ^ (0x7a26e7 + station as u64)),
+        );
         let readings = ((scenario.duration_s - stagger_s) * scenario.rate_hz) as usize;
         for k in 0..readings {
             let jitter_s = 0.001 * normal(&mut rng);
             let t = (stagger_s + k as f64 / scenario.rate_hz + jitter_s).max(0.0);
-            let level =
-                this_from_station1.apply(&motion.position_m(&scenario.prisms_m[station], t));
+            let within =
+                |spans: &[[f64; 2]]| spans.iter().any(|[from, to]| (*from..*to).contains(&t));
+            let prism = if within(&mistaken) { (station + 1) % 3 } else { station };
+            outliers += usize::from(prism != station);
+            let level = this_from_station1.apply(&motion.position_m(&scenario.prisms_m[prism], t));
             let position = scenario.errors.lean(station, &level);
             let mut polar = noisy(position, scenario, 1.0, &mut rng);
             if rng.random_bool(scenario.noise.outlier_share) {
                 blunder(&mut polar, &mut rng);
                 outliers += 1;
             }
-            if silences.iter().any(|[from, to]| (*from..*to).contains(&t)) {
+            if within(&silences) {
                 lost_readings += 1;
                 continue;
             }
@@ -121,17 +133,22 @@ fn blunder(polar: &mut Polar, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// Spans of time (s) in which the station lost its prism.
-fn lost_locks(scenario: &Scenario, rng: &mut ChaCha8Rng) -> Vec<[f64; 2]> {
+/// Spans of a drive (s), so many per minute on average.
+fn spans(
+    duration_s: f64,
+    per_minute: f64,
+    lengths_s: std::ops::Range<f64>,
+    rng: &mut ChaCha8Rng,
+) -> Vec<[f64; 2]> {
     let mut spans = Vec::new();
     let mut t = 0.0;
     loop {
-        let wait_min = -rng.random_range(1e-9..1.0_f64).ln() / scenario.noise.lost_locks_per_minute;
+        let wait_min = -rng.random_range(1e-9..1.0_f64).ln() / per_minute;
         t += 60.0 * wait_min;
-        if t >= scenario.duration_s {
+        if t >= duration_s {
             return spans;
         }
-        let length_s = rng.random_range(1.5..14.0);
+        let length_s = rng.random_range(lengths_s.clone());
         spans.push([t, t + length_s]);
         t += length_s;
     }

@@ -19,6 +19,8 @@ pub enum Preset {
     SinglePrism,
     /// Eights: turns to both sides.
     FigureEight,
+    /// Eights with prisms a hand's breadth apart, where every millimetre of a distance tells.
+    ShortBaselines,
     /// One straight line on flat ground: most directions stay free.
     StraightLine,
     /// Round and round on flat ground.
@@ -71,6 +73,8 @@ pub struct Noise {
     pub outlier_share: f64,
     /// Lost locks of each station per minute.
     pub lost_locks_per_minute: f64,
+    /// How often a minute each station follows the prism of the next one for a while.
+    pub wrong_targets_per_minute: f64,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -83,6 +87,8 @@ pub struct Scenario {
     pub noise: Noise,
     /// Readings per second of each station.
     pub rate_hz: f64,
+    /// When each station takes its first reading (s); `None` for any time within the first period, from the seed.
+    pub stagger_s: Option<[f64; 3]>,
     /// Prisms about the vehicle's origin on the ground: x ahead, y left, z up (m).
     pub prisms_m: [Vector3<f64>; 3],
     /// GNSS antennas, in the same frame.
@@ -111,6 +117,7 @@ impl Preset {
             Self::UnevenGround => "uneven-ground",
             Self::SinglePrism => "single-prism",
             Self::FigureEight => "figure-eight",
+            Self::ShortBaselines => "short-baselines",
             Self::StraightLine => "straight-line",
             Self::Circle => "circle",
             Self::LShape => "l-shape",
@@ -133,6 +140,7 @@ impl Preset {
             angle_sigma_rad: ARCSECOND_RAD,
             outlier_share: 0.004,
             lost_locks_per_minute: 0.4,
+            wrong_targets_per_minute: 0.0,
         };
         match self {
             Self::Warthog => Scenario {
@@ -143,6 +151,7 @@ impl Preset {
                 ground: Ground { slope_rms_rad: 0.05, wavelengths_m: [7.0, 30.0] },
                 noise,
                 rate_hz: 2.5,
+                stagger_s: None,
                 prisms_m: [
                     Vector3::new(0.45, 0.05, 1.55),
                     Vector3::new(-0.28, 0.47, 1.20),
@@ -173,6 +182,15 @@ impl Preset {
                 ..warthog()
             },
             Self::FigureEight => driven(EIGHT, 300.0),
+            Self::ShortBaselines => Scenario {
+                prisms_m: [
+                    Vector3::new(0.10, 0.00, 0.62),
+                    Vector3::new(-0.05, 0.09, 0.55),
+                    Vector3::new(-0.05, -0.09, 0.59),
+                ],
+                antennas_m: None,
+                ..driven(EIGHT, 300.0)
+            },
             Self::StraightLine => driven(STRAIGHT, 100.0),
             Self::Circle => driven(CIRCLE, 300.0),
             Self::LShape => driven(TWO_LEGS, 150.0),
@@ -189,6 +207,7 @@ impl Preset {
                 ground: Ground { slope_rms_rad: 0.012, wavelengths_m: [4.0, 20.0] },
                 noise: Noise { lost_locks_per_minute: 0.25, ..noise },
                 rate_hz: 2.5,
+                stagger_s: None,
                 prisms_m: [
                     Vector3::new(0.20, 0.00, 0.62),
                     Vector3::new(-0.08, 0.17, 0.50),

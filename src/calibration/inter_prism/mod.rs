@@ -31,7 +31,9 @@ pub use levenberg_marquardt::{Minimum, minimise};
 use minima::{Minima, THINNED};
 pub use normal_equations::{NormalEquations, Pulls};
 pub use prior_search::{PriorSearch, SearchRun};
-pub use refinement::{Clock, Estimate, Refinement, with_clocks};
+pub use refinement::{
+    Clock, ClockJump, Estimate, Motion, NoiseLevels, Refinement, Support, with_clocks,
+};
 
 use super::method::why_no_triplets;
 use super::{
@@ -176,6 +178,11 @@ pub fn solve(
         findings.extend(suspicions);
     }
     if let Some(refined) = &refinement {
+        let jumps = refinement_in_words::jumps(refined);
+        if !jumps.is_empty() {
+            verdict = verdict.max(Verdict::Weak);
+        }
+        findings.extend(jumps);
         findings.extend(refinement_in_words::findings(refined, &rig.inter_prism_m));
     } else if settings.refines() {
         findings.push(Finding::warning(

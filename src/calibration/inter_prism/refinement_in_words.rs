@@ -1,6 +1,6 @@
 //! What a refinement found, in words: what is off and which way, whether the data supports it, what moved.
 
-use super::refinement::{Estimate, Refinement};
+use super::refinement::{Estimate, NoiseLevels, Refinement, Support};
 use crate::deployment::{Finding, pair_label};
 
 /// Smaller than this many σ, an estimate is not told from what was assumed.
@@ -16,6 +16,16 @@ pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> 
     let mut findings = Vec::new();
     for (slot, clock) in refined.clock_offsets_s.iter().flatten().enumerate() {
         findings.push(clock_in_words(slot + 2, clock));
+    }
+    for (slot, drift) in refined.clock_drifts.iter().flatten().enumerate() {
+        if drift.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS {
+            findings.push(Finding::note(format!(
+                "station {}'s clock drifts by {:+.1} ± {:.1} µs a second",
+                slot + 2,
+                drift.value * 1e6,
+                drift.sigma * 1e6,
+            )));
+        }
     }
     for (pair, distance) in refined.distances_m.iter().flatten().enumerate() {
         let off_m = distance.value - inter_prism_m[pair];
@@ -42,6 +52,8 @@ pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> 
             support(largest),
         )));
     }
+    findings.extend(refined.motion.iter().map(|motion| noise_in_words(&motion.noise)));
+    findings.extend(refined.support.iter().map(support_in_words));
     let moves = refined.moves_sigmas.map(|sigmas| format!("{sigmas:+.1}"));
     findings.push(Finding::note(format!(
         "against the published method, in σ: T12 moved {} in x, y, z, yaw; T13 {}",
@@ -65,6 +77,44 @@ fn clock_in_words(station: usize, clock: &Estimate) -> Finding {
         support(sigmas),
     );
     Finding::note(line)
+}
+
+fn noise_in_words(noise: &NoiseLevels) -> Finding {
+    Finding::note(format!(
+        "readings scatter about the motion by {:.1} mm in range and {:.1}″ in angle, as learned from this drive",
+        noise.range_m() * 1e3,
+        noise.angle_rad() * 1e3 / MILLIRADIAN_PER_ARCSECOND,
+    ))
+}
+
+fn support_in_words(support: &Support) -> Finding {
+    let Support { what, chi_square, unknowns, supported } = support;
+    Finding::note(if *supported {
+        format!("the data supports estimating the {what} (χ² = {chi_square:.0} on {unknowns})")
+    } else {
+        format!(
+            "the data does not ask for the {what} (χ² = {chi_square:.1} on {unknowns}); they widen σ and hardly move the answer"
+        )
+    })
+}
+
+/// Clocks that no offset puts right.
+pub fn jumps(refined: &Refinement) -> Vec<Finding> {
+    let jumps = refined.motion.iter().flat_map(|motion| motion.clock_jumps);
+    jumps
+        .enumerate()
+        .filter_map(|(slot, jump)| Some((slot, jump?)))
+        .map(|(slot, jump)| {
+            Finding::warning(format!(
+                "station {}'s stamps jump by {:+.1} ± {:.1} ms about {:.0} s into the drive, which no offset puts right: \
+                 calibrate before and after it apart",
+                slot + 2,
+                jump.by_s.value * 1e3,
+                jump.by_s.sigma * 1e3,
+                jump.at_s,
+            ))
+        })
+        .collect()
 }
 
 /// Clocks that are clearly off although they were not estimated: they bias the answer.

@@ -13,10 +13,11 @@ mod model;
 
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 
+pub use self::continuous_time::{ClockJump, NoiseLevels};
 pub use self::model::Clock;
 use self::model::{
-    CLOCKS, DISTANCES, DRIFTS, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS, distances,
-    transforms,
+    CLOCKS, CONSTANT, DISTANCES, DRIFTS, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS,
+    distances, transforms,
 };
 use crate::calibration::{CalibrationSettings, Estimated, Loss, TransformSigma, time_blocks};
 use crate::deployment::PAIRS;
@@ -46,6 +47,8 @@ const NOISE_SHARE_SIGMA: f64 = 0.5;
 const TILT_SIGMA_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 /// Clocks of instruments drift by parts per million (s per s, 1 σ).
 const DRIFT_SIGMA: f64 = 5e-6;
+/// How well prism constants are known (m, 1 σ).
+const PRISM_CONSTANT_SIGMA_M: f64 = 0.0005;
 /// Scale of the losses over the residuals' spread: Huber's constant. At it Huber's loss is 95 % and Cauchy's about 80 %
 /// efficient on normal errors, and tails as heavy as a real drive's hardly count.
 const LOSS_SCALE: f64 = 1.345;
@@ -66,6 +69,26 @@ impl Estimate {
     }
 }
 
+/// What the readings tell of instruments and drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    pub noise: NoiseLevels,
+    /// Of stations 2 and 3.
+    pub clock_jumps: [Option<ClockJump>; 2],
+}
+
+/// Whether the data asks for a group of unknowns: Wald's test of their being what they are without estimating them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Support {
+    pub what: &'static str,
+    /// Their squared distance from that, in units of their covariance: on average the number of unknowns, if there is
+    /// nothing to them.
+    pub chi_square: f64,
+    pub unknowns: usize,
+    /// Larger than chance makes it once in a hundred times.
+    pub supported: bool,
+}
+
 /// The refined answer.
 #[derive(Clone, Debug)]
 pub struct Refinement {
@@ -77,14 +100,18 @@ pub struct Refinement {
     pub clock_offsets_s: Option<[Estimate; 2]>,
     /// And how fast that grows (s per s).
     pub clock_drifts: Option<[Estimate; 2]>,
+    /// By how much the prism constant makes all ranges too long (m); estimated with the distances.
+    pub prism_constant_error_m: Option<Estimate>,
     /// Estimated inter-prism distances (m).
     pub distances_m: Option<[Estimate; 3]>,
     /// Tilts of stations 2 and 3 about their own x and y (rad).
     pub tilts_rad: Option<[[Estimate; 2]; 2]>,
     /// (x, y, z, yaw) of stations 2 and 3: refined minus plain, over the refined σ.
     pub moves_sigmas: [f64; 8],
-    /// Scale of the robust loss, in units of the stated noise; `None` for squares.
-    pub loss_scale: Option<f64>,
+    /// What was learned of instruments and drive, where the readings themselves were used.
+    pub motion: Option<Motion>,
+    /// Whether the data supports each group of estimates.
+    pub support: Vec<Support>,
     pub converged: bool,
 }
 
@@ -119,7 +146,10 @@ pub fn refine(
         };
         let covariance =
             covariance(&sums, &precision, 1.0, &estimated, settings.inter_prism_sigma_m)?;
-        return Some(summary(&found.state, &start, &covariance, settings, None, found.converged));
+        let motion = Motion { noise: found.noise, clock_jumps: found.clock_jumps };
+        let motion = Some(motion);
+        let converged = found.converged;
+        return Some(summary(&found.state, &start, &covariance, settings, motion, converged));
     }
     let noise = Noise::new(triplets, &plain.map(RigidTransform::from), settings)
         .no_larger_than_residuals(&data, &start);
@@ -154,7 +184,7 @@ pub fn refine(
     let sums = accumulate(&data, &state, &noise, settings.loss, scale, &blocks);
     let covariance =
         covariance(&sums, &precision, lambda, &estimated, settings.inter_prism_sigma_m)?;
-    Some(summary(&state, &start, &covariance, settings, scale, converged))
+    Some(summary(&state, &start, &covariance, settings, None, converged))
 }
 
 /// What the clocks of stations 2 and 3 look like from the plain answer: one step of least squares with transforms, clocks
@@ -225,7 +255,8 @@ fn estimated(settings: &CalibrationSettings) -> Vec<usize> {
         (estimate.clocks, CLOCKS..DISTANCES),
         (estimate.distances, DISTANCES..TILTS),
         (estimate.tilt, TILTS..DRIFTS),
-        (estimate.clocks, DRIFTS..UNKNOWNS),
+        (estimate.clocks, DRIFTS..CONSTANT),
+        (estimate.distances, CONSTANT..UNKNOWNS),
     ];
     groups.into_iter().filter(|(on, _)| *on).flat_map(|(_, places)| places).collect()
 }
@@ -238,6 +269,7 @@ fn precisions(settings: &CalibrationSettings) -> State {
     precision.fixed_rows_mut::<3>(DISTANCES).fill(distance_sigma_m.powi(-2));
     precision.fixed_rows_mut::<4>(TILTS).fill(TILT_SIGMA_RAD.powi(-2));
     precision.fixed_rows_mut::<2>(DRIFTS).fill(DRIFT_SIGMA.powi(-2));
+    precision[CONSTANT] = PRISM_CONSTANT_SIGMA_M.powi(-2);
     precision
 }
 
@@ -448,8 +480,13 @@ fn covariance(
     let freedom = sums.blocks.saturating_sub(places.len()).max(1) as f64;
     let middle = sums.middle * (sums.blocks as f64 / freedom) + lambda * priors;
     let mut small = &inverse * reduced(&middle, places) * &inverse;
-    for held in (DISTANCES..DRIFTS).filter(|place| !places.contains(place)) {
-        let sigma = if held < TILTS { distance_sigma_m } else { TILT_SIGMA_RAD };
+    let held = (DISTANCES..DRIFTS).chain([CONSTANT]).filter(|place| !places.contains(place));
+    for held in held {
+        let sigma = match held {
+            CONSTANT => PRISM_CONSTANT_SIGMA_M,
+            TILTS.. => TILT_SIGMA_RAD,
+            _ => distance_sigma_m,
+        };
         let pull = places.iter().map(|place| sums.hessian[(*place, held)]);
         let moved = &inverse * DVector::from_iterator(places.len(), pull) * sigma;
         small += &moved * moved.transpose();
@@ -471,7 +508,7 @@ fn summary(
     start: &State,
     covariance: &Matrix,
     settings: &CalibrationSettings,
-    loss_scale: Option<f64>,
+    motion: Option<Motion>,
     converged: bool,
 ) -> Refinement {
     let sigma = |place: usize| covariance[(place, place)].max(0.0).sqrt();
@@ -485,13 +522,36 @@ fn summary(
         }),
         covariance: covariance.fixed_view::<8, 8>(0, 0).into_owned(),
         clock_offsets_s: chosen.clocks.then(|| [0, 1].map(|slot| estimate(CLOCKS + slot))),
+        prism_constant_error_m: chosen.distances.then(|| estimate(CONSTANT)),
         clock_drifts: chosen.clocks.then(|| [0, 1].map(|slot| estimate(DRIFTS + slot))),
         distances_m: chosen.distances.then(|| [0, 1, 2].map(|pair| estimate(DISTANCES + pair))),
         tilts_rad: chosen
             .tilt
             .then(|| [0, 1].map(|slot| [0, 1].map(|axis| estimate(TILTS + 2 * slot + axis)))),
         moves_sigmas: std::array::from_fn(|place| estimate(place).sigmas_from(start[place])),
-        loss_scale,
+        motion,
+        support: support(state, start, covariance, chosen),
         converged,
     }
+}
+
+/// 99 % of χ² with one to six degrees of freedom.
+const CHI_SQUARE_99: [f64; 6] = [6.635, 9.210, 11.345, 13.277, 15.086, 16.812];
+
+fn support(state: &State, start: &State, covariance: &Matrix, chosen: Estimated) -> Vec<Support> {
+    let groups: [(bool, &str, &[usize]); 4] = [
+        (chosen.clocks, "clock offsets", &[CLOCKS, CLOCKS + 1]),
+        (chosen.clocks, "clock drifts", &[DRIFTS, DRIFTS + 1]),
+        (chosen.distances, "inter-prism distances", &[DISTANCES, DISTANCES + 1, DISTANCES + 2]),
+        (chosen.tilt, "tilts", &[TILTS, TILTS + 1, TILTS + 2, TILTS + 3]),
+    ];
+    let wald = |what: &'static str, places: &[usize]| {
+        let off =
+            DVector::from_iterator(places.len(), places.iter().map(|p| state[*p] - start[*p]));
+        let solved = reduced(covariance, places).cholesky()?.solve(&off);
+        let (chi_square, unknowns) = (off.dot(&solved), places.len());
+        let supported = chi_square > CHI_SQUARE_99[unknowns - 1];
+        Some(Support { what, chi_square, unknowns, supported })
+    };
+    groups.into_iter().filter(|g| g.0).filter_map(|(_, what, places)| wald(what, places)).collect()
 }

@@ -9,12 +9,13 @@ use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 
 /// (x, y, z, yaw) of stations 2 and 3; their clock offsets; the three distances; their tilts about their own x and y; the
-/// drifts of their clocks.
-pub const UNKNOWNS: usize = 19;
+/// drifts of their clocks; how much too long all ranges are by the prism constant's error.
+pub const UNKNOWNS: usize = 20;
 pub const CLOCKS: usize = 8;
 pub const DISTANCES: usize = 10;
 pub const TILTS: usize = 13;
 pub const DRIFTS: usize = 17;
+pub const CONSTANT: usize = 19;
 
 pub type State = SVector<f64, UNKNOWNS>;
 
@@ -111,6 +112,8 @@ pub struct Distances {
     length_m: [f64; 3],
     /// How each station's placed point moves with the unknowns of [`places`].
     moves: [[Vector3<f64>; 8]; 3],
+    /// Where each station looks (station 1's frame).
+    sights: [Vector3<f64>; 3],
 }
 
 /// The unknowns that move the points of station 2 (slot 0) or 3.
@@ -125,12 +128,18 @@ pub fn distances(
     state: &State,
     station1_from_station: &[RigidTransform; 3],
 ) -> Distances {
-    let mut placed = [data.triplets.points_m[0][index]; 3];
     let mut moves = [[Vector3::zeros(); 8]; 3];
+    let sight = |station: usize| {
+        let point = &data.triplets.points_m[station][index];
+        point.try_normalize(1e-9).unwrap_or_default()
+    };
+    let shorter = |station: usize| sight(station) * state[CONSTANT];
+    let sights = std::array::from_fn(|k| station1_from_station[k].rotate(&sight(k)));
+    let mut placed = [data.triplets.points_m[0][index] - shorter(0); 3];
     for station in 1..3 {
         let slot = station - 1;
         let transform = &station1_from_station[station];
-        let point = data.at_true_time(station, index, clock(state, slot));
+        let point = data.at_true_time(station, index, clock(state, slot)) - shorter(station);
         let moving = transform.rotate(&data.velocity_m_per_s[station][index]);
         let turned = transform.rotate(&point);
         placed[station] = turned + transform.translation_m;
@@ -155,6 +164,7 @@ pub fn distances(
         direction: std::array::from_fn(|pair| between[pair] / length_m[pair]),
         length_m,
         moves,
+        sights,
     };
     for pair in 0..3 {
         result.derivative[pair] = result.along(pair, &result.direction[pair]);
@@ -168,6 +178,7 @@ impl Distances {
     fn along(&self, pair: usize, vector: &Vector3<f64>) -> State {
         let mut moved = State::zeros();
         let (a, b) = PAIRS[pair];
+        moved[CONSTANT] = vector.dot(&(self.sights[b] - self.sights[a]));
         for (station, sign) in [(a, 1.0), (b, -1.0)].into_iter().filter(|(s, _)| *s > 0) {
             for (place, step) in places(station - 1).into_iter().zip(&self.moves[station]) {
                 moved[place] += sign * vector.dot(step);
@@ -237,7 +248,7 @@ mod tests {
         let mut state = State::zeros();
         for (place, value) in [
             0.3, -0.2, 0.5, 0.4, -0.6, 0.1, 0.2, -0.3, 0.004, -0.003, 0.7, 0.9, 1.0, 1e-6, -2e-6,
-            3e-6, 1e-6, 2e-3, -1e-3,
+            3e-6, 1e-6, 2e-3, -1e-3, 4e-4,
         ]
         .into_iter()
         .enumerate()

@@ -15,8 +15,8 @@ use self::arrow::{Arrow, Eliminated, Row};
 pub use self::observations::NoiseLevels;
 use self::observations::{Drive, Estimates, Kind};
 use self::spline::PER_KNOT;
-use super::model::{State, transforms};
-use super::{INSTRUMENT, Matrix, reduced, robust_weight, step};
+use super::model::{CLOCKS, State, transforms};
+use super::{Estimate, Matrix, reduced, robust_weight, step};
 use crate::calibration::Loss;
 use crate::calibration::time_blocks::BLOCK_SECONDS;
 use crate::pipeline::Triplets;
@@ -34,7 +34,12 @@ const LOSS_SCALE: f64 = 2.4;
 const FIRST_JERK_M_PER_S3: f64 = 1.0;
 const LEAST_JERK_M_PER_S3: f64 = 0.01;
 /// Learned noise stays within these factors of what is stated.
-const NOISE_FACTORS: [f64; 2] = [0.1, 10.0];
+const NOISE_FACTORS: [f64; 2] = [0.1, 30.0];
+
+/// Clocks are looked at in this many parts of the drive; a jump must be larger than both to be one.
+const PARTS: usize = 12;
+const JUMP_SIGMAS: f64 = 5.0;
+const LEAST_JUMP_S: f64 = 0.002;
 
 /// What was found.
 pub struct Found {
@@ -42,7 +47,18 @@ pub struct Found {
     /// What the readings say of the global unknowns, without their priors.
     pub information: Matrix,
     pub noise: NoiseLevels,
+    /// Of stations 2 and 3.
+    pub clock_jumps: [Option<ClockJump>; 2],
     pub converged: bool,
+}
+
+/// Stamps of a station that shift in the middle of a drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClockJump {
+    /// About when, from the first triplet on (s).
+    pub at_s: f64,
+    /// By how much later they are after it (s).
+    pub by_s: Estimate,
 }
 
 /// `None` without readings, or where they leave the motion free.
@@ -53,7 +69,7 @@ pub fn estimate(
     precision: &State,
     loss: Loss,
 ) -> Option<Found> {
-    let drive = Drive::new(triplets, &INSTRUMENT)?;
+    let drive = Drive::new(triplets)?;
     let mut at =
         Estimates { coefficients_m: drive.start(triplets, &transforms(start)), global: *start };
     let mut by = Weighing {
@@ -74,9 +90,6 @@ pub fn estimate(
         at.global -= global;
         at.coefficients_m.iter_mut().zip(&local).for_each(|(value, step)| *value -= step);
         let moved = (global.transpose() * eliminated.information * global)[0];
-        if std::env::var("RESECT_DEBUG").is_ok() {
-            eprintln!("{iteration} {moved:.2e} {:.2e} {:?}", global.amax(), by.noise);
-        }
         if by.held.is_some() && moved < SMALL_STEP {
             converged = true;
             break;
@@ -87,14 +100,12 @@ pub fn estimate(
         }
     }
     let eliminated = normal_equations(&drive, &at, &by).eliminate()?;
-    let spread = overdispersion(&drive, &at, &by, &eliminated, places)?;
-    if std::env::var("RESECT_DEBUG").is_ok() {
-        eprintln!("{:?} redundancy {:.3} spread {spread:.2} {converged}", by.noise, by.redundancy);
-    }
+    let scatter = scatter(&drive, &at, &by, &eliminated, places)?;
     Some(Found {
         state: at.global,
-        information: eliminated.information / spread.max(1.0),
+        information: eliminated.information / scatter.overdispersion.max(1.0),
         noise: by.noise,
+        clock_jumps: scatter.clock_jumps,
         converged,
     })
 }
@@ -211,18 +222,27 @@ fn learn(
     (learned, (left(0) + left(1)) / (counts[0] + counts[1]).max(1.0))
 }
 
-/// How much more the gradients of blocks of time scatter than the noise explains, on average over the unknowns: 1 where
-/// the model holds, more where errors are correlated in time.
-fn overdispersion(
+/// What the errors show over time.
+struct Scatter {
+    /// How much more the gradients of blocks of time scatter than the noise explains, on average over the unknowns: 1
+    /// where the model holds, more where errors are correlated in time.
+    overdispersion: f64,
+    clock_jumps: [Option<ClockJump>; 2],
+}
+
+fn scatter(
     drive: &Drive,
     at: &Estimates,
     by: &Weighing,
     eliminated: &Eliminated,
     places: &[usize],
-) -> Option<f64> {
+) -> Option<Scatter> {
     let followed = eliminated.followed();
-    let start_s = drive.spans.spans.first()?.start_s;
+    let (start_s, end_s) = (drive.spans.spans.first()?.start_s, drive.spans.spans.last()?.end_s);
+    let part_s = ((end_s - start_s) / PARTS as f64).max(1e-3);
     let mut blocks: BTreeMap<i64, State> = BTreeMap::new();
+    // Gradient and information of each clock by parts of the drive.
+    let mut clocks = [[(0.0, 0.0); PARTS]; 2];
     each_equation(drive, at, by, |_, time_s, row, weight| {
         let mut effective = row.global;
         for (index, factor) in &row.local {
@@ -230,12 +250,40 @@ fn overdispersion(
         }
         let block = ((time_s - start_s) / BLOCK_SECONDS).floor() as i64;
         *blocks.entry(block).or_insert_with(State::zeros) += effective * (weight * row.error);
+        let part = (((time_s - start_s) / part_s).max(0.0) as usize).min(PARTS - 1);
+        for (slot, parts) in clocks.iter_mut().enumerate() {
+            let by_clock = effective[CLOCKS + slot];
+            parts[part].0 += weight * by_clock * row.error;
+            parts[part].1 += weight * by_clock * by_clock;
+        }
     });
     let middle: Matrix = blocks.values().map(|pull| pull * pull.transpose()).sum();
     let inverse = reduced(&eliminated.information, places).cholesky()?.inverse();
     let count = blocks.len() as f64;
     let freedom = (count - places.len() as f64).max(1.0) / count;
-    Some((inverse * reduced(&middle, places)).trace() / places.len() as f64 / freedom)
+    let overdispersion =
+        (inverse * reduced(&middle, places)).trace() / places.len() as f64 / freedom;
+    let clock_jumps = clocks.map(|parts| jump(&parts, part_s, overdispersion.max(1.0)));
+    Some(Scatter { overdispersion, clock_jumps })
+}
+
+/// The likeliest jump of a clock, where one is certain: one step of Gauss–Newton for the parts before and after it.
+fn jump(parts: &[(f64, f64); PARTS], part_s: f64, overdispersion: f64) -> Option<ClockJump> {
+    let offset = |parts: &[(f64, f64)]| {
+        let (pull, information) =
+            parts.iter().fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+        (-pull / information, overdispersion / information)
+    };
+    (2..PARTS - 1)
+        .map(|part| {
+            let (before, after) = (offset(&parts[..part]), offset(&parts[part..]));
+            let by_s = Estimate { value: after.0 - before.0, sigma: (before.1 + after.1).sqrt() };
+            ClockJump { at_s: part as f64 * part_s, by_s }
+        })
+        .filter(|jump| {
+            jump.by_s.sigmas_from(0.0).abs() > JUMP_SIGMAS && jump.by_s.value.abs() > LEAST_JUMP_S
+        })
+        .max_by(|a, b| a.by_s.sigmas_from(0.0).abs().total_cmp(&b.by_s.sigmas_from(0.0).abs()))
 }
 
 /// +1 or −1; the same for the same number.

@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::super::model::{CLOCKS, DISTANCES, DRIFTS, PolarNoise, State, TILTS};
+use super::super::INSTRUMENT;
+use super::super::model::{CLOCKS, CONSTANT, DISTANCES, DRIFTS, PolarNoise, State, TILTS};
 use super::arrow::Row;
 use super::spline::{PER_KNOT, Place, Spans};
 use crate::deployment::PAIRS;
@@ -18,6 +19,8 @@ pub struct Reading {
     pub time_s: f64,
     /// In the station's frame.
     point_m: Vector3<f64>,
+    /// Stated noise of the range.
+    noise_m: f64,
     /// Along the sight, and twice across it, each over its stated noise (1/m).
     axes: [Vector3<f64>; 3],
 }
@@ -56,9 +59,20 @@ pub struct Estimates {
     pub coefficients_m: Vec<f64>,
 }
 
+impl NoiseLevels {
+    /// One standard deviation of a range of no length (m), and of an angle (rad).
+    pub fn range_m(&self) -> f64 {
+        self.range * INSTRUMENT.range_m
+    }
+
+    pub fn angle_rad(&self) -> f64 {
+        self.angle * INSTRUMENT.angle_rad
+    }
+}
+
 impl Drive {
     /// `None` without readings to go by.
-    pub fn new(triplets: &Triplets, instrument: &PolarNoise) -> Option<Self> {
+    pub fn new(triplets: &Triplets) -> Option<Self> {
         let (first_s, last_s) = (*triplets.time_s.first()?, *triplets.time_s.last()?);
         let knot_s =
             triplets.readings.iter().map(|track| median_step_s(&track.time_s)).fold(0.0, f64::max);
@@ -74,7 +88,7 @@ impl Drive {
                 .filter_map(|(time_s, point_m)| {
                     let span = spans.at(*time_s)?;
                     let index = spans.spans.partition_point(|other| other.end_s < span.end_s);
-                    Some(Reading::new(index, *time_s, *point_m, instrument))
+                    Some(Reading::new(index, *time_s, *point_m, &INSTRUMENT))
                 })
                 .collect()
         });
@@ -125,7 +139,8 @@ impl Drive {
         let predicted = at.sum(&place, &place.position, station);
         let velocity = at.sum(&place, &place.velocity, station);
         let transform = &transforms[station];
-        let turned = transform.rotate(&reading.point_m);
+        let shorter = reading.point_m.normalize() * at.global[CONSTANT];
+        let turned = transform.rotate(&(reading.point_m - shorter));
         let error_m = predicted - (turned + transform.translation_m);
         for (axis, row) in rows.iter_mut().enumerate() {
             let scale = if axis == 0 { noise.range } else { noise.angle };
@@ -134,6 +149,7 @@ impl Drive {
             place_at(&mut row.local, &place, station, &along);
             row.error = along.dot(&error_m);
             row.global.fill(0.0);
+            row.global[CONSTANT] = if axis == 0 { 1.0 / (reading.noise_m * scale) } else { 0.0 };
             if station > 0 {
                 let (slot, moved) = (station - 1, -along);
                 row.global.fixed_rows_mut::<3>(4 * slot).copy_from(&moved);
@@ -212,9 +228,9 @@ impl Reading {
         // Any two directions across will do: both angles are as good.
         let side = sight.cross(&Vector3::z()).try_normalize(1e-6).unwrap_or_else(Vector3::x);
         let across = 1.0 / (instrument.angle_rad * range_m);
-        let along = 1.0 / (instrument.range_m + instrument.range_share * range_m);
-        let axes = [sight * along, side * across, side.cross(&sight) * across];
-        Self { span, time_s, point_m, axes }
+        let noise_m = instrument.range_m + instrument.range_share * range_m;
+        let axes = [sight / noise_m, side * across, side.cross(&sight) * across];
+        Self { span, time_s, point_m, noise_m, axes }
     }
 }
 
