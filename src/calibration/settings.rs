@@ -87,10 +87,12 @@ impl Default for CalibrationSettings {
 }
 
 impl CalibrationSettings {
-    /// Method D with everything that holds up in the simulated campaign: Cauchy's loss, clocks, and distances.
+    /// Method D with everything that holds up in the simulated campaign (`tests/campaign`): the readings themselves, Cauchy's
+    /// loss, clocks, and distances.
     pub fn robust() -> Self {
         Self {
             loss: Loss::Cauchy,
+            continuous_time: true,
             estimate: Estimated { clocks: true, distances: true, tilt: false },
             ..Self::default()
         }

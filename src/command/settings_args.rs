@@ -64,7 +64,7 @@ pub struct SettingsArguments {
     /// What method D estimates beside the transforms: clocks, distances, tilt
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     estimate: Vec<EstimateName>,
-    /// The best estimate known: --loss cauchy --estimate clocks,distances
+    /// The best estimate known: --continuous-time --loss cauchy --estimate clocks,distances
     #[arg(long)]
     robust: bool,
     /// What methods B and C may turn: yaw, or roll and pitch as well
@@ -121,6 +121,7 @@ impl SettingsArguments {
             let robust = CalibrationSettings::robust();
             calibration.loss = robust.loss;
             calibration.estimate = robust.estimate;
+            calibration.continuous_time = robust.continuous_time;
         }
         calibration.loss = self.loss.unwrap_or(calibration.loss);
         calibration.weigh_by_noise |= self.weigh_by_noise;

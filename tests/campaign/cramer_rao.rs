@@ -11,12 +11,13 @@ use resect::deployment::PAIRS;
 use resect::geometry::Polar;
 use resect::simulation::{EPOCH_S, Simulated};
 
-/// (x, y, z, yaw) of stations 2 and 3, their clocks, tilts of all stations, distances, prism constant.
-const UNKNOWNS: usize = 20;
+/// (x, y, z, yaw) of stations 2 and 3, their clocks, tilts of all stations, distances, prism constant, drifts.
+const UNKNOWNS: usize = 22;
 const CLOCKS: usize = 8;
 const TILTS: usize = 10;
 const DISTANCES: usize = 16;
 const CONSTANT: usize = 19;
+const DRIFTS: usize = 20;
 
 type Unknowns = SVector<f64, UNKNOWNS>;
 
@@ -26,10 +27,16 @@ pub struct Drawn {
     pub tilt_rad: f64,
     pub distance_m: f64,
     pub prism_constant_m: f64,
+    pub drift: f64,
 }
 
 /// Bound of the covariance of (x, y, z, yaw) of stations 2 and 3, over the instants that the pipeline keeps.
-pub fn bound(simulated: &Simulated, analysis: &Analysis, drawn: &Drawn) -> SMatrix<f64, 8, 8> {
+/// `None` where a direction is free.
+pub fn bound(
+    simulated: &Simulated,
+    analysis: &Analysis,
+    drawn: &Drawn,
+) -> Option<SMatrix<f64, 8, 8>> {
     let mut information = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
     let prior = |sigma: f64| sigma.max(1e-7).powi(-2);
     for place in TILTS..DISTANCES {
@@ -39,6 +46,9 @@ pub fn bound(simulated: &Simulated, analysis: &Analysis, drawn: &Drawn) -> SMatr
         information[(place, place)] += prior(drawn.distance_m);
     }
     information[(CONSTANT, CONSTANT)] += prior(drawn.prism_constant_m);
+    for place in DRIFTS..UNKNOWNS {
+        information[(place, place)] += prior(drawn.drift);
+    }
     for interval in analysis.pipeline.kept_intervals.iter() {
         let readings = (interval.length_s() * simulated.scenario.rate_hz).floor() as usize;
         for reading in 0..readings {
@@ -46,8 +56,8 @@ pub fn bound(simulated: &Simulated, analysis: &Analysis, drawn: &Drawn) -> SMatr
             information += at(simulated, time_s);
         }
     }
-    let covariance = information.cholesky().expect("held").inverse();
-    covariance.fixed_view::<8, 8>(0, 0).into_owned()
+    let covariance = information.cholesky()?.inverse();
+    Some(covariance.fixed_view::<8, 8>(0, 0).into_owned())
 }
 
 /// Information of one instant.
@@ -71,7 +81,10 @@ fn at(simulated: &Simulated, time_s: f64) -> SMatrix<f64, UNKNOWNS, UNKNOWNS> {
             point += point.normalize() * unknowns[CONSTANT];
             if station > 0 {
                 let velocity = (later_m[station] - earlier_m[station]) / 0.1;
-                point += velocity * unknowns[CLOCKS + station - 1];
+                let since_s = time_s - 0.5 * simulated.scenario.duration_s;
+                let late_s =
+                    unknowns[CLOCKS + station - 1] + since_s * unknowns[DRIFTS + station - 1];
+                point += velocity * late_s;
             }
             let at = TILTS + 2 * station;
             point = Rotation3::new(Vector3::new(unknowns[at], unknowns[at + 1], 0.0)) * point;

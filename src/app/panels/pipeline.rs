@@ -211,7 +211,7 @@ fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
     let mut robust = *settings == with_best;
     if ui
         .checkbox(&mut robust, "robust, beyond the paper")
-        .on_hover_text("Cauchy's loss, clock offsets and inter-prism distances estimated")
+        .on_hover_text("The motion estimated from the readings themselves, Cauchy's loss, clocks and inter-prism distances estimated")
         .changed()
     {
         let paper = CalibrationSettings::default();
@@ -248,6 +248,9 @@ fn parts(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
             .on_hover_text("Inter-prism distances, held by the σ above");
         ui.checkbox(&mut estimate.tilt, "tilt").on_hover_text("Of stations 2 and 3, held to 1″");
     });
+    ui.checkbox(&mut settings.continuous_time, "readings, not triplets").on_hover_text(
+        "The motion is estimated from the readings themselves, in continuous time, and so is their noise",
+    );
     ui.checkbox(&mut settings.weigh_by_noise, "weigh by noise")
         .on_hover_text("Each distance counts by the noise of its two readings: 2 mm + 2 ppm, 1″");
 }
