@@ -2,6 +2,7 @@
 //!
 //! From Okabe & Ito's set, which stays distinct for colour-blind eyes.
 
+use crate::calibration::inter_prism::observability::Hold;
 use crate::pipeline::{OutlierReason, SampleFate};
 
 /// Red, green, blue, sRGB.
@@ -25,5 +26,14 @@ pub fn fate(fate: SampleFate) -> Rgb {
         SampleFate::Rejected(OutlierReason::Zenith) => [240, 215, 50],
         SampleFate::InNoInterval => [110, 90, 200],
         SampleFate::IntervalTooShort => [60, 130, 160],
+    }
+}
+
+/// How a drive holds a direction: vermilion, purple, grey.
+pub fn hold(hold: Hold) -> Rgb {
+    match hold {
+        Hold::Free => [226, 82, 40],
+        Hold::Weak => [204, 121, 167],
+        Hold::Held => [120, 150, 170],
     }
 }
