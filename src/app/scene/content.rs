@@ -142,12 +142,14 @@ impl SceneContent {
             overlays::add_poses(&mut self.data.lines, deployment, analysis);
         }
         self.bounds_m = bounds;
-        self.add_what_is_known(analysis, visibility);
         let step = self.outline_m.len().div_ceil(OUTLINE_POINTS).max(1);
         self.outline_m = self.outline_m.iter().step_by(step).copied().collect();
         // Thinning must not lose a station.
         let origins = transforms.iter().flatten().map(|t| t.translation_m.cast::<f32>());
         self.outline_m.extend(origins);
+        self.add_what_is_known(analysis, visibility);
+        // Painted from the last, while there is room: stations before all else.
+        self.labels.sort_by_key(|label| label.text.starts_with("Station"));
         self.add_grid(grid_colour);
     }
 

@@ -4,6 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::content::{Label, LineVertex, SceneContent, WORLD, opaque};
+use super::overlays::round_factor;
 use crate::calibration::Calibration;
 use crate::calibration::inter_prism::observability::{Hold, Observability, StationMotion};
 use crate::palette::{self, Rgb};
@@ -11,8 +12,8 @@ use crate::palette::{self, Rgb};
 /// Semi-axes of the ellipsoid that holds 95 % of a normal distribution in space, over its standard deviations: the root
 /// of χ² with three degrees of freedom.
 const SIGMAS_95: f64 = 2.7955;
-/// Ellipsoids are exaggerated by a power of ten while they stay below this share of the scene.
-const LARGEST_ELLIPSOID: f64 = 0.04;
+/// Ellipsoids are exaggerated by a round factor while their semi-axes stay below this share of the scene.
+const LARGEST_ELLIPSOID: f64 = 0.06;
 /// Corners of each of an ellipsoid's three ellipses.
 const CORNERS: usize = 32;
 /// Half the length of the longest arrow of a direction, as a share of the scene; a station that moves less than the
@@ -31,8 +32,8 @@ pub fn add_ellipsoids(
 ) -> Option<f64> {
     let covariance = calibration.covariance?;
     let axes = [0, 4].map(|at| semi_axes_m(&covariance.fixed_view::<3, 3>(at, at).into_owned()));
-    let longest_m = axes.iter().flatten().map(|axis| axis.norm()).fold(0.0, f64::max);
-    let factor = power_of_ten(longest_m, LARGEST_ELLIPSOID * f64::from(extent_m(content)?));
+    let longest_m = axes.iter().flatten().map(Vector3::norm).fold(0.0, f64::max);
+    let factor = round_factor(longest_m, LARGEST_ELLIPSOID * f64::from(extent_m(content)?));
     for (slot, axes) in axes.iter().enumerate().filter(|(slot, _)| shown[slot + 1]) {
         let origin = calibration.station1_from_station[slot + 1].translation_m;
         for flat in 0..3 {
@@ -59,11 +60,6 @@ fn semi_axes_m(covariance_m2: &Matrix3<f64>) -> [Vector3<f64>; 3] {
     axes
 }
 
-/// The largest power of ten, 1 at least, that leaves a length below a limit.
-fn power_of_ten(length_m: f64, limit_m: f64) -> f64 {
-    10_f64.powf((limit_m / length_m.max(1e-9)).log10().floor()).max(1.0)
-}
-
 /// Adds arrows along what is free or weak, with the words at the station that moves most.
 pub fn add_weak_directions(
     content: &mut SceneContent,
@@ -85,6 +81,8 @@ pub fn add_weak_directions(
                 let half = (translation_m / most).cast::<f32>() * (ARROW * extent_m);
                 add_double_arrow(&mut content.data.lines, &[origin - half, origin + half], colour);
                 tip = origin + half;
+                // So that the camera fits them in.
+                content.outline_m.extend([origin - half, tip]);
             }
             if yaw_rad.abs() * observed.track_radius_m > TURNS {
                 let arc = arc_towards(content, origin, 0.5 * ARROW * extent_m);
@@ -153,20 +151,15 @@ mod tests {
     #[test]
     fn the_axes_of_a_known_covariance() {
         // σ 1, 2 and 4 mm, the longest turned by 30° about z from x.
-        let turn = *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 0.5236).matrix();
+        let turn =
+            *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_6)
+                .matrix();
         let own = Matrix3::from_diagonal(&Vector3::new(16e-6, 1e-6, 4e-6));
         let [short, middle, long] = semi_axes_m(&(turn * own * turn.transpose()));
         assert_relative_eq!(short.norm(), 2.7955e-3, epsilon = 1e-12);
         assert_relative_eq!(middle.norm(), 5.591e-3, epsilon = 1e-12);
         assert_relative_eq!(middle.z.abs(), 5.591e-3, epsilon = 1e-12);
         assert_relative_eq!(long.norm(), 11.182e-3, epsilon = 1e-12);
-        assert_relative_eq!((long.y / long.x).atan(), 0.5236, epsilon = 1e-9);
-    }
-
-    #[test]
-    fn ellipsoids_are_exaggerated_by_a_power_of_ten_and_never_shrunk() {
-        assert_eq!(power_of_ten(0.003, 2.4), 100.0);
-        assert_eq!(power_of_ten(0.002, 2.4), 1000.0);
-        assert_eq!(power_of_ten(30.0, 2.4), 1.0);
+        assert_relative_eq!((long.y / long.x).atan(), std::f64::consts::FRAC_PI_6, epsilon = 1e-9);
     }
 }

@@ -192,7 +192,7 @@ impl SceneView {
                 (Align2::LEFT_CENTER, Vec2::new(10.0, 0.0)),
                 (Align2::RIGHT_CENTER, Vec2::new(-10.0, 0.0)),
             ]
-            .map(|(align, offset)| align.anchor_size(at + offset, galley.size()));
+            .map(|(align, offset)| inside(align.anchor_size(at + offset, galley.size()), rect));
             let free = |place: &&Rect| !taken.iter().any(|other| other.intersects(**place));
             let Some(place) = places.iter().find(free).copied() else { continue };
             painter.galley(place.min, galley, colour);
@@ -242,6 +242,13 @@ impl SceneView {
             commands.push(Command::MoveCursor(triplets.time_s[index]));
         }
     }
+}
+
+/// A label's place, moved so that nothing of it is cut off.
+fn inside(place: Rect, rect: Rect) -> Rect {
+    let rect = rect.shrink(4.0);
+    let over = (rect.min - place.min).max(Vec2::ZERO) + (rect.max - place.max).min(Vec2::ZERO);
+    place.translate(over)
 }
 
 /// Ways to look, in the corner.
