@@ -421,7 +421,7 @@ fn only_the_methods_that_the_data_allows_can_be_chosen() {
 fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
     let mut results = SnapshotResults::new();
     for (preset, theme, size, name) in [
-        (Preset::LShape, Theme::Dark, Vec2::new(1600.0, 1300.0), "l-shape-dark"),
+        (Preset::LShape, Theme::Dark, Vec2::new(1600.0, 1450.0), "l-shape-dark"),
         (Preset::StraightLine, Theme::Light, SMALL, "straight-line-small-light"),
     ] {
         let mut harness = window(size, theme);

@@ -26,7 +26,7 @@ pub fn ui(ui: &mut egui::Ui, observed: &Observability) {
             "Bars: how much the distances resist a motion of stations 2 and 3, over the most they resist any, on a log \
              scale from 1e-7 to 1. Beside them: σ along it at the track.",
         );
-        let lead = if doubtful { "Next" } else { "To hold the first better" };
+        let lead = if doubtful { "What to drive next" } else { "To hold the first better" };
         ui.add(egui::Label::new(format!("{lead}: {}.", observed.advice)).wrap());
     });
 }
@@ -52,12 +52,14 @@ fn row(ui: &mut egui::Ui, direction: &Direction) {
         let font = egui::TextStyle::Monospace.resolve(ui.style());
         let ink = ui.visuals().text_color();
         ui.painter().text(place.right_center(), egui::Align2::RIGHT_CENTER, sigma, font, ink);
-        let words = RichText::new(&direction.words);
         let words = match direction.hold {
-            Hold::Held => words,
-            hold => words.color(theme::readable(palette::hold(hold), dark)).strong(),
+            Hold::Held => RichText::new(direction.short()),
+            hold => RichText::new(&direction.words)
+                .color(theme::readable(palette::hold(hold), dark))
+                .strong(),
         };
-        ui.add(egui::Label::new(words).wrap()).on_hover_text(direction.hold.name());
+        let whole = format!("{}: {}", direction.hold.name(), direction.words);
+        ui.add(egui::Label::new(words).wrap()).on_hover_text(whole);
     });
 }
 

@@ -89,8 +89,8 @@ pub fn add_weak_directions(
                 add_double_arrow(&mut content.data.lines, &arc, colour);
             }
             if slot == mover {
-                let text = direction.words.split(',').next().unwrap_or_default();
-                let label = Label { position_m: tip, text: text.to_owned(), colour };
+                let text = direction.short().to_owned();
+                let label = Label { position_m: tip, text, colour };
                 content.labels.push(label);
             }
         }

@@ -191,6 +191,8 @@ impl SceneView {
                 (Align2::CENTER_TOP, Vec2::new(0.0, 14.0)),
                 (Align2::LEFT_CENTER, Vec2::new(10.0, 0.0)),
                 (Align2::RIGHT_CENTER, Vec2::new(-10.0, 0.0)),
+                (Align2::CENTER_BOTTOM, Vec2::new(0.0, -22.0)),
+                (Align2::CENTER_TOP, Vec2::new(0.0, 30.0)),
             ]
             .map(|(align, offset)| inside(align.anchor_size(at + offset, galley.size()), rect));
             let free = |place: &&Rect| !taken.iter().any(|other| other.intersects(**place));

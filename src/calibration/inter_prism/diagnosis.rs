@@ -70,7 +70,7 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     });
     if uncertainty.weakest_sigma_m > FREE_SIGMA_M {
         let free = observability.words(Hold::Free);
-        let line = format!("the drive leaves a direction free: {free}; {advice}");
+        let line = format!("the drive leaves a direction free: {free}; next, {advice}");
         lower(Verdict::Degenerate, Finding::problem(line));
     } else if largest_m > WEAK_SIGMA_M {
         let largest_mm = largest_m * 1e3;
@@ -80,7 +80,7 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
                  {largest_mm:.0} mm); drive nearer to them, or over a larger area"
             )
         } else {
-            format!("weakly held: {direction} (σ up to {largest_mm:.0} mm); {advice}")
+            format!("weakly held: {direction} (σ up to {largest_mm:.0} mm); next, {advice}")
         };
         lower(Verdict::Weak, Finding::warning(line));
     } else {

@@ -78,6 +78,13 @@ pub struct StationMotion {
     pub yaw_rad: f64,
 }
 
+impl Direction {
+    /// The words without what follows the first comma.
+    pub fn short(&self) -> &str {
+        self.words.split(',').next().unwrap_or_default()
+    }
+}
+
 impl Observability {
     pub fn count(&self, hold: Hold) -> usize {
         self.directions.iter().filter(|direction| direction.hold == hold).count()
@@ -272,22 +279,22 @@ fn advice(plan: &Plan, weakest: Part) -> &'static str {
             "drive: a figure-eight with turns to both sides, 20 m or more across"
         }
         (Plan::StraightLine { .. }, _) => {
-            "leave the line next: drive a figure-eight with turns to both sides"
+            "leave the line: drive a figure-eight with turns to both sides"
         }
         (Plan::Circle { .. }, _) => {
-            "turn the other way too next: drive a figure-eight with turns to both sides"
+            "turn the other way too: drive a figure-eight with turns to both sides"
         }
         (Plan::TwoLegs { .. }, _) => {
-            "do not rest it on one corner: drive a figure-eight with turns to both sides next"
+            "do not rest it on one corner: drive a figure-eight with turns to both sides"
         }
         (Plan::Winding, Part::Height) => {
-            "drive over a ramp or uneven ground next, or fix the prisms at heights that differ more"
+            "drive over a ramp or uneven ground, or fix the prisms at heights that differ more"
         }
         (Plan::Winding, Part::Turn) => {
-            "drive further next: yaw is held by how far the track reaches from its middle"
+            "drive further: yaw is held by how far the track reaches from its middle"
         }
         (Plan::Winding, Part::Along | Part::Across | Part::Level) => {
-            "turn more next: drive a figure-eight with turns to both sides"
+            "turn more: drive a figure-eight with turns to both sides"
         }
     }
 }
