@@ -3,6 +3,7 @@
 //! From Okabe & Ito's set, which stays distinct for colour-blind eyes.
 
 use crate::calibration::Verdict;
+use crate::calibration::inter_prism::observability::Hold;
 use crate::pipeline::{OutlierReason, SampleFate};
 
 /// Red, green, blue, sRGB.
@@ -36,5 +37,14 @@ pub fn verdict(verdict: Verdict) -> [Rgb; 2] {
         Verdict::Weak => [[230, 159, 0], [0; 3]],
         Verdict::Ambiguous => [[204, 121, 167], [0; 3]],
         Verdict::Degenerate => [[200, 60, 30], [255; 3]],
+    }
+}
+
+/// How a drive holds a direction: vermilion, purple, grey.
+pub fn hold(hold: Hold) -> Rgb {
+    match hold {
+        Hold::Free => [226, 82, 40],
+        Hold::Weak => [204, 121, 167],
+        Hold::Held => [120, 150, 170],
     }
 }

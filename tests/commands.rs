@@ -54,6 +54,19 @@ fn the_json_keeps_its_contract() {
     assert_eq!(value["deployment"], "warthog (simulated)");
     assert_eq!(value["method"], "inter-prism");
     assert_eq!(value["settings"]["pipeline"]["thresholds"]["tau_s_seconds"], 1.0);
+    let observed = &value["diagnosis"]["observability"];
+    assert_eq!(observed["drive"]["shape"], "winding");
+    let directions = observed["directions"].as_array().expect("directions");
+    assert_eq!(directions.len(), 8);
+    assert!(directions.iter().all(|d| d["hold"] == "held" && d["sigma_m"].as_f64() > Some(0.0)));
+    assert_eq!(directions[7]["relative_eigenvalue"], 1.0);
+    assert_eq!(directions[0]["motion"][1]["station"], 3);
+    // The covariance is of what the σ are of, and a correlation of one with itself.
+    let sigma_x = value["transforms"][1]["sigma"]["translation_m"][0].as_f64().expect("σ");
+    let variance_x = value["covariance"][4][4].as_f64().expect("a variance");
+    assert!((variance_x.sqrt() - sigma_x).abs() < 1e-12);
+    assert_eq!(value["correlation"].as_array().map(Vec::len), Some(8));
+    assert!((value["correlation"][4][4].as_f64().expect("a number") - 1.0).abs() < 1e-12);
     for key in ["raw", "kept"] {
         assert_eq!(value["pipeline"][key].as_array().map(Vec::len), Some(3));
     }

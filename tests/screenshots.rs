@@ -415,3 +415,37 @@ fn only_the_methods_that_the_data_allows_can_be_chosen() {
         results.extend_harness(&mut harness);
     }
 }
+
+/// Tall enough for the whole result: what the drive holds, and how the errors go together.
+#[test]
+fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
+    let mut results = SnapshotResults::new();
+    for (preset, theme, size, name) in [
+        (Preset::LShape, Theme::Dark, Vec2::new(1600.0, 1450.0), "l-shape-dark"),
+        (Preset::StraightLine, Theme::Light, SMALL, "straight-line-small-light"),
+    ] {
+        let mut harness = window(size, theme);
+        let deployment = simulate(preset, 1).deployment().expect("valid");
+        harness.state_mut().state.add(deployment.into());
+        settle(&mut harness);
+        if preset == Preset::LShape {
+            harness.get_by_label("Correlations").click();
+            settle(&mut harness);
+        }
+        snapshot(&mut harness, name);
+        // Without the arrows the scene is another picture.
+        let shown = harness.render().expect("a picture");
+        harness.get_by_label("weak directions").click();
+        settle(&mut harness);
+        assert!(!harness.state().state.visibility.weak_directions);
+        let hidden = harness.render().expect("a picture");
+        // Under the legend, where the stations are.
+        let bottom = (0.66 * size.y) as u32;
+        let scene = |x: u32, y: u32| (300..740).contains(&x) && (240..bottom).contains(&y);
+        let differ = (shown.enumerate_pixels())
+            .filter(|(x, y, pixel)| scene(*x, *y) && hidden.get_pixel(*x, *y) != *pixel)
+            .count();
+        assert!(differ > 100, "{differ}");
+        results.extend_harness(&mut harness);
+    }
+}

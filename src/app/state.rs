@@ -64,6 +64,10 @@ pub struct Visibility {
     pub poses: bool,
     /// What the interpolation states about its own error: ellipsoids in the scene, bands in the plot.
     pub uncertainty: bool,
+    /// What the answer states about where stations 2 and 3 stand.
+    pub station_ellipsoids: bool,
+    /// Arrows at stations 2 and 3 along what the drive leaves free or weak.
+    pub weak_directions: bool,
     /// Pairs of prisms in the plots.
     pub pairs: [bool; 3],
 }
@@ -77,6 +81,8 @@ impl Default for Visibility {
             control_points: true,
             poses: true,
             uncertainty: true,
+            station_ellipsoids: true,
+            weak_directions: true,
             pairs: [true; 3],
         }
     }

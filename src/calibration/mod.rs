@@ -148,6 +148,13 @@ impl Calibration {
         }
     }
 
+    /// Correlations of what [`Calibration::covariance`] is of, from −1 to 1.
+    pub fn correlation(&self) -> Option<SMatrix<f64, 8, 8>> {
+        let covariance = self.covariance?;
+        let sigma = covariance.diagonal().map(|variance| variance.max(f64::MIN_POSITIVE).sqrt());
+        Some(SMatrix::from_fn(|i, j| covariance[(i, j)] / (sigma[i] * sigma[j])))
+    }
+
     /// The details of method D.
     pub fn inter_prism(&self) -> Option<&inter_prism::InterPrismDetails> {
         match &self.details {

@@ -1,5 +1,8 @@
 //! The JSON of `calibrate`: a contract with scripts, version 1. Lengths m, angles rad, metrics mm.
 
+mod observability;
+
+use nalgebra::SMatrix;
 use serde_json::{Value, json};
 
 use crate::analysis::{Analysis, Answer};
@@ -36,6 +39,9 @@ pub fn calibration(
             "triplets": analysis.pipeline.triplets.len(),
         },
         "transforms": [transform(calibration, 1), transform(calibration, 2)],
+        // Of x, y, z, yaw of station 2, then of station 3: m and rad.
+        "covariance": calibration.covariance.map(|covariance| rows(&covariance)),
+        "correlation": calibration.correlation().map(|correlation| rows(&correlation)),
         "metrics": {
             "inter_prism_mm": evaluation.inter_prism_mm,
             "gcp_mm": evaluation.control_points_mm,
@@ -43,6 +49,9 @@ pub fn calibration(
         "diagnosis": {
             "verdict": calibration.verdict,
             "findings": findings,
+            "observability": calibration
+                .inter_prism()
+                .map(|details| observability::observability(&details.observability)),
             "mirror": calibration.inter_prism().map(|details| json!({
                 "cost_ratio": details.mirror.cost_ratio,
                 "resolved_by": details.mirror.resolved_by.name(),
@@ -78,7 +87,6 @@ fn twin_transforms(twin: &Basin) -> Vec<Value> {
 pub fn transform(calibration: &Calibration, station: usize) -> Value {
     let transform = &calibration.station1_from_station[station];
     let matrix = transform.matrix();
-    let rows: Vec<Vec<f64>> = (0..4).map(|row| matrix.row(row).iter().copied().collect()).collect();
     let sigma = calibration.sigma.map(|sigma| {
         let sigma = sigma[station - 1];
         json!({ "translation_m": sigma.translation_m.as_slice(), "yaw_rad": sigma.yaw_rad })
@@ -89,9 +97,13 @@ pub fn transform(calibration: &Calibration, station: usize) -> Value {
         "translation_m": transform.translation_m.as_slice(),
         "yaw_rad": transform.yaw_rad(),
         "tilt_rad": transform.tilt_rad(),
-        "matrix": rows,
+        "matrix": rows(&matrix),
         "sigma": sigma,
     })
+}
+
+fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
+    (0..N).map(|row| matrix.row(row).iter().copied().collect()).collect()
 }
 
 /// What only the method knows.

@@ -4,8 +4,10 @@ use eframe::egui;
 
 use super::{finding, heading, scrolled};
 use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, State};
+use crate::app::state::{Command, Commands, State, Visibility};
 use crate::app::theme;
+use crate::calibration::Calibration;
+use crate::calibration::inter_prism::observability::Hold;
 use crate::deployment::{Sample, Severity, pair_label};
 use crate::palette;
 
@@ -115,7 +117,29 @@ fn stations(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &
                 .on_disabled_hover_text("Straight lines state no error: choose a Gaussian process");
         });
     });
+    what_is_known(ui, open, &mut visibility);
     if visibility != state.visibility {
         commands.push(Command::Show(visibility));
     }
+}
+
+/// Switches for how well the answer holds stations 2 and 3.
+fn what_is_known(ui: &mut egui::Ui, open: &OpenDeployment, visibility: &mut Visibility) {
+    let answer = open.analysis.as_ref().and_then(|analysis| analysis.answer.as_deref().ok());
+    let calibration = answer.map(|answer| &answer.calibration);
+    let stated = calibration.is_some_and(|calibration| calibration.covariance.is_some());
+    let weak = calibration
+        .and_then(Calibration::inter_prism)
+        .is_some_and(|details| details.observability.count(Hold::Held) < 8);
+    ui.horizontal(|ui| {
+        ui.label("Stations");
+        let ellipsoids = egui::Checkbox::new(&mut visibility.station_ellipsoids, "σ");
+        ui.add_enabled(stated, ellipsoids)
+            .on_hover_text("Ellipsoids in which stations 2 and 3 stand with 95 % probability")
+            .on_disabled_hover_text("No σ: a direction is free");
+        let arrows = egui::Checkbox::new(&mut visibility.weak_directions, "weak directions");
+        ui.add_enabled(weak, arrows)
+            .on_hover_text("How stations 2 and 3 can move without the distances noticing much")
+            .on_disabled_hover_text("The drive holds every direction");
+    });
 }

@@ -1,9 +1,11 @@
 //! The panes that are lists of widgets: each a function that reads the state and sends commands.
 
+pub mod correlations;
 pub mod deployment;
 pub mod drop_hint;
 pub mod findings;
 pub mod notice;
+pub mod observability;
 pub mod pipeline;
 pub mod result;
 pub mod side_by_side;

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, RichText};
 
-use super::{finding, heading, scrolled};
+use super::{correlations, finding, heading, observability, scrolled};
 use crate::analysis::{Analysis, Answer};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
@@ -77,7 +77,13 @@ fn show(
         Details::TwoPoint(details) => two_point(ui, details),
         Details::StaticGcp(details) => static_gcp(ui, details),
         Details::DynamicGcp(_) => {}
-        Details::InterPrism(details) => mirror(ui, details),
+        Details::InterPrism(details) => {
+            mirror(ui, details);
+            observability::ui(ui, &details.observability);
+        }
+    }
+    if let Some(correlation) = calibration.correlation() {
+        correlations::ui(ui, &correlation);
     }
     metrics(ui, &answer.evaluation, analysis.offer.targets);
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::overlays;
+use super::{overlays, station_uncertainty};
 use crate::analysis::Analysis;
 use crate::app::state::Visibility;
 use crate::deployment::Deployment;
@@ -70,8 +70,10 @@ pub struct SceneContent {
     /// A sample of the same, for the camera to look at.
     pub outline_m: Vec<Vector3<f32>>,
     pub grid_spacing_m: f32,
-    /// How much larger than true the ellipsoids are, where there are any.
+    /// How much larger than true the ellipsoids of the interpolation are, where there are any.
     pub exaggeration: Option<f64>,
+    /// And those of the stations.
+    pub station_exaggeration: Option<f64>,
 }
 
 pub fn f32s(p: &Vector3<f64>) -> [f32; 3] {
@@ -101,6 +103,7 @@ impl SceneContent {
         self.labels.clear();
         self.outline_m.clear();
         self.exaggeration = None;
+        self.station_exaggeration = None;
         self.data.version += 1;
         let mut bounds: Option<(Vector3<f32>, Vector3<f32>)> = None;
         for (station, transform) in transforms.iter().enumerate() {
@@ -144,7 +147,26 @@ impl SceneContent {
         // Thinning must not lose a station.
         let origins = transforms.iter().flatten().map(|t| t.translation_m.cast::<f32>());
         self.outline_m.extend(origins);
+        self.add_what_is_known(analysis, visibility);
+        // Painted from the last, while there is room: stations before all else.
+        self.labels.sort_by_key(|label| label.text.starts_with("Station"));
         self.add_grid(grid_colour);
+    }
+
+    /// How well the stations are known.
+    fn add_what_is_known(&mut self, analysis: &Analysis, visibility: &Visibility) {
+        let Ok(answer) = &analysis.answer else { return };
+        let (calibration, shown) = (&answer.calibration, &visibility.stations);
+        if visibility.station_ellipsoids {
+            self.station_exaggeration =
+                station_uncertainty::add_ellipsoids(self, calibration, shown);
+        }
+        if visibility.weak_directions
+            && let Some(details) = calibration.inter_prism()
+        {
+            let observed = &details.observability;
+            station_uncertainty::add_weak_directions(self, calibration, observed, shown);
+        }
     }
 
     fn add_raw(&mut self, deployment: &Deployment, analysis: &Analysis, station: usize) {

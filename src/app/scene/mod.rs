@@ -9,8 +9,10 @@
 
 mod camera;
 mod content;
+mod legend;
 mod overlays;
 mod renderer;
+mod station_uncertainty;
 mod view;
 
 pub use camera::{Camera, ViewPreset};

@@ -105,14 +105,18 @@ pub fn add_uncertainty(
     Some(factor)
 }
 
-/// 1, 2 or 5 times a power of ten.
 fn exaggeration<'a>(sigma_m: impl Iterator<Item = &'a Vector3<f64>>) -> Option<f64> {
     let mut all: Vec<f64> = sigma_m.map(|sigma| 2.0 * sigma.max()).collect();
     let middle = all.len().checked_sub(1)? / 2;
     let radius_m = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let wanted = (WANTED_RADIUS_M / radius_m.max(1e-6)).max(1.0);
+    Some(round_factor(radius_m, WANTED_RADIUS_M))
+}
+
+/// 1, 2 or 5 times a power of ten, and at least 1, by which a length stays below what is wanted.
+pub fn round_factor(length_m: f64, wanted_m: f64) -> f64 {
+    let wanted = (wanted_m / length_m.max(1e-6)).max(1.0);
     let decade = 10_f64.powf(wanted.log10().floor());
-    [5.0, 2.0, 1.0].into_iter().map(|step| step * decade).find(|factor| *factor <= wanted)
+    [5.0, 2.0].into_iter().find(|step| step * decade <= wanted).unwrap_or(1.0) * decade
 }
 
 #[cfg(test)]

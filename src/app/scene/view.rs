@@ -3,12 +3,10 @@
 use eframe::egui::{self, Align2, Color32, FontId, Key, Pos2, Rect, Sense, Vec2};
 use nalgebra::Vector4;
 
-use super::{Camera, SceneContent, SceneRenderer, ViewPreset};
+use super::{Camera, SceneContent, SceneRenderer, ViewPreset, legend};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::geometry::RigidTransform;
-use crate::palette;
-use crate::pipeline::SampleFate;
 
 /// A click this close (points) to a prism's track moves the cursor there.
 const CLICK_REACH: f32 = 14.0;
@@ -97,7 +95,7 @@ impl SceneView {
         self.paint_labels(&painter, rect, ui.visuals().dark_mode);
         self.click(&response, rect, state, commands);
         if state.analysed().is_some() {
-            self.legend(ui, rect, state);
+            legend::paint(ui, rect, state, &self.content);
         }
         view_buttons(ui, rect, commands);
     }
@@ -193,8 +191,10 @@ impl SceneView {
                 (Align2::CENTER_TOP, Vec2::new(0.0, 14.0)),
                 (Align2::LEFT_CENTER, Vec2::new(10.0, 0.0)),
                 (Align2::RIGHT_CENTER, Vec2::new(-10.0, 0.0)),
+                (Align2::CENTER_BOTTOM, Vec2::new(0.0, -22.0)),
+                (Align2::CENTER_TOP, Vec2::new(0.0, 30.0)),
             ]
-            .map(|(align, offset)| align.anchor_size(at + offset, galley.size()));
+            .map(|(align, offset)| inside(align.anchor_size(at + offset, galley.size()), rect));
             let free = |place: &&Rect| !taken.iter().any(|other| other.intersects(**place));
             let Some(place) = places.iter().find(free).copied() else { continue };
             painter.galley(place.min, galley, colour);
@@ -244,57 +244,13 @@ impl SceneView {
             commands.push(Command::MoveCursor(triplets.time_s[index]));
         }
     }
+}
 
-    /// Which colour is what, with counts of the fates.
-    fn legend(&self, ui: &mut egui::Ui, rect: Rect, state: &State) {
-        let Some((_, analysis)) = state.analysed() else { return };
-        let dark = ui.visuals().dark_mode;
-        let painter = ui.painter_at(rect);
-        let font = FontId::proportional(11.5);
-        let text_colour = ui.visuals().text_color();
-        let mut entries: Vec<(Color32, String)> = Vec::new();
-        if state.visibility.tracks {
-            for station in (0..3).filter(|s| state.visibility.stations[*s]) {
-                let colour = theme::rgb(palette::STATIONS[station]);
-                entries.push((colour, format!("prism {} track", station + 1)));
-            }
-        }
-        if state.visibility.raw {
-            for fate in SampleFate::ALL {
-                let count: usize = (0..3)
-                    .filter(|s| state.visibility.stations[*s])
-                    .map(|station| analysis.pipeline.count(station, fate))
-                    .sum();
-                if count > 0 {
-                    entries.push((
-                        theme::rgb(palette::fate(fate)),
-                        format!("{}  {count}", fate.label()),
-                    ));
-                }
-            }
-        }
-        if entries.is_empty() {
-            return;
-        }
-        let galleys: Vec<_> = entries
-            .into_iter()
-            .map(|(colour, text)| (colour, painter.layout_no_wrap(text, font.clone(), text_colour)))
-            .collect();
-        let width = galleys.iter().map(|(_, g)| g.size().x).fold(0.0, f32::max);
-        let row = 17.0;
-        let frame = Rect::from_min_size(
-            rect.left_top() + Vec2::splat(8.0),
-            Vec2::new(width + 34.0, galleys.len() as f32 * row + 10.0),
-        );
-        painter.rect_filled(frame, 4.0, theme::scene_background(dark).gamma_multiply(0.85));
-        for (index, (colour, galley)) in galleys.into_iter().enumerate() {
-            let middle = frame.left_top() + Vec2::new(14.0, 5.0 + (index as f32 + 0.5) * row);
-            painter.circle_filled(middle, 4.0, colour);
-            let place =
-                Align2::LEFT_CENTER.anchor_size(middle + Vec2::new(11.0, 0.0), galley.size());
-            painter.galley(place.min, galley, text_colour);
-        }
-    }
+/// A label's place, moved so that nothing of it is cut off.
+fn inside(place: Rect, rect: Rect) -> Rect {
+    let rect = rect.shrink(4.0);
+    let over = (rect.min - place.min).max(Vec2::ZERO) + (rect.max - place.max).min(Vec2::ZERO);
+    place.translate(over)
 }
 
 /// Ways to look, in the corner.

@@ -127,7 +127,7 @@ impl CentredTriplets {
         mirrored
     }
 
-    /// Distance errors (m) of all triplets and pairs, in no particular order.
+    /// Distance errors (m): three of each triplet, for pairs 12, 13, 23.
     pub fn distance_errors_m(&self, parameters: &Parameters) -> Vec<f64> {
         let poses = [0, 4].map(|at| {
             let moved = Vector3::new(parameters[at], parameters[at + 1], parameters[at + 2]);

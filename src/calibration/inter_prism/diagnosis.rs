@@ -1,13 +1,16 @@
 //! The verdict, and the reasons for it in words that an engineer uses.
 
+use super::drive_shape::Plan;
 use super::mirror::Choice;
+use super::motion_in_words::{TrackAxes, describe};
+use super::observability::{Hold, Observability};
 use super::uncertainty::Uncertainty;
 use super::{CentredTriplets, Minimum, Parameters};
 use crate::calibration::checks::{
     FREE_SIGMA_M, POOR_FIT_M, WEAK_SIGMA_M, control_points_contradict,
 };
-use crate::calibration::{TransformSigma, Verdict};
-use crate::deployment::{Deployment, Finding, pairwise_distances};
+use crate::calibration::{ResolvedBy, TransformSigma, Verdict};
+use crate::deployment::{Deployment, Finding, Severity, pairwise_distances};
 use crate::geometry::RigidTransform;
 
 /// A reading of the rig, to the millimetre and with 2 mm of noise, may differ this much from the distances (m).
@@ -17,6 +20,9 @@ const RIG_TILT_RAD: f64 = 0.2;
 /// A minimum that is no mirror twin makes the answer ambiguous below this cost ratio.
 const CLOSE_RIVAL: f64 = 2.0;
 
+/// The stations are called far from the track where they are this many times less certain than anything at the track.
+const FAR: f64 = 2.0;
+
 /// What a verdict is made from.
 pub struct Evidence<'a> {
     pub deployment: &'a Deployment,
@@ -25,6 +31,7 @@ pub struct Evidence<'a> {
     pub answer: &'a Minimum,
     pub rival: Option<(Parameters, f64)>,
     pub uncertainty: &'a Uncertainty,
+    pub observability: &'a Observability,
     pub choice: &'a Choice,
     /// The answer, refined where that was asked for, and its σ.
     pub station1_from_station: &'a [RigidTransform; 3],
@@ -33,8 +40,10 @@ pub struct Evidence<'a> {
 
 /// Judges the answer; reasons are added to the findings, the mirror's first.
 pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
-    let Evidence { thinned, answer, uncertainty, choice, .. } = *evidence;
+    let Evidence { thinned, answer, uncertainty, observability, choice, .. } = *evidence;
     findings.splice(0..0, choice.findings.iter().cloned());
+    findings.extend(flat(evidence));
+    findings.extend(plan(evidence));
     let mut verdict = if choice.ambiguous { Verdict::Ambiguous } else { Verdict::Good };
     let mut lower = |to: Verdict, finding: Finding| {
         verdict = verdict.max(to);
@@ -53,24 +62,98 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     if !answer.converged {
         lower(Verdict::Weak, Finding::warning("the solver stopped before it reached the minimum"));
     }
-    let direction = describe(thinned, &uncertainty.weakest);
-    let advice = "drive a figure-eight with turns to both sides";
+    let direction = describe(&TrackAxes::of(thinned), &uncertainty.weakest, false);
+    let advice = observability.advice;
     // The weakest direction is judged at the track; the numbers above hold at the stations, which may lie far away.
     let largest_m = evidence.sigma.map_or(f64::INFINITY, |sigma| {
         sigma.iter().map(|s| s.translation_m.max()).fold(uncertainty.weakest_sigma_m, f64::max)
     });
     if uncertainty.weakest_sigma_m > FREE_SIGMA_M {
-        let line = format!("the drive leaves a direction free: {direction}; {advice}");
+        let free = observability.words(Hold::Free);
+        let line = format!("the drive leaves a direction free: {free}; next, {advice}");
         lower(Verdict::Degenerate, Finding::problem(line));
     } else if largest_m > WEAK_SIGMA_M {
-        let line =
-            format!("weakly held: {direction} (σ up to {:.0} mm); {advice}", largest_m * 1e3);
+        let largest_mm = largest_m * 1e3;
+        let line = if largest_m > FAR * uncertainty.weakest_sigma_m {
+            format!(
+                "weakly held: the stations stand far from the track, where an error of yaw grows (σ up to \
+                 {largest_mm:.0} mm); drive nearer to them, or over a larger area"
+            )
+        } else {
+            format!("weakly held: {direction} (σ up to {largest_mm:.0} mm); next, {advice}")
+        };
         lower(Verdict::Weak, Finding::warning(line));
     } else {
         let sigma_mm = uncertainty.weakest_sigma_m * 1e3;
         findings.push(Finding::note(format!("least certain: {direction} (σ {sigma_mm:.1} mm)")));
     }
     verdict
+}
+
+/// A drive whose shape leaves something free or weak, as what it is.
+fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
+    let Evidence { observability, rival, .. } = *evidence;
+    let shape = match observability.drive.plan {
+        Plan::Winding => return None,
+        Plan::Standing => "the vehicle hardly moved".to_owned(),
+        Plan::StraightLine { length_m, bends_m } => format!(
+            "the drive is one straight line ({length_m:.0} m, bends under {:.1} m), on which the rig never turns",
+            (bends_m * 10.0).ceil().max(1.0) / 10.0
+        ),
+        Plan::Circle { radius_m, driven_rad, .. } if driven_rad > std::f64::consts::TAU => {
+            format!("the drive goes round one circle, one way (radius {radius_m:.1} m)")
+        }
+        Plan::Circle { radius_m, driven_rad, .. } => format!(
+            "the drive is an arc of one circle ({:.0}° of radius {radius_m:.1} m)",
+            driven_rad.to_degrees()
+        ),
+        Plan::TwoLegs { corner_m, turn_rad } => {
+            let rival = rival.map_or_else(String::new, |(_, cost_ratio)| {
+                format!(
+                    ", with the rig turned another solution costs {cost_ratio:.1} times as much"
+                )
+            });
+            format!(
+                "the drive is an L, two straight legs with one corner of {:.0}° at ({:.1}, {:.1}) m: everything rests on \
+                 that corner{rival}",
+                turn_rad.to_degrees(),
+                corner_m.x,
+                corner_m.y
+            )
+        }
+    };
+    let of_all = |count, how| match count {
+        1 => format!("1 of 8 directions is {how}"),
+        _ => format!("{count} of 8 directions are {how}"),
+    };
+    let (severity, holds) = match (observability.count(Hold::Free), observability.count(Hold::Weak))
+    {
+        (0, 0) => (Severity::Note, "yet all 8 directions are held".to_owned()),
+        (0, weak) => (Severity::Warning, of_all(weak, "weakly held")),
+        (free, _) => (Severity::Problem, of_all(free, "free")),
+    };
+    Some(Finding { severity, message: format!("{shape}; {holds}") })
+}
+
+/// Ground on which nothing but the rig or control points tells the mirror twin.
+fn flat(evidence: &Evidence<'_>) -> Option<Finding> {
+    let drive = &evidence.observability.drive;
+    let mirror = &evidence.choice.mirror;
+    if !drive.is_flat() || mirror.twin.is_none() {
+        return None;
+    }
+    let ground = if drive.is_floor() {
+        format!("the floor is flat (heights vary by {:.0} mm)", drive.relief_m * 1e3)
+    } else {
+        format!("the rig never pitches or rolls (by {:.2}° at most)", drive.tilt_rad.to_degrees())
+    };
+    let message = format!(
+        "{ground}: heights have a mirror twin that only the rig or control points can tell from the answer"
+    );
+    Some(match mirror.resolved_by {
+        ResolvedBy::Nothing => Finding::warning(message),
+        _ => Finding::note(message),
+    })
 }
 
 /// Another minimum, not the mirror twin, that the data cannot tell from the answer.
@@ -126,37 +209,4 @@ fn poor_fit(evidence: &Evidence<'_>) -> Option<Finding> {
             median_m * 1e3
         ))
     })
-}
-
-/// The motion that a direction of the centred parameters stands for, by its largest part.
-fn describe(data: &CentredTriplets, direction: &[f64; 8]) -> String {
-    let along = track_direction(data);
-    let mut parts = Vec::with_capacity(8);
-    for (slot, station) in [2, 3].into_iter().enumerate() {
-        let [x, y, z, yaw] = [0, 1, 2, 3].map(|k| direction[4 * slot + k]);
-        let (lengthwise, sideways) = (x * along[0] + y * along[1], y * along[0] - x * along[1]);
-        parts.push((lengthwise.abs(), station, "along the track"));
-        parts.push((sideways.abs(), station, "across the track"));
-        parts.push((z.abs(), station, "in height"));
-        parts.push((yaw.abs(), station, "in yaw about the middle of the track"));
-    }
-    parts.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let (largest, station, how) = parts[0];
-    let together = parts[1..]
-        .iter()
-        .any(|(size, other, same)| *other != station && *same == how && *size > 0.5 * largest);
-    if together { format!("stations 2 and 3 {how}") } else { format!("station {station} {how}") }
-}
-
-/// Horizontal direction in which the track extends most, in station 1's frame.
-fn track_direction(data: &CentredTriplets) -> [f64; 2] {
-    let [x, y, _] = &data.coordinates[0];
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for (x, y) in x.iter().zip(y) {
-        xx += x * x;
-        xy += x * y;
-        yy += y * y;
-    }
-    let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
-    [angle.cos(), angle.sin()]
 }

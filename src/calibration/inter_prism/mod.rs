@@ -6,15 +6,18 @@
 //! The way to the answer: a prior ([`closed_form`] or [`prior_search`]) → Levenberg–Marquardt from it and its mirror
 //! images on thinned triplets, the best minimum and its mirror twin finished on all ([`minima`];
 //! [`normal_equations`] is the one fused pass over the data) → [`mirror`] decides between the two →
-//! [`uncertainty`] → [`diagnosis`].
+//! [`uncertainty`] → [`observability`] and [`drive_shape`] → [`diagnosis`].
 
 mod centred;
 mod closed_form;
 mod diagnosis;
+pub mod drive_shape;
 mod levenberg_marquardt;
 mod minima;
 mod mirror;
+mod motion_in_words;
 mod normal_equations;
+pub mod observability;
 mod prior_search;
 mod refinement;
 mod refinement_in_words;
@@ -30,6 +33,7 @@ use diagnosis::Evidence;
 pub use levenberg_marquardt::{Minimum, minimise};
 use minima::{Minima, THINNED};
 pub use normal_equations::{NormalEquations, Pulls};
+use observability::Observability;
 pub use prior_search::{PriorSearch, SearchRun};
 pub use refinement::{
     Clock, ClockJump, Estimate, Motion, NoiseLevels, Refinement, Support, with_clocks,
@@ -57,6 +61,7 @@ pub struct InterPrismDetails {
     /// The minimum that is the answer.
     pub basin: Basin,
     pub mirror: Mirror,
+    pub observability: Observability,
     /// What the search of the prior did, when it was asked for.
     pub prior_search: Option<PriorSearch>,
     /// What goes beyond the published method, when it was asked for: the answer is then its.
@@ -135,8 +140,15 @@ pub fn solve(
              the answer does not rest on it"
         )));
     }
-    let uncertainty =
-        uncertainty::estimate(&data, &triplets.time_s, &triplets.interval, answer, settings);
+    let fitting = observability::fitting(&thinned, &answer.parameters);
+    let uncertainty = uncertainty::estimate(
+        &data,
+        &fitting,
+        &triplets.time_s,
+        &triplets.interval,
+        answer,
+        settings,
+    );
     // Where a direction is free, there is nothing to refine.
     let refinement = (settings.refines() && uncertainty.covariance.is_some())
         .then(|| {
@@ -151,12 +163,14 @@ pub fn solve(
         }
         None => (plain, uncertainty.sigma(), uncertainty.covariance),
     };
+    let observability = observability::observe(&fitting, &answer.parameters, &uncertainty);
     let evidence = Evidence {
         deployment,
         thinned: &thinned,
         answer,
         rival,
         uncertainty: &uncertainty,
+        observability: &observability,
         choice: &choice,
         station1_from_station: &station1_from_station,
         sigma,
@@ -199,6 +213,7 @@ pub fn solve(
         details: Details::InterPrism(Box::new(InterPrismDetails {
             basin: choice.answer,
             mirror: choice.mirror,
+            observability,
             prior_search,
             refinement,
         })),

@@ -6,9 +6,9 @@
 //! Errors of the inter-prism distances act on every triplet alike, so no residual shows them; they are
 //! propagated with their own σ.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{Const, SMatrix, SVector, SymmetricEigen, Vector3};
 
-use super::{CentredTriplets, Minimum, Parameters, Pulls};
+use super::{CentredTriplets, Minimum, NormalEquations, Parameters, Pulls};
 use crate::calibration::{CalibrationSettings, TransformSigma, time_blocks};
 
 /// The sandwich needs clearly more blocks than unknowns.
@@ -18,14 +18,20 @@ const READINGS_HZ: f64 = 2.5;
 /// Ratio of smallest to largest scaled eigenvalue of JᵀJ below which a direction is as good as free. Drives with
 /// bends reach 2e-2 and more; at 2e-5 (twelve seconds of driving) simulated answers are off by ten times the σ
 /// that a linearisation gives, so none is given.
-const FREE_DIRECTION: f64 = 1e-4;
+pub const FREE_DIRECTION: f64 = 1e-4;
 
 /// What is known about the answer's error.
 pub struct Uncertainty {
     /// (x, y, z, yaw) of stations 2 and 3 into station 1's frame (m, rad); `None` if a direction is free.
     pub covariance: Option<SMatrix<f64, 8, 8>>,
+    /// The same of the centred parameters, yaw in metres at the radius.
+    pub centred_m2: Option<SMatrix<f64, 8, 8>>,
+    /// Eigenvalues and directions of JᵀJ in the same, without wild triplets.
+    pub spectrum: SymmetricEigen<f64, Const<8>>,
+    /// What a radian of yaw moves the track by (m).
+    pub radius_m: f64,
     /// The direction of the largest standard deviation: centred parameters, yaw in metres at the radius.
-    pub weakest: [f64; 8],
+    pub weakest: SVector<f64, 8>,
     /// Standard deviation along it (m); infinite if free.
     pub weakest_sigma_m: f64,
 }
@@ -41,9 +47,11 @@ impl Uncertainty {
     }
 }
 
-/// At a minimum found on all of `data`, whose instants are `time_s` and `interval`.
+/// At a minimum found on all of `data`, whose instants are `time_s` and `interval`. What is free is read off `fitting`,
+/// the triplets whose distances fit: a wild point seems to hold what the drive does not.
 pub fn estimate(
     data: &CentredTriplets,
+    fitting: &CentredTriplets,
     time_s: &[f64],
     interval: &[u32],
     answer: &Minimum,
@@ -69,18 +77,22 @@ pub fn estimate(
         (true, _) => 1.0,
         _ => 0.0,
     });
-    let scaled = (scale * normal.matrix * scale).symmetric_eigen();
-    let free = |weakest: SVector<f64, 8>| Uncertainty {
+    let of_fitting = NormalEquations::at(fitting, &answer.parameters).matrix;
+    let spectrum = (scale * of_fitting * scale).symmetric_eigen();
+    let free = |spectrum: SymmetricEigen<f64, Const<8>>| Uncertainty {
         covariance: None,
-        weakest: weakest.as_slice().try_into().expect("eight"),
+        centred_m2: None,
+        weakest: spectrum.eigenvectors.column(spectrum.eigenvalues.imin()).into_owned(),
         weakest_sigma_m: f64::INFINITY,
+        spectrum,
+        radius_m,
     };
-    let inverse = (scaled.eigenvalues.min() > FREE_DIRECTION * scaled.eigenvalues.max())
+    let inverse = (spectrum.eigenvalues.min() > FREE_DIRECTION * spectrum.eigenvalues.max())
         .then(|| normal.matrix.cholesky())
         .flatten()
         .map(|cholesky| cholesky.inverse());
     let Some(inverse) = inverse else {
-        return free(scaled.eigenvectors.column(scaled.eigenvalues.imin()).into_owned());
+        return free(spectrum);
     };
 
     let mut centred = if blocks >= FEWEST_BLOCKS {
@@ -100,17 +112,20 @@ pub fn estimate(
     }
 
     if centred.iter().any(|entry| !entry.is_finite()) {
-        return free(scaled.eigenvectors.column(scaled.eigenvalues.imin()).into_owned());
+        return free(spectrum);
     }
 
     let unscale = scale.try_inverse().expect("diagonal, positive");
-    let in_metres = (unscale * centred * unscale).symmetric_eigen();
+    let centred_m2 = unscale * centred * unscale;
+    let in_metres = centred_m2.symmetric_eigen();
     let worst = in_metres.eigenvalues.imax();
-    let weakest = in_metres.eigenvectors.column(worst).into_owned();
     Uncertainty {
         covariance: Some(at_the_stations(data, &answer.parameters, &centred)),
-        weakest: weakest.as_slice().try_into().expect("eight"),
+        centred_m2: Some(centred_m2),
+        weakest: in_metres.eigenvectors.column(worst).into_owned(),
         weakest_sigma_m: in_metres.eigenvalues[worst].max(0.0).sqrt(),
+        spectrum,
+        radius_m,
     }
 }
 

@@ -1,0 +1,53 @@
+//! How the errors of the eight numbers go together: their correlations as a table, shaded by size.
+
+use eframe::egui::{self, Align2, Color32, FontId, Rect, Sense, Vec2};
+use nalgebra::SMatrix;
+
+use crate::app::theme;
+use crate::palette;
+
+const NAMES: [&str; 8] = ["x2", "y2", "z2", "ψ2", "x3", "y3", "z3", "ψ3"];
+const HEAD: f32 = 26.0;
+const ROW: f32 = 19.0;
+const WIDEST_CELL: f32 = 44.0;
+
+/// Of x, y, z and yaw of stations 2 and 3; shown on request.
+pub fn ui(ui: &mut egui::Ui, correlation: &SMatrix<f64, 8, 8>) {
+    ui.collapsing("Correlations", |ui| {
+        let cell = ((ui.available_width() - HEAD) / 8.0).min(WIDEST_CELL);
+        let size = Vec2::new(HEAD + 8.0 * cell, 9.0 * ROW);
+        let (whole, response) = ui.allocate_exact_size(size, Sense::hover());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Correlations"));
+        let dark = ui.visuals().dark_mode;
+        let ink = ui.visuals().text_color();
+        let font = FontId::proportional(11.0);
+        let place = |row: usize, column: usize| {
+            let corner = whole.min + Vec2::new(HEAD + column as f32 * cell, (row + 1) as f32 * ROW);
+            Rect::from_min_size(corner, Vec2::new(cell, ROW)).shrink(0.5)
+        };
+        let painter = ui.painter();
+        for (index, name) in NAMES.into_iter().enumerate() {
+            let above = place(0, index).center() - Vec2::new(0.0, ROW);
+            painter.text(above, Align2::CENTER_CENTER, name, font.clone(), ink);
+            let beside = egui::pos2(whole.left() + HEAD / 2.0, place(index, 0).center().y);
+            painter.text(beside, Align2::CENTER_CENTER, name, font.clone(), ink);
+            for column in 0..8 {
+                let value = correlation[(index, column)];
+                let place = place(index, column);
+                painter.rect_filled(place, 0.0, shade(value, dark));
+                let text = format!("{value:+.2}");
+                painter.text(place.center(), Align2::CENTER_CENTER, text, font.clone(), ink);
+            }
+        }
+        ui.small(
+            "At the stations: x, y, z and yaw ψ of T12 and T13. Near ±1, the one cannot be told without the other.",
+        );
+    });
+}
+
+/// Vermilion for what errs the same way, blue for the opposite, the ground for nothing.
+fn shade(value: f64, dark: bool) -> Color32 {
+    let [opposite, same, _] = palette::SERIES;
+    let colour = theme::rgb(if value > 0.0 { same } else { opposite });
+    theme::scene_background(dark).lerp_to_gamma(colour, 0.7 * value.abs() as f32)
+}

@@ -1,0 +1,97 @@
+//! What the drive holds: a bar for each direction, from the least held to the best, and what to drive next.
+
+use eframe::egui::{self, Color32, Rect, RichText, Sense, Vec2};
+
+use crate::app::theme;
+use crate::calibration::inter_prism::drive_shape::{DriveShape, Plan};
+use crate::calibration::inter_prism::observability::{Direction, Hold, Observability};
+use crate::export::text::sigma_text;
+use crate::palette;
+
+const BAR: Vec2 = Vec2::new(84.0, 12.0);
+/// The left end of a bar: what noise alone makes of a free direction.
+const LEAST: f64 = 1e-7;
+const SIGMA_WIDTH: f32 = 62.0;
+
+/// Open from the start where something is free or weak.
+pub fn ui(ui: &mut egui::Ui, observed: &Observability) {
+    let doubtful = observed.count(Hold::Held) < 8;
+    let header = egui::CollapsingHeader::new("Observability").id_salt(("observability", doubtful));
+    header.default_open(doubtful).show(ui, |ui| {
+        ui.label(drive_in_words(&observed.drive));
+        for direction in &observed.directions {
+            row(ui, direction);
+        }
+        ui.small(
+            "Bars: how much the distances resist a motion of stations 2 and 3, over the most they resist any, on a log \
+             scale from 1e-7 to 1. Beside them: σ along it at the track.",
+        );
+        let lead = if doubtful { "What to drive next" } else { "To hold the first better" };
+        ui.add(egui::Label::new(format!("{lead}: {}.", observed.advice)).wrap());
+    });
+}
+
+fn row(ui: &mut egui::Ui, direction: &Direction) {
+    let dark = ui.visuals().dark_mode;
+    let colour = theme::rgb(palette::hold(direction.hold));
+    ui.horizontal_top(|ui| {
+        let (place, response) = ui.allocate_exact_size(BAR + Vec2::new(0.0, 4.0), Sense::hover());
+        response.on_hover_text(format!("{:.1e} of the largest eigenvalue", direction.relative));
+        paint_bar(
+            ui,
+            Rect::from_center_size(place.center(), BAR),
+            direction.relative,
+            colour,
+            dark,
+        );
+        let sigma = match direction.sigma_m {
+            Some(_) => format!("{} mm", sigma_text(direction.sigma_m, 1)),
+            None => "–".to_owned(),
+        };
+        let (place, _) = ui.allocate_exact_size(Vec2::new(SIGMA_WIDTH, 16.0), Sense::hover());
+        let font = egui::TextStyle::Monospace.resolve(ui.style());
+        let ink = ui.visuals().text_color();
+        ui.painter().text(place.right_center(), egui::Align2::RIGHT_CENTER, sigma, font, ink);
+        let words = match direction.hold {
+            Hold::Held => RichText::new(direction.short()),
+            hold => RichText::new(&direction.words)
+                .color(theme::readable(palette::hold(hold), dark))
+                .strong(),
+        };
+        let whole = format!("{}: {}", direction.hold.name(), direction.words);
+        ui.add(egui::Label::new(words).wrap()).on_hover_text(whole);
+    });
+}
+
+fn paint_bar(ui: &egui::Ui, place: Rect, relative: f64, colour: Color32, dark: bool) {
+    let share = 1.0 - relative.max(LEAST).log10() / LEAST.log10();
+    // What is free still shows that it is there.
+    let filled = Vec2::new((share as f32 * place.width()).max(2.0), place.height());
+    let ground = theme::faint(dark).gamma_multiply(0.25);
+    ui.painter().rect_filled(place, 2.0, ground);
+    ui.painter().rect_filled(Rect::from_min_size(place.min, filled), 2.0, colour);
+}
+
+fn drive_in_words(drive: &DriveShape) -> String {
+    let plan = match drive.plan {
+        Plan::Standing => "The vehicle hardly moved".to_owned(),
+        Plan::StraightLine { length_m, .. } => {
+            format!("The drive is one straight line of {length_m:.0} m")
+        }
+        Plan::Circle { radius_m, .. } => {
+            format!("The drive keeps to one circle of radius {radius_m:.1} m")
+        }
+        Plan::TwoLegs { .. } => "The drive is an L, two straight legs with one corner".to_owned(),
+        Plan::Winding => "The drive winds".to_owned(),
+    };
+    let ground = match (drive.is_flat(), drive.is_floor()) {
+        (true, true) => {
+            format!(", on a flat floor (heights vary by {:.0} mm).", drive.relief_m * 1e3)
+        }
+        (true, false) => ", without pitch and roll.".to_owned(),
+        (false, _) => {
+            format!(", and the rig pitches and rolls by {:.1}°.", drive.tilt_rad.to_degrees())
+        }
+    };
+    plan + &ground
+}

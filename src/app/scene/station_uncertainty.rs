@@ -1,0 +1,165 @@
+//! How well stations 2 and 3 stand where they are drawn: ellipsoids of their covariance, and double arrows along the
+//! directions that the drive leaves free or weak.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::content::{Label, LineVertex, SceneContent, WORLD, opaque};
+use super::overlays::round_factor;
+use crate::calibration::Calibration;
+use crate::calibration::inter_prism::observability::{Hold, Observability, StationMotion};
+use crate::palette::{self, Rgb};
+
+/// Semi-axes of the ellipsoid that holds 95 % of a normal distribution in space, over its standard deviations: the root
+/// of χ² with three degrees of freedom.
+const SIGMAS_95: f64 = 2.7955;
+/// Ellipsoids are exaggerated by a round factor while their semi-axes stay below this share of the scene.
+const LARGEST_ELLIPSOID: f64 = 0.06;
+/// Corners of each of an ellipsoid's three ellipses.
+const CORNERS: usize = 32;
+/// Half the length of the longest arrow of a direction, as a share of the scene; a station that moves less than the
+/// second, over the one that moves more, has none.
+const ARROW: f32 = 0.07;
+const SHORTEST_ARROW: f64 = 0.15;
+/// A station turns visibly when the track's points move this much of the whole by its yaw.
+const TURNS: f64 = 0.5;
+const ARC_RAD: f32 = 0.9;
+
+/// Adds the ellipsoids of the visible stations; gives how much they are exaggerated, `None` without a covariance.
+pub fn add_ellipsoids(
+    content: &mut SceneContent,
+    calibration: &Calibration,
+    shown: &[bool; 3],
+) -> Option<f64> {
+    let covariance = calibration.covariance?;
+    let axes = [0, 4].map(|at| semi_axes_m(&covariance.fixed_view::<3, 3>(at, at).into_owned()));
+    let longest_m = axes.iter().flatten().map(Vector3::norm).fold(0.0, f64::max);
+    let factor = round_factor(longest_m, LARGEST_ELLIPSOID * f64::from(extent_m(content)?));
+    for (slot, axes) in axes.iter().enumerate().filter(|(slot, _)| shown[slot + 1]) {
+        let origin = calibration.station1_from_station[slot + 1].translation_m;
+        for flat in 0..3 {
+            let (first, second) = (axes[(flat + 1) % 3], axes[(flat + 2) % 3]);
+            let corner = |at: usize| {
+                let (sin, cos) = (std::f64::consts::TAU * at as f64 / CORNERS as f64).sin_cos();
+                (origin + factor * (first * cos + second * sin)).cast::<f32>()
+            };
+            let corners: Vec<_> = (0..=CORNERS).map(corner).collect();
+            add_path(&mut content.data.lines, &corners, palette::STATIONS[slot + 1], 1.4);
+        }
+    }
+    Some(factor)
+}
+
+/// Semi-axes of the ellipsoid in which a point lies with 95 % probability, the shortest first.
+fn semi_axes_m(covariance_m2: &Matrix3<f64>) -> [Vector3<f64>; 3] {
+    let eigen = covariance_m2.symmetric_eigen();
+    let mut axes = [0, 1, 2].map(|k| {
+        let sigma_m = eigen.eigenvalues[k].max(0.0).sqrt();
+        eigen.eigenvectors.column(k) * (SIGMAS_95 * sigma_m)
+    });
+    axes.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+    axes
+}
+
+/// Adds arrows along what is free or weak, with the words at the station that moves most.
+pub fn add_weak_directions(
+    content: &mut SceneContent,
+    calibration: &Calibration,
+    observed: &Observability,
+    shown: &[bool; 3],
+) {
+    let Some(extent_m) = extent_m(content) else { return };
+    for direction in observed.directions.iter().filter(|d| d.hold != Hold::Held) {
+        let colour = palette::hold(direction.hold);
+        let moves = direction.motion.map(|motion| motion.translation_m.norm());
+        let most = moves[0].max(moves[1]);
+        let mover = if moves[0] >= moves[1] { 0 } else { 1 };
+        for slot in (0..2).filter(|slot| shown[slot + 1]) {
+            let StationMotion { translation_m, yaw_rad } = direction.motion[slot];
+            let origin = calibration.station1_from_station[slot + 1].translation_m.cast::<f32>();
+            let mut tip = origin;
+            if moves[slot] > SHORTEST_ARROW * most {
+                let half = (translation_m / most).cast::<f32>() * (ARROW * extent_m);
+                add_double_arrow(&mut content.data.lines, &[origin - half, origin + half], colour);
+                tip = origin + half;
+                // So that the camera fits them in.
+                content.outline_m.extend([origin - half, tip]);
+            }
+            if yaw_rad.abs() * observed.track_radius_m > TURNS {
+                let arc = arc_towards(content, origin, 0.5 * ARROW * extent_m);
+                add_double_arrow(&mut content.data.lines, &arc, colour);
+            }
+            if slot == mover {
+                let text = direction.short().to_owned();
+                let label = Label { position_m: tip, text, colour };
+                content.labels.push(label);
+            }
+        }
+    }
+}
+
+/// An arc about a station's vertical, on the side of the scene's middle.
+fn arc_towards(content: &SceneContent, origin: Vector3<f32>, radius_m: f32) -> Vec<Vector3<f32>> {
+    let (low, high) = content.bounds_m.unwrap_or((origin, origin));
+    let to_middle = (low + high) / 2.0 - origin;
+    let middle_rad = to_middle.y.atan2(to_middle.x);
+    (-8..=8)
+        .map(|step| {
+            let (sin, cos) = (middle_rad + ARC_RAD * step as f32 / 8.0).sin_cos();
+            origin + radius_m * Vector3::new(cos, sin, 0.0)
+        })
+        .collect()
+}
+
+/// A path with a head at both ends.
+fn add_double_arrow(lines: &mut Vec<LineVertex>, path: &[Vector3<f32>], colour: Rgb) {
+    add_path(lines, path, colour, 2.5);
+    let length: f32 = path.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
+    let last = path.len() - 1;
+    for (tip, before) in [(path[0], path[1]), (path[last], path[last - 1])] {
+        let Some(back) = (before - tip).try_normalize(1e-6) else { continue };
+        // Any side will do for an arrow that points up.
+        let side = back.cross(&Vector3::z()).try_normalize(0.1).unwrap_or_else(Vector3::x);
+        for side in [side, -side] {
+            let barb = tip + 0.12 * length * (back + 0.5 * side);
+            add_path(lines, &[tip, barb], colour, 2.5);
+        }
+    }
+}
+
+fn add_path(lines: &mut Vec<LineVertex>, path: &[Vector3<f32>], colour: Rgb, width_points: f32) {
+    lines.extend(path.windows(2).map(|ends| LineVertex {
+        from_m: ends[0].into(),
+        from_frame: WORLD,
+        to_m: ends[1].into(),
+        to_frame: WORLD,
+        colour: opaque(colour),
+        width_points,
+    }));
+}
+
+/// The longer side of the scene on the ground (m).
+fn extent_m(content: &SceneContent) -> Option<f32> {
+    let (low, high) = content.bounds_m?;
+    Some((high.x - low.x).max(high.y - low.y).max(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn the_axes_of_a_known_covariance() {
+        // σ 1, 2 and 4 mm, the longest turned by 30° about z from x.
+        let turn =
+            *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_6)
+                .matrix();
+        let own = Matrix3::from_diagonal(&Vector3::new(16e-6, 1e-6, 4e-6));
+        let [short, middle, long] = semi_axes_m(&(turn * own * turn.transpose()));
+        assert_relative_eq!(short.norm(), 2.7955e-3, epsilon = 1e-12);
+        assert_relative_eq!(middle.norm(), 5.591e-3, epsilon = 1e-12);
+        assert_relative_eq!(middle.z.abs(), 5.591e-3, epsilon = 1e-12);
+        assert_relative_eq!(long.norm(), 11.182e-3, epsilon = 1e-12);
+        assert_relative_eq!((long.y / long.x).atan(), std::f64::consts::FRAC_PI_6, epsilon = 1e-9);
+    }
+}
