@@ -1,4 +1,4 @@
-//! Levenberg–Marquardt on the fused normal equations.
+//! Levenberg–Marquardt on normal equations, exact or compressed.
 
 use super::{CentredTriplets, NormalEquations, Parameters};
 
@@ -21,16 +21,26 @@ pub struct Minimum {
     pub passes: usize,
 }
 
-/// Goes downhill from `start` to within `tolerance_m` of the nearest minimum.
+/// Goes downhill from `start` on the exact cost to within `tolerance_m` of the nearest minimum.
+pub fn minimise(data: &CentredTriplets, start: Parameters, tolerance_m: f64) -> Minimum {
+    descend(|p| NormalEquations::at(data, p), track_radius_m(data), start, tolerance_m)
+}
+
+/// Goes downhill from `start` to within `tolerance_m` of the nearest minimum of the cost that `at` gives; a radian of
+/// yaw counts as `radius_m`.
 ///
 /// Marquardt's scaling by the diagonal of JᵀJ; every pass gives cost and derivatives together, so an accepted
 /// step costs one pass. Near the minimum Gauss–Newton steps shrink by a constant factor, so that two of them tell
 /// how far it still is: the last step is taken without another pass once the remainder is below the tolerance.
-pub fn minimise(data: &CentredTriplets, start: Parameters, tolerance_m: f64) -> Minimum {
+pub fn descend(
+    at: impl Fn(&Parameters) -> NormalEquations,
+    radius_m: f64,
+    start: Parameters,
+    tolerance_m: f64,
+) -> Minimum {
     let mut parameters = start;
-    let mut normal = NormalEquations::at(data, &parameters);
+    let mut normal = at(&parameters);
     let mut damping = 1e-6;
-    let radius_m = track_radius_m(data);
     let mut passes = 1;
     let mut converged = false;
     let mut last_step_m: Option<f64> = None;
@@ -66,7 +76,7 @@ pub fn minimise(data: &CentredTriplets, start: Parameters, tolerance_m: f64) -> 
             break;
         }
         let trial = parameters + step;
-        let next = NormalEquations::at(data, &trial);
+        let next = at(&trial);
         passes += 1;
         if next.cost <= normal.cost {
             let change = normal.cost - next.cost;

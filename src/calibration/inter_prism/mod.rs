@@ -10,6 +10,7 @@
 
 mod centred;
 mod closed_form;
+mod compression;
 mod diagnosis;
 mod levenberg_marquardt;
 mod minima;
@@ -18,6 +19,8 @@ mod normal_equations;
 mod prior_search;
 mod refinement;
 mod refinement_in_words;
+mod squared_cost;
+mod sums;
 mod uncertainty;
 
 use std::time::Instant;
@@ -32,6 +35,7 @@ use minima::{Minima, THINNED};
 pub use normal_equations::{NormalEquations, Pulls};
 pub use prior_search::{PriorSearch, SearchRun};
 pub use refinement::{Estimate, Refinement, with_clocks};
+pub use squared_cost::SquaredCost;
 
 use super::method::why_no_triplets;
 use super::{
@@ -87,9 +91,10 @@ pub fn solve(
     let mut findings = Vec::new();
     let data = CentredTriplets::new(triplets, rig.inter_prism_m);
     let thinned = data.thinned(THINNED);
+    let squared = SquaredCost::of(&thinned);
     let mut prior_search = None;
     let priors = match settings.prior {
-        PriorMethod::ClosedForm => closed_form_priors(&thinned),
+        PriorMethod::ClosedForm => closed_form_priors(&squared),
         PriorMethod::Search => {
             let search = prior_search::search(triplets, rig.inter_prism_m);
             if !search.agreed {
@@ -100,7 +105,7 @@ pub fn solve(
             }
             let mut priors = vec![data.parameters(&search.chosen)];
             // A search that went astray must not decide alone.
-            priors.extend(closed_form_priors(&thinned));
+            priors.extend(closed_form_priors(&squared));
             prior_search = Some(search);
             priors
         }
