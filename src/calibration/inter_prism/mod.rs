@@ -19,9 +19,11 @@ mod normal_equations;
 mod prior_search;
 mod refinement;
 mod refinement_in_words;
+mod search;
 mod squared_cost;
 mod sums;
 mod uncertainty;
+mod valley;
 
 use std::time::Instant;
 
@@ -113,7 +115,7 @@ pub fn solve(
     let prior_ms = started.elapsed().as_secs_f64() * 1e3;
 
     let started = Instant::now();
-    let Minima { lowest, twin, rival } = minima::find(&data, &thinned, &priors);
+    let Minima { lowest, twin, others } = minima::find(&data, &thinned, &squared, &priors);
     let choice = mirror::choose(
         deployment,
         basin(&data, &lowest),
@@ -158,7 +160,7 @@ pub fn solve(
         deployment,
         thinned: &thinned,
         answer,
-        rival,
+        rival: others.first().copied(),
         uncertainty: &uncertainty,
         choice: &choice,
         station1_from_station: &station1_from_station,
