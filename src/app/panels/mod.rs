@@ -3,6 +3,7 @@
 pub mod deployment;
 pub mod drop_hint;
 pub mod findings;
+pub mod minima;
 pub mod notice;
 pub mod pipeline;
 pub mod result;

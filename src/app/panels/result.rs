@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, RichText};
 
-use super::{finding, heading, scrolled};
+use super::{finding, heading, minima, scrolled};
 use crate::analysis::{Analysis, Answer};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
@@ -76,7 +76,10 @@ fn show(
         Details::TwoPoint(details) => two_point(ui, details),
         Details::StaticGcp(details) => static_gcp(ui, details),
         Details::DynamicGcp(_) => {}
-        Details::InterPrism(details) => mirror(ui, details),
+        Details::InterPrism(details) => {
+            mirror(ui, details);
+            minima::ui(ui, details);
+        }
     }
     metrics(ui, &answer.evaluation, analysis.offer.targets);
 }

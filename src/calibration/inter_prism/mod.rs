@@ -3,10 +3,10 @@
 //! Minimises Σ (‖q1−T12 q2‖−α)² + (‖q1−T13 q3‖−β)² + (‖T12 q2−T13 q3‖−γ)² over the translation and yaw of
 //! stations 2 and 3 (`paper.tex`, eq. `cost_function_2`).
 //!
-//! The way to the answer: a prior ([`closed_form`] or [`prior_search`]) → Levenberg–Marquardt from it and its mirror
-//! images on thinned triplets, the best minimum and its mirror twin finished on all ([`minima`];
-//! [`normal_equations`] is the one fused pass over the data) → [`mirror`] decides between the two →
-//! [`uncertainty`] → [`diagnosis`].
+//! The way to the answer: thinned triplets compressed to a [`squared_cost`] that does not depend on their number → a
+//! prior ([`closed_form`] or [`prior_search`]) → [`search`] of all its minima → these on the exact cost, the best one
+//! and its mirror twin finished on all triplets ([`minima`]; [`normal_equations`] is the one fused pass over the data)
+//! → [`mirror`] decides between the two → [`uncertainty`] → [`diagnosis`].
 
 mod centred;
 mod closed_form;
@@ -61,10 +61,31 @@ pub struct InterPrismDetails {
     /// The minimum that is the answer.
     pub basin: Basin,
     pub mirror: Mirror,
+    /// Every distinct minimum in order of cost, the answer and its twin among them; a valley counts once. The costs of
+    /// the others come from about a thousand triplets.
+    pub basins: Vec<Basin>,
     /// What the search of the prior did, when it was asked for.
     pub prior_search: Option<PriorSearch>,
     /// What goes beyond the published method, when it was asked for: the answer is then its.
     pub refinement: Option<Refinement>,
+}
+
+impl InterPrismDetails {
+    /// What one of the minima is.
+    pub fn role(&self, basin: &Basin) -> &'static str {
+        if *basin == self.basin {
+            "answer"
+        } else if self.mirror.twin.as_ref() == Some(basin) {
+            "mirror twin"
+        } else {
+            "other"
+        }
+    }
+
+    /// What one of the minima costs over what the answer costs.
+    pub fn cost_ratio(&self, basin: &Basin) -> f64 {
+        basin.mean_square_m2 / self.basin.mean_square_m2
+    }
 }
 
 /// Calibrates by the inter-prism distances.
@@ -115,7 +136,9 @@ pub fn solve(
     let prior_ms = started.elapsed().as_secs_f64() * 1e3;
 
     let started = Instant::now();
-    let Minima { lowest, twin, others } = minima::find(&data, &thinned, &squared, &priors);
+    let minima = minima::find(&data, &thinned, &squared, &priors);
+    let basins = minima.basins(&data);
+    let Minima { lowest, twin, others } = minima;
     let choice = mirror::choose(
         deployment,
         basin(&data, &lowest),
@@ -199,6 +222,7 @@ pub fn solve(
         details: Details::InterPrism(Box::new(InterPrismDetails {
             basin: choice.answer,
             mirror: choice.mirror,
+            basins,
             prior_search,
             refinement,
         })),

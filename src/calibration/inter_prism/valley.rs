@@ -48,3 +48,51 @@ fn floor_across(cost: &SquaredCost, start: Parameters, direction: &Parameters) -
     };
     descend(held, cost.radius_m, start, TOLERANCE_M, MOST_PASSES)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::levenberg_marquardt::descend;
+    use super::super::minima::tests::two_legs;
+    use super::*;
+    use crate::geometry::LevelTransform;
+    use nalgebra::{Rotation3, Vector3};
+
+    fn minimum(cost: &SquaredCost, start: Parameters) -> Minimum {
+        descend(|p| cost.at(p), cost.radius_m, start, TOLERANCE_M, 40)
+    }
+
+    #[test]
+    fn a_straight_drive_is_one_valley() {
+        let data = two_legs(0.0);
+        let cost = SquaredCost::of(&data);
+        let truth = data.parameters(&[LevelTransform::IDENTITY; 3]);
+        // The rig can roll about the track: prisms 2 and 3 turn about prism 1.
+        let rolled = |angle: f64| {
+            let roll = Rotation3::from_axis_angle(&Vector3::x_axis(), angle);
+            let mut p = truth;
+            for at in [0, 4] {
+                let t: Vector3<f64> = roll * truth.fixed_rows::<3>(at);
+                p.fixed_rows_mut::<3>(at).copy_from(&t);
+            }
+            Minimum { normal: cost.at(&p), parameters: p, converged: true, passes: 0 }
+        };
+        for angle in [0.3, 1.0, -2.0] {
+            assert!(one_valley(&cost, &rolled(0.0), &rolled(angle)), "{angle}");
+        }
+    }
+
+    #[test]
+    fn rivals_and_twins_have_a_ridge_between_them() {
+        let data = two_legs(std::f64::consts::FRAC_PI_2);
+        let cost = SquaredCost::of(&data);
+        let truth = minimum(&cost, data.parameters(&[LevelTransform::IDENTITY; 3]));
+        let twin = minimum(&cost, data.mirrored_in_height(&truth.parameters, [true; 2]));
+        let rival = minimum(&cost, data.turned(&truth.parameters, std::f64::consts::PI));
+        for other in [twin, rival] {
+            assert!(other.normal.cost < 2.0 * truth.normal.cost);
+            assert!((other.parameters - truth.parameters).amax() > 0.3);
+            assert!(!one_valley(&cost, &truth, &other));
+            assert!(!one_valley(&cost, &other, &truth));
+        }
+    }
+}
