@@ -12,7 +12,8 @@ use super::levenberg_marquardt::track_radius_m;
 use super::sums::{Rows, Sums};
 use super::{CentredTriplets, NormalEquations, Parameters};
 
-/// Nine rows and some that are zero: as many as vector registers hold.
+/// Rows that are worked on at once, and nine of them with as many zeros as make it come out even.
+const LANES: usize = 4;
 const ROWS: usize = 12;
 
 type Column = [f64; ROWS];
@@ -49,78 +50,82 @@ fn padded(factor: &Factor, scale: f64) -> [Column; MONOMIALS] {
     factor.map(|column| std::array::from_fn(|row| column.get(row).map_or(0.0, |v| scale * v)))
 }
 
-/// Residuals of a pair and their derivatives by the pose (ψ, t) of frame b in frame a.
-struct PairRows {
-    residual: Column,
-    by_translation: [Column; 3],
-    by_yaw: Column,
+/// The pose (ψ, t) of frame b in frame a.
+struct Pose {
+    sin: f64,
+    cos: f64,
+    t: Vector3<f64>,
 }
 
-#[inline(always)]
-fn pair_rows(c: &[Column; MONOMIALS], yaw_rad: f64, t: &Vector3<f64>) -> PairRows {
-    let (sin, cos) = yaw_rad.sin_cos();
-    // Rᵀt, whose derivative by the yaw is (v, −u).
-    let (u, v) = (cos * t.x + sin * t.y, cos * t.y - sin * t.x);
-    let square = t.norm_squared();
-    let mut rows =
-        PairRows { residual: [0.0; ROWS], by_translation: [[0.0; ROWS]; 3], by_yaw: [0.0; ROWS] };
-    for i in 0..ROWS {
-        rows.residual[i] = cos * c[0][i]
-            + sin * c[1][i]
-            + t.x * c[2][i]
-            + t.y * c[3][i]
-            + t.z * c[4][i]
-            + square * c[5][i]
-            + u * c[6][i]
-            + v * c[7][i]
-            + c[CONSTANT][i];
-        rows.by_translation[0][i] = c[2][i] + 2.0 * t.x * c[5][i] + cos * c[6][i] - sin * c[7][i];
-        rows.by_translation[1][i] = c[3][i] + 2.0 * t.y * c[5][i] + sin * c[6][i] + cos * c[7][i];
-        rows.by_translation[2][i] = c[4][i] + 2.0 * t.z * c[5][i];
-        rows.by_yaw[i] = cos * c[1][i] - sin * c[0][i] + v * c[6][i] - u * c[7][i];
-    }
-    rows
-}
+// What runs inside `sums` is plain loops in functions that are inlined always: closures and iterators would be compiled
+// for the oldest processor.
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
 fn sums(columns: &[[Column; MONOMIALS]; 3], p: &Parameters) -> [Sums<1>; 3] {
-    let translations = [Vector3::new(p[0], p[1], p[2]), Vector3::new(p[4], p[5], p[6])];
-    let yaws = [p[3], p[7]];
-    let with_station_1 = |slot: usize| {
-        let rows = pair_rows(&columns[slot], yaws[slot], &translations[slot]);
-        let mut sums = Sums::<ROWS>::ZERO;
-        let u = rows.by_translation.map(|column| column.map(|v| -v));
-        let b = rows.by_yaw.map(|v| -v);
-        sums.add::<true>(&Rows { u, a: [0.0; ROWS], b, r: rows.residual }, false);
-        sums.fold()
+    let t = [Vector3::new(p[0], p[1], p[2]), Vector3::new(p[4], p[5], p[6])];
+    let [(sin_2, cos_2), (sin_3, cos_3)] = [p[3].sin_cos(), p[7].sin_cos()];
+    // Pair 23 has the relative pose, ψ = ψ3 − ψ2 and t = R2ᵀ(t3 − t2).
+    let apart = t[1] - t[0];
+    let relative = Pose {
+        sin: sin_3 * cos_2 - cos_3 * sin_2,
+        cos: cos_3 * cos_2 + sin_3 * sin_2,
+        t: Vector3::new(
+            cos_2 * apart.x + sin_2 * apart.y,
+            cos_2 * apart.y - sin_2 * apart.x,
+            apart.z,
+        ),
     };
-    [with_station_1(0), with_station_1(1), between_2_and_3(&columns[2], &yaws, &translations)]
+    let still = Pose { sin: 0.0, cos: 1.0, t: Vector3::zeros() };
+    let of_2 = Pose { sin: sin_2, cos: cos_2, t: t[0] };
+    let of_3 = Pose { sin: sin_3, cos: cos_3, t: t[1] };
+    [
+        pair(&columns[0], &still, &of_2, false),
+        pair(&columns[1], &still, &of_3, false),
+        pair(&columns[2], &of_2, &relative, true),
+    ]
 }
 
-/// Pair 23, whose pose is relative: ψ = ψ3 − ψ2, t = R2ᵀ(t3 − t2).
+/// Sums of a pair whose station a is turned by `a` in frame 1, and whose station b has the pose `b` in frame a.
 #[inline(always)]
-fn between_2_and_3(
-    columns: &[Column; MONOMIALS],
-    yaws: &[f64; 2],
-    translations: &[Vector3<f64>; 2],
-) -> Sums<1> {
-    let (sin, cos) = yaws[0].sin_cos();
-    let apart = translations[1] - translations[0];
-    let t = Vector3::new(cos * apart.x + sin * apart.y, cos * apart.y - sin * apart.x, apart.z);
-    let rows = pair_rows(columns, yaws[1] - yaws[0], &t);
-    let mut turned = Rows { u: [[0.0; ROWS]; 3], a: [0.0; ROWS], b: [0.0; ROWS], r: rows.residual };
-    let [by_x, by_y, by_z] = &rows.by_translation;
-    for i in 0..ROWS {
-        turned.u[0][i] = sin * by_y[i] - cos * by_x[i];
-        turned.u[1][i] = -sin * by_x[i] - cos * by_y[i];
-        turned.u[2][i] = -by_z[i];
-        // The yaw of station 2 turns t as well.
-        turned.a[i] = t.y * by_x[i] - t.x * by_y[i] - rows.by_yaw[i];
-        turned.b[i] = -rows.by_yaw[i];
+fn pair(columns: &[Column; MONOMIALS], a: &Pose, b: &Pose, moving: bool) -> Sums<1> {
+    let mut sums = Sums::<LANES>::ZERO;
+    for start in (0..ROWS).step_by(LANES) {
+        sums.add::<true>(&rows(columns, start, a, b), moving);
     }
-    let mut sums = Sums::<ROWS>::ZERO;
-    sums.add::<true>(&turned, true);
     sums.fold()
+}
+
+#[inline(always)]
+fn rows(columns: &[Column; MONOMIALS], start: usize, a: &Pose, b: &Pose) -> Rows<LANES> {
+    let Pose { sin, cos, t } = *b;
+    // Rᵀt, whose derivative by the yaw is (v, −u).
+    let (u, v) = (cos * t.x + sin * t.y, cos * t.y - sin * t.x);
+    let square = t.norm_squared();
+    let mut rows = Rows { u: [[0.0; LANES]; 3], a: [0.0; LANES], b: [0.0; LANES], r: [0.0; LANES] };
+    for l in 0..LANES {
+        let c = |monomial: usize| columns[monomial][start + l];
+        rows.r[l] = cos * c(0)
+            + sin * c(1)
+            + t.x * c(2)
+            + t.y * c(3)
+            + t.z * c(4)
+            + square * c(5)
+            + u * c(6)
+            + v * c(7)
+            + c(CONSTANT);
+        // Derivatives by t and ψ in frame a.
+        let by_x = c(2) + 2.0 * t.x * c(5) + cos * c(6) - sin * c(7);
+        let by_y = c(3) + 2.0 * t.y * c(5) + sin * c(6) + cos * c(7);
+        let by_z = c(4) + 2.0 * t.z * c(5);
+        let by_yaw = cos * c(1) - sin * c(0) + v * c(6) - u * c(7);
+        rows.u[0][l] = a.sin * by_y - a.cos * by_x;
+        rows.u[1][l] = -a.sin * by_x - a.cos * by_y;
+        rows.u[2][l] = -by_z;
+        // The yaw of station a turns t as well.
+        rows.a[l] = t.y * by_x - t.x * by_y - by_yaw;
+        rows.b[l] = -by_yaw;
+    }
+    rows
 }
 
 #[cfg(test)]

@@ -55,22 +55,25 @@ impl<const L: usize> Sums<L> {
     /// The lanes added up.
     #[inline(always)]
     pub fn fold(&self) -> Sums<1> {
-        let f = |lanes: [f64; L]| [lanes.iter().sum()];
-        Sums {
-            uu: self.uu.map(f),
-            ua: self.ua.map(f),
-            ub: self.ub.map(f),
-            aa: f(self.aa),
-            ab: f(self.ab),
-            bb: f(self.bb),
-            ur: self.ur.map(f),
-            ar: f(self.ar),
-            br: f(self.br),
-            rr: f(self.rr),
-            u: self.u.map(f),
-            a: f(self.a),
-            b: f(self.b),
+        let mut total = Sums::<1>::ZERO;
+        for i in 0..6 {
+            total.uu[i] = added(&self.uu[i]);
         }
+        for i in 0..3 {
+            total.ua[i] = added(&self.ua[i]);
+            total.ub[i] = added(&self.ub[i]);
+            total.ur[i] = added(&self.ur[i]);
+            total.u[i] = added(&self.u[i]);
+        }
+        total.aa = added(&self.aa);
+        total.ab = added(&self.ab);
+        total.bb = added(&self.bb);
+        total.ar = added(&self.ar);
+        total.br = added(&self.br);
+        total.rr = added(&self.rr);
+        total.a = added(&self.a);
+        total.b = added(&self.b);
+        total
     }
 
     /// Adds rows. `moving` says whether station a is free too (only in pair 23). A solver needs the products; who asks
@@ -112,6 +115,15 @@ impl<const L: usize> Sums<L> {
             }
         }
     }
+}
+
+#[inline(always)]
+fn added<const L: usize>(lanes: &[f64; L]) -> [f64; 1] {
+    let mut total = 0.0;
+    for l in 0..L {
+        total += lanes[l];
+    }
+    [total]
 }
 
 #[inline(always)]
