@@ -75,6 +75,17 @@ pub struct Basin {
     pub height_differences_m: [f64; 2],
 }
 
+impl Basin {
+    /// How far apart two solutions put a station, at most (m).
+    pub fn apart_m(&self, other: &Self) -> f64 {
+        self.station1_from_station
+            .iter()
+            .zip(&other.station1_from_station)
+            .map(|(a, b)| (a.translation_m - b.translation_m).norm())
+            .fold(0.0, f64::max)
+    }
+}
+
 /// What told a solution from its mirror twin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResolvedBy {

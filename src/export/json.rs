@@ -6,7 +6,7 @@ use nalgebra::SMatrix;
 use serde_json::{Value, json};
 
 use crate::analysis::{Analysis, Answer};
-use crate::calibration::inter_prism::{Estimate, PriorSearch, Refinement};
+use crate::calibration::inter_prism::{Estimate, InterPrismDetails, PriorSearch, Refinement};
 use crate::calibration::two_point::PairResection;
 use crate::calibration::{Basin, Calibration, Details};
 use crate::deployment::Deployment;
@@ -55,8 +55,11 @@ pub fn calibration(
             "mirror": calibration.inter_prism().map(|details| json!({
                 "cost_ratio": details.mirror.cost_ratio,
                 "resolved_by": details.mirror.resolved_by.name(),
-                "twin": details.mirror.twin.map(|twin| twin_transforms(&twin)),
+                "twin": details.mirror.twin.map(|twin| level_transforms(&twin)),
             })),
+            "basins": calibration.inter_prism().map(|details| {
+                details.basins.iter().map(|basin| minimum(details, basin)).collect::<Vec<_>>()
+            }),
         },
         "details": details(calibration),
         "time_ms": {
@@ -69,11 +72,21 @@ pub fn calibration(
     })
 }
 
-/// The mirror twin's transforms, without σ.
-fn twin_transforms(twin: &Basin) -> Vec<Value> {
+/// One of the minima of the cost.
+fn minimum(details: &InterPrismDetails, basin: &Basin) -> Value {
+    json!({
+        "is": details.role(basin),
+        "rms_mm": basin.mean_square_m2.sqrt() * 1e3,
+        "cost_ratio": details.cost_ratio(basin),
+        "transforms": level_transforms(basin),
+    })
+}
+
+/// A minimum's transforms, without σ.
+fn level_transforms(basin: &Basin) -> Vec<Value> {
     (1..3)
         .map(|station| {
-            let transform = &twin.station1_from_station[station];
+            let transform = &basin.station1_from_station[station];
             json!({
                 "from": station + 1,
                 "to": 1,

@@ -4,6 +4,7 @@ pub mod correlations;
 pub mod deployment;
 pub mod drop_hint;
 pub mod findings;
+pub mod minima;
 pub mod notice;
 pub mod observability;
 pub mod pipeline;

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, RichText};
 
-use super::{correlations, finding, heading, observability, scrolled};
+use super::{correlations, finding, heading, minima, observability, scrolled};
 use crate::analysis::{Analysis, Answer};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
@@ -79,6 +79,7 @@ fn show(
         Details::DynamicGcp(_) => {}
         Details::InterPrism(details) => {
             mirror(ui, details);
+            minima::ui(ui, details);
             observability::ui(ui, &details.observability);
         }
     }

@@ -1,4 +1,4 @@
-//! Levenberg–Marquardt on the fused normal equations.
+//! Levenberg–Marquardt on normal equations, exact or compressed.
 
 use super::{CentredTriplets, NormalEquations, Parameters};
 
@@ -8,7 +8,7 @@ pub const FINE_M: f64 = 1e-8;
 pub const ROUGH_M: f64 = 1e-6;
 /// Only below this step (m) is the rate of convergence a guide to what is left.
 const NEAR_M: f64 = 1e-4;
-const MOST_ITERATIONS: usize = 60;
+const MOST_PASSES: usize = 60;
 
 /// Where the search ended.
 #[derive(Clone, Copy, Debug)]
@@ -17,24 +17,35 @@ pub struct Minimum {
     /// At the parameters, or a step of less than a tenth of a millimetre before them.
     pub normal: NormalEquations,
     pub converged: bool,
-    /// Passes over the data.
+    /// Evaluations of the cost: passes over the data where it is the exact one.
     pub passes: usize,
 }
 
-/// Goes downhill from `start` to within `tolerance_m` of the nearest minimum.
+/// Goes downhill from `start` on the exact cost to within `tolerance_m` of the nearest minimum.
+pub fn minimise(data: &CentredTriplets, start: Parameters, tolerance_m: f64) -> Minimum {
+    descend(|p| NormalEquations::at(data, p), track_radius_m(data), start, tolerance_m, MOST_PASSES)
+}
+
+/// Goes downhill from `start` to within `tolerance_m` of the nearest minimum of the cost that `at` gives, in at most
+/// `most_passes` evaluations of it; a radian of yaw counts as `radius_m`.
 ///
 /// Marquardt's scaling by the diagonal of JᵀJ; every pass gives cost and derivatives together, so an accepted
 /// step costs one pass. Near the minimum Gauss–Newton steps shrink by a constant factor, so that two of them tell
 /// how far it still is: the last step is taken without another pass once the remainder is below the tolerance.
-pub fn minimise(data: &CentredTriplets, start: Parameters, tolerance_m: f64) -> Minimum {
+pub fn descend(
+    at: impl Fn(&Parameters) -> NormalEquations,
+    radius_m: f64,
+    start: Parameters,
+    tolerance_m: f64,
+    most_passes: usize,
+) -> Minimum {
     let mut parameters = start;
-    let mut normal = NormalEquations::at(data, &parameters);
+    let mut normal = at(&parameters);
     let mut damping = 1e-6;
-    let radius_m = track_radius_m(data);
     let mut passes = 1;
     let mut converged = false;
     let mut last_step_m: Option<f64> = None;
-    while passes < MOST_ITERATIONS {
+    while passes < most_passes {
         let mut damped = normal.matrix;
         for k in 0..8 {
             let diagonal = normal.matrix[(k, k)];
@@ -66,7 +77,7 @@ pub fn minimise(data: &CentredTriplets, start: Parameters, tolerance_m: f64) -> 
             break;
         }
         let trial = parameters + step;
-        let next = NormalEquations::at(data, &trial);
+        let next = at(&trial);
         passes += 1;
         if next.cost <= normal.cost {
             let change = normal.cost - next.cost;

@@ -3,13 +3,14 @@
 //! Minimises Σ (‖q1−T12 q2‖−α)² + (‖q1−T13 q3‖−β)² + (‖T12 q2−T13 q3‖−γ)² over the translation and yaw of
 //! stations 2 and 3 (`paper.tex`, eq. `cost_function_2`).
 //!
-//! The way to the answer: a prior ([`closed_form`] or [`prior_search`]) → Levenberg–Marquardt from it and its mirror
-//! images on thinned triplets, the best minimum and its mirror twin finished on all ([`minima`];
-//! [`normal_equations`] is the one fused pass over the data) → [`mirror`] decides between the two →
-//! [`uncertainty`] → [`observability`] and [`drive_shape`] → [`diagnosis`].
+//! The way to the answer: thinned triplets compressed to a [`squared_cost`] that does not depend on their number → a
+//! prior ([`closed_form`] or [`prior_search`]) → [`search`] of all its minima → these on the exact cost, the best one
+//! and its mirror twin finished on all triplets ([`minima`]; [`normal_equations`] is the one fused pass over the data)
+//! → [`mirror`] decides between the two → [`uncertainty`] → [`observability`] and [`drive_shape`] → [`diagnosis`].
 
 mod centred;
 mod closed_form;
+mod compression;
 mod diagnosis;
 pub mod drive_shape;
 mod levenberg_marquardt;
@@ -21,7 +22,11 @@ pub mod observability;
 mod prior_search;
 mod refinement;
 mod refinement_in_words;
+mod search;
+mod squared_cost;
+mod sums;
 mod uncertainty;
+mod valley;
 
 use std::time::Instant;
 
@@ -38,6 +43,7 @@ pub use prior_search::{PriorSearch, SearchRun};
 pub use refinement::{
     Clock, ClockJump, Estimate, Motion, NoiseLevels, Refinement, Support, with_clocks,
 };
+pub use squared_cost::SquaredCost;
 
 use super::method::why_no_triplets;
 use super::{
@@ -62,10 +68,31 @@ pub struct InterPrismDetails {
     pub basin: Basin,
     pub mirror: Mirror,
     pub observability: Observability,
+    /// Every distinct minimum in order of cost, the answer and its twin among them; a valley counts once. The costs of
+    /// the others come from about a thousand triplets.
+    pub basins: Vec<Basin>,
     /// What the search of the prior did, when it was asked for.
     pub prior_search: Option<PriorSearch>,
     /// What goes beyond the published method, when it was asked for: the answer is then its.
     pub refinement: Option<Refinement>,
+}
+
+impl InterPrismDetails {
+    /// What one of the minima is.
+    pub fn role(&self, basin: &Basin) -> &'static str {
+        if *basin == self.basin {
+            "answer"
+        } else if self.mirror.twin.as_ref() == Some(basin) {
+            "mirror twin"
+        } else {
+            "other"
+        }
+    }
+
+    /// What one of the minima costs over what the answer costs.
+    pub fn cost_ratio(&self, basin: &Basin) -> f64 {
+        basin.mean_square_m2 / self.basin.mean_square_m2
+    }
 }
 
 /// Calibrates by the inter-prism distances.
@@ -94,9 +121,10 @@ pub fn solve(
     let mut findings = Vec::new();
     let data = CentredTriplets::new(triplets, rig.inter_prism_m);
     let thinned = data.thinned(THINNED);
+    let squared = SquaredCost::of(&thinned);
     let mut prior_search = None;
     let priors = match settings.prior {
-        PriorMethod::ClosedForm => closed_form_priors(&thinned),
+        PriorMethod::ClosedForm => closed_form_priors(&squared),
         PriorMethod::Search => {
             let search = prior_search::search(triplets, rig.inter_prism_m);
             if !search.agreed {
@@ -107,7 +135,7 @@ pub fn solve(
             }
             let mut priors = vec![data.parameters(&search.chosen)];
             // A search that went astray must not decide alone.
-            priors.extend(closed_form_priors(&thinned));
+            priors.extend(closed_form_priors(&squared));
             prior_search = Some(search);
             priors
         }
@@ -115,7 +143,9 @@ pub fn solve(
     let prior_ms = started.elapsed().as_secs_f64() * 1e3;
 
     let started = Instant::now();
-    let Minima { lowest, twin, rival } = minima::find(&data, &thinned, &priors);
+    let minima = minima::find(&data, &thinned, &squared, &priors);
+    let basins = minima.basins(&data);
+    let Minima { lowest, twin, others } = minima;
     let choice = mirror::choose(
         deployment,
         basin(&data, &lowest),
@@ -168,7 +198,7 @@ pub fn solve(
         deployment,
         thinned: &thinned,
         answer,
-        rival,
+        rival: others.first().copied(),
         uncertainty: &uncertainty,
         observability: &observability,
         choice: &choice,
@@ -214,6 +244,7 @@ pub fn solve(
             basin: choice.answer,
             mirror: choice.mirror,
             observability,
+            basins,
             prior_search,
             refinement,
         })),

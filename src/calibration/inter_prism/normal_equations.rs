@@ -1,8 +1,8 @@
 //! The one fused pass over the data: cost, gradient and Gauss–Newton matrix of method D together.
 //!
 //! For a pair with difference e = T_a q_a − T_b q_b, distance ‖e‖ and unit vector u = e/‖e‖, the residual is
-//! r = ‖e‖ − d and its derivatives are ±u for a translation and ±u·(dR/dψ q) for a yaw. The sums that the
-//! 8×8 matrix needs are kept per pair, as `[f64; LANES]` each, so that the compiler turns the inner loops
+//! r = ‖e‖ − d and its derivatives are ±u for a translation and ±u·(dR/dψ q) for a yaw. The sums that the 8×8 matrix
+//! needs ([`super::sums`]) are kept per pair, as `[f64; LANES]` each, so that the compiler turns the inner loops
 //! into vector instructions; `multiversion` picks AVX-512 or AVX2 where the processor has it.
 
 use std::ops::Range;
@@ -10,6 +10,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 use nalgebra::{SMatrix, SVector};
 
+use super::sums::{Rows, Sums, by_pair, cost, gradient, matrix};
 use super::{CentredTriplets, Parameters};
 
 /// JᵀJ, Jᵀr and rᵀr of all triplets at some parameters: what the solver needs.
@@ -30,13 +31,13 @@ pub struct Pulls {
 }
 
 impl NormalEquations {
+    pub fn of(sums: &[Sums<1>; 3]) -> Self {
+        Self { matrix: matrix(sums), gradient: gradient(sums), cost: cost(sums) }
+    }
+
+    /// Of the distances themselves (`paper.tex`, eq. `cost_function_2`).
     pub fn at(data: &CentredTriplets, parameters: &Parameters) -> Self {
-        let sums = sums_over(data, parameters, 0..data.len(), true);
-        Self {
-            matrix: matrix(&sums),
-            gradient: gradient(&sums),
-            cost: sums.iter().map(|s| s.rr[0]).sum(),
-        }
+        Self::of(&sums_over(data, parameters, 0..data.len(), true))
     }
 }
 
@@ -75,43 +76,6 @@ fn pose(p: &[f64]) -> Pose {
 
 const LANES: usize = 8;
 
-/// Sums of one pair: products of the unit vector u, of a = u·R'q_a and b = u·R'q_b, and of the residual r.
-#[derive(Clone, Copy)]
-#[repr(C)]
-struct Sums<const L: usize> {
-    uu: [[f64; L]; 6],
-    ua: [[f64; L]; 3],
-    ub: [[f64; L]; 3],
-    aa: [f64; L],
-    ab: [f64; L],
-    bb: [f64; L],
-    ur: [[f64; L]; 3],
-    ar: [f64; L],
-    br: [f64; L],
-    rr: [f64; L],
-    u: [[f64; L]; 3],
-    a: [f64; L],
-    b: [f64; L],
-}
-
-impl<const L: usize> Sums<L> {
-    const ZERO: Self = Self {
-        uu: [[0.0; L]; 6],
-        ua: [[0.0; L]; 3],
-        ub: [[0.0; L]; 3],
-        aa: [0.0; L],
-        ab: [0.0; L],
-        bb: [0.0; L],
-        ur: [[0.0; L]; 3],
-        ar: [0.0; L],
-        br: [0.0; L],
-        rr: [0.0; L],
-        u: [[0.0; L]; 3],
-        a: [0.0; L],
-        b: [0.0; L],
-    };
-}
-
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 fn sum(
     coordinates: &[[&[f64]; 3]; 3],
@@ -138,7 +102,7 @@ fn sum_all<const FOR_SOLVER: bool>(
     for start in (0..whole).step_by(LANES) {
         add::<LANES, FOR_SOLVER>(coordinates, start, poses, inter_prism_m, &mut wide);
     }
-    let mut total = wide.map(|s| fold(&s));
+    let mut total = wide.map(|s| s.fold());
     for start in whole..count {
         add::<1, FOR_SOLVER>(coordinates, start, poses, inter_prism_m, &mut total);
     }
@@ -215,160 +179,33 @@ fn add_pair<const L: usize, const FOR_SOLVER: bool>(
     moving: bool,
     sums: &mut Sums<L>,
 ) {
-    let mut u = [[0.0; L]; 3];
-    let (mut r, mut a, mut b) = ([0.0; L], [0.0; L], [0.0; L]);
+    let mut rows = Rows { u: [[0.0; L]; 3], a: [0.0; L], b: [0.0; L], r: [0.0; L] };
     for l in 0..L {
         let e = [at_a[0][l] - at_b[0][l], at_a[1][l] - at_b[1][l], at_a[2][l] - at_b[2][l]];
         let norm = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]).sqrt();
         // Coincident points have no direction; any finite one keeps the sums finite.
         let inverse = 1.0 / norm.max(1e-12);
         for axis in 0..3 {
-            u[axis][l] = e[axis] * inverse;
+            rows.u[axis][l] = e[axis] * inverse;
         }
-        r[l] = norm - distance_m;
-        a[l] = u[0][l] * turned_a[0][l] + u[1][l] * turned_a[1][l];
-        b[l] = u[0][l] * turned_b[0][l] + u[1][l] * turned_b[1][l];
+        rows.r[l] = norm - distance_m;
+        rows.a[l] = rows.u[0][l] * turned_a[0][l] + rows.u[1][l] * turned_a[1][l];
+        rows.b[l] = rows.u[0][l] * turned_b[0][l] + rows.u[1][l] * turned_b[1][l];
     }
-    for i in 0..3 {
-        multiply_add(&mut sums.ur[i], &u[i], &r);
-    }
-    multiply_add(&mut sums.br, &b, &r);
-    if moving {
-        multiply_add(&mut sums.ar, &a, &r);
-    }
-    if FOR_SOLVER {
-        let mut entry = 0;
-        for i in 0..3 {
-            for j in i..3 {
-                multiply_add(&mut sums.uu[entry], &u[i], &u[j]);
-                entry += 1;
-            }
-            multiply_add(&mut sums.ub[i], &u[i], &b);
-        }
-        multiply_add(&mut sums.bb, &b, &b);
-        multiply_add(&mut sums.rr, &r, &r);
-        if moving {
-            for i in 0..3 {
-                multiply_add(&mut sums.ua[i], &u[i], &a);
-            }
-            multiply_add(&mut sums.aa, &a, &a);
-            multiply_add(&mut sums.ab, &a, &b);
-        }
-    } else {
-        for l in 0..L {
-            for i in 0..3 {
-                sums.u[i][l] += u[i][l];
-            }
-            sums.a[l] += a[l];
-            sums.b[l] += b[l];
-        }
-    }
-}
-
-#[inline(always)]
-fn multiply_add<const L: usize>(sum: &mut [f64; L], a: &[f64; L], b: &[f64; L]) {
-    for l in 0..L {
-        sum[l] += a[l] * b[l];
-    }
-}
-
-fn fold<const L: usize>(s: &Sums<L>) -> Sums<1> {
-    let f = |lanes: [f64; L]| [lanes.iter().sum()];
-    Sums {
-        uu: s.uu.map(f),
-        ua: s.ua.map(f),
-        ub: s.ub.map(f),
-        aa: f(s.aa),
-        ab: f(s.ab),
-        bb: f(s.bb),
-        ur: s.ur.map(f),
-        ar: f(s.ar),
-        br: f(s.br),
-        rr: f(s.rr),
-        u: s.u.map(f),
-        a: f(s.a),
-        b: f(s.b),
-    }
-}
-
-// Signs: station a moves the residual by +(u, a), station b by −(u, b). In pairs 12 and 13 station a is station 1,
-// which is fixed; only pair 23 has parameters on both sides.
-
-/// First parameter of the pair's station b.
-fn first_of_b(pair: usize) -> usize {
-    if pair == 0 { 0 } else { 4 }
-}
-
-fn matrix(sums: &[Sums<1>; 3]) -> SMatrix<f64, 8, 8> {
-    let mut matrix = SMatrix::<f64, 8, 8>::zeros();
-    for (pair, s) in sums.iter().enumerate() {
-        let uu = |i: usize, j: usize| s.uu[[[0, 1, 2], [1, 3, 4], [2, 4, 5]][i][j]][0];
-        let at = first_of_b(pair);
-        for i in 0..3 {
-            for j in 0..3 {
-                matrix[(at + i, at + j)] += uu(i, j);
-            }
-            matrix[(at + i, at + 3)] += s.ub[i][0];
-        }
-        matrix[(at + 3, at + 3)] += s.bb[0];
-        if pair == 2 {
-            for i in 0..3 {
-                for j in 0..3 {
-                    matrix[(i, j)] += uu(i, j);
-                    matrix[(i, 4 + j)] -= uu(i, j);
-                }
-                matrix[(i, 3)] += s.ua[i][0];
-                matrix[(i, 7)] -= s.ub[i][0];
-                matrix[(3, 4 + i)] -= s.ua[i][0];
-            }
-            matrix[(3, 3)] += s.aa[0];
-            matrix[(3, 7)] -= s.ab[0];
-        }
-    }
-    matrix.fill_lower_triangle_with_upper_triangle();
-    matrix
-}
-
-fn gradient(sums: &[Sums<1>; 3]) -> SVector<f64, 8> {
-    let mut total = SVector::zeros();
-    for (pair, s) in sums.iter().enumerate() {
-        add_row(&mut total, pair, &s.ur, &s.ar, &s.br);
-    }
-    total
-}
-
-fn by_pair(sums: &[Sums<1>; 3]) -> [SVector<f64, 8>; 3] {
-    std::array::from_fn(|pair| {
-        let mut row = SVector::zeros();
-        add_row(&mut row, pair, &sums[pair].u, &sums[pair].a, &sums[pair].b);
-        row
-    })
-}
-
-/// Adds a sum of rows of J.
-fn add_row(row: &mut SVector<f64, 8>, pair: usize, u: &[[f64; 1]; 3], a: &[f64; 1], b: &[f64; 1]) {
-    let at = first_of_b(pair);
-    for i in 0..3 {
-        row[at + i] -= u[i][0];
-    }
-    row[at + 3] -= b[0];
-    if pair == 2 {
-        for i in 0..3 {
-            row[i] += u[i][0];
-        }
-        row[3] += a[0];
-    }
+    sums.add::<FOR_SOLVER>(&rows, moving);
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::pipeline::Triplets;
     use nalgebra::Vector3;
 
     /// Irregular points and parameters; no rig would look like this, the derivatives must hold anyway.
-    fn irregular(count: usize) -> (CentredTriplets, Parameters) {
-        let wave = |seed: f64, i: usize| (seed * 12.9898 + i as f64 * 78.233).sin() * 40.0;
+    pub fn irregular(count: usize) -> (CentredTriplets, Parameters) {
+        let wave = |seed: f64, i: usize| {
+            40.0 * (43758.5453 * (seed * 12.9898 + i as f64 * 78.233).sin()).fract()
+        };
         let points = |s: f64| {
             (0..count)
                 .map(|i| Vector3::new(wave(s, i), wave(s + 1.0, i), wave(s + 2.0, i) / 9.0))

@@ -1,0 +1,33 @@
+//! Every minimum of the cost that the search found, folded away under the mirror twin.
+
+use eframe::egui;
+
+use crate::calibration::inter_prism::InterPrismDetails;
+
+pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails) {
+    let title = format!("minima ({})", details.basins.len());
+    egui::CollapsingHeader::new(title).id_salt("minima").show(ui, |ui| {
+        egui::Grid::new("minima").num_columns(4).spacing([10.0, 2.0]).striped(true).show(
+            ui,
+            |ui| {
+                for name in ["", "RMS (mm)", "cost ratio", "away (m)"] {
+                    ui.label(name);
+                }
+                ui.end_row();
+                for basin in &details.basins {
+                    let [_, t12, t13] = &basin.station1_from_station;
+                    let lines = [("T12", t12), ("T13", t13)].map(|(name, t)| {
+                        let [x, y, z] = t.translation_m.into();
+                        format!("{name}  {x:.4}  {y:.4}  {z:.4} m, yaw {:.5} rad", t.yaw_rad)
+                    });
+                    ui.label(details.role(basin)).on_hover_text(lines.join("\n"));
+                    ui.monospace(format!("{:>8.2}", basin.mean_square_m2.sqrt() * 1e3));
+                    ui.monospace(format!("{:>8.2}", details.cost_ratio(basin)));
+                    ui.monospace(format!("{:>8.2}", basin.apart_m(&details.basin)));
+                    ui.end_row();
+                }
+            },
+        );
+        ui.small("Away: how far from the answer a station stands in it.");
+    });
+}

@@ -1,0 +1,147 @@
+//! One pair's squared distances, compressed: n triplets become a 9×9 triangle.
+//!
+//! For a pair (a, b) with the pose (ψ, t) of frame b in frame a, the squared distance is linear in nine monomials,
+//! ‖q_a − R q_b − t‖² − d² = φ(q_a, q_b)ᵀ m(ψ, t) (design.md, section 4), so that Σ (…)² = ‖Φ m‖² = ‖T m‖² with the
+//! triangle T of Φ = Q T: from here on no cost depends on n. Householder's QR keeps the precision that a Gram matrix
+//! ΦᵀΦ would lose (2·10⁻¹¹ against 5·10⁻⁴ of the cost); rows come in chunks, so the memory is bounded.
+
+use multiversion::multiversion;
+
+use super::CentredTriplets;
+use crate::deployment::PAIRS;
+
+/// m = (cos ψ, sin ψ, t_x, t_y, t_z, ‖t‖², (Rᵀt)_x, (Rᵀt)_y, 1). The one that is known comes last, so that the first
+/// eight columns of the triangle are the triangle of the problem with the constraints between them forgotten.
+pub const MONOMIALS: usize = 9;
+pub const CONSTANT: usize = 8;
+/// Rows that are reduced together: few enough to stay in the first-level cache.
+const CHUNK: usize = 64;
+/// Sums are kept in as many lanes, for vector instructions.
+const LANES: usize = 8;
+
+/// The triangle, by columns: `factor[column][row]`, zero below the diagonal.
+pub type Factor = [[f64; MONOMIALS]; MONOMIALS];
+
+type Rows = [[f64; CHUNK]; MONOMIALS];
+
+/// The triangle of pair 12, 13 or 23, in square metres.
+pub fn compress(data: &CentredTriplets, pair: usize) -> Factor {
+    let (a, b) = PAIRS[pair];
+    let lists = [a, b].map(|s| data.coordinates[s].each_ref().map(Vec::as_slice));
+    reduce_all(&lists, data.inter_prism_m[pair])
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
+fn reduce_all(lists: &[[&[f64]; 3]; 2], distance_m: f64) -> Factor {
+    let mut factor = [[0.0; MONOMIALS]; MONOMIALS];
+    let mut rows = [[0.0; CHUNK]; MONOMIALS];
+    let count = lists[0][0].len();
+    for start in (0..count).step_by(CHUNK) {
+        let end = count.min(start + CHUNK);
+        fill(&mut rows, &lists.map(|list| list.map(|axis| &axis[start..end])), distance_m);
+        reduce(&mut factor, &mut rows);
+    }
+    factor
+}
+
+/// φ of some instants; zeros after them, which change no triangle.
+#[inline(always)]
+fn fill(rows: &mut Rows, [a, b]: &[[&[f64]; 3]; 2], distance_m: f64) {
+    let count = a[0].len();
+    for i in 0..count {
+        let (ax, ay, az, bx, by, bz) = (a[0][i], a[1][i], a[2][i], b[0][i], b[1][i], b[2][i]);
+        let dz = az - bz;
+        rows[0][i] = -2.0 * (ax * bx + ay * by);
+        rows[1][i] = -2.0 * (ay * bx - ax * by);
+        rows[2][i] = -2.0 * ax;
+        rows[3][i] = -2.0 * ay;
+        rows[4][i] = -2.0 * dz;
+        rows[5][i] = 1.0;
+        rows[6][i] = 2.0 * bx;
+        rows[7][i] = 2.0 * by;
+        rows[8][i] = ax * ax + ay * ay + bx * bx + by * by + dz * dz - distance_m * distance_m;
+    }
+    for column in rows {
+        column[count..].fill(0.0);
+    }
+}
+
+/// The triangle of the triangle with the rows below it, by Householder reflections; the rows are used up.
+#[inline(always)]
+fn reduce(factor: &mut Factor, rows: &mut Rows) {
+    for j in 0..MONOMIALS {
+        // Of the reflection's vector only the diagonal element and the rows are not zero.
+        let below = rows[j];
+        let below_squared = dot(&below, &below);
+        if below_squared == 0.0 {
+            continue;
+        }
+        let diagonal = factor[j][j];
+        let size = (diagonal * diagonal + below_squared).sqrt();
+        // Away from zero: no cancellation.
+        let head = diagonal + size.copysign(diagonal);
+        let scale = 2.0 / (head * head + below_squared);
+        factor[j][j] = diagonal - head;
+        for k in j + 1..MONOMIALS {
+            let s = scale * (head * factor[k][j] + dot(&below, &rows[k]));
+            factor[k][j] -= s * head;
+            for i in 0..CHUNK {
+                rows[k][i] -= s * below[i];
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn dot(a: &[f64; CHUNK], b: &[f64; CHUNK]) -> f64 {
+    let mut sums = [0.0; LANES];
+    for start in (0..CHUNK).step_by(LANES) {
+        for l in 0..LANES {
+            sums[l] += a[start + l] * b[start + l];
+        }
+    }
+    sums.iter().sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::normal_equations::tests::irregular;
+    use super::*;
+    use nalgebra::DMatrix;
+
+    /// All rows at once, by another program.
+    fn one_shot(data: &CentredTriplets, pair: usize) -> DMatrix<f64> {
+        let (a, b) = PAIRS[pair];
+        let mut tall = DMatrix::zeros(data.len(), MONOMIALS);
+        for i in 0..data.len() {
+            let mut rows = [[0.0; CHUNK]; MONOMIALS];
+            let lists = [a, b].map(|s| data.coordinates[s].each_ref().map(|axis| &axis[i..i + 1]));
+            fill(&mut rows, &lists, data.inter_prism_m[pair]);
+            for column in 0..MONOMIALS {
+                tall[(i, column)] = rows[column][0];
+            }
+        }
+        tall.qr().r()
+    }
+
+    /// Up to the signs of its rows, which no cost sees, a triangle is unique.
+    #[test]
+    fn chunk_by_chunk_gives_the_triangle_of_all_at_once() {
+        for count in [10, CHUNK - 1, CHUNK, CHUNK + 1, 1000] {
+            let (data, _) = irregular(count);
+            for pair in 0..3 {
+                let (streamed, whole) = (compress(&data, pair), one_shot(&data, pair));
+                for column in 0..MONOMIALS {
+                    let size = whole.column(column).norm();
+                    for row in 0..MONOMIALS {
+                        let (s, w) = (streamed[column][row], whole[(row, column)]);
+                        assert!(
+                            (s.abs() - w.abs()).abs() < 1e-12 * size,
+                            "{row}, {column}: {s} {w}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

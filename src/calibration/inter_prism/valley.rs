@@ -1,0 +1,98 @@
+//! Whether two minima are ends of one valley, with no ridge between them.
+//!
+//! Where a drive leaves a direction free, the cost has a valley, and each start ends somewhere else in it; where noise
+//! alone shapes its floor, there are minima along it that mean nothing. So one walks from one to the other, going down
+//! to the floor at every step but not along it, and looks for a ridge.
+
+use super::levenberg_marquardt::descend;
+use super::{Minimum, NormalEquations, Parameters, SquaredCost};
+use crate::geometry::wrap_to_pi;
+
+/// A ridge that costs less than this many times the higher end is noise: 10 % are one σ of 200 independent residuals.
+const RIDGE: f64 = 1.1;
+const STEPS: usize = 8;
+/// To the floor at every step.
+const TOLERANCE_M: f64 = 1e-3;
+const MOST_PASSES: usize = 20;
+
+pub fn one_valley(cost: &SquaredCost, a: &Minimum, b: &Minimum) -> bool {
+    let ceiling = RIDGE * a.normal.cost.max(b.normal.cost);
+    let mut at = a.parameters;
+    (1..STEPS).all(|step| {
+        let mut ahead = b.parameters - at;
+        for yaw in [3, 7] {
+            ahead[yaw] = wrap_to_pi(ahead[yaw]);
+        }
+        let start = at + ahead / (STEPS + 1 - step) as f64;
+        let floor = floor_across(cost, start, &ahead);
+        at = floor.parameters;
+        cost.at(&at).cost <= ceiling
+    })
+}
+
+/// The lowest point of the plane through `start` across a direction: a stiff spring holds it there.
+fn floor_across(cost: &SquaredCost, start: Parameters, direction: &Parameters) -> Minimum {
+    // Metres: a radian of yaw moves the track by its radius.
+    let metric = Parameters::from_fn(|k, _| if k % 4 == 3 { cost.radius_m.powi(2) } else { 1.0 });
+    let across = direction.component_mul(&metric);
+    let across = across / direction.dot(&across).sqrt();
+    let stiffness = 1e3 * cost.at(&start).matrix.trace();
+    let held = |p: &Parameters| {
+        let NormalEquations { matrix, gradient, cost } = cost.at(p);
+        let off = across.dot(&(p - start));
+        NormalEquations {
+            matrix: matrix + stiffness * across * across.transpose(),
+            gradient: gradient + stiffness * off * across,
+            cost: cost + stiffness * off * off,
+        }
+    };
+    descend(held, cost.radius_m, start, TOLERANCE_M, MOST_PASSES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::levenberg_marquardt::descend;
+    use super::super::minima::tests::two_legs;
+    use super::*;
+    use crate::geometry::LevelTransform;
+    use nalgebra::{Rotation3, Vector3};
+
+    fn minimum(cost: &SquaredCost, start: Parameters) -> Minimum {
+        descend(|p| cost.at(p), cost.radius_m, start, TOLERANCE_M, 40)
+    }
+
+    #[test]
+    fn a_straight_drive_is_one_valley() {
+        let data = two_legs(0.0);
+        let cost = SquaredCost::of(&data);
+        let truth = data.parameters(&[LevelTransform::IDENTITY; 3]);
+        // The rig can roll about the track: prisms 2 and 3 turn about prism 1.
+        let rolled = |angle: f64| {
+            let roll = Rotation3::from_axis_angle(&Vector3::x_axis(), angle);
+            let mut p = truth;
+            for at in [0, 4] {
+                let t: Vector3<f64> = roll * truth.fixed_rows::<3>(at);
+                p.fixed_rows_mut::<3>(at).copy_from(&t);
+            }
+            Minimum { normal: cost.at(&p), parameters: p, converged: true, passes: 0 }
+        };
+        for angle in [0.3, 1.0, -2.0] {
+            assert!(one_valley(&cost, &rolled(0.0), &rolled(angle)), "{angle}");
+        }
+    }
+
+    #[test]
+    fn rivals_and_twins_have_a_ridge_between_them() {
+        let data = two_legs(std::f64::consts::FRAC_PI_2);
+        let cost = SquaredCost::of(&data);
+        let truth = minimum(&cost, data.parameters(&[LevelTransform::IDENTITY; 3]));
+        let twin = minimum(&cost, data.mirrored_in_height(&truth.parameters, [true; 2]));
+        let rival = minimum(&cost, data.turned(&truth.parameters, std::f64::consts::PI));
+        for other in [twin, rival] {
+            assert!(other.normal.cost < 2.0 * truth.normal.cost);
+            assert!((other.parameters - truth.parameters).amax() > 0.3);
+            assert!(!one_valley(&cost, &truth, &other));
+            assert!(!one_valley(&cost, &other, &truth));
+        }
+    }
+}
