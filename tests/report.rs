@@ -138,6 +138,7 @@ fn settings_that_are_not_the_defaults_stand_out() {
     assert_eq!(
         names,
         [
+            "calibration.continuous_time",
             "calibration.estimate.clocks",
             "calibration.estimate.distances",
             "calibration.loss",

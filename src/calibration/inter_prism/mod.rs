@@ -13,6 +13,7 @@ mod closed_form;
 mod compression;
 mod diagnosis;
 pub mod drive_shape;
+mod gross_errors;
 mod levenberg_marquardt;
 mod minima;
 mod mirror;
@@ -20,6 +21,7 @@ mod motion_in_words;
 mod normal_equations;
 pub mod observability;
 mod prior_search;
+mod published;
 mod refinement;
 mod refinement_in_words;
 mod search;
@@ -28,6 +30,7 @@ mod sums;
 mod uncertainty;
 mod valley;
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use nalgebra::Vector3;
@@ -36,10 +39,10 @@ pub use centred::{CentredTriplets, Parameters};
 pub use closed_form::closed_form_priors;
 use diagnosis::Evidence;
 pub use levenberg_marquardt::{Minimum, minimise};
-use minima::{Minima, THINNED};
 pub use normal_equations::{NormalEquations, Pulls};
 use observability::Observability;
 pub use prior_search::{PriorSearch, SearchRun};
+use published::Published;
 pub use refinement::{
     Clock, ClockJump, Estimate, Motion, NoiseLevels, Refinement, Support, with_clocks,
 };
@@ -47,8 +50,8 @@ pub use squared_cost::SquaredCost;
 
 use super::method::why_no_triplets;
 use super::{
-    Basin, Calibration, CalibrationError, CalibrationSettings, Details, Method, Mirror, Offer,
-    PriorMethod, Targets, Verdict,
+    Basin, Calibration, CalibrationError, CalibrationSettings, Details, Loss, Method, Mirror,
+    Offer, Targets, Verdict,
 };
 use crate::deployment::{Deployment, Finding, PAIRS};
 use crate::geometry::{LevelTransform, RigidTransform};
@@ -56,6 +59,8 @@ use crate::pipeline::Triplets;
 
 /// Eight unknowns, three residuals a triplet: below this there is nothing to average.
 const FEWEST_TRIPLETS: usize = 10;
+/// Rounds of leaving out what does not fit the answer; the second one is usually the last.
+const MOST_SCREENINGS: usize = 4;
 
 /// Two solutions are the same minimum within these; the paper's limits for its prior.
 pub const SAME_TRANSLATION_M: f64 = 0.05;
@@ -118,65 +123,40 @@ pub fn solve(
         deployment.rig.as_ref().ok_or_else(|| CalibrationError::NoRig { deployment: name() })?;
 
     let started = Instant::now();
-    let mut findings = Vec::new();
-    let data = CentredTriplets::new(triplets, rig.inter_prism_m);
-    let thinned = data.thinned(THINNED);
-    let squared = SquaredCost::of(&thinned);
-    let mut prior_search = None;
-    let priors = match settings.prior {
-        PriorMethod::ClosedForm => closed_form_priors(&squared),
-        PriorMethod::Search => {
-            let search = prior_search::search(triplets, rig.inter_prism_m);
-            if !search.agreed {
-                findings.push(Finding::warning(
-                    "the search of the prior found no optimum that three other runs agree with; \
-                     compare with --prior closed-form",
-                ));
-            }
-            let mut priors = vec![data.parameters(&search.chosen)];
-            // A search that went astray must not decide alone.
-            priors.extend(closed_form_priors(&squared));
-            prior_search = Some(search);
-            priors
+    let solve_published = |triplets: &Triplets| {
+        published::solve(deployment, triplets, rig.inter_prism_m, settings.prior)
+    };
+    let mut published = solve_published(triplets);
+    // A robust loss is for errors like noise with long tails; what cannot be right at all must not lead it astray.
+    let mut used = Cow::Borrowed(triplets);
+    for _ in 0..if settings.loss == Loss::Squared { 0 } else { MOST_SCREENINGS } {
+        let answer = published.choice.answer.station1_from_station.map(RigidTransform::from);
+        let kept = gross_errors::fitting_triplets(triplets, &answer, &rig.inter_prism_m);
+        if kept.len() == used.len() || kept.len() < FEWEST_TRIPLETS {
+            break;
         }
-    };
-    let prior_ms = started.elapsed().as_secs_f64() * 1e3;
-
-    let started = Instant::now();
-    let minima = minima::find(&data, &thinned, &squared, &priors);
-    let basins = minima.basins(&data);
-    let Minima { lowest, twin, others } = minima;
-    let choice = mirror::choose(
-        deployment,
-        basin(&data, &lowest),
-        twin.as_ref().map(|twin| basin(&data, twin)),
-    );
-    let answer = match &twin {
-        Some(twin) if choice.twin_is_real => twin,
-        _ => &lowest,
-    };
-    if let Some(search) = &prior_search
-        && !same_solution(&search.chosen, &choice.answer.station1_from_station)
-    {
-        let apart_m = (1..3)
-            .map(|s| {
-                search.chosen[s].translation_m
-                    - choice.answer.station1_from_station[s].translation_m
-            })
-            .map(|apart| apart.norm())
-            .fold(0.0, f64::max);
-        findings.push(Finding::note(format!(
-            "the search of the prior ended {apart_m:.2} m from this answer (in another minimum, such as the mirror twin); \
-             the answer does not rest on it"
-        )));
+        used = Cow::Owned(triplets.select(&kept));
+        published = solve_published(&used);
     }
+    let triplets = used.as_ref();
+    let Published {
+        data,
+        thinned,
+        answer,
+        choice,
+        basins,
+        rival,
+        prior_search,
+        mut findings,
+        prior_ms,
+    } = published;
     let fitting = observability::fitting(&thinned, &answer.parameters);
     let uncertainty = uncertainty::estimate(
         &data,
         &fitting,
         &triplets.time_s,
         &triplets.interval,
-        answer,
+        &answer,
         settings,
     );
     // Where a direction is free, there is nothing to refine.
@@ -197,8 +177,8 @@ pub fn solve(
     let evidence = Evidence {
         deployment,
         thinned: &thinned,
-        answer,
-        rival: others.first().copied(),
+        answer: &answer,
+        rival,
         uncertainty: &uncertainty,
         observability: &observability,
         choice: &choice,
@@ -206,6 +186,12 @@ pub fn solve(
         sigma,
     };
     let mut verdict = diagnosis::judge(&evidence, &mut findings);
+    if settings.loss == Loss::Squared
+        && let Some(finding) = gross_errors::pull(&data, &answer, sigma.as_ref())
+    {
+        verdict = verdict.max(Verdict::Weak);
+        findings.push(finding);
+    }
     if !settings.estimate.clocks
         && uncertainty.covariance.is_some()
         && let Some(clocks) = refinement::suspected_clocks(
@@ -249,7 +235,7 @@ pub fn solve(
             refinement,
         })),
         prior_ms,
-        solve_ms: started.elapsed().as_secs_f64() * 1e3,
+        solve_ms: started.elapsed().as_secs_f64() * 1e3 - prior_ms,
     })
 }
 

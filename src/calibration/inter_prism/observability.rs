@@ -10,17 +10,13 @@ use nalgebra::{Vector2, Vector3};
 use super::drive_shape::{DriveShape, Plan};
 use super::motion_in_words::{Motion, Part, TrackAxes, describe, leading_part};
 use super::uncertainty::{FREE_DIRECTION, Uncertainty};
-use super::{CentredTriplets, Parameters};
+use super::{CentredTriplets, Parameters, gross_errors};
 use crate::calibration::checks::{FREE_SIGMA_M, WEAK_SIGMA_M};
 use crate::geometry::LevelTransform;
 
 /// Eigenvalues below this share of the largest belong to drives such as an L (5e-3); drives with bends reach 2e-2. An
 /// error that is in no σ, such as a bias of the distances, weighs ten times as much there as where the drive is best.
 const WEAK_DIRECTION: f64 = 1e-2;
-/// Triplets whose distances are off by more than this (m), and by this many times the middle error, are wild. Twenty
-/// millimetres seem to turn a rig by 0.02 rad; a hundredth of such triplets adds 5e-6 to the smallest eigenvalue.
-const WILD_M: f64 = 0.02;
-const WILD_TIMES: f64 = 5.0;
 /// A plain motion stands for a part of the free ones when this much of its length lies among them,
 const INSIDE: f64 = 0.95;
 /// and this much of it is not said already.
@@ -103,16 +99,8 @@ impl Observability {
 /// The triplets that are not wild.
 pub fn fitting(data: &CentredTriplets, answer: &Parameters) -> CentredTriplets {
     let errors_m = data.distance_errors_m(answer);
-    let worst_m: Vec<f64> = errors_m
-        .chunks(3)
-        .map(|pairs| pairs.iter().fold(0.0, |worst: f64, error| worst.max(error.abs())))
-        .collect();
-    let mut ordered = worst_m.clone();
-    let middle = ordered.len() / 2;
-    let middle_m = *ordered.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let limit_m = WILD_M.max(WILD_TIMES * middle_m);
-    let instants: Vec<usize> = (0..data.len()).filter(|i| worst_m[*i] < limit_m).collect();
-    data.select(&instants)
+    let pairs = errors_m.chunks(3).map(|pairs| [pairs[0], pairs[1], pairs[2]]);
+    data.select(&gross_errors::fitting(pairs))
 }
 
 /// Reads the spectrum at an answer. `data` are triplets that fit, in order of time.

@@ -1,0 +1,90 @@
+//! The published solution: a prior, all minima, and which of the two twins is real.
+
+use std::time::Instant;
+
+use super::minima::{self, Minima, THINNED};
+use super::mirror::{self, Choice};
+use super::{
+    CentredTriplets, Minimum, Parameters, PriorSearch, SquaredCost, basin, closed_form_priors,
+    prior_search, same_solution,
+};
+use crate::calibration::{Basin, PriorMethod};
+use crate::deployment::{Deployment, Finding};
+use crate::pipeline::Triplets;
+
+/// What the published method finds on some triplets.
+pub struct Published {
+    pub data: CentredTriplets,
+    pub thinned: CentredTriplets,
+    /// On all of the data.
+    pub answer: Minimum,
+    pub choice: Choice,
+    pub basins: Vec<Basin>,
+    /// The best minimum beside the answer and its twin, and its cost over the lowest.
+    pub rival: Option<(Parameters, f64)>,
+    pub prior_search: Option<PriorSearch>,
+    pub findings: Vec<Finding>,
+    pub prior_ms: f64,
+}
+
+pub fn solve(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    inter_prism_m: [f64; 3],
+    prior: PriorMethod,
+) -> Published {
+    let started = Instant::now();
+    let mut findings = Vec::new();
+    let data = CentredTriplets::new(triplets, inter_prism_m);
+    let thinned = data.thinned(THINNED);
+    let squared = SquaredCost::of(&thinned);
+    let mut prior_search = None;
+    let priors = match prior {
+        PriorMethod::ClosedForm => closed_form_priors(&squared),
+        PriorMethod::Search => {
+            let search = prior_search::search(triplets, inter_prism_m);
+            if !search.agreed {
+                findings.push(Finding::warning(
+                    "the search of the prior found no optimum that three other runs agree with; \
+                     compare with --prior closed-form",
+                ));
+            }
+            let mut priors = vec![data.parameters(&search.chosen)];
+            // A search that went astray must not decide alone.
+            priors.extend(closed_form_priors(&squared));
+            prior_search = Some(search);
+            priors
+        }
+    };
+    let prior_ms = started.elapsed().as_secs_f64() * 1e3;
+    let minima = minima::find(&data, &thinned, &squared, &priors);
+    let basins = minima.basins(&data);
+    let Minima { lowest, twin, others } = minima;
+    let choice = mirror::choose(
+        deployment,
+        basin(&data, &lowest),
+        twin.as_ref().map(|twin| basin(&data, twin)),
+    );
+    let answer = match twin {
+        Some(twin) if choice.twin_is_real => twin,
+        _ => lowest,
+    };
+    findings.extend(prior_search.as_ref().and_then(|search| astray(search, &choice)));
+    let rival = others.first().copied();
+    Published { data, thinned, answer, choice, basins, rival, prior_search, findings, prior_ms }
+}
+
+/// That the search of the prior ended elsewhere.
+fn astray(search: &PriorSearch, choice: &Choice) -> Option<Finding> {
+    let answer = &choice.answer.station1_from_station;
+    if same_solution(&search.chosen, answer) {
+        return None;
+    }
+    let apart_m = (1..3)
+        .map(|s| (search.chosen[s].translation_m - answer[s].translation_m).norm())
+        .fold(0.0, f64::max);
+    Some(Finding::note(format!(
+        "the search of the prior ended {apart_m:.2} m from this answer (in another minimum, such as the mirror twin); \
+         the answer does not rest on it"
+    )))
+}
