@@ -93,6 +93,10 @@ fn the_json_keeps_its_contract() {
     assert_eq!(value["diagnosis"]["verdict"], "good");
     assert_eq!(value["diagnosis"]["mirror"]["resolved_by"], "rig");
     assert!(value["diagnosis"]["mirror"]["cost_ratio"].as_f64() > Some(2.0));
+    let basins = value["diagnosis"]["basins"].as_array().expect("method D lists its minima");
+    assert_eq!(basins.iter().map(|b| &b["is"]).collect::<Vec<_>>(), ["answer", "mirror twin"]);
+    assert_eq!(basins[1]["cost_ratio"], value["diagnosis"]["mirror"]["cost_ratio"]);
+    assert_eq!(basins[0]["transforms"][0]["from"], 2);
     assert!(value["diagnosis"]["findings"].as_array().is_some_and(|f| !f.is_empty()));
     for key in ["load", "pipeline", "prior", "solve", "total"] {
         assert!(value["time_ms"][key].as_f64() >= Some(0.0), "{key}");

@@ -179,20 +179,21 @@ fn add_pair<const L: usize, const FOR_SOLVER: bool>(
     moving: bool,
     sums: &mut Sums<L>,
 ) {
-    let mut rows = Rows { u: [[0.0; L]; 3], a: [0.0; L], b: [0.0; L], r: [0.0; L] };
+    let mut u = [[0.0; L]; 3];
+    let (mut r, mut a, mut b) = ([0.0; L], [0.0; L], [0.0; L]);
     for l in 0..L {
         let e = [at_a[0][l] - at_b[0][l], at_a[1][l] - at_b[1][l], at_a[2][l] - at_b[2][l]];
         let norm = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]).sqrt();
         // Coincident points have no direction; any finite one keeps the sums finite.
         let inverse = 1.0 / norm.max(1e-12);
         for axis in 0..3 {
-            rows.u[axis][l] = e[axis] * inverse;
+            u[axis][l] = e[axis] * inverse;
         }
-        rows.r[l] = norm - distance_m;
-        rows.a[l] = rows.u[0][l] * turned_a[0][l] + rows.u[1][l] * turned_a[1][l];
-        rows.b[l] = rows.u[0][l] * turned_b[0][l] + rows.u[1][l] * turned_b[1][l];
+        r[l] = norm - distance_m;
+        a[l] = u[0][l] * turned_a[0][l] + u[1][l] * turned_a[1][l];
+        b[l] = u[0][l] * turned_b[0][l] + u[1][l] * turned_b[1][l];
     }
-    sums.add::<FOR_SOLVER>(&rows, moving);
+    sums.add::<FOR_SOLVER>(&Rows { u, a, b, r }, moving);
 }
 
 #[cfg(test)]
