@@ -208,13 +208,14 @@ pub fn solve(
         findings.extend(suspicions);
     }
     if let Some(refined) = &refinement {
-        let jumps = refinement_in_words::jumps(refined);
-        if !jumps.is_empty() {
+        let uneven = refinement_in_words::uneven_clocks(refined);
+        if !uneven.is_empty() {
             verdict = verdict.max(Verdict::Weak);
         }
-        findings.extend(jumps);
+        findings.extend(uneven);
         findings.extend(refinement_in_words::findings(refined, &rig.inter_prism_m));
     } else if settings.refines() {
+        verdict = verdict.max(Verdict::Weak);
         findings.push(Finding::warning(
             "nothing was refined: the data does not hold all that was to be estimated",
         ));

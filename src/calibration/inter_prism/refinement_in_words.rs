@@ -10,6 +10,8 @@ const NOTABLE_DISTANCE_M: f64 = 0.003;
 /// A clock that is off by more than both is worth a warning where it is not estimated (s).
 const SUSPICIOUS_SIGMAS: f64 = 3.5;
 const SUSPICIOUS_OFFSET_S: f64 = 0.002;
+/// Four times what the prior allows (s per s).
+const IMPLAUSIBLE_DRIFT: f64 = 20e-6;
 const MILLIRADIAN_PER_ARCSECOND: f64 = std::f64::consts::PI / 180.0 / 3.6;
 
 pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
@@ -98,12 +100,28 @@ fn support_in_words(support: &Support) -> Finding {
     })
 }
 
-/// Clocks that no offset puts right.
-pub fn jumps(refined: &Refinement) -> Vec<Finding> {
-    let jumps = refined.motion.iter().flat_map(|motion| motion.clock_jumps);
-    jumps
+/// Clocks that neither an offset nor a drift puts right, or that drift as none does.
+pub fn uneven_clocks(refined: &Refinement) -> Vec<Finding> {
+    let jumps: Vec<_> = refined.motion.iter().flat_map(|motion| motion.clock_jumps).collect();
+    let drifts = refined.clock_drifts.iter().flatten().enumerate();
+    let implausible = drifts
+        .filter(|(slot, drift)| {
+            drift.value.abs() > IMPLAUSIBLE_DRIFT
+                && drift.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
+                && jumps.get(*slot).is_none_or(Option::is_none)
+        })
+        .map(|(slot, drift)| {
+            Finding::warning(format!(
+                "station {}'s clock seems to drift by {:+.0} µs a second, which clocks do not: it jumps or wanders, and the \
+                 answer is not corrected for that",
+                slot + 2,
+                drift.value * 1e6,
+            ))
+        });
+    let jumping = jumps
+        .iter()
         .enumerate()
-        .filter_map(|(slot, jump)| Some((slot, jump?)))
+        .filter_map(|(slot, jump)| Some((slot, (*jump)?)))
         .map(|(slot, jump)| {
             Finding::warning(format!(
                 "station {}'s stamps jump by {:+.1} ± {:.1} ms about {:.0} s into the drive, which no offset puts right: \
@@ -113,8 +131,8 @@ pub fn jumps(refined: &Refinement) -> Vec<Finding> {
                 jump.by_s.sigma * 1e3,
                 jump.at_s,
             ))
-        })
-        .collect()
+        });
+    jumping.chain(implausible).collect()
 }
 
 /// Clocks that are clearly off although they were not estimated: they bias the answer.

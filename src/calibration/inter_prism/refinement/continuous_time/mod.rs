@@ -15,7 +15,7 @@ use self::arrow::{Arrow, Eliminated, Row};
 pub use self::observations::NoiseLevels;
 use self::observations::{Drive, Estimates, Kind};
 use self::spline::PER_KNOT;
-use super::model::{CLOCKS, State, transforms};
+use super::model::{CLOCKS, DRIFTS, State, transforms};
 use super::{Estimate, Matrix, reduced, robust_weight, step};
 use crate::calibration::Loss;
 use crate::calibration::time_blocks::BLOCK_SECONDS;
@@ -36,7 +36,8 @@ const LEAST_JERK_M_PER_S3: f64 = 0.01;
 /// Learned noise stays within these factors of what is stated.
 const NOISE_FACTORS: [f64; 2] = [0.1, 30.0];
 
-/// Clocks are looked at in this many parts of the drive; a jump must be larger than both to be one.
+/// Clocks are looked at in this many parts of the drive; a jump must be larger than the least, and explain it better than
+/// a drift by this many σ.
 const PARTS: usize = 12;
 const JUMP_SIGMAS: f64 = 5.0;
 const LEAST_JUMP_S: f64 = 0.002;
@@ -263,27 +264,51 @@ fn scatter(
     let freedom = (count - places.len() as f64).max(1.0) / count;
     let overdispersion =
         (inverse * reduced(&middle, places)).trace() / places.len() as f64 / freedom;
-    let clock_jumps = clocks.map(|parts| jump(&parts, part_s, overdispersion.max(1.0)));
+    let drifts = [at.global[DRIFTS], at.global[DRIFTS + 1]];
+    let clock_jumps = std::array::from_fn(|slot| {
+        jump(&clocks[slot], part_s, drifts[slot], overdispersion.max(1.0))
+    });
     Some(Scatter { overdispersion, clock_jumps })
 }
 
-/// The likeliest jump of a clock, where one is certain: one step of Gauss–Newton for the parts before and after it.
-fn jump(parts: &[(f64, f64); PARTS], part_s: f64, overdispersion: f64) -> Option<ClockJump> {
-    let offset = |parts: &[(f64, f64)]| {
-        let (pull, information) =
-            parts.iter().fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
-        (-pull / information, overdispersion / information)
+/// The likeliest jump of a clock, where it explains the parts of a drive clearly better than the drift that was found.
+/// Parts have their gradient and information; each one's own offset is one step of Gauss–Newton away.
+fn jump(
+    parts: &[(f64, f64); PARTS],
+    part_s: f64,
+    drift: f64,
+    overdispersion: f64,
+) -> Option<ClockJump> {
+    // Offset (s) without the common one, and information.
+    let offsets: Vec<(f64, f64)> = parts
+        .iter()
+        .enumerate()
+        .filter(|(_, (_, information))| *information > 0.0)
+        .map(|(part, (pull, information))| {
+            let drifted_s = drift * (part as f64 + 0.5 - 0.5 * PARTS as f64) * part_s;
+            (drifted_s - pull / information, *information)
+        })
+        .collect();
+    let by_drift: f64 = parts.iter().filter(|p| p.1 > 0.0).map(|(g, i)| g * g / i).sum();
+    let level = |offsets: &[(f64, f64)]| {
+        let information: f64 = offsets.iter().map(|(_, i)| i).sum();
+        let mean_s = offsets.iter().map(|(o, i)| o * i).sum::<f64>() / information;
+        let squares: f64 = offsets.iter().map(|(o, i)| i * (o - mean_s).powi(2)).sum();
+        (mean_s, information, squares)
     };
-    (2..PARTS - 1)
+    (1..offsets.len().saturating_sub(1))
         .map(|part| {
-            let (before, after) = (offset(&parts[..part]), offset(&parts[part..]));
-            let by_s = Estimate { value: after.0 - before.0, sigma: (before.1 + after.1).sqrt() };
-            ClockJump { at_s: part as f64 * part_s, by_s }
+            let (before, after) = (level(&offsets[..part]), level(&offsets[part..]));
+            let sigma = (overdispersion * (1.0 / before.1 + 1.0 / after.1)).sqrt();
+            let by_s = Estimate { value: after.0 - before.0, sigma };
+            let better = (by_drift - before.2 - after.2) / overdispersion;
+            (better, ClockJump { at_s: part as f64 * part_s, by_s })
         })
-        .filter(|jump| {
-            jump.by_s.sigmas_from(0.0).abs() > JUMP_SIGMAS && jump.by_s.value.abs() > LEAST_JUMP_S
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(better, jump)| {
+            *better > JUMP_SIGMAS.powi(2) && jump.by_s.value.abs() > LEAST_JUMP_S
         })
-        .max_by(|a, b| a.by_s.sigmas_from(0.0).abs().total_cmp(&b.by_s.sigmas_from(0.0).abs()))
+        .map(|(_, jump)| jump)
 }
 
 /// +1 or −1; the same for the same number.

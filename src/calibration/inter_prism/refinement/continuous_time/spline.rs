@@ -6,6 +6,8 @@ use std::ops::Range;
 pub const PER_KNOT: usize = 9;
 /// Clocks may be off by this much (s); the splines reach as far beyond their spans.
 const MARGIN_S: f64 = 0.25;
+/// Shorter spans than this many knots hold too few readings for a motion.
+const FEWEST_KNOTS: f64 = 4.0;
 /// Triplets further apart than this many of their own steps belong to different spans.
 const STEPS_APART: f64 = 2.5;
 
@@ -35,7 +37,7 @@ pub struct Place {
 }
 
 impl Spans {
-    /// Over consecutive instants of the same interval.
+    /// Over consecutive instants of the same interval; what is too short is left out.
     pub fn of(time_s: &[f64], interval: &[u32], knot_s: f64) -> Self {
         let mut steps_s: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
         steps_s.sort_by(f64::total_cmp);
@@ -44,6 +46,9 @@ impl Spans {
         let mut first_knot = 0;
         for range in unbroken(time_s, interval, apart_s) {
             let (start_s, end_s) = (time_s[range.start], time_s[range.end - 1]);
+            if end_s - start_s < FEWEST_KNOTS * knot_s {
+                continue;
+            }
             let length_s = end_s - start_s + 2.0 * MARGIN_S;
             let knots = (length_s / knot_s).ceil() as usize + 3;
             spans.push(Span { start_s, end_s, first_knot, knots });
@@ -128,8 +133,8 @@ mod tests {
 
     #[test]
     fn what_is_left_out_breaks_a_span() {
-        let time_s = [0.0, 0.1, 0.2, 5.0, 5.1, 5.2, 5.3];
-        let spans = Spans::of(&time_s, &[0, 0, 0, 0, 0, 1, 1], 0.4);
+        let time_s = [0.0, 0.1, 0.2, 5.0, 5.1, 5.2, 5.3, 9.0];
+        let spans = Spans::of(&time_s, &[0, 0, 0, 0, 0, 1, 1, 1], 0.02);
         let ends: Vec<_> = spans.spans.iter().map(|s| (s.start_s, s.end_s)).collect();
         assert_eq!(ends, [(0.0, 0.2), (5.0, 5.1), (5.2, 5.3)]);
         assert!(spans.at(3.0).is_none() && spans.at(5.25).is_some());
