@@ -2,10 +2,15 @@
 //!
 //! The same cost as method B on the pipeline's triplets (`paper.tex`, "Dynamic GCP calibration").
 
-use super::point_to_point::{self, Errors, Matches};
+use std::borrow::Cow;
+
+use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
+use super::inter_prism::{refinement_in_words, with_clocks};
+use super::point_to_point::{self, Aligned, Errors, Matches};
+use super::track_clocks::{self, TrackClocks};
 use super::{
-    Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict, checks,
-    time_blocks,
+    Alignment, Calibration, CalibrationError, CalibrationSettings, Details, Loss, Method, Offer,
+    Verdict, checks, common_errors, time_blocks,
 };
 use crate::deployment::{Deployment, Finding};
 use crate::geometry::RigidTransform;
@@ -18,12 +23,14 @@ const FEWEST_TRIPLETS: usize = 10;
 /// The sandwich needs clearly more blocks than unknowns.
 const FEWEST_BLOCKS: usize = 12;
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct DynamicGcpDetails {
     /// Root mean square of the distances between the aligned tracks (m).
     pub rms_m: f64,
     /// Independent stretches of time that the covariance counts.
     pub blocks: usize,
+    /// Where they were to be estimated.
+    pub clocks: Option<TrackClocks>,
 }
 
 pub fn solve(
@@ -43,29 +50,51 @@ pub fn solve(
             needed: FEWEST_TRIPLETS,
         });
     }
-    let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
-    let block: Vec<u32> = blocks
-        .iter()
-        .enumerate()
-        .flat_map(|(number, range)| range.clone().map(move |_| number as u32))
-        .collect();
-    let matches: Vec<Matches> = (1..3)
-        .map(|station| Matches {
-            to_m: triplets.points_m[0].clone(),
-            from_m: triplets.points_m[station].clone(),
-            block: block.clone(),
-        })
-        .collect();
-    let aligned =
-        point_to_point::align(&matches, settings.alignment, Errors::ByBlock).ok_or_else(|| {
-            CalibrationError::PointsOnALine {
-                deployment: deployment.name.clone(),
-                method: Method::DynamicGcp,
-            }
-        })?;
+    let align = |triplets: &Triplets| align(triplets, settings.alignment);
+    let on_a_line = || CalibrationError::PointsOnALine {
+        deployment: deployment.name.clone(),
+        method: Method::DynamicGcp,
+    };
+    let mut used = Cow::Borrowed(triplets);
+    let mut aligned = align(&used).ok_or_else(on_a_line)?;
+    let kept = fitting(&aligned);
+    let wild = triplets.len() - kept.len();
+    let mut pulled_m = 0.0;
+    if wild > 0 && kept.len() >= FEWEST_TRIPLETS {
+        let fitting = triplets.select(&kept);
+        let without = align(&fitting).ok_or_else(on_a_line)?;
+        if settings.loss == Loss::Squared {
+            pulled_m = (0..2)
+                .map(|k| without.to_from[k].translation_m - aligned.to_from[k].translation_m)
+                .map(|moved| moved.norm())
+                .fold(0.0, f64::max);
+        } else {
+            (used, aligned) = (Cow::Owned(fitting), without);
+        }
+    }
+    let mut clocks = track_clocks::estimate(&used, &transforms(&aligned));
+    let mut covariance = aligned.covariance.as_ref().map(point_to_point::level_part);
+    let mut estimated = None;
+    if settings.estimate.clocks
+        && settings.alignment == Alignment::Level
+        && let Some(found) = clocks.take()
+    {
+        let corrected = with_clocks(&used, found.clocks());
+        aligned = align(&corrected).ok_or_else(on_a_line)?;
+        covariance =
+            track_clocks::estimate(&corrected, &transforms(&aligned)).map(|c| c.covariance);
+        estimated = Some(found);
+    } else if let Some(found) = &clocks {
+        // A clock that is off biases this answer; nobody may take it for more certain than that.
+        covariance =
+            covariance.map(|covariance| covariance + found.moves * found.moves.transpose());
+    }
+    let common =
+        common_errors::covariance(&used, |triplets| align(triplets).map(|a| transforms(&a)));
+    let covariance = covariance.zip(common).map(|(own, common)| own + common);
+    let blocks = time_blocks::of(&used.time_s, &used.interval);
     let squares = aligned.residuals_m.iter().flatten().map(nalgebra::Vector3::norm_squared);
-    let rms_m = (squares.sum::<f64>() / (2 * triplets.len()) as f64).sqrt();
-    let covariance = aligned.covariance.as_ref().map(point_to_point::level_part);
+    let rms_m = (squares.sum::<f64>() / (2 * used.len()) as f64).sqrt();
     let mut findings = vec![Finding::note(format!(
         "tracks of one prism aligned, {:.1} mm rms over {} stretches of time",
         rms_m * 1e3,
@@ -82,6 +111,15 @@ pub fn solve(
             "the drive hardly turns, so one prism cannot be told from three; if it was one, say `prisms = 1` in \
              deployment.toml"
                 .to_owned(),
+        );
+    }
+    if pulled_m > NOTABLE_PULL_M {
+        let pulled_mm = pulled_m * 1e3;
+        lower(
+            Verdict::Weak,
+            format!(
+                "{wild} triplets that cannot be right pull this answer by {pulled_mm:.0} mm; leave them out (--robust)"
+            ),
         );
     }
     if rms_m > checks::HOPELESS_FIT_M {
@@ -110,7 +148,21 @@ pub fn solve(
             ),
         );
     }
-    let station1_from_station = [RigidTransform::IDENTITY, aligned.to_from[0], aligned.to_from[1]];
+    if let Some(found) = &clocks {
+        for finding in refinement_in_words::suspicions(&found.offsets_s) {
+            verdict = verdict.max(Verdict::Weak);
+            findings.push(finding);
+        }
+    }
+    if let Some(found) = &estimated {
+        let uneven = refinement_in_words::implausible_drifts(&found.drifts, &[None; 2]);
+        if !uneven.is_empty() {
+            verdict = verdict.max(Verdict::Weak);
+        }
+        findings.extend(uneven);
+        findings.extend(refinement_in_words::clocks(&found.offsets_s, &found.drifts));
+    }
+    let station1_from_station = transforms(&aligned);
     let mut calibration = Calibration {
         method: Method::DynamicGcp,
         station1_from_station,
@@ -118,11 +170,42 @@ pub fn solve(
         covariance,
         verdict,
         findings,
-        details: Details::DynamicGcp(DynamicGcpDetails { rms_m, blocks: blocks.len() }),
+        details: Details::DynamicGcp(DynamicGcpDetails {
+            rms_m,
+            blocks: blocks.len(),
+            clocks: estimated,
+        }),
         prior_ms: 0.0,
         solve_ms: 0.0,
     };
     checks::hold_against_the_rest(&mut calibration, deployment, triplets);
     calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
     Ok(calibration)
+}
+
+fn align(triplets: &Triplets, alignment: Alignment) -> Option<Aligned> {
+    let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
+    let block: Vec<u32> = blocks
+        .iter()
+        .enumerate()
+        .flat_map(|(number, range)| range.clone().map(move |_| number as u32))
+        .collect();
+    let matches: Vec<Matches> = (1..3)
+        .map(|station| Matches {
+            to_m: triplets.points_m[0].clone(),
+            from_m: triplets.points_m[station].clone(),
+            block: block.clone(),
+        })
+        .collect();
+    point_to_point::align(&matches, alignment, Errors::ByBlock)
+}
+
+fn transforms(aligned: &Aligned) -> [RigidTransform; 3] {
+    [RigidTransform::IDENTITY, aligned.to_from[0], aligned.to_from[1]]
+}
+
+/// Triplets whose positions belong together.
+fn fitting(aligned: &Aligned) -> Vec<usize> {
+    let [second, third] = [0, 1].map(|k| &aligned.residuals_m[k]);
+    gross_errors::fitting(second.iter().zip(third).map(|(a, b)| [a.norm(), b.norm(), 0.0]))
 }

@@ -4,6 +4,7 @@
 //! B [`static_gcp`], C [`dynamic_gcp`], D [`inter_prism`]. [`Offer`] says which of them the data allows.
 
 mod checks;
+mod common_errors;
 pub mod dynamic_gcp;
 pub mod inter_prism;
 mod method;
@@ -12,6 +13,7 @@ mod settings;
 pub mod static_gcp;
 mod targets;
 pub mod time_blocks;
+mod track_clocks;
 pub mod two_point;
 mod verdict;
 
@@ -164,6 +166,15 @@ impl Calibration {
         let covariance = self.covariance?;
         let sigma = covariance.diagonal().map(|variance| variance.max(f64::MIN_POSITIVE).sqrt());
         Some(SMatrix::from_fn(|i, j| covariance[(i, j)] / (sigma[i] * sigma[j])))
+    }
+
+    /// How late the stamps of stations 2 and 3 are, where that was estimated.
+    pub fn clocks(&self) -> Option<[inter_prism::Clock; 2]> {
+        match &self.details {
+            Details::InterPrism(details) => details.refinement.as_ref()?.clocks(),
+            Details::DynamicGcp(details) => Some(details.clocks.as_ref()?.clocks()),
+            _ => None,
+        }
     }
 
     /// The details of method D.

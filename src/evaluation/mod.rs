@@ -97,8 +97,7 @@ pub fn evaluate_answer(
     calibration: &Calibration,
 ) -> (Option<Triplets>, Evaluation) {
     let refinement = calibration.inter_prism().and_then(|details| details.refinement.as_ref());
-    let clocks = refinement.and_then(|refined| refined.clocks());
-    let corrected = clocks.map(|clocks| with_clocks(triplets, clocks));
+    let corrected = calibration.clocks().map(|clocks| with_clocks(triplets, clocks));
     let distances_m = refinement
         .and_then(|refined| refined.distances_m)
         .map(|distances| distances.map(|distance| distance.value))

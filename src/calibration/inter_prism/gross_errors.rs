@@ -14,7 +14,7 @@ use crate::pipeline::Triplets;
 const WILD_M: f64 = 0.02;
 const WILD_TIMES: f64 = 5.0;
 /// A pull is worth a warning when it is more than this (m) and as much as the answer's own σ.
-const NOTABLE_PULL_M: f64 = 0.002;
+pub const NOTABLE_PULL_M: f64 = 0.002;
 
 /// Instants that are not wild, out of the errors of each one's three distances (m).
 pub fn fitting(errors_m: impl Iterator<Item = [f64; 3]>) -> Vec<usize> {

@@ -13,7 +13,7 @@ mod closed_form;
 mod compression;
 mod diagnosis;
 pub mod drive_shape;
-mod gross_errors;
+pub mod gross_errors;
 mod levenberg_marquardt;
 mod minima;
 mod mirror;
@@ -23,7 +23,7 @@ pub mod observability;
 mod prior_search;
 mod published;
 mod refinement;
-mod refinement_in_words;
+pub mod refinement_in_words;
 mod search;
 mod squared_cost;
 mod sums;
@@ -44,7 +44,8 @@ use observability::Observability;
 pub use prior_search::{PriorSearch, SearchRun};
 use published::Published;
 pub use refinement::{
-    Clock, ClockJump, Estimate, Motion, NoiseLevels, Refinement, Support, with_clocks,
+    Clock, ClockJump, Estimate, Motion, NoiseLevels, PRISM_CONSTANT_SIGMA_M, Refinement, Support,
+    TILT_SIGMA_RAD, with_clocks,
 };
 pub use squared_cost::SquaredCost;
 

@@ -1,6 +1,6 @@
 //! What a refinement found, in words: what is off and which way, whether the data supports it, what moved.
 
-use super::refinement::{Estimate, NoiseLevels, Refinement, Support};
+use super::refinement::{ClockJump, Estimate, NoiseLevels, Refinement, Support};
 use crate::deployment::{Finding, pair_label};
 
 /// Smaller than this many σ, an estimate is not told from what was assumed.
@@ -16,18 +16,8 @@ const MILLIRADIAN_PER_ARCSECOND: f64 = std::f64::consts::PI / 180.0 / 3.6;
 
 pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
     let mut findings = Vec::new();
-    for (slot, clock) in refined.clock_offsets_s.iter().flatten().enumerate() {
-        findings.push(clock_in_words(slot + 2, clock));
-    }
-    for (slot, drift) in refined.clock_drifts.iter().flatten().enumerate() {
-        if drift.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS {
-            findings.push(Finding::note(format!(
-                "station {}'s clock drifts by {:+.1} ± {:.1} µs a second",
-                slot + 2,
-                drift.value * 1e6,
-                drift.sigma * 1e6,
-            )));
-        }
+    if let (Some(offsets_s), Some(drifts)) = (&refined.clock_offsets_s, &refined.clock_drifts) {
+        findings.extend(clocks(offsets_s, drifts));
     }
     for (pair, distance) in refined.distances_m.iter().flatten().enumerate() {
         let off_m = distance.value - inter_prism_m[pair];
@@ -68,6 +58,24 @@ pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> 
     findings
 }
 
+/// What the clocks of stations 2 and 3 were found to do.
+pub fn clocks(offsets_s: &[Estimate; 2], drifts: &[Estimate; 2]) -> Vec<Finding> {
+    let offsets = offsets_s.iter().enumerate().map(|(slot, clock)| clock_in_words(slot + 2, clock));
+    let drifts = drifts
+        .iter()
+        .enumerate()
+        .filter(|(_, drift)| drift.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS)
+        .map(|(slot, drift)| {
+            Finding::note(format!(
+                "station {}'s clock drifts by {:+.1} ± {:.1} µs a second",
+                slot + 2,
+                drift.value * 1e6,
+                drift.sigma * 1e6,
+            ))
+        });
+    offsets.chain(drifts).collect()
+}
+
 /// "station 3's stamps are 3.7 ± 0.3 ms late".
 fn clock_in_words(station: usize, clock: &Estimate) -> Finding {
     let direction = if clock.value > 0.0 { "late" } else { "early" };
@@ -102,22 +110,9 @@ fn support_in_words(support: &Support) -> Finding {
 
 /// Clocks that neither an offset nor a drift puts right, or that drift as none does.
 pub fn uneven_clocks(refined: &Refinement) -> Vec<Finding> {
-    let jumps: Vec<_> = refined.motion.iter().flat_map(|motion| motion.clock_jumps).collect();
-    let drifts = refined.clock_drifts.iter().flatten().enumerate();
-    let implausible = drifts
-        .filter(|(slot, drift)| {
-            drift.value.abs() > IMPLAUSIBLE_DRIFT
-                && drift.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
-                && jumps.get(*slot).is_none_or(Option::is_none)
-        })
-        .map(|(slot, drift)| {
-            Finding::warning(format!(
-                "station {}'s clock seems to drift by {:+.0} µs a second, which clocks do not: it jumps or wanders, and the \
-                 answer is not corrected for that",
-                slot + 2,
-                drift.value * 1e6,
-            ))
-        });
+    let jumps = refined.motion.map_or([None; 2], |motion| motion.clock_jumps);
+    let implausible =
+        refined.clock_drifts.iter().flat_map(|drifts| implausible_drifts(drifts, &jumps));
     let jumping = jumps
         .iter()
         .enumerate()
@@ -133,6 +128,28 @@ pub fn uneven_clocks(refined: &Refinement) -> Vec<Finding> {
             ))
         });
     jumping.chain(implausible).collect()
+}
+
+/// Drifts that no clock has, where no jump explains them.
+pub fn implausible_drifts(drifts: &[Estimate; 2], jumps: &[Option<ClockJump>; 2]) -> Vec<Finding> {
+    drifts
+        .iter()
+        .zip(jumps)
+        .enumerate()
+        .filter(|(_, (drift, jump))| {
+            drift.value.abs() > IMPLAUSIBLE_DRIFT
+                && drift.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
+                && jump.is_none()
+        })
+        .map(|(slot, (drift, _))| {
+            Finding::warning(format!(
+                "station {}'s clock seems to drift by {:+.0} µs a second, which clocks do not: it jumps or wanders, and the \
+                 answer is not corrected for that",
+                slot + 2,
+                drift.value * 1e6,
+            ))
+        })
+        .collect()
 }
 
 /// Clocks that are clearly off although they were not estimated: they bias the answer.

@@ -1,0 +1,48 @@
+//! Errors that all readings of a drive share, so that no residual shows them and no number of readings averages them
+//! out: stations that lean within what their compensators allow, and a prism constant that is known to half a
+//! millimetre.
+
+use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
+
+use super::inter_prism::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
+use crate::geometry::{RigidTransform, wrap_to_pi};
+use crate::pipeline::Triplets;
+
+/// Points enough to see what a shared error does.
+const ENOUGH: usize = 400;
+
+/// The covariance of (x, y, z, yaw) of stations 2 and 3 that they make, by aligning as if each were there.
+pub fn covariance(
+    triplets: &Triplets,
+    align: impl Fn(&Triplets) -> Option<[RigidTransform; 3]>,
+) -> Option<SMatrix<f64, 8, 8>> {
+    let stride = triplets.len().div_ceil(ENOUGH).max(1);
+    let some: Vec<usize> = (0..triplets.len()).step_by(stride).collect();
+    let some = triplets.select(&some);
+    let without = align(&some)?;
+    let moved_by = |error: &dyn Fn(usize, &Vector3<f64>) -> Vector3<f64>| {
+        let points_m = std::array::from_fn(|station| {
+            some.points_m[station].iter().map(|point| error(station, point)).collect()
+        });
+        let with = align(&Triplets { points_m, ..some.clone() })?;
+        Some(SVector::<f64, 8>::from_fn(|k, _| {
+            let (with, without) = (&with[k / 4 + 1], &without[k / 4 + 1]);
+            match k % 4 {
+                3 => wrap_to_pi(with.yaw_rad() - without.yaw_rad()),
+                axis => with.translation_m[axis] - without.translation_m[axis],
+            }
+        }))
+    };
+    let longer =
+        |_: usize, point: &Vector3<f64>| point + PRISM_CONSTANT_SIGMA_M * point.normalize();
+    let mut moves = vec![moved_by(&longer)?];
+    for leaning in 0..3 {
+        for axis in [Vector3::x_axis(), Vector3::y_axis()] {
+            let lean = Rotation3::from_axis_angle(&axis, TILT_SIGMA_RAD);
+            moves.push(moved_by(&|station, point| {
+                if station == leaning { lean * point } else { *point }
+            })?);
+        }
+    }
+    Some(moves.iter().map(|moved| moved * moved.transpose()).sum())
+}

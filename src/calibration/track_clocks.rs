@@ -1,0 +1,112 @@
+//! The clocks of stations 2 and 3 out of tracks of one prism: a late stamp moves a track along itself, which no turn or
+//! shift of the whole does where the drive turns.
+
+use nalgebra::{SMatrix, SVector, Vector3};
+
+use super::inter_prism::{Clock, Estimate, with_clocks};
+use super::time_blocks;
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+/// For each of stations 2 and 3: (x, y, z, yaw), clock offset (s), clock drift (s per s).
+const PER_STATION: usize = 6;
+const UNKNOWNS: usize = 2 * PER_STATION;
+/// A stamp that is late by this much shows how fast a prism moves (s).
+const STEP_S: f64 = 1e-3;
+
+/// One step of least squares from a level alignment.
+#[derive(Clone, Debug)]
+pub struct TrackClocks {
+    pub offsets_s: [Estimate; 2],
+    pub drifts: [Estimate; 2],
+    /// What the clocks move (x, y, z, yaw) of stations 2 and 3 by.
+    pub moves: SVector<f64, 8>,
+    /// Of (x, y, z, yaw) of stations 2 and 3 with the clocks estimated: the sandwich by blocks of time.
+    pub covariance: SMatrix<f64, 8, 8>,
+}
+
+impl TrackClocks {
+    pub fn clocks(&self) -> [Clock; 2] {
+        std::array::from_fn(|slot| Clock {
+            offset_s: self.offsets_s[slot].value,
+            drift: self.drifts[slot].value,
+        })
+    }
+}
+
+/// `None` where the drive does not tell clocks from transforms.
+pub fn estimate(
+    triplets: &Triplets,
+    station1_from_station: &[RigidTransform; 3],
+) -> Option<TrackClocks> {
+    let late = Clock { offset_s: STEP_S, drift: 0.0 };
+    let moved = with_clocks(triplets, [late, late]);
+    let middle_s = 0.5 * (triplets.time_s.first()? + triplets.time_s.last()?);
+    let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
+    let mut right = SVector::<f64, UNKNOWNS>::zeros();
+    let equations = |index: usize, slot: usize| {
+        let (station, transform) = (slot + 1, &station1_from_station[slot + 1]);
+        let point = &triplets.points_m[station][index];
+        let turned = transform.rotate(point);
+        let velocity = transform.rotate(&(moved.points_m[station][index] - point)) / STEP_S;
+        let since_s = triplets.time_s[index] - middle_s;
+        let columns = [
+            Vector3::x(),
+            Vector3::y(),
+            Vector3::z(),
+            Vector3::z().cross(&turned),
+            velocity,
+            velocity * since_s,
+        ];
+        let error = triplets.points_m[0][index] - turned - transform.translation_m;
+        (columns, error)
+    };
+    for index in 0..triplets.len() {
+        for slot in 0..2 {
+            let (columns, error) = equations(index, slot);
+            let at = PER_STATION * slot;
+            for (i, a) in columns.iter().enumerate() {
+                right[at + i] += a.dot(&error);
+                for (j, b) in columns.iter().enumerate() {
+                    normal[(at + i, at + j)] += a.dot(b);
+                }
+            }
+        }
+    }
+    let inverse = normal.cholesky()?.inverse();
+    let step = inverse * right;
+    let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
+    let mut middle = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
+    for block in &blocks {
+        let mut pull = SVector::<f64, UNKNOWNS>::zeros();
+        for index in block.clone() {
+            for slot in 0..2 {
+                let (columns, error) = equations(index, slot);
+                let at = PER_STATION * slot;
+                let explained: Vector3<f64> =
+                    columns.iter().enumerate().map(|(i, column)| column * step[at + i]).sum();
+                for (i, column) in columns.iter().enumerate() {
+                    pull[at + i] += column.dot(&(error - explained));
+                }
+            }
+        }
+        middle += pull * pull.transpose();
+    }
+    let count = blocks.len() as f64;
+    let freedom = (count - PER_STATION as f64 / 3.0).max(1.0) / count;
+    let covariance = inverse * middle * inverse / freedom;
+    if step.iter().chain(covariance.iter()).any(|entry| !entry.is_finite()) {
+        return None;
+    }
+    let estimate = |place: usize| Estimate {
+        value: step[place],
+        sigma: covariance[(place, place)].max(0.0).sqrt(),
+    };
+    let places: [usize; 8] = std::array::from_fn(|k| PER_STATION * (k / 4) + k % 4);
+    Some(TrackClocks {
+        offsets_s: [0, 1].map(|slot| estimate(PER_STATION * slot + 4)),
+        drifts: [0, 1].map(|slot| estimate(PER_STATION * slot + 5)),
+        moves: SVector::from_fn(|k, _| step[places[k]]),
+        covariance: SMatrix::from_fn(|i, j| covariance[(places[i], places[j])]),
+    })
+}
