@@ -141,6 +141,7 @@ fn settings_that_are_not_the_defaults_stand_out() {
             "calibration.continuous_time",
             "calibration.estimate.clocks",
             "calibration.estimate.distances",
+            "calibration.estimate.tilt",
             "calibration.loss",
             "pipeline.thresholds.tau_s_seconds"
         ]

@@ -161,6 +161,26 @@ impl Calibration {
         }
     }
 
+    /// By how much all ranges are too long (m), where that was estimated.
+    pub fn prism_constant_error_m(&self) -> Option<f64> {
+        let refinement = self.inter_prism()?.refinement.as_ref()?;
+        Some(refinement.prism_constant_error_m?.value)
+    }
+
+    /// The triplets with what was estimated beside the transforms taken into account: clocks and the prism constant.
+    /// `None` where nothing was.
+    pub fn corrected(&self, triplets: &Triplets) -> Option<Triplets> {
+        let (clocks, longer_m) = (self.clocks(), self.prism_constant_error_m());
+        let mut corrected = match clocks {
+            Some(clocks) => inter_prism::with_clocks(triplets, clocks),
+            None => triplets.clone(),
+        };
+        for point in corrected.points_m.iter_mut().flatten() {
+            *point -= longer_m.unwrap_or(0.0) * point.normalize();
+        }
+        (clocks.is_some() || longer_m.is_some()).then_some(corrected)
+    }
+
     /// Correlations of what [`Calibration::covariance`] is of, from −1 to 1.
     pub fn correlation(&self) -> Option<SMatrix<f64, 8, 8>> {
         let covariance = self.covariance?;

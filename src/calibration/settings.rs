@@ -88,12 +88,12 @@ impl Default for CalibrationSettings {
 
 impl CalibrationSettings {
     /// Method D with everything that holds up in the simulated campaign (`tests/campaign`): the readings themselves, Cauchy's
-    /// loss, clocks, and distances.
+    /// loss, clocks, distances and tilts.
     pub fn robust() -> Self {
         Self {
             loss: Loss::Cauchy,
             continuous_time: true,
-            estimate: Estimated { clocks: true, distances: true, tilt: false },
+            estimate: Estimated { clocks: true, distances: true, tilt: true },
             ..Self::default()
         }
     }

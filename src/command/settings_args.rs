@@ -64,7 +64,7 @@ pub struct SettingsArguments {
     /// What method D estimates beside the transforms: clocks, distances, tilt
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     estimate: Vec<EstimateName>,
-    /// The best estimate known: --continuous-time --loss cauchy --estimate clocks,distances
+    /// The best estimate known: --continuous-time --loss cauchy --estimate clocks,distances,tilt
     #[arg(long)]
     robust: bool,
     /// What methods B and C may turn: yaw, or roll and pitch as well

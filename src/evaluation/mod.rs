@@ -6,7 +6,7 @@ pub mod vehicle;
 
 use serde::Serialize;
 
-use crate::calibration::inter_prism::{distance_errors_m, with_clocks};
+use crate::calibration::inter_prism::distance_errors_m;
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
 use crate::geometry::RigidTransform;
@@ -88,7 +88,7 @@ pub fn known_distances_m(deployment: &Deployment, targets: Targets) -> Option<[f
     }
 }
 
-/// Evaluates an answer with all that it estimates: its clocks put the triplets right, its distances are the known ones.
+/// Evaluates an answer with all that it estimates: its clocks and its prism constant put the triplets right, its distances are the known ones.
 /// Gives the corrected triplets, where there are any.
 pub fn evaluate_answer(
     deployment: &Deployment,
@@ -97,7 +97,7 @@ pub fn evaluate_answer(
     calibration: &Calibration,
 ) -> (Option<Triplets>, Evaluation) {
     let refinement = calibration.inter_prism().and_then(|details| details.refinement.as_ref());
-    let corrected = calibration.clocks().map(|clocks| with_clocks(triplets, clocks));
+    let corrected = calibration.corrected(triplets);
     let distances_m = refinement
         .and_then(|refined| refined.distances_m)
         .map(|distances| distances.map(|distance| distance.value))

@@ -175,7 +175,7 @@ fn refinement(refined: &Refinement) -> Value {
         "prism_constant_error_m": refined.prism_constant_error_m.as_ref().map(estimate),
         "noise": refined.motion.map(|motion| json!({
             "range_m": motion.noise.range_m(),
-            "angle_rad": motion.noise.angle_rad(),
+            "angle_rad": motion.noise.angle_rad,
             "jerk_m_per_s3": motion.noise.jerk_m_per_s3,
         })),
         "support": refined.support.iter().map(|support| json!({

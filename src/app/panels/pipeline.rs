@@ -211,7 +211,7 @@ fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
     let mut robust = *settings == with_best;
     if ui
         .checkbox(&mut robust, "robust, beyond the paper")
-        .on_hover_text("The motion estimated from the readings themselves, Cauchy's loss, clocks and inter-prism distances estimated")
+        .on_hover_text("The motion estimated from the readings themselves, Cauchy's loss, clocks, inter-prism distances and tilts estimated")
         .changed()
     {
         let paper = CalibrationSettings::default();

@@ -43,12 +43,16 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     let Evidence { thinned, answer, uncertainty, observability, choice, .. } = *evidence;
     findings.splice(0..0, choice.findings.iter().cloned());
     findings.extend(flat(evidence));
-    findings.extend(plan(evidence));
     let mut verdict = if choice.ambiguous { Verdict::Ambiguous } else { Verdict::Good };
     let mut lower = |to: Verdict, finding: Finding| {
         verdict = verdict.max(to);
         findings.push(finding);
     };
+    if let Some(finding) = plan(evidence) {
+        // What rests on one corner is not good, however small σ is: an error of that stretch is an error of everything.
+        let weak = finding.severity > Severity::Note;
+        lower(if weak { Verdict::Weak } else { Verdict::Good }, finding);
+    }
     if let Some(finding) = rival(evidence) {
         lower(Verdict::Ambiguous, finding);
     }

@@ -202,7 +202,8 @@ pub fn solve(
             settings.inter_prism_sigma_m,
         )
     {
-        let suspicions = refinement_in_words::suspicions(&clocks);
+        let mut suspicions = refinement_in_words::suspicions(&clocks.offsets_s);
+        suspicions.extend(refinement_in_words::suspected_jumps(&clocks.jumps_s));
         if !suspicions.is_empty() {
             verdict = verdict.max(Verdict::Weak);
         }

@@ -89,11 +89,32 @@ fn clock_in_words(station: usize, clock: &Estimate) -> Finding {
     Finding::note(line)
 }
 
+/// Clocks that differ between the halves of a drive.
+pub fn suspected_jumps(jumps_s: &[Estimate; 2]) -> Vec<Finding> {
+    jumps_s
+        .iter()
+        .enumerate()
+        .filter(|(_, jump)| {
+            jump.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
+                && jump.value.abs() > SUSPICIOUS_OFFSET_S
+        })
+        .map(|(slot, jump)| {
+            Finding::warning(format!(
+                "station {}'s stamps seem {:+.1} ± {:.1} ms later in the second half of the drive than in the first, which \
+                 biases this answer: look for a clock that jumped (--robust says when)",
+                slot + 2,
+                jump.value * 1e3,
+                jump.sigma * 1e3,
+            ))
+        })
+        .collect()
+}
+
 fn noise_in_words(noise: &NoiseLevels) -> Finding {
     Finding::note(format!(
-        "readings scatter about the motion by {:.1} mm in range and {:.1}″ in angle, as learned from this drive",
+        "readings scatter about the motion by {:.1} mm in range, and by {:.1}″ in angle",
         noise.range_m() * 1e3,
-        noise.angle_rad() * 1e3 / MILLIRADIAN_PER_ARCSECOND,
+        noise.angle_rad * 1e3 / MILLIRADIAN_PER_ARCSECOND,
     ))
 }
 

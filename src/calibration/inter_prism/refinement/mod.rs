@@ -47,6 +47,8 @@ const NOISE_SHARE_SIGMA: f64 = 0.5;
 pub const TILT_SIGMA_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 /// Clocks of instruments drift by parts per million (s per s, 1 σ).
 const DRIFT_SIGMA: f64 = 5e-6;
+/// Where one jumps, it does by milliseconds (s, 1 σ).
+const JUMP_SIGMA_S: f64 = 0.01;
 /// How well prism constants are known (m, 1 σ).
 pub const PRISM_CONSTANT_SIGMA_M: f64 = 0.0005;
 /// Scale of the losses over the residuals' spread: Huber's constant. At it Huber's loss is 95 % and Cauchy's about 80 %
@@ -194,7 +196,7 @@ pub fn suspected_clocks(
     plain: &[LevelTransform; 3],
     inter_prism_m: &[f64; 3],
     distance_sigma_m: f64,
-) -> Option<[Estimate; 2]> {
+) -> Option<SuspectedClocks> {
     let stride = triplets.len().div_ceil(SUSPICION_TRIPLETS).max(1);
     let data = MovingTriplets::every(triplets, stride);
     let some = &data.triplets;
@@ -204,7 +206,8 @@ pub fn suspected_clocks(
         estimate: Estimated { clocks: true, distances: true, tilt: false },
         ..CalibrationSettings::default()
     };
-    let (places, precision) = (estimated(&settings), precisions(&settings));
+    let (places, mut precision) = (estimated(&settings), precisions(&settings));
+    precision.fixed_rows_mut::<2>(DRIFTS).fill(JUMP_SIGMA_S.powi(-2));
     let noise = Noise::new(some, &plain.map(RigidTransform::from), &settings)
         .no_larger_than_residuals(&data, &state);
     let blocks = time_blocks::of(&some.time_s, &some.interval);
@@ -218,10 +221,21 @@ pub fn suspected_clocks(
     let scale = loss_scale(&data, &state, &noise, loss);
     let sums = accumulate(&data, &state, &noise, loss, scale, &blocks);
     let covariance = covariance(&sums, &precision, lambda, &places, distance_sigma_m)?;
-    Some([CLOCKS, CLOCKS + 1].map(|place| Estimate {
+    let estimate = |place: usize| Estimate {
         value: state[place],
         sigma: covariance[(place, place)].max(0.0).sqrt(),
-    }))
+    };
+    Some(SuspectedClocks {
+        offsets_s: [CLOCKS, CLOCKS + 1].map(estimate),
+        jumps_s: [DRIFTS, DRIFTS + 1].map(estimate),
+    })
+}
+
+/// Of stations 2 and 3.
+pub struct SuspectedClocks {
+    pub offsets_s: [Estimate; 2],
+    /// How much later they are in the second half of the drive.
+    pub jumps_s: [Estimate; 2],
 }
 
 /// The triplets as they would be had the clocks of stations 2 and 3 been right.

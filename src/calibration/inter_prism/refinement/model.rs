@@ -38,28 +38,31 @@ pub struct MovingTriplets<'a> {
     pub triplets: Cow<'a, Triplets>,
     /// m/s; by differences with the neighbours of the same interval.
     velocity_m_per_s: [Vec<Vector3<f64>>; 3],
-    /// Drifts of the clocks count from here (s).
-    middle_s: f64,
+    /// What a clock's second unknown counts by, for each triplet.
+    growth: Vec<f64>,
 }
 
 impl<'a> MovingTriplets<'a> {
+    /// With clocks that drift.
     pub fn all(triplets: &'a Triplets) -> Self {
         let velocity_m_per_s = velocities(triplets, 1);
         let middle_s = middle_s(triplets);
-        Self { triplets: Cow::Borrowed(triplets), velocity_m_per_s, middle_s }
+        let growth = triplets.time_s.iter().map(|t| t - middle_s).collect();
+        Self { triplets: Cow::Borrowed(triplets), velocity_m_per_s, growth }
     }
 
-    /// Every so many of them, with the velocities that they have among all.
+    /// Every so many of them, with the velocities that they have among all, and with clocks that jump halfway.
     pub fn every(triplets: &Triplets, stride: usize) -> Self {
         let indices: Vec<usize> = (0..triplets.len()).step_by(stride).collect();
         let velocity_m_per_s = velocities(triplets, stride);
-        let middle_s = middle_s(triplets);
-        Self { triplets: Cow::Owned(triplets.select(&indices)), velocity_m_per_s, middle_s }
+        let half = triplets.len() / 2;
+        let growth = indices.iter().map(|i| if *i < half { -0.5 } else { 0.5 }).collect();
+        Self { triplets: Cow::Owned(triplets.select(&indices)), velocity_m_per_s, growth }
     }
 
     /// Where the prism of station 2 or 3 was when its stamp says so, given how late it is (m, the station's frame).
     pub fn at_true_time(&self, station: usize, index: usize, clock: Clock) -> Vector3<f64> {
-        let late_s = clock.offset_s + clock.drift * (self.triplets.time_s[index] - self.middle_s);
+        let late_s = clock.offset_s + clock.drift * self.growth[index];
         self.triplets.points_m[station][index] + late_s * self.velocity_m_per_s[station][index]
     }
 }
@@ -150,7 +153,7 @@ pub fn distances(
             Vector3::z(),
             Vector3::z().cross(&turned),
             moving,
-            moving * (data.triplets.time_s[index] - data.middle_s),
+            moving * data.growth[index],
             // To first order in the tilt, which is arcseconds.
             tilted_by(Vector3::x()),
             tilted_by(Vector3::y()),

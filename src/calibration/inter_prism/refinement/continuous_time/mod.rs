@@ -16,7 +16,7 @@ pub use self::observations::NoiseLevels;
 use self::observations::{Drive, Estimates, Kind};
 use self::spline::PER_KNOT;
 use super::model::{CLOCKS, DRIFTS, State, transforms};
-use super::{Estimate, Matrix, reduced, robust_weight, step};
+use super::{Estimate, INSTRUMENT, Matrix, reduced, robust_weight, step};
 use crate::calibration::Loss;
 use crate::calibration::time_blocks::BLOCK_SECONDS;
 use crate::pipeline::Triplets;
@@ -30,12 +30,12 @@ const SMALL_STEP: f64 = 1e-6;
 const PROBES: u64 = 2;
 /// Errors that are together this many times what is usual count half under Cauchy's loss, and are where Huber's bends.
 const LOSS_SCALE: f64 = 2.4;
-/// How jerky a drive is taken to be at first (m/s³); no vehicle is smoother than the least.
-const FIRST_JERK_M_PER_S3: f64 = 1.0;
+/// What is learned begins here: what is stated, and a motion that is free to follow the readings.
+const FIRST_NOISE: NoiseLevels =
+    NoiseLevels { range: 1.0, angle_rad: INSTRUMENT.angle_rad, jerk_m_per_s3: 1.0 };
+/// No vehicle is smoother than this (m/s³), and no instrument ten times as good as it says.
 const LEAST_JERK_M_PER_S3: f64 = 0.01;
-/// Learned noise stays within these factors of what is stated.
-const NOISE_FACTORS: [f64; 2] = [0.1, 30.0];
-
+const LEAST_NOISE_FACTOR: f64 = 0.1;
 /// Clocks are looked at in this many parts of the drive; a jump must be larger than the least, and explain it better than
 /// a drift by this many σ.
 const PARTS: usize = 12;
@@ -73,12 +73,7 @@ pub fn estimate(
     let drive = Drive::new(triplets)?;
     let mut at =
         Estimates { coefficients_m: drive.start(triplets, &transforms(start)), global: *start };
-    let mut by = Weighing {
-        noise: NoiseLevels { range: 1.0, angle: 1.0, jerk_m_per_s3: FIRST_JERK_M_PER_S3 },
-        loss,
-        redundancy: 0.5,
-        held: None,
-    };
+    let mut by = Weighing { noise: FIRST_NOISE, loss, redundancy: 0.5, held: None };
     let mut converged = false;
     for iteration in 0..MOST_STEPS {
         if iteration == SETTLING_STEPS {
@@ -143,7 +138,7 @@ fn each_equation(
         for reading in readings {
             drive.reading(station, reading, at, &transforms, &by.noise, &mut rows);
             let weight = weight_of(by.loss, &rows, by.redundancy);
-            for (row, kind) in rows.iter().zip([Kind::Range, Kind::Angle, Kind::Angle]) {
+            for (row, kind) in rows.iter().zip([Kind::Range, Kind::Across, Kind::Across]) {
                 each(kind, reading.time_s, row, weight);
             }
         }
@@ -161,7 +156,7 @@ fn weights(drive: &Drive, at: &Estimates, by: &Weighing) -> Vec<f64> {
     let (mut weights, mut count) = (Vec::new(), 0);
     each_equation(drive, at, by, |kind, _, _, weight| {
         let together = match kind {
-            Kind::Range | Kind::Angle => 3,
+            Kind::Range | Kind::Across => 3,
             Kind::Jerk => PER_KNOT,
             Kind::Distance => return,
         };
@@ -186,7 +181,7 @@ fn learn(
     by: &Weighing,
     eliminated: &Eliminated,
 ) -> (NoiseLevels, f64) {
-    let kinds = [Kind::Range, Kind::Angle, Kind::Jerk];
+    let kinds = [Kind::Range, Kind::Across, Kind::Jerk];
     let (mut squares, mut counts) = ([0.0; 3], [0.0; 3]);
     let mut probes = vec![vec![0.0; at.coefficients_m.len()]; kinds.len() * PROBES as usize];
     let mut number = 0_u64;
@@ -208,19 +203,19 @@ fn learn(
         let product: f64 = right.iter().zip(probe.iter()).map(|(a, b)| a * b).sum();
         taken_up[number / PROBES as usize] += product / PROBES as f64;
     }
+    let [range, across, jerk] = [0, 1, 2];
     let left = |group: usize| (counts[group] - taken_up[group]).max(0.02 * counts[group]);
-    let noise = |level: f64, group: usize| {
-        let factor = (squares[group] / left(group)).sqrt();
-        (level * factor).clamp(NOISE_FACTORS[0], NOISE_FACTORS[1])
-    };
+    let by_redundancy = |group: usize| (squares[group] / left(group)).sqrt();
     // The motion is hardly redundant where it is loosely held: expectation maximisation is slower and never astray.
-    let jerk = ((squares[2] + taken_up[2]) / counts[2].max(1.0)).sqrt();
+    let jerk_factor = ((squares[jerk] + taken_up[jerk]) / counts[jerk].max(1.0)).sqrt();
+    let least_rad = LEAST_NOISE_FACTOR * INSTRUMENT.angle_rad;
+    let known = &by.noise;
     let learned = NoiseLevels {
-        range: noise(by.noise.range, 0),
-        angle: noise(by.noise.angle, 1),
-        jerk_m_per_s3: (by.noise.jerk_m_per_s3 * jerk).max(LEAST_JERK_M_PER_S3),
+        range: (known.range * by_redundancy(range)).max(LEAST_NOISE_FACTOR),
+        angle_rad: (known.angle_rad * by_redundancy(across)).max(least_rad),
+        jerk_m_per_s3: (known.jerk_m_per_s3 * jerk_factor).max(LEAST_JERK_M_PER_S3),
     };
-    (learned, (left(0) + left(1)) / (counts[0] + counts[1]).max(1.0))
+    (learned, (left(range) + left(across)) / (counts[range] + counts[across]).max(1.0))
 }
 
 /// What the errors show over time.

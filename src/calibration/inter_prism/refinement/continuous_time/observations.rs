@@ -3,15 +3,15 @@
 use nalgebra::Vector3;
 
 use super::super::INSTRUMENT;
-use super::super::model::{CLOCKS, CONSTANT, DISTANCES, DRIFTS, PolarNoise, State, TILTS};
+use super::super::model::{CLOCKS, CONSTANT, DISTANCES, DRIFTS, State, TILTS};
 use super::arrow::Row;
 use super::spline::{PER_KNOT, Place, Spans};
 use crate::deployment::PAIRS;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 
-/// How closely the splines keep the rig's distances (m): they bend less than this between knots.
-const RIGID_M: f64 = 0.0001;
+/// How far the rig's distances vary on the way (m, 1 σ): masts flex, and prisms are not seen in their very centre.
+const RIGID_M: f64 = 0.0005;
 
 /// One reading of one station.
 pub struct Reading {
@@ -19,9 +19,8 @@ pub struct Reading {
     pub time_s: f64,
     /// In the station's frame.
     point_m: Vector3<f64>,
-    /// Stated noise of the range.
-    noise_m: f64,
-    /// Along the sight, and twice across it, each over its stated noise (1/m).
+    range_m: f64,
+    /// Unit vectors along the sight, and twice across it.
     axes: [Vector3<f64>; 3],
 }
 
@@ -33,11 +32,13 @@ pub struct Drive {
     pub middle_s: f64,
 }
 
-/// Factors of the stated noise, and how jerky a drive is.
+/// How well stations read, and how jerky a drive is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseLevels {
+    /// What the stated noise of a range is multiplied by.
     pub range: f64,
-    pub angle: f64,
+    /// One standard deviation of an angle (rad).
+    pub angle_rad: f64,
     /// Third derivative of the prisms' positions, 1 σ (m/s³).
     pub jerk_m_per_s3: f64,
 }
@@ -46,7 +47,8 @@ pub struct NoiseLevels {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Range,
-    Angle,
+    /// Across the sight.
+    Across,
     Distance,
     Jerk,
 }
@@ -60,13 +62,18 @@ pub struct Estimates {
 }
 
 impl NoiseLevels {
-    /// One standard deviation of a range of no length (m), and of an angle (rad).
+    /// Of a range of no length (m).
     pub fn range_m(&self) -> f64 {
         self.range * INSTRUMENT.range_m
     }
 
-    pub fn angle_rad(&self) -> f64 {
-        self.angle * INSTRUMENT.angle_rad
+    fn along_m(&self, range_m: f64) -> f64 {
+        self.range * (INSTRUMENT.range_m + INSTRUMENT.range_share * range_m)
+    }
+
+    /// Across the sight, at a range (m).
+    pub fn across_m(&self, range_m: f64) -> f64 {
+        self.angle_rad * range_m
     }
 }
 
@@ -88,7 +95,7 @@ impl Drive {
                 .filter_map(|(time_s, point_m)| {
                     let span = spans.at(*time_s)?;
                     let index = spans.spans.partition_point(|other| other.end_s < span.end_s);
-                    Some(Reading::new(index, *time_s, *point_m, &INSTRUMENT))
+                    Some(Reading::new(index, *time_s, *point_m))
                 })
                 .collect()
         });
@@ -139,17 +146,20 @@ impl Drive {
         let predicted = at.sum(&place, &place.position, station);
         let velocity = at.sum(&place, &place.velocity, station);
         let transform = &transforms[station];
-        let shorter = reading.point_m.normalize() * at.global[CONSTANT];
+        let shorter = reading.axes[0] * at.global[CONSTANT];
         let turned = transform.rotate(&(reading.point_m - shorter));
         let error_m = predicted - (turned + transform.translation_m);
         for (axis, row) in rows.iter_mut().enumerate() {
-            let scale = if axis == 0 { noise.range } else { noise.angle };
-            let along = transform.rotate(&reading.axes[axis]) / scale;
+            let sigma_m = match axis {
+                0 => noise.along_m(reading.range_m),
+                _ => noise.across_m(reading.range_m),
+            };
+            let along = transform.rotate(&reading.axes[axis]) / sigma_m;
             row.local.clear();
             place_at(&mut row.local, &place, station, &along);
             row.error = along.dot(&error_m);
             row.global.fill(0.0);
-            row.global[CONSTANT] = if axis == 0 { 1.0 / (reading.noise_m * scale) } else { 0.0 };
+            row.global[CONSTANT] = if axis == 0 { 1.0 / sigma_m } else { 0.0 };
             if station > 0 {
                 let (slot, moved) = (station - 1, -along);
                 row.global.fixed_rows_mut::<3>(4 * slot).copy_from(&moved);
@@ -222,15 +232,12 @@ impl Drive {
 }
 
 impl Reading {
-    fn new(span: usize, time_s: f64, point_m: Vector3<f64>, instrument: &PolarNoise) -> Self {
+    fn new(span: usize, time_s: f64, point_m: Vector3<f64>) -> Self {
         let range_m = point_m.norm().max(1e-9);
         let sight = point_m / range_m;
         // Any two directions across will do: both angles are as good.
         let side = sight.cross(&Vector3::z()).try_normalize(1e-6).unwrap_or_else(Vector3::x);
-        let across = 1.0 / (instrument.angle_rad * range_m);
-        let noise_m = instrument.range_m + instrument.range_share * range_m;
-        let axes = [sight / noise_m, side * across, side.cross(&sight) * across];
-        Self { span, time_s, point_m, noise_m, axes }
+        Self { span, time_s, point_m, range_m, axes: [sight, side, side.cross(&sight)] }
     }
 }
 
