@@ -1,5 +1,5 @@
 //! Errors that all readings of a drive share, so that no residual shows them and no number of readings averages them
-//! out: stations that lean within what their compensators allow, and a prism constant that is known to half a
+//! out: stations that lean within what their compensators allow, and a prism constant that is known to tenths of a
 //! millimetre.
 
 use nalgebra::{Rotation3, SMatrix, SVector, Vector3};

@@ -5,6 +5,7 @@
 
 mod checks;
 mod common_errors;
+mod disagreement;
 pub mod dynamic_gcp;
 pub mod inter_prism;
 mod method;
@@ -17,6 +18,7 @@ mod track_clocks;
 pub mod two_point;
 mod verdict;
 
+pub use disagreement::{Disagreement, disagreements};
 pub use method::{Method, Offer};
 pub use settings::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
 pub use targets::Targets;
@@ -220,10 +222,32 @@ pub fn solve(
         Method::DynamicGcp => dynamic_gcp::solve(deployment, triplets, settings, offer),
         Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer),
     }?;
+    if method == Method::InterPrism {
+        contradicted_by_control_points(&mut calibration, deployment, settings, offer);
+    }
     if settings.method.is_none() && method != Method::InterPrism {
         let line =
             "all three stations follow one prism, so the method is C, dynamic control points";
         calibration.findings.insert(0, Finding::note(line));
     }
     Ok(calibration)
+}
+
+/// Method B on the control points, where there are any, as a witness of method D.
+fn contradicted_by_control_points(
+    calibration: &mut Calibration,
+    deployment: &Deployment,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+) {
+    if offer.lack(Method::StaticGcp).is_some() {
+        return;
+    }
+    let Ok(by_points) = static_gcp::solve(deployment, &Triplets::default(), settings, offer) else {
+        return;
+    };
+    for disagreement in disagreements(&by_points, calibration, deployment) {
+        calibration.verdict = calibration.verdict.max(Verdict::Weak);
+        calibration.findings.push(Finding::warning(disagreement.in_words()));
+    }
 }

@@ -2,23 +2,16 @@
 
 use std::sync::Arc;
 
-use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::split::{Plan, Splits};
 use super::study::{Group, Level, Quantiles, Series, Study};
 use super::{Control, INSTRUMENT_NOISE_MM, StudyError};
 use crate::analysis::{Analysis, Analyst, Answer, Settings};
-use crate::calibration::{self, CalibrationSettings, Method, Offer, TransformSigma};
+use crate::calibration::{self, CalibrationSettings, Disagreement, Method, Offer};
 use crate::deployment::{Deployment, Finding};
 use crate::evaluation::{self, gnss};
-use crate::geometry::{RigidTransform, wrap_to_pi};
 use crate::palette;
-
-/// Answers this many standard deviations apart disagree.
-const DISAGREEMENT_SIGMAS: f64 = 3.0;
-/// Differences below what instruments resolve are not worth a word: at the stations, and in the area (m).
-const NOTABLE_M: f64 = 0.005;
 
 /// Answers of one deployment, on all of its data.
 #[derive(Clone, Debug)]
@@ -27,51 +20,6 @@ pub struct Compared {
     /// In the order of [`Method::ALL`]; or why there is none.
     pub answers: [Result<Arc<Answer>, String>; 4],
     pub disagreements: Vec<Disagreement>,
-}
-
-/// Two methods whose answers are further apart than their σ allow, for one station.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Disagreement {
-    pub methods: [Method; 2],
-    /// 2 or 3.
-    pub station: usize,
-    /// Second minus first.
-    pub translation_m: [f64; 3],
-    pub yaw_rad: f64,
-    /// The yaw's difference over the σ of both; `None` where one has no σ.
-    pub yaw_sigmas: Option<f64>,
-    /// The largest of (x, y, z, yaw) in σ.
-    pub largest_sigmas: f64,
-    /// How far apart the two put what the station measured (m, rms), and how far away that is on average.
-    pub moved_m: f64,
-    pub range_m: f64,
-}
-
-impl Disagreement {
-    /// "B and D disagree about the yaw of station 2 by 0.87 mrad …".
-    pub fn in_words(&self) -> String {
-        let [first, second] = self.methods.map(Method::letter);
-        let mm = self.translation_m.map(|m| m * 1e3);
-        let moved = format!(
-            "{:.0} mm apart on its track, {:.0} m away on average",
-            self.moved_m * 1e3,
-            self.range_m
-        );
-        match self.yaw_sigmas {
-            Some(sigmas) if sigmas > DISAGREEMENT_SIGMAS => format!(
-                "{first} and {second} disagree about the yaw of station {}: {:+.2} mrad ({:+.3}°), {sigmas:.0} σ apart, \
-                 {moved}",
-                self.station,
-                self.yaw_rad * 1e3,
-                self.yaw_rad.to_degrees(),
-            ),
-            _ => format!(
-                "{first} and {second} disagree about the position of station {}: {:+.1}, {:+.1}, {:+.1} mm in x, y, z, \
-                 up to {:.0} σ apart, {moved}",
-                self.station, mm[0], mm[1], mm[2], self.largest_sigmas,
-            ),
-        }
-    }
 }
 
 /// The study's picture, and the answers behind it.
@@ -252,57 +200,14 @@ fn disagreements(
     let mut found = Vec::new();
     for first in 0..4 {
         for second in first + 1..4 {
-            let (Ok(a), Ok(b)) = (&answers[first], &answers[second]) else { continue };
-            let (a, b) = (&a.calibration, &b.calibration);
-            for station in 1..3 {
-                let sigmas = [a.sigma, b.sigma].map(|s| s.map(|s| s[station - 1]));
-                let transforms =
-                    [a.station1_from_station[station], b.station1_from_station[station]];
-                let area_m = working_area_m(deployment, station);
-                let methods = [Method::ALL[first], Method::ALL[second]];
-                found.extend(
-                    difference(methods, station, transforms, sigmas, &area_m).filter(|d| {
-                        d.largest_sigmas > DISAGREEMENT_SIGMAS && d.moved_m > NOTABLE_M
-                    }),
-                );
+            if let (Ok(a), Ok(b)) = (&answers[first], &answers[second]) {
+                found.extend(calibration::disagreements(
+                    &a.calibration,
+                    &b.calibration,
+                    deployment,
+                ));
             }
         }
     }
     found
-}
-
-fn difference(
-    methods: [Method; 2],
-    station: usize,
-    [a, b]: [RigidTransform; 2],
-    sigmas: [Option<TransformSigma>; 2],
-    area_m: &[Vector3<f64>],
-) -> Option<Disagreement> {
-    let (Some(sigma_a), Some(sigma_b)) = (sigmas[0], sigmas[1]) else { return None };
-    let count = area_m.len().max(1) as f64;
-    let off = b.translation_m - a.translation_m;
-    let yaw_rad = wrap_to_pi(b.yaw_rad() - a.yaw_rad());
-    let yaw_sigmas = yaw_rad.abs() / sigma_a.yaw_rad.hypot(sigma_b.yaw_rad);
-    let axis_sigmas = (0..3).map(|axis| {
-        off[axis].abs() / sigma_a.translation_m[axis].hypot(sigma_b.translation_m[axis])
-    });
-    Some(Disagreement {
-        methods,
-        station: station + 1,
-        translation_m: off.into(),
-        yaw_rad,
-        yaw_sigmas: Some(yaw_sigmas),
-        largest_sigmas: axis_sigmas.fold(yaw_sigmas, f64::max),
-        moved_m: (area_m.iter().map(|p| (b.apply(p) - a.apply(p)).norm_squared()).sum::<f64>()
-            / count)
-            .sqrt(),
-        range_m: area_m.iter().map(Vector3::norm).sum::<f64>() / count,
-    })
-}
-
-/// Places of a station's readings, some hundred of them (m, its own frame).
-fn working_area_m(deployment: &Deployment, station: usize) -> Vec<Vector3<f64>> {
-    let track = &deployment.tracks[station];
-    let step = (track.measurements.len() / 500).max(1);
-    track.measurements.iter().step_by(step).map(|m| track.position_m(m)).collect()
 }

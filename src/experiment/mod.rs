@@ -13,7 +13,7 @@ mod split;
 mod study;
 
 pub use ablation::ablate;
-pub use comparison::{Compared, Comparison, Disagreement, compare};
+pub use comparison::{Compared, Comparison, compare};
 pub use control::{Control, StudyError};
 pub use reference::Reference;
 pub use sensitivity::{Parameter, Sweep, sweep};

@@ -40,7 +40,7 @@ const WELL_POSED: usize = 6;
 const CHI2_95: f64 = 15.507;
 /// What is drawn at random has the spread that the estimate is told.
 const DRAWN: Drawn =
-    Drawn { tilt_rad: ARCSECOND_RAD, distance_m: 0.001, prism_constant_m: 0.0005, drift: 5e-6 };
+    Drawn { tilt_rad: ARCSECOND_RAD, distance_m: 0.001, prism_constant_m: 0.0003, drift: 5e-6 };
 const CLOCK_OFFSET_SIGMA_S: f64 = 0.004;
 /// Share of deployments in which a clock jumps.
 const JUMPS: f64 = 0.08;

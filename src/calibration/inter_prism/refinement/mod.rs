@@ -45,12 +45,12 @@ const CHORD_NOISE: f64 = 2.0 / 3.0;
 const NOISE_SHARE_SIGMA: f64 = 0.5;
 /// Compensators hold a station upright to about this (rad, 1 σ): an arcsecond.
 pub const TILT_SIGMA_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
-/// Clocks of instruments drift by parts per million (s per s, 1 σ).
+/// Quartz clocks drift by some parts per million (s per s, 1 σ).
 const DRIFT_SIGMA: f64 = 5e-6;
 /// Where one jumps, it does by milliseconds (s, 1 σ).
 const JUMP_SIGMA_S: f64 = 0.01;
 /// How well prism constants are known (m, 1 σ).
-pub const PRISM_CONSTANT_SIGMA_M: f64 = 0.0005;
+pub const PRISM_CONSTANT_SIGMA_M: f64 = 0.0003;
 /// Scale of the losses over the residuals' spread: Huber's constant. At it Huber's loss is 95 % and Cauchy's about 80 %
 /// efficient on normal errors, and tails as heavy as a real drive's hardly count.
 const LOSS_SCALE: f64 = 1.345;
