@@ -5,9 +5,9 @@ mod common;
 use common::{analyse, answer, field_data, normalised, rms_by_component};
 use resect::analysis::{Analysis, Settings};
 use resect::calibration::inter_prism::Refinement;
-use resect::calibration::{CalibrationSettings, Estimated, Loss};
+use resect::calibration::{CalibrationSettings, Estimated, Loss, Verdict};
 use resect::deployment::open;
-use resect::simulation::{Preset, SystematicErrors, simulate_scenario};
+use resect::simulation::{ARCSECOND_RAD, Preset, SystematicErrors, simulate_scenario};
 
 fn settings(loss: Loss, estimate: Estimated) -> Settings {
     let mut settings = Settings::default();
@@ -112,6 +112,99 @@ fn the_field_data_has_a_late_station_3_and_the_robust_estimate_is_better() {
     assert!(metric.median <= 1.05 && metric.iqr <= 2.1, "{metric:?}");
     let [second, third] = refinement(&analysis).clock_offsets_s.expect("estimated");
     assert!((3.5e-3..5e-3).contains(&third.value) && second.value.abs() < 1e-3);
+}
+
+#[test]
+fn a_clock_that_jumps_is_said_with_when_and_by_how_much() {
+    for (seed, by_s) in [(11, 0.020), (12, -0.012)] {
+        let errors = SystematicErrors { clock_step: Some((3, by_s)), ..Default::default() };
+        let simulated = with_errors(errors, seed);
+        let deployment = simulated.deployment().expect("valid");
+        let mut robust = Settings::default();
+        robust.calibration = CalibrationSettings::robust();
+        let analysis = analyse(&deployment, &robust);
+        let motion = refinement(&analysis).motion.expect("readings");
+        assert_eq!(motion.clock_jumps[0], None, "seed {seed}: station 2's is steady");
+        let jump = motion.clock_jumps[1].expect("station 3's jumps");
+        assert!((jump.by_s.value - by_s).abs() < 0.15 * by_s.abs(), "seed {seed}: {jump:?}");
+        // The drive takes 420 s, and is looked at in twelve parts.
+        assert!((jump.at_s - 210.0).abs() <= 35.0, "seed {seed}: {jump:?}");
+        for settings in [Settings::default(), robust] {
+            let analysis = analyse(&deployment, &settings);
+            let verdict = answer(&analysis).calibration.verdict;
+            assert!(verdict >= Verdict::Weak, "seed {seed}: a jump is never good");
+        }
+    }
+}
+
+#[test]
+fn a_station_that_follows_another_prism_for_a_while_does_not_lead_the_robust_estimate_astray() {
+    for seed in [21, 22, 23] {
+        let mut scenario = Preset::Warthog.scenario();
+        scenario.noise.wrong_targets_per_minute = 0.3;
+        let simulated = simulate_scenario(&scenario, seed);
+        let deployment = simulated.deployment().expect("valid");
+        let truth = &simulated.truth.station1_from_station;
+        let mut robust = Settings::default();
+        robust.calibration = CalibrationSettings::robust();
+        let analysis = analyse(&deployment, &robust);
+        assert_eq!(answer(&analysis).calibration.verdict, Verdict::Good, "seed {seed}");
+        let off = normalised(&analysis, truth);
+        assert!(off.iter().all(|z| z.abs() < 4.0), "seed {seed}: {off:.1?}");
+        // The published method is pulled, and says so.
+        let plain = analyse(&deployment, &Settings::default());
+        let calibration = &answer(&plain).calibration;
+        assert!(calibration.verdict >= Verdict::Weak, "seed {seed}");
+        let pulled = |f: &resect::deployment::Finding| f.message.contains("pull this answer by");
+        assert!(calibration.findings.iter().any(pulled), "seed {seed}: {:?}", calibration.findings);
+    }
+}
+
+/// The noise that was simulated is learned, so that nobody has to state it.
+#[test]
+fn the_noise_of_ranges_and_angles_is_learned() {
+    // Half an arcsecond is less than what cubic splines miss of a bend.
+    for (range_sigma_m, angle_arcseconds) in [(0.001, 2.0), (0.003, 1.0)] {
+        let mut scenario = Preset::FigureEight.scenario();
+        scenario.noise.range_sigma_m = range_sigma_m;
+        scenario.noise.angle_sigma_rad = angle_arcseconds * ARCSECOND_RAD;
+        let simulated = simulate_scenario(&scenario, 31);
+        let deployment = simulated.deployment().expect("valid");
+        let mut robust = Settings::default();
+        robust.calibration = CalibrationSettings::robust();
+        let analysis = analyse(&deployment, &robust);
+        let noise = refinement(&analysis).motion.expect("readings").noise;
+        // Ranges have 2 ppm more than ranges of no length, and weights of Cauchy's loss take some per cent off.
+        assert!((0.8..1.2).contains(&(noise.range_m() / range_sigma_m)), "{noise:?}");
+        let angle = noise.angle_rad / scenario.noise.angle_sigma_rad;
+        assert!((0.75..1.3).contains(&angle), "{angle} {noise:?}");
+    }
+}
+
+/// One prism for all three stations.
+#[test]
+fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
+    let mut runs = Vec::new();
+    for seed in 40..64 {
+        let mut scenario = Preset::SinglePrism.scenario();
+        scenario.errors.clock_offset_s = [0.0, 0.010, -0.005];
+        let simulated = simulate_scenario(&scenario, seed);
+        let deployment = simulated.deployment().expect("valid");
+        let plain = analyse(&deployment, &Settings::default());
+        assert!(answer(&plain).calibration.verdict >= Verdict::Weak, "seed {seed}");
+        let mut robust = Settings::default();
+        robust.calibration = CalibrationSettings::robust();
+        let analysis = analyse(&deployment, &robust);
+        assert_eq!(answer(&analysis).calibration.verdict, Verdict::Good, "seed {seed}");
+        let clocks = answer(&analysis).calibration.clocks().expect("estimated");
+        for (clock, true_s) in clocks.iter().zip([0.010, -0.005]) {
+            assert!((clock.offset_s - true_s).abs() < 1e-3, "seed {seed}: {clock:?}");
+        }
+        runs.push(normalised(&analysis, &simulated.truth.station1_from_station));
+    }
+    // No station leans here and the prism constant is right; σ allows for both.
+    let rms = rms_by_component(&runs);
+    assert!(rms.iter().all(|rms| *rms < 1.3), "{rms:.2?}");
 }
 
 /// Fitted on some intervals, judged on the others.
