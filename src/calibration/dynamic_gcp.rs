@@ -30,7 +30,7 @@ pub struct DynamicGcpDetails {
     /// Independent stretches of time that the covariance counts.
     pub blocks: usize,
     /// Where they were to be estimated.
-    pub clocks: Option<TrackClocks>,
+    pub clocks: Option<Box<TrackClocks>>,
 }
 
 pub fn solve(
@@ -83,7 +83,7 @@ pub fn solve(
         aligned = align(&corrected).ok_or_else(on_a_line)?;
         covariance =
             track_clocks::estimate(&corrected, &transforms(&aligned)).map(|c| c.covariance);
-        estimated = Some(found);
+        estimated = Some(Box::new(found));
     } else if let Some(found) = &clocks {
         // A clock that is off biases this answer; nobody may take it for more certain than that.
         covariance =

@@ -10,8 +10,9 @@
 
 mod continuous_time;
 mod model;
+mod noise;
 
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
 
 pub use self::continuous_time::{ClockJump, NoiseLevels};
 pub use self::model::Clock;
@@ -19,8 +20,8 @@ use self::model::{
     CLOCKS, CONSTANT, DISTANCES, DRIFTS, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS,
     distances, transforms,
 };
+use self::noise::{Noise, loss_scale};
 use crate::calibration::{CalibrationSettings, Estimated, Loss, TransformSigma, time_blocks};
-use crate::deployment::PAIRS;
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 
@@ -37,10 +38,6 @@ const INSTRUMENT: PolarNoise = PolarNoise {
     range_share: 2e-6,
     angle_rad: std::f64::consts::PI / 180.0 / 3600.0,
 };
-/// What straight lines between readings miss on bends (m, 1 σ); a Gaussian process states its own.
-const CHORD_SIGMA_M: f64 = 0.001;
-/// Share of two readings' noise that a point between them has on average: ∫(1−s)² + s² ds.
-const CHORD_NOISE: f64 = 2.0 / 3.0;
 /// How far the noise's share of the variances may be off (1 σ); what it pulls the answer by is uncertain as much.
 const NOISE_SHARE_SIGMA: f64 = 0.5;
 /// Compensators hold a station upright to about this (rad, 1 σ): an arcsecond.
@@ -51,9 +48,6 @@ const DRIFT_SIGMA: f64 = 5e-6;
 const JUMP_SIGMA_S: f64 = 0.01;
 /// How well prism constants are known (m, 1 σ).
 pub const PRISM_CONSTANT_SIGMA_M: f64 = 0.0003;
-/// Scale of the losses over the residuals' spread: Huber's constant. At it Huber's loss is 95 % and Cauchy's about 80 %
-/// efficient on normal errors, and tails as heavy as a real drive's hardly count.
-const LOSS_SCALE: f64 = 1.345;
 /// The loss's scale settles while weights are iterated; then it is held, and Newton's steps finish.
 const MOST_REWEIGHTINGS: usize = 15;
 
@@ -285,92 +279,6 @@ fn precisions(settings: &CalibrationSettings) -> State {
     precision.fixed_rows_mut::<2>(DRIFTS).fill(DRIFT_SIGMA.powi(-2));
     precision[CONSTANT] = PRISM_CONSTANT_SIGMA_M.powi(-2);
     precision
-}
-
-/// What is known of the noise of each triplet and pair.
-struct Noise {
-    /// 1/σ² of the distance (1/m²); all alike unless the settings weigh by noise.
-    weights: Vec<[f64; 3]>,
-    /// Covariance of the separation, in station 1's frame (m²).
-    covariance_m2: Vec<[Matrix3<f64>; 3]>,
-}
-
-impl Noise {
-    /// No larger than the residuals show: what is stated may be too much for a good day, and for a Gaussian process. Not
-    /// larger than stated either: residuals hold more than noise.
-    fn no_larger_than_residuals(mut self, data: &MovingTriplets<'_>, state: &State) -> Self {
-        let placed = transforms(state);
-        let mut ratios = Vec::with_capacity(3 * self.covariance_m2.len());
-        for (index, covariances) in self.covariance_m2.iter().enumerate() {
-            let found = distances(data, index, state, &placed);
-            for (pair, covariance_m2) in covariances.iter().enumerate() {
-                let stated_m = found.variance_along_m2(pair, covariance_m2).sqrt();
-                ratios.push(found.residual_m[pair].abs() / stated_m.max(1e-9));
-            }
-        }
-        let middle = ratios.len() / 2;
-        let median = *ratios.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let share = (median / 0.6745).powi(2).min(1.0);
-        self.covariance_m2.iter_mut().flatten().for_each(|covariance| *covariance *= share);
-        self
-    }
-
-    /// From the instruments' noise and the interpolation's.
-    fn new(
-        triplets: &Triplets,
-        station1_from_station: &[RigidTransform; 3],
-        settings: &CalibrationSettings,
-    ) -> Self {
-        let point = |station: usize, index: usize| {
-            let turn = station1_from_station[station].rotation.matrix();
-            let own = match &triplets.sigma_m {
-                // A Gaussian process has weighed the readings already.
-                Some(sigma) => Matrix3::from_diagonal(&sigma[station][index].map(|s| s * s)),
-                None => INSTRUMENT.covariance_m2(&triplets.points_m[station][index]) * CHORD_NOISE,
-            };
-            turn * own * turn.transpose()
-        };
-        let covariance_m2: Vec<[Matrix3<f64>; 3]> = (0..triplets.len())
-            .map(|index| {
-                let points = [0, 1, 2].map(|station| point(station, index));
-                PAIRS.map(|(a, b)| points[a] + points[b])
-            })
-            .collect();
-        let weights = if settings.weigh_by_noise {
-            let placed = |station: usize, index: usize| {
-                station1_from_station[station].apply(&triplets.points_m[station][index])
-            };
-            let weight = |index: usize, pair: usize| {
-                let (a, b) = PAIRS[pair];
-                let unit = (placed(a, index) - placed(b, index)).normalize();
-                let noise_m2 = unit.dot(&(covariance_m2[index][pair] * unit));
-                1.0 / (noise_m2 + 2.0 * CHORD_SIGMA_M.powi(2))
-            };
-            (0..triplets.len()).map(|index| [0, 1, 2].map(|pair| weight(index, pair))).collect()
-        } else {
-            // The size does not matter: λ and the loss take their scale from the residuals.
-            vec![[CHORD_SIGMA_M.powi(-2); 3]; triplets.len()]
-        };
-        Self { weights, covariance_m2 }
-    }
-}
-
-/// The scale of the loss, in units of the stated noise, from the median of the errors' sizes.
-fn loss_scale(data: &MovingTriplets<'_>, state: &State, noise: &Noise, loss: Loss) -> Option<f64> {
-    if loss == Loss::Squared {
-        return None;
-    }
-    let placed = transforms(state);
-    let mut sizes: Vec<f64> = (0..data.triplets.len())
-        .flat_map(|index| {
-            let residual_m = distances(data, index, state, &placed).residual_m;
-            [0, 1, 2].map(|pair| residual_m[pair].abs() * noise.weights[index][pair].sqrt())
-        })
-        .collect();
-    let middle = sizes.len() / 2;
-    let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
-    // Half of normal deviates are smaller than 0.6745.
-    Some(LOSS_SCALE * median / 0.6745)
 }
 
 /// Sums over the triplets.
