@@ -173,14 +173,15 @@ impl Calibration {
     /// `None` where nothing was.
     pub fn corrected(&self, triplets: &Triplets) -> Option<Triplets> {
         let (clocks, longer_m) = (self.clocks(), self.prism_constant_error_m());
-        let mut corrected = match clocks {
-            Some(clocks) => inter_prism::with_clocks(triplets, clocks),
-            None => triplets.clone(),
-        };
+        if clocks.is_none() && longer_m.is_none() {
+            return None;
+        }
+        let mut corrected =
+            clocks.map_or_else(|| triplets.clone(), |c| inter_prism::with_clocks(triplets, c));
         for point in corrected.points_m.iter_mut().flatten() {
             *point -= longer_m.unwrap_or(0.0) * point.normalize();
         }
-        (clocks.is_some() || longer_m.is_some()).then_some(corrected)
+        Some(corrected)
     }
 
     /// Correlations of what [`Calibration::covariance`] is of, from −1 to 1.

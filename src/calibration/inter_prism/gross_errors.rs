@@ -1,8 +1,7 @@
 //! Triplets that cannot be right, such as those of a station that followed another prism for a while: which they are, and
 //! how far they pull an answer by least squares.
 
-use super::levenberg_marquardt::FINE_M;
-use super::{CentredTriplets, Minimum, distance_errors_m, minimise};
+use super::{CentredTriplets, Minimum, NormalEquations, distance_errors_m};
 use crate::calibration::TransformSigma;
 use crate::deployment::Finding;
 use crate::geometry::RigidTransform;
@@ -13,24 +12,36 @@ use crate::pipeline::Triplets;
 /// smallest eigenvalue.
 const WILD_M: f64 = 0.02;
 const WILD_TIMES: f64 = 5.0;
+/// Mean squares this many times that of the triplets that fit have a tail that least squares feels.
+const LONG_TAIL: f64 = 1.3;
 /// A pull is worth a warning when it is more than this (m) and as much as the answer's own σ.
 pub const NOTABLE_PULL_M: f64 = 0.002;
 
 /// Instants that are not wild, out of the errors of each one's three distances (m).
 pub fn fitting(errors_m: impl Iterator<Item = [f64; 3]>) -> Vec<usize> {
-    let worst_m: Vec<f64> =
-        errors_m.map(|pairs| pairs.iter().fold(0.0, |worst: f64, e| worst.max(e.abs()))).collect();
-    let mut ordered = worst_m.clone();
-    let middle = ordered.len() / 2;
-    let Some(middle_m) = ordered
-        .get(middle)
-        .copied()
-        .map(|_| *ordered.select_nth_unstable_by(middle, f64::total_cmp).1)
-    else {
-        return Vec::new();
-    };
-    let limit_m = WILD_M.max(WILD_TIMES * middle_m);
+    let worst_m: Vec<f64> = errors_m.map(worst).collect();
+    let Some(limit_m) = limit_m(worst_m.iter().copied()) else { return Vec::new() };
     (0..worst_m.len()).filter(|i| worst_m[*i] < limit_m).collect()
+}
+
+fn worst(pairs: [f64; 3]) -> f64 {
+    pairs.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()))
+}
+
+/// What a triplet's worst error must stay below (m).
+fn limit_m(worst_m: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut worst_m: Vec<f64> = worst_m.collect();
+    let middle = worst_m.len() / 2;
+    if worst_m.is_empty() {
+        return None;
+    }
+    let middle_m = *worst_m.select_nth_unstable_by(middle, f64::total_cmp).1;
+    Some(WILD_M.max(WILD_TIMES * middle_m))
+}
+
+/// Errors of the three distances of each triplet out of a list of them all.
+fn in_triplets(errors_m: &[f64]) -> impl Iterator<Item = [f64; 3]> + '_ {
+    errors_m.chunks_exact(3).map(|pairs| [pairs[0], pairs[1], pairs[2]])
 }
 
 /// Triplets that fit an answer.
@@ -44,20 +55,36 @@ pub fn fitting_triplets(
 }
 
 /// What the wild triplets do to an answer by least squares: a finding where they move it by more than it is certain.
+/// `thinned` are some of the triplets, enough to see how large their errors usually are.
 pub fn pull(
     data: &CentredTriplets,
+    thinned: &CentredTriplets,
     answer: &Minimum,
     sigma: Option<&[TransformSigma; 2]>,
 ) -> Option<Finding> {
-    let errors_m = data.distance_errors_m(&answer.parameters);
-    let kept = fitting(errors_m.chunks(3).map(|pairs| [pairs[0], pairs[1], pairs[2]]));
-    let wild = data.len() - kept.len();
-    if wild == 0 || kept.len() < data.len() / 2 {
+    let some_m = thinned.distance_errors_m(&answer.parameters);
+    let limit_m = limit_m(in_triplets(&some_m).map(worst))?;
+    // All are looked at only where their mean square says that there is more than noise: wild ones that do not show in it
+    // pull nothing.
+    let (fitting_m2, count) = some_m
+        .iter()
+        .filter(|error| error.abs() < limit_m)
+        .fold((0.0, 0), |(sum, count), error| (sum + error * error, count + 1));
+    let mean_square_m2 = answer.normal.cost / (3 * data.len()) as f64;
+    if mean_square_m2 < LONG_TAIL * fitting_m2 / f64::from(count.max(1)) {
         return None;
     }
-    let without = minimise(&data.select(&kept), answer.parameters, FINE_M);
-    let (with, without) =
-        (data.transforms(&answer.parameters), data.transforms(&without.parameters));
+    let errors_m = data.distance_errors_m(&answer.parameters);
+    let is_wild = |(index, pairs): (usize, [f64; 3])| (worst(pairs) >= limit_m).then_some(index);
+    let wild: Vec<usize> = in_triplets(&errors_m).enumerate().filter_map(is_wild).collect();
+    if wild.is_empty() || wild.len() > data.len() / 2 {
+        return None;
+    }
+    // One step of Gauss–Newton to where the answer would be without them.
+    let theirs = NormalEquations::at(&data.select(&wild), &answer.parameters);
+    let rest = (answer.normal.matrix - theirs.matrix).cholesky()?;
+    let without = answer.parameters - rest.solve(&(answer.normal.gradient - theirs.gradient));
+    let (with, without) = (data.transforms(&answer.parameters), data.transforms(&without));
     let (mut pull_m, mut sigmas) = (0.0_f64, 0.0_f64);
     for slot in 0..2 {
         let moved = with[slot + 1].translation_m - without[slot + 1].translation_m;
@@ -68,8 +95,9 @@ pub fn pull(
     (pull_m > NOTABLE_PULL_M && sigmas > 1.0).then(|| {
         let largest_m = errors_m.iter().fold(0.0, |worst: f64, e| worst.max(e.abs()));
         Finding::warning(format!(
-            "{wild} triplets with distances off by up to {largest_m:.2} m pull this answer by {:.0} mm: a station lost its \
+            "{} triplets with distances off by up to {largest_m:.2} m pull this answer by {:.0} mm: a station lost its \
              prism or followed another; give them less weight (--robust)",
+            wild.len(),
             pull_m * 1e3
         ))
     })

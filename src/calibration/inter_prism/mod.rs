@@ -188,7 +188,7 @@ pub fn solve(
     };
     let mut verdict = diagnosis::judge(&evidence, &mut findings);
     if settings.loss == Loss::Squared
-        && let Some(finding) = gross_errors::pull(&data, &answer, sigma.as_ref())
+        && let Some(finding) = gross_errors::pull(&data, &thinned, &answer, sigma.as_ref())
     {
         verdict = verdict.max(Verdict::Weak);
         findings.push(finding);
