@@ -10,7 +10,7 @@ use crate::calibration::inter_prism::InterPrismDetails;
 use crate::calibration::static_gcp::StaticGcpDetails;
 use crate::calibration::two_point::TwoPointDetails;
 use crate::calibration::{Calibration, Details, Mirror, ResolvedBy, Targets};
-use crate::deployment::{Deployment, Finding, pair_label};
+use crate::deployment::{Deployment, Finding, Severity, pair_label};
 use crate::evaluation::{Evaluation, Spread};
 use crate::export::text;
 use crate::palette;
@@ -43,9 +43,7 @@ fn show(
 ) {
     let calibration = &answer.calibration;
     verdict(ui, calibration);
-    for one in &calibration.findings {
-        finding(ui, one);
-    }
+    reasons(ui, &calibration.findings);
     heading(ui, "Transforms into station 1");
     transforms(ui, calibration);
     ui.horizontal(|ui| {
@@ -87,6 +85,21 @@ fn show(
         correlations::ui(ui, &correlation);
     }
     metrics(ui, &answer.evaluation, analysis.offer.targets);
+}
+
+/// All that limits the answer, and the first notes; the others on request, so that the numbers stay in sight.
+fn reasons(ui: &mut egui::Ui, findings: &[Finding]) {
+    const NOTES_IN_SIGHT: usize = 4;
+    let (notes, doubts): (Vec<_>, Vec<_>) =
+        findings.iter().partition(|finding| finding.severity == Severity::Note);
+    doubts.into_iter().for_each(|one| finding(ui, one));
+    let (shown, folded) = notes.split_at(notes.len().min(NOTES_IN_SIGHT));
+    shown.iter().for_each(|one| finding(ui, one));
+    if !folded.is_empty() {
+        ui.collapsing(format!("what else was found ({})", folded.len()), |ui| {
+            folded.iter().for_each(|one| finding(ui, one));
+        });
+    }
 }
 
 fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {

@@ -141,7 +141,7 @@ pub fn uneven_clocks(refined: &Refinement) -> Vec<Finding> {
         .map(|(slot, jump)| {
             Finding::warning(format!(
                 "station {}'s stamps jump by {:+.1} ± {:.1} ms about {:.0} s into the drive, which no offset puts right: \
-                 calibrate before and after it apart",
+                 cut the recording there",
                 slot + 2,
                 jump.by_s.value * 1e3,
                 jump.by_s.sigma * 1e3,
