@@ -139,6 +139,7 @@ pub fn solve(
         used = Cow::Owned(triplets.select(&kept));
         published = solve_published(&used);
     }
+    let left_out = triplets.len() - used.len();
     let triplets = used.as_ref();
     let Published {
         data,
@@ -151,6 +152,11 @@ pub fn solve(
         mut findings,
         prior_ms,
     } = published;
+    if left_out > 0 {
+        findings.push(Finding::note(format!(
+            "{left_out} triplets that cannot be right were left out before anything else"
+        )));
+    }
     let fitting = observability::fitting(&thinned, &answer.parameters);
     let uncertainty = uncertainty::estimate(
         &data,
