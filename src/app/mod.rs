@@ -12,6 +12,7 @@ mod scene;
 mod state;
 mod studies;
 mod theme;
+mod units;
 mod window;
 mod worker;
 
@@ -19,4 +20,5 @@ pub use layout::Pane;
 pub use open_deployment::OpenDeployment;
 pub use state::{Command, Notice, State, Visibility};
 pub use studies::{StudyKind, StudyOptions, StudyResult};
+pub use units::{AngleUnit, LengthUnit, Units};
 pub use window::{ResectWindow, Start, offscreen_renderer, open_window, picture};
