@@ -81,6 +81,12 @@ impl ResultSummary {
         self.deployment == other.deployment && self.readings == other.readings
     }
 
+    /// Whether it comes from this deployment's measurements, as far as name and counts tell.
+    pub fn is_of(&self, deployment: &Deployment) -> bool {
+        let readings = deployment.tracks.each_ref().map(|track| track.measurements.len());
+        self.deployment == deployment.name && self.readings == readings
+    }
+
     /// [`ResultSummary::covariance`] as a matrix.
     pub fn covariance_matrix(&self) -> Option<SMatrix<f64, 8, 8>> {
         let rows = self.covariance?;
