@@ -17,8 +17,9 @@ use super::worker::{Reply, Source, Worker};
 use crate::analysis::{Analysis, Settings};
 use crate::deployment::{Deployment, Sample};
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
-use crate::experiment::{Control, StudyError};
+use crate::experiment::StudyError;
 use crate::export;
+use crate::progress::Progress;
 
 /// What a pane asks for.
 #[derive(Clone, Debug)]
@@ -317,8 +318,8 @@ impl State {
             Command::SetStudy(options) => self.studies.options = options,
             Command::RunStudy => self.run_study(),
             Command::CancelStudy => {
-                if let Some((_, control)) = &self.studies.running {
-                    control.cancel();
+                if let Some((_, progress)) = &self.studies.running {
+                    progress.cancel();
                 }
             }
             Command::SaveStudyDialog => self.save_study(),
@@ -367,12 +368,12 @@ impl State {
             self.active().map(|open| Arc::clone(&open.deployment)).into_iter().collect()
         };
         let settings = *self.settings();
-        let control = Arc::new(Control::default());
-        let shared = Arc::clone(&control);
+        let progress = Arc::new(Progress::default());
+        let shared = Arc::clone(&progress);
         let number = self
             .worker
             .study(move || studies::run(&options, &deployments, &settings, &shared).map(Arc::new));
-        self.studies.running = Some((number, control));
+        self.studies.running = Some((number, progress));
     }
 
     fn pick(&self, dialog: impl Future<Output = Option<rfd::FileHandle>> + Send + 'static) {
