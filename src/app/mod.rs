@@ -12,11 +12,14 @@ mod scene;
 mod state;
 mod studies;
 mod theme;
+mod units;
 mod window;
 mod worker;
 
 pub use layout::Pane;
 pub use open_deployment::OpenDeployment;
-pub use state::{Command, Notice, State, Visibility};
+pub use scene::{Colouring, Ruler, RulerEnd};
+pub use state::{Command, Notice, Picked, PictureTo, Playback, State, Timeline, Visibility};
 pub use studies::{StudyKind, StudyOptions, StudyResult};
+pub use units::{AngleUnit, LengthUnit, Units};
 pub use window::{ResectWindow, Start, offscreen_renderer, open_window, picture};
