@@ -10,8 +10,8 @@ use crate::analysis::Settings;
 use crate::app::studies;
 use crate::app::worker::{Reply, Source};
 use crate::deployment::Deployment;
-use crate::experiment::Control;
 use crate::export;
+use crate::progress::Progress;
 
 impl State {
     /// Carries out a command; those of the window itself (layout, camera, pictures) are left to the caller.
@@ -107,8 +107,8 @@ impl State {
             Command::SetStudy(options) => self.studies.options = options,
             Command::RunStudy => self.run_study(),
             Command::CancelStudy => {
-                if let Some((_, control)) = &self.studies.running {
-                    control.cancel();
+                if let Some((_, progress)) = &self.studies.running {
+                    progress.cancel();
                 }
             }
             Command::SaveStudyDialog => self.save_study(),
@@ -212,11 +212,11 @@ impl State {
             self.active().map(|open| Arc::clone(&open.deployment)).into_iter().collect()
         };
         let settings = *self.settings();
-        let control = Arc::new(Control::default());
-        let shared = Arc::clone(&control);
+        let progress = Arc::new(Progress::default());
+        let shared = Arc::clone(&progress);
         let number = self
             .worker
             .study(move || studies::run(&options, &deployments, &settings, &shared).map(Arc::new));
-        self.studies.running = Some((number, control));
+        self.studies.running = Some((number, progress));
     }
 }
