@@ -11,6 +11,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui;
 
+use super::file_dialog::Listing;
 use super::plots::PreparedPlots;
 use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
@@ -62,6 +63,8 @@ pub enum Reply {
     Failed(u64),
     /// The user chose a path in a dialog.
     Picked(PathBuf),
+    /// What is in a folder that the prompt shows.
+    Listed(Listing),
     /// Something that ran beside the worker is done: a line for the user, or why it failed.
     Done(Result<String, String>),
 }

@@ -21,6 +21,7 @@ impl State {
             Command::OpenSample(sample) => self.open_source(Source::Sample(sample)),
             Command::OpenFolderDialog => self.open_folder_dialog(),
             Command::OpenFileDialog => self.open_file_dialog(),
+            Command::Prompt(command) => self.answer_prompt(command),
             Command::Activate(id) => {
                 if let Some(index) = self.open.iter().position(|open| open.id == id) {
                     self.active = index;

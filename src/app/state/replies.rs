@@ -59,6 +59,11 @@ impl State {
                     "a bug in resect stopped the calculation; please report it with the data and the settings".to_owned(),
                 ));
             }
+            Reply::Listed(listing) => {
+                if let Some(prompt) = &mut self.prompt {
+                    prompt.shown.take(listing);
+                }
+            }
             Reply::Picked(path) => self.open_source(Source::Path(path)),
             Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
             Reply::Done(Err(line)) => self.notice = Some(Notice::Error(line)),
