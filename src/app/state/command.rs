@@ -13,8 +13,11 @@ use crate::deployment::Sample;
 /// What a pane asks for.
 #[derive(Clone, Debug)]
 pub enum Command {
-    OpenPath(PathBuf),
+    /// Opens whatever the readers know: tracks, folders, control points, a rig, GNSS, settings, sessions.
+    OpenPaths(Vec<PathBuf>),
     OpenSample(Sample),
+    /// Stops reading a deployment, by its request's number.
+    CancelOpening(u64),
     OpenFolderDialog,
     OpenFileDialog,
     /// Shows another of the open deployments, by its id.
