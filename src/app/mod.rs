@@ -15,7 +15,7 @@ mod theme;
 mod window;
 mod worker;
 
-pub use layout::Pane;
+pub use layout::{Layout, LayoutDescription, LayoutPreset, Pane};
 pub use open_deployment::OpenDeployment;
 pub use scene::{Colouring, Ruler, RulerEnd};
 pub use state::{Command, Notice, Picked, PictureTo, Playback, State, Timeline, Visibility};

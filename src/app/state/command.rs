@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Picked, Visibility};
 use crate::analysis::Settings;
-use crate::app::layout::Pane;
+use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
 use crate::deployment::Sample;
@@ -64,6 +64,7 @@ pub enum Command {
 
     /// Brings a pane to the front.
     ShowPane(Pane),
+    UseLayout(LayoutPreset),
     ResetLayout,
     DismissNotice,
 }

@@ -96,6 +96,7 @@ impl State {
             Command::Look(_)
             | Command::ScenePicture(_)
             | Command::ShowPane(_)
+            | Command::UseLayout(_)
             | Command::ResetLayout => {}
         }
     }
