@@ -2,6 +2,10 @@
 //!
 //! The window, the commands, the tests and the benchmarks all come through [`Analyst::run`].
 
+mod setting_change;
+
+pub use setting_change::{SettingChange, changes_in_words, setting_changes};
+
 use std::sync::Arc;
 use std::time::Instant;
 

@@ -122,7 +122,7 @@ fn an_error_is_shown_and_what_was_open_stays() {
 #[test]
 fn the_other_sample_opens_from_the_menu() {
     let mut harness = window(LARGE, Theme::Dark);
-    harness.get_by_label("Open").click();
+    harness.get_by_label("File").click();
     harness.run_steps(3);
     harness.get_by_label("Sample: HD2 in a tunnel").click();
     settle(&mut harness);

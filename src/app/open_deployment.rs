@@ -7,6 +7,7 @@ use super::plots::PreparedPlots;
 use super::state::Timeline;
 use crate::analysis::{Analysis, Settings};
 use crate::deployment::Deployment;
+use crate::export::summary::ResultSummary;
 
 pub struct OpenDeployment {
     /// Tells it from every other that was ever opened.
@@ -17,6 +18,8 @@ pub struct OpenDeployment {
     pub settings: Settings,
     /// The newest answer; older than the settings while it is stale.
     pub analysis: Option<Arc<Analysis>>,
+    /// The answer as plain data, if there is one.
+    pub summary: Option<Arc<ResultSummary>>,
     /// Its plots.
     pub plots: Arc<PreparedPlots>,
     /// Number of the request that the answer belongs to; changes with it.
@@ -41,6 +44,7 @@ impl OpenDeployment {
             longest_range_m,
             settings,
             analysis: None,
+            summary: None,
             plots: Arc::default(),
             analysis_run: 0,
             timeline,
@@ -54,10 +58,15 @@ impl OpenDeployment {
         self.deployment.start_s().unwrap_or(0.0)
     }
 
-    /// Takes in an answer, unless a newer one is on its way.
-    pub fn take(&mut self, number: u64, analysis: Arc<Analysis>, plots: Arc<PreparedPlots>) {
+    /// Takes in an answer, unless a newer one is on its way; tells whether it did.
+    pub fn take(
+        &mut self,
+        number: u64,
+        analysis: Arc<Analysis>,
+        plots: Arc<PreparedPlots>,
+    ) -> bool {
         if self.analysing.is_none_or(|(newest, _)| newest != number) {
-            return;
+            return false;
         }
         self.analysing = None;
         if self.timeline.cursor_s.is_none() {
@@ -65,8 +74,14 @@ impl OpenDeployment {
             let time_s = &analysis.pipeline.triplets.time_s;
             self.timeline.cursor_s = time_s.get(time_s.len() / 2).copied();
         }
+        self.summary = analysis
+            .answer
+            .as_ref()
+            .ok()
+            .map(|answer| Arc::new(ResultSummary::of(&self.deployment, &analysis, answer)));
         self.analysis = Some(analysis);
         self.plots = plots;
         self.analysis_run = number;
+        true
     }
 }

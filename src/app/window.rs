@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use eframe::egui;
 
+use super::actions;
 use super::layout::{Layout, Pane, Panes};
 use super::panels;
 use super::scene::SceneView;
-use super::state::{Command, Commands, State};
+use super::state::{Command, Commands, Overlay, State};
 use super::theme;
 use crate::analysis::Settings;
 use crate::deployment::{Deployment, Sample};
@@ -68,6 +69,10 @@ impl eframe::App for ResectWindow {
         for file in ui.input(|i| i.raw.dropped_files.clone()) {
             commands.push(Command::OpenPath(file.path().to_owned()));
         }
+        let ctx = ui.ctx().clone();
+        if self.state.overlay == Overlay::None {
+            actions::from_keys(&ctx, &self.state, &mut commands);
+        }
         panels::top_bar::ui(ui, &self.state, &mut commands);
         panels::notice::ui(ui, &self.state, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
@@ -77,7 +82,13 @@ impl eframe::App for ResectWindow {
             self.layout.ui(ui, &mut panes);
         });
         panels::drop_hint::ui(ui);
-        let ctx = ui.ctx().clone();
+        match &self.state.overlay {
+            Overlay::None => {}
+            Overlay::Palette(palette) => {
+                panels::command_palette::ui(&ctx, &self.state, palette, &mut commands);
+            }
+            Overlay::Shortcuts => panels::shortcuts::ui(&ctx, &self.state, &mut commands),
+        }
         let hovered_s = self.state.hover_s.take();
         for command in commands {
             self.send(command, &ctx);

@@ -53,6 +53,11 @@ pub enum Reply {
         plots: Arc<PreparedPlots>,
     },
     Studied(u64, Result<Arc<StudyResult>, StudyError>),
+    /// The residuals of a pinned result.
+    PinDrawn {
+        id: u64,
+        plots: Arc<PreparedPlots>,
+    },
     /// A request ended in a bug of the program.
     Failed(u64),
     /// The user chose a path in a dialog.

@@ -49,17 +49,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn chapter(path: &Path, arguments: &SettingsArguments, settings: &Settings) -> Chapter {
-    let opened = load(path, arguments.rig.as_deref())
-        .map_err(Failure::from)
-        .and_then(|(deployment, _)| arguments.adjust(deployment));
-    match opened {
-        Ok(deployment) => {
+    match load(path, arguments.extras()) {
+        Ok((deployment, _)) => {
             let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));
             Chapter::Analysed { deployment, analysis }
         }
-        Err(Failure::Input(error)) => {
-            Chapter::Unopened { path: path.display().to_string(), error: format!("{error:#}") }
+        Err(error) => {
+            Chapter::Unopened { path: path.display().to_string(), error: error.to_string() }
         }
-        Err(Failure::Usage(error)) => Chapter::Unopened { path: path.display().to_string(), error },
     }
 }

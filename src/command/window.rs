@@ -6,14 +6,14 @@ use std::sync::Arc;
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
 use crate::app;
-use crate::deployment::{Deployment, Sample};
+use crate::deployment::{Deployment, Extras, Sample};
 use crate::export::text;
 
 pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
     // A path that does not open ends here, on the terminal it came from.
     let deployments = paths
         .iter()
-        .map(|path| Ok(load(path, None)?.0))
+        .map(|path| Ok(load(path, Extras::default())?.0))
         .collect::<Result<Vec<Arc<Deployment>>, Failure>>()?;
     if !has_display() {
         return without_display(deployments, "no display");

@@ -13,6 +13,7 @@ pub mod report;
 pub mod rerun;
 pub mod residual_chart;
 pub mod study;
+pub mod summary;
 pub mod svg;
 pub mod text;
 pub mod tum;

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use super::{Picked, Visibility};
+use super::{Palette, Picked, Visibility};
 use crate::analysis::Settings;
 use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
+use crate::app::units::Units;
 use crate::deployment::Sample;
 
 /// What a pane asks for.
@@ -26,6 +27,16 @@ pub enum Command {
     SetAll,
     Undo,
     Redo,
+
+    /// Pins the active deployment's result.
+    Pin,
+    /// Pins the result of a run, by its id.
+    PinRun(u64),
+    Unpin(u64),
+    /// Shows or hides the residuals of a pinned result.
+    ShowPin(u64, bool),
+    /// Gives the active deployment the settings of a run, by its id.
+    RestoreRun(u64),
 
     /// Time under the pointer (s, in the stations' clock); sent in every frame while it is there.
     Hover(f64),
@@ -48,6 +59,7 @@ pub enum Command {
     Show(Visibility),
     Colour(Colouring),
     Measure(Ruler),
+    SetUnits(Units),
     Look(ViewPreset),
     ScenePicture(PictureTo),
 
@@ -66,6 +78,12 @@ pub enum Command {
     ShowPane(Pane),
     UseLayout(LayoutPreset),
     ResetLayout,
+    ShowPalette,
+    /// What is typed in the command palette and which of its lines is chosen.
+    EditPalette(Palette),
+    ShowShortcuts,
+    /// Closes the palette or the sheet of shortcuts.
+    CloseOverlay,
     DismissNotice,
 }
 

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use eframe::egui;
 
 use super::undo::{Change, Moment, Step};
-use super::{Command, Picked, State, Timeline};
+use super::{Command, Overlay, Palette, Picked, State, Timeline};
 use crate::analysis::Settings;
 use crate::app::studies;
 use crate::app::worker::{Reply, Source};
 use crate::deployment::Deployment;
-use crate::experiment::Control;
 use crate::export;
+use crate::progress::Progress;
 
 impl State {
     /// Carries out a command; those of the window itself (layout, camera, pictures) are left to the caller.
@@ -46,6 +46,21 @@ impl State {
                 self.go(step.as_ref(), |change| change.after);
             }
 
+            Command::Pin => self.pin_active(),
+            Command::PinRun(id) => self.pin_run(id),
+            Command::Unpin(id) => self.results.pins.retain(|pin| pin.id != id),
+            Command::ShowPin(id, shown) => {
+                if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
+                    pin.shown = shown;
+                }
+            }
+            Command::RestoreRun(id) => {
+                if let Some(settings) = self.results.run(id).map(|run| run.settings) {
+                    let active = self.active().map(|open| open.id);
+                    self.change(active.as_slice(), settings, ctx);
+                }
+            }
+
             Command::Hover(time_s) => self.hover_s = Some(time_s),
             Command::MoveCursor(time_s) => self.with_timeline(|timeline, _| {
                 timeline.move_cursor(time_s);
@@ -72,6 +87,11 @@ impl State {
             Command::Show(visibility) => self.visibility = visibility,
             Command::Colour(colouring) => self.colouring = colouring,
             Command::Measure(ruler) => self.ruler = ruler,
+            Command::SetUnits(units) => self.units = units,
+            Command::ShowPalette => self.overlay = Overlay::Palette(Palette::default()),
+            Command::EditPalette(palette) => self.overlay = Overlay::Palette(palette),
+            Command::ShowShortcuts => self.overlay = Overlay::Shortcuts,
+            Command::CloseOverlay => self.overlay = Overlay::None,
 
             Command::Copy(text) => ctx.copy_text(text),
             Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
@@ -87,8 +107,8 @@ impl State {
             Command::SetStudy(options) => self.studies.options = options,
             Command::RunStudy => self.run_study(),
             Command::CancelStudy => {
-                if let Some((_, control)) = &self.studies.running {
-                    control.cancel();
+                if let Some((_, progress)) = &self.studies.running {
+                    progress.cancel();
                 }
             }
             Command::SaveStudyDialog => self.save_study(),
@@ -193,11 +213,11 @@ impl State {
             self.active().map(|open| Arc::clone(&open.deployment)).into_iter().collect()
         };
         let settings = *self.settings();
-        let control = Arc::new(Control::default());
-        let shared = Arc::clone(&control);
+        let progress = Arc::new(Progress::default());
+        let shared = Arc::clone(&progress);
         let number = self
             .worker
             .study(move || studies::run(&options, &deployments, &settings, &shared).map(Arc::new));
-        self.studies.running = Some((number, control));
+        self.studies.running = Some((number, progress));
     }
 }

@@ -5,6 +5,7 @@
 mod command;
 mod handle;
 mod replies;
+mod results;
 mod saving;
 mod timeline;
 mod undo;
@@ -15,12 +16,14 @@ use std::time::{Duration, Instant};
 use eframe::egui;
 
 pub use command::{Command, Commands, PictureTo};
+pub use results::{Pin, Results, Run};
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
 
 use super::open_deployment::OpenDeployment;
 use super::scene::{Colouring, Ruler};
 use super::studies::Studies;
+use super::units::Units;
 use super::worker::{Source, Worker};
 use crate::analysis::{Analysis, Settings};
 use crate::deployment::{Deployment, Sample};
@@ -60,6 +63,23 @@ impl Default for Visibility {
     }
 }
 
+/// What lies over the panes and has the keyboard.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Overlay {
+    #[default]
+    None,
+    Palette(Palette),
+    Shortcuts,
+}
+
+/// The command palette.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Palette {
+    pub query: String,
+    /// Line among those found.
+    pub chosen: usize,
+}
+
 /// One line at the top of the window until it is dismissed or replaced.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Notice {
@@ -86,6 +106,9 @@ pub struct State {
     /// Time under the pointer in the last frame, in whichever pane (s, in the stations' clock).
     pub hover_s: Option<f64>,
     pub undo: UndoStack,
+    pub results: Results,
+    pub units: Units,
+    pub overlay: Overlay,
     pub studies: Studies,
     pub notice: Option<Notice>,
     /// Pictures that are compared byte for byte show this instead of the measured time (ms).
@@ -109,6 +132,9 @@ impl State {
             playback: Playback::default(),
             hover_s: None,
             undo: UndoStack::default(),
+            results: Results::default(),
+            units: Units::default(),
+            overlay: Overlay::None,
             studies: Studies::default(),
             notice: None,
             fixed_elapsed_ms: None,

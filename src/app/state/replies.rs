@@ -31,7 +31,7 @@ impl State {
         match reply {
             Reply::Opened(number, result) => self.take_opened(number, result),
             Reply::Analysed { number, id, analysis, plots } => {
-                self.take_analysed(number, id, analysis, plots);
+                self.take_analysed(number, id, &analysis, plots);
             }
             Reply::Studied(number, result) => {
                 if self.studies.running.as_ref().is_none_or(|(running, _)| *running != number) {
@@ -42,6 +42,11 @@ impl State {
                     Ok(result) => self.studies.result = Some(result),
                     Err(StudyError::Cancelled) => {}
                     Err(error) => self.notice = Some(Notice::Error(error.to_string())),
+                }
+            }
+            Reply::PinDrawn { id, plots } => {
+                if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
+                    pin.plots = Some(plots);
                 }
             }
             Reply::Failed(number) => {
@@ -78,11 +83,13 @@ impl State {
         &mut self,
         number: u64,
         id: u64,
-        analysis: Arc<Analysis>,
+        analysis: &Arc<Analysis>,
         plots: Arc<PreparedPlots>,
     ) {
-        if let Some(open) = self.open.iter_mut().find(|open| open.id == id) {
-            open.take(number, analysis, plots);
+        if let Some(open) = self.open.iter_mut().find(|open| open.id == id)
+            && open.take(number, Arc::clone(analysis), plots)
+        {
+            self.remember_run(id, analysis);
         }
     }
 }
