@@ -54,6 +54,7 @@ impl ResectWindow {
         match command {
             Command::Look(preset) => self.scene.look(preset),
             Command::ShowPane(pane) => self.layout.show(pane),
+            Command::UseLayout(preset) => self.layout = Layout::from(preset),
             Command::ResetLayout => self.layout = Layout::default(),
             other => self.state.handle(other, ctx),
         }
@@ -120,6 +121,7 @@ impl Panes<'_> {
             Pane::PriorSearch => plots::prior_search::ui(ui, self.state, self.commands),
             Pane::SideBySide => panels::side_by_side::ui(ui, self.state, self.commands),
             Pane::Studies => panels::studies::ui(ui, self.state, self.commands),
+            Pane::Rates | Pane::Intervals | Pane::Reading | Pane::Runs => {}
         }
     }
 }

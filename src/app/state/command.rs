@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Palette, Picked, Visibility};
 use crate::analysis::Settings;
-use crate::app::layout::Pane;
+use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
 use crate::app::units::Units;
@@ -79,6 +79,7 @@ pub enum Command {
 
     /// Brings a pane to the front.
     ShowPane(Pane),
+    UseLayout(LayoutPreset),
     ResetLayout,
     ShowPalette,
     /// What is typed in the command palette and which of its lines is chosen.

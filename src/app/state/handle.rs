@@ -117,6 +117,7 @@ impl State {
             Command::Look(_)
             | Command::ScenePicture(_)
             | Command::ShowPane(_)
+            | Command::UseLayout(_)
             | Command::ResetLayout => {}
         }
     }
