@@ -2,7 +2,9 @@
 
 mod axis;
 pub mod box_chart;
+pub mod copy;
 pub mod csv;
+pub mod difference;
 pub mod drawing;
 mod frame;
 pub mod json;
