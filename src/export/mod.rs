@@ -3,7 +3,9 @@
 pub mod atomic;
 mod axis;
 pub mod box_chart;
+pub mod copy;
 pub mod csv;
+pub mod difference;
 pub mod drawing;
 mod frame;
 pub mod json;
