@@ -17,6 +17,8 @@ pub enum Pane {
     Result,
     Findings,
     Residuals,
+    Rates,
+    Intervals,
     Histogram,
     PriorSearch,
     SideBySide,
@@ -24,7 +26,7 @@ pub enum Pane {
 }
 
 impl Pane {
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -32,6 +34,8 @@ impl Pane {
         Self::SideBySide,
         Self::Result,
         Self::Residuals,
+        Self::Rates,
+        Self::Intervals,
         Self::Findings,
         Self::PriorSearch,
         Self::Histogram,
@@ -45,6 +49,8 @@ impl Pane {
             Self::Result => "Result",
             Self::Findings => "Findings",
             Self::Residuals => "Distance errors over time",
+            Self::Rates => "Rates",
+            Self::Intervals => "Intervals",
             Self::Histogram => "Histogram",
             Self::PriorSearch => "Prior search",
             Self::SideBySide => "Side by side",
@@ -87,7 +93,7 @@ impl Default for Layout {
             &[Pane::Pipeline],
             &[Pane::Scene, Pane::Studies, Pane::SideBySide],
             &[Pane::Result],
-            &[Pane::Residuals, Pane::Findings, Pane::PriorSearch],
+            &[Pane::Residuals, Pane::Rates, Pane::Intervals, Pane::Findings, Pane::PriorSearch],
             &[Pane::Histogram],
         ];
         let [deployment, pipeline, scene, result, residuals, histogram] = groups.map(|panes| {

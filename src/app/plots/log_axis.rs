@@ -14,7 +14,6 @@ pub fn decades(input: GridInput) -> Vec<GridMark> {
 }
 
 /// Where many decades share little room: strong lines at the powers of ten, faint ones at 2 and 5 times them.
-#[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 pub fn many_decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     if high - low < 1.5 {

@@ -36,10 +36,9 @@ pub fn navigate(
     if let Some(at) = pointer.filter(|_| response.contains_pointer()) {
         let value = transform.value_from_position(at);
         commands.push(Command::Hover(value.x + times.start_s));
-        let (scroll, zoom, in_y, speed) = ui.input(|i| {
-            let speed = i.options.scroll_zoom_speed;
-            (i.smooth_scroll_delta(), i.zoom_delta(), i.modifiers.command, speed)
-        });
+        let speed = ui.ctx().options(|options| options.input_options.scroll_zoom_speed);
+        let (scroll, zoom, in_y) =
+            ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta(), i.modifiers.command));
         if in_y {
             let bounds = transform.bounds();
             if zoom != 1.0 {

@@ -100,7 +100,8 @@ const LOWEST: f64 = 1e-4;
 impl RawReadings {
     pub fn of(deployment: &Deployment) -> Self {
         let start_s = deployment.start_s().unwrap_or(0.0);
-        let stations = deployment.tracks.each_ref().map(|track| StationReadings::of(track, start_s));
+        let stations =
+            deployment.tracks.each_ref().map(|track| StationReadings::of(track, start_s));
         let mut paper = Thresholds::default();
         let shown = Quantity::ALL.map(|quantity| {
             let paper = *quantity.threshold(&mut paper);
@@ -114,6 +115,11 @@ impl RawReadings {
         });
         Self { start_s, stations, shown }
     }
+
+    /// From the first measurement of any station to the last (s).
+    pub fn length_s(&self) -> f64 {
+        self.stations.iter().filter_map(|own| own.time_s.last()).copied().fold(0.0, f64::max)
+    }
 }
 
 impl StationReadings {
@@ -122,7 +128,8 @@ impl StationReadings {
         let all: Vec<Rates> = readings.windows(2).map(|pair| rates(&pair[0], &pair[1])).collect();
         let series = |quantity: Quantity| {
             let first = readings.first().map(|_: &Measurement| 0.0);
-            let values = first.into_iter().chain(all.iter().map(|r| quantity.of(r).abs())).collect();
+            let values =
+                first.into_iter().chain(all.iter().map(|r| quantity.of(r).abs())).collect();
             RateSeries::of(values)
         };
         Self {

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    self, Align2, CursorIcon, EventFilter, Key, Pos2, Rect, Response, Sense, Stroke, Vec2, accesskit,
+    self, CursorIcon, EventFilter, Key, Pos2, Rect, Response, Sense, Stroke, Vec2, accesskit,
 };
 
 use crate::app::theme;
@@ -44,10 +44,15 @@ impl Threshold<'_> {
     ) -> Option<f64> {
         let rect = Rect::from_x_y_ranges(frame.x_range(), y - REACH..=y + REACH);
         let place = egui::pos2(frame.right(), y);
-        let (response, wanted) =
-            self.interact(ui, "line", rect, place, |at| value_at(at.y.clamp(frame.top(), frame.bottom())));
+        let (response, wanted) = self.interact(ui, "line", rect, place, |at| {
+            value_at(at.y.clamp(frame.top(), frame.bottom()))
+        });
         let ink = Ink::of(ui, self.enabled, &response);
-        ink.line(ui, frame, [frame.left_center(), frame.right_center()].map(|p| egui::pos2(p.x, y)));
+        ink.line(
+            ui,
+            frame,
+            [frame.left_center(), frame.right_center()].map(|p| egui::pos2(p.x, y)),
+        );
         ink.tag(ui, frame, place, &self.label());
         wanted
     }
@@ -62,21 +67,29 @@ impl Threshold<'_> {
     ) -> Option<f64> {
         let rect = Rect::from_x_y_ranges(x - REACH..=x + REACH, frame.y_range());
         let place = egui::pos2(x, frame.top());
-        let (response, wanted) =
-            self.interact(ui, "line", rect, place, |at| value_at(at.x.clamp(frame.left(), frame.right())));
+        let (response, wanted) = self.interact(ui, "line", rect, place, |at| {
+            value_at(at.x.clamp(frame.left(), frame.right()))
+        });
         let ink = Ink::of(ui, self.enabled, &response);
-        ink.line(ui, frame, [frame.center_top(), frame.center_bottom()].map(|p| egui::pos2(x, p.y)));
+        ink.line(
+            ui,
+            frame,
+            [frame.center_top(), frame.center_bottom()].map(|p| egui::pos2(x, p.y)),
+        );
         ink.tag(ui, frame, place, &self.label());
         wanted
     }
 
-    /// A bar as long as the threshold, from `left` to the right; its end is dragged.
-    pub fn bar(&self, ui: &mut egui::Ui, frame: Rect, left: Pos2, points_per_unit: f32) -> Option<f64> {
-        let length = (self.value as f32 * points_per_unit).min(frame.right() - left.x);
-        let end = left + Vec2::new(length, 0.0);
-        let rect = Rect::from_two_pos(left, end).expand2(Vec2::new(REACH, REACH + 2.0));
+    /// A bar as long as the threshold, from the left of a frame; its end is dragged.
+    pub fn bar(&self, ui: &mut egui::Ui, frame: Rect, points_per_unit: f32) -> Option<f64> {
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let galley = ui.painter().layout_no_wrap(self.label(), font, egui::Color32::PLACEHOLDER);
+        let left = frame.left_center() + Vec2::new(1.0, 0.0);
+        let longest = frame.width() - galley.size().x - 8.0;
+        let end = left + Vec2::new((self.value as f32 * points_per_unit).min(longest), 0.0);
+        let rect = Rect::from_two_pos(left, end).expand2(Vec2::new(REACH, frame.height() / 2.0));
         let (response, wanted) = self.interact(ui, "bar", rect, end, |at| {
-            f64::from((at.x.min(frame.right()) - left.x) / points_per_unit)
+            f64::from((at.x - left.x).min(longest) / points_per_unit)
         });
         let ink = Ink::of(ui, self.enabled, &response);
         let painter = ui.painter().with_clip_rect(frame);
@@ -84,9 +97,8 @@ impl Threshold<'_> {
         for ends in [[left, end], [left - tick, left + tick], [end - tick, end + tick]] {
             painter.line_segment(ends, ink.stroke);
         }
-        let font = egui::TextStyle::Small.resolve(ui.style());
-        let text = end + Vec2::new(5.0, 0.0);
-        painter.text(text, Align2::LEFT_CENTER, self.label(), font, ink.stroke.color);
+        let place = end + Vec2::new(5.0, -galley.size().y / 2.0);
+        painter.galley(place, galley, ink.stroke.color);
         wanted
     }
 
@@ -101,7 +113,7 @@ impl Threshold<'_> {
     ) -> (Response, Option<f64>) {
         let name = format!("{} {what}", self.symbol);
         let sense = if self.enabled { Sense::click_and_drag() } else { Sense::hover() };
-        let response = ui.interact(rect, ui.id().with(&name), sense);
+        let response = ui.interact(rect, ui.scope_id().with(&name), sense);
         response.widget_info(|| egui::WidgetInfo::slider(self.enabled, self.value, &name));
         if !self.enabled {
             return (response.on_hover_text("This module of the pipeline is off"), None);
@@ -147,9 +159,11 @@ impl Threshold<'_> {
         ui.ctx().accesskit_node_builder(response.id, |node| {
             node.set_min_numeric_value(*self.range.start());
             node.set_max_numeric_value(*self.range.end());
-            for action in
-                [accesskit::Action::SetValue, accesskit::Action::Increment, accesskit::Action::Decrement]
-            {
+            for action in [
+                accesskit::Action::SetValue,
+                accesskit::Action::Increment,
+                accesskit::Action::Decrement,
+            ] {
                 node.add_action(action);
             }
         });
@@ -158,23 +172,28 @@ impl Threshold<'_> {
     fn by_keys(&self, ui: &egui::Ui, response: &Response) -> Option<f64> {
         let mut steps = 0.0;
         if response.has_focus() {
-            let arrows =
-                EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
+            let arrows = EventFilter {
+                horizontal_arrows: true,
+                vertical_arrows: true,
+                ..Default::default()
+            };
             ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
             let presses = |keys: [Key; 2]| {
                 let count = |i: &egui::InputState| keys.map(|key| i.num_presses(key)).iter().sum();
                 ui.input(|i| -> usize { count(i) }) as f64
             };
-            steps += presses([Key::ArrowUp, Key::ArrowRight]) - presses([Key::ArrowDown, Key::ArrowLeft]);
+            steps += presses([Key::ArrowUp, Key::ArrowRight])
+                - presses([Key::ArrowDown, Key::ArrowLeft]);
         }
         let (id, set) = (response.id, accesskit::Action::SetValue);
         let asked = |action| ui.input(|i| i.num_accesskit_action_requests(id, action)) as f64;
         steps += asked(accesskit::Action::Increment) - asked(accesskit::Action::Decrement);
         let by_name = ui.input(|i| {
-            let values = i.accesskit_action_requests(id, set).filter_map(|request| match request.data {
-                Some(accesskit::ActionData::NumericValue(value)) => Some(value),
-                _ => None,
-            });
+            let values =
+                i.accesskit_action_requests(id, set).filter_map(|request| match request.data {
+                    Some(accesskit::ActionData::NumericValue(value)) => Some(value),
+                    _ => None,
+                });
             values.last()
         });
         let step = if ui.input(|i| i.modifiers.shift) { LARGE_KEY_STEP } else { KEY_STEP };
@@ -220,8 +239,7 @@ impl Ink {
         let low = frame.min + Vec2::splat(1.0);
         let high = frame.max - size - Vec2::splat(1.0);
         let corner = place - 0.5 * size;
-        let corner =
-            egui::pos2(corner.x.min(high.x).max(low.x), corner.y.min(high.y).max(low.y));
+        let corner = egui::pos2(corner.x.min(high.x).max(low.x), corner.y.min(high.y).max(low.y));
         painter.rect_filled(Rect::from_min_size(corner, size), 3.0, self.stroke.color);
         painter.galley(corner + Vec2::new(4.0, 1.0), galley, ground);
     }
@@ -253,7 +271,9 @@ mod tests {
 
     #[test]
     fn what_is_set_is_what_is_shown() {
-        for (value, expected) in [(2.004_9, 2.0), (0.123_45, 0.123), (12.34, 12.3), (1234.0, 1230.0)] {
+        for (value, expected) in
+            [(2.004_9, 2.0), (0.123_45, 0.123), (12.34, 12.3), (1234.0, 1230.0)]
+        {
             assert_eq!(rounded(value), expected);
         }
         assert_eq!(["2.00", "12.3", "123"], [2.0, 12.3, 123.4].map(short));

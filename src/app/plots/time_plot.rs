@@ -129,7 +129,8 @@ impl Shown {
     pub fn paint_times(&self, ui: &egui::Ui, times: &Times) {
         let dark = ui.visuals().dark_mode;
         let (painter, frame) = (self.painter(ui), self.frame());
-        let line = |time_s: f64, stroke: Stroke| painter.vline(self.x(time_s), frame.y_range(), stroke);
+        let line =
+            |time_s: f64, stroke: Stroke| painter.vline(self.x(time_s), frame.y_range(), stroke);
         if let Some(span_s) = times.selection_s {
             let [left, right] = span_s.map(|time_s| self.x(time_s));
             let colour = ui.visuals().selection.bg_fill;
@@ -149,7 +150,8 @@ impl Shown {
 }
 
 /// How to move about, for the line above a plot.
-const HINT: &str = "drag: select · scroll: zoom · shift+scroll or right drag: move · double-click: all";
+const HINT: &str =
+    "drag: select · scroll: zoom · shift+scroll or right drag: move · double-click: all";
 
 /// At the end of the line above a plot: what is selected and what can be done with it, or how to move about.
 pub fn selection_or_hint(ui: &mut egui::Ui, times: &Times, more: &str, commands: &mut Commands) {
@@ -160,7 +162,9 @@ pub fn selection_or_hint(ui: &mut egui::Ui, times: &Times, more: &str, commands:
             ("clear", "Clear the selection", Command::Select(None)),
         ] {
             let button = ui.small_button(text).on_hover_text(name);
-            button.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Button, true, name));
+            button.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::accesskit::Role::Button, true, name)
+            });
             if button.clicked() {
                 commands.push(command);
             }
