@@ -1,8 +1,11 @@
 //! Answers for other programs and for people: JSON, text, CSV, HTML, pictures, and recordings for the Rerun viewer.
 
+pub mod atomic;
 mod axis;
 pub mod box_chart;
+pub mod copy;
 pub mod csv;
+pub mod difference;
 pub mod drawing;
 mod frame;
 pub mod json;

@@ -130,6 +130,12 @@ impl StationSummary {
         self.station1_from_station().yaw_rad()
     }
 
+    /// One σ of the transform; `None` when the data leaves a direction free.
+    pub fn transform_sigma(&self) -> Option<TransformSigma> {
+        let [x, y, z, yaw_rad] = self.sigma?;
+        Some(TransformSigma { translation_m: Vector3::new(x, y, z), yaw_rad })
+    }
+
     /// "T12" or "T13".
     pub fn name(&self) -> String {
         format!("T1{}", self.station)

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::{Palette, Picked, Visibility};
 use crate::analysis::Settings;
 use crate::app::file_dialog::PromptCommand;
-use crate::app::layout::Pane;
+use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
 use crate::app::units::Units;
@@ -14,8 +14,11 @@ use crate::deployment::Sample;
 /// What a pane asks for.
 #[derive(Clone, Debug)]
 pub enum Command {
-    OpenPath(PathBuf),
+    /// Opens whatever the readers know: tracks, folders, control points, a rig, GNSS, settings, sessions.
+    OpenPaths(Vec<PathBuf>),
     OpenSample(Sample),
+    /// Stops reading a deployment, by its request's number.
+    CancelOpening(u64),
     OpenFolderDialog,
     OpenFileDialog,
     /// Something was done in the prompt for a path.
@@ -79,6 +82,7 @@ pub enum Command {
 
     /// Brings a pane to the front.
     ShowPane(Pane),
+    UseLayout(LayoutPreset),
     ResetLayout,
     ShowPalette,
     /// What is typed in the command palette and which of its lines is chosen.

@@ -5,6 +5,7 @@
 mod asking;
 mod command;
 mod handle;
+mod opening;
 mod replies;
 mod results;
 mod saving;
@@ -19,6 +20,7 @@ use eframe::egui;
 
 pub use asking::OpenPrompt;
 pub use command::{Command, Commands, PictureTo};
+pub use opening::Opening;
 pub use results::{Pin, Results, Run};
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
@@ -28,9 +30,8 @@ use super::open_deployment::OpenDeployment;
 use super::scene::{Colouring, Ruler};
 use super::studies::Studies;
 use super::units::Units;
-use super::worker::{Source, Worker};
+use super::worker::Worker;
 use crate::analysis::{Analysis, Settings};
-use crate::deployment::{Deployment, Sample};
 
 /// What the scene and the plots show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,9 +124,10 @@ pub struct State {
     pub notice: Option<Notice>,
     /// Pictures that are compared byte for byte show this instead of the measured time (ms).
     pub fixed_elapsed_ms: Option<f64>,
-    opening: Vec<u64>,
-    /// The request whose deployment gives way to the first that the user opens.
-    placeholder: Option<u64>,
+    /// What is being read.
+    pub opening: Vec<Opening>,
+    /// Requests that find out what a path is.
+    looking: Vec<u64>,
 }
 
 impl State {
@@ -152,7 +154,7 @@ impl State {
             notice: None,
             fixed_elapsed_ms: None,
             opening: Vec::new(),
-            placeholder: None,
+            looking: Vec::new(),
         }
     }
 
@@ -172,26 +174,15 @@ impl State {
         self.active().map_or(&self.start_settings, |open| &open.settings)
     }
 
-    /// Opens a deployment, shows it, and calibrates it.
-    pub fn add(&mut self, deployment: Arc<Deployment>) {
-        self.open.retain(|open| !open.placeholder);
-        self.newest_id += 1;
-        self.open.push(OpenDeployment::new(self.newest_id, deployment, self.start_settings));
-        self.active = self.open.len() - 1;
-        self.analyse(self.active);
-    }
-
-    /// Opens the sample that is there until the user opens something.
-    pub fn open_placeholder(&mut self, sample: Sample) {
-        self.open_source(Source::Sample(sample));
-        self.placeholder = self.opening.last().copied();
-    }
-
     /// Whether anything is being opened, calibrated or studied.
     pub fn is_busy(&self) -> bool {
         let analysing = self.open.iter().any(|open| open.analysing.is_some());
-        let reading = self.prompt.as_ref().is_some_and(|prompt| prompt.shown.is_reading());
-        !self.opening.is_empty() || analysing || reading || self.studies.running.is_some()
+        let listing = self.prompt.as_ref().is_some_and(|prompt| prompt.shown.is_reading());
+        !self.opening.is_empty()
+            || !self.looking.is_empty()
+            || listing
+            || analysing
+            || self.studies.running.is_some()
     }
 
     /// Whether the answer shown is old enough to be dimmed.
@@ -224,10 +215,5 @@ impl State {
         // The clock of a first request keeps running while newer ones replace it.
         let since = open.analysing.map_or_else(Instant::now, |(_, since)| since);
         open.analysing = Some((number, since));
-    }
-
-    fn open_source(&mut self, source: Source) {
-        let number = self.worker.open(source);
-        self.opening.push(number);
     }
 }
