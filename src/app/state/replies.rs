@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{Notice, State};
+use super::State;
 use crate::analysis::Analysis;
 use crate::app::plots::PreparedPlots;
+use crate::app::toasts::new_findings;
 use crate::app::worker::Reply;
 use crate::experiment::StudyError;
 
@@ -40,7 +41,7 @@ impl State {
                 match result {
                     Ok(result) => self.studies.result = Some(result),
                     Err(StudyError::Cancelled) => {}
-                    Err(error) => self.notice = Some(Notice::Error(error.to_string())),
+                    Err(error) => self.toasts.error(&error.to_string()),
                 }
             }
             Reply::PinDrawn { id, plots } => {
@@ -55,9 +56,9 @@ impl State {
                     open.analysing = open.analysing.filter(|(newest, _)| *newest != number);
                 }
                 self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);
-                self.notice = Some(Notice::Error(
-                    "a bug in resect stopped the calculation; please report it with the data and the settings".to_owned(),
-                ));
+                self.toasts.error(
+                    "a bug in resect stopped the calculation; please report it with the data and the settings",
+                );
             }
             Reply::Listed(listing) => {
                 if let Some(prompt) = &mut self.prompt {
@@ -66,8 +67,8 @@ impl State {
             }
             Reply::Picked(path) => self.look_at(vec![path]),
             Reply::Sorted(number, sorted) => self.take_sorted(number, sorted),
-            Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
-            Reply::Done(Err(line)) => self.notice = Some(Notice::Error(line)),
+            Reply::Done(Ok(line)) => self.toasts.done(line),
+            Reply::Done(Err(line)) => self.toasts.error(&line),
         }
     }
 
@@ -78,10 +79,20 @@ impl State {
         analysis: &Arc<Analysis>,
         plots: Arc<PreparedPlots>,
     ) {
-        if let Some(open) = self.open.iter_mut().find(|open| open.id == id)
-            && open.take(number, Arc::clone(analysis), plots)
-        {
-            self.remember_run(id, analysis);
+        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        let first = open.analysis.is_none();
+        if !open.take(number, Arc::clone(analysis), plots) {
+            return;
         }
+        if let Ok(answer) = &analysis.answer {
+            let findings = &answer.calibration.findings;
+            if first {
+                // The result's pane tells them; news is what a change of the settings brings.
+                new_findings(findings, &mut open.told);
+            } else {
+                self.toasts.findings(&open.deployment.name, findings, &mut open.told);
+            }
+        }
+        self.remember_run(id, analysis);
     }
 }
