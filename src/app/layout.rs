@@ -21,10 +21,12 @@ pub enum Pane {
     PriorSearch,
     SideBySide,
     Studies,
+    Reading,
+    Runs,
 }
 
 impl Pane {
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -35,6 +37,8 @@ impl Pane {
         Self::Findings,
         Self::PriorSearch,
         Self::Histogram,
+        Self::Reading,
+        Self::Runs,
     ];
 
     pub fn title(self) -> &'static str {
@@ -49,6 +53,8 @@ impl Pane {
             Self::PriorSearch => "Prior search",
             Self::SideBySide => "Side by side",
             Self::Studies => "Studies",
+            Self::Reading => "Reading",
+            Self::Runs => "Runs",
         }
     }
 }
@@ -84,9 +90,9 @@ impl Default for Layout {
         // Each a group of tabs, of which the first is shown.
         let groups: [&[Pane]; 6] = [
             &[Pane::Deployment],
-            &[Pane::Pipeline],
+            &[Pane::Pipeline, Pane::Reading],
             &[Pane::Scene, Pane::Studies, Pane::SideBySide],
-            &[Pane::Result],
+            &[Pane::Result, Pane::Runs],
             &[Pane::Residuals, Pane::Findings, Pane::PriorSearch],
             &[Pane::Histogram],
         ];
