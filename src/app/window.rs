@@ -128,7 +128,8 @@ impl Panes<'_> {
             Pane::PriorSearch => plots::prior_search::ui(ui, self.state, self.commands),
             Pane::SideBySide => panels::side_by_side::ui(ui, self.state, self.commands),
             Pane::Studies => panels::studies::ui(ui, self.state, self.commands),
-            Pane::Reading | Pane::Runs => {}
+            Pane::Reading => panels::reading::ui(ui, self.state, self.commands),
+            Pane::Runs => panels::runs::ui(ui, self.state, self.commands),
         }
     }
 }
