@@ -84,9 +84,13 @@ pub fn show<'a>(
     Shown { response, transform: shown.transform, moved_y }
 }
 
+/// Plots narrower than this have no room for a sentence (points).
+const NARROW: f32 = 320.0;
+
 /// The axis that plots over time have at the bottom; of several above each other only the lowest.
-pub fn time_axis<'a>() -> AxisHints<'a> {
-    AxisHints::new_x().label("time since the first measurement (s)").label_spacing(LABELS)
+pub fn time_axis<'a>(width: f32) -> AxisHints<'a> {
+    let text = if width < NARROW { "time (s)" } else { "time since the first measurement (s)" };
+    AxisHints::new_x().label(text).label_spacing(LABELS)
 }
 
 impl Shown {
@@ -147,6 +151,18 @@ impl Shown {
             line(cursor_s, Stroke::new(1.0, theme::rgb(theme::cursor(dark))));
         }
     }
+}
+
+/// The line above a plot. What has no room in it is cut off: it must not make the pane wider.
+pub fn head(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
+    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let left_to_right = egui::Layout::left_to_right(egui::Align::Center);
+    let builder = egui::UiBuilder::new().id_salt("head").max_rect(rect).layout(left_to_right);
+    let mut line = ui.new_child(builder);
+    line.set_clip_rect(rect.expand(2.0).intersect(ui.clip_rect()));
+    line.add_space(6.0);
+    add(&mut line);
 }
 
 /// How to move about, for the line above a plot.
