@@ -49,7 +49,7 @@ fn send(harness: &mut Window, command: Command) {
 }
 
 fn open(harness: &mut Window, deployment: Deployment) {
-    harness.state_mut().state.add(deployment.into());
+    harness.state_mut().state.add(deployment.into(), None);
     settle(harness);
 }
 

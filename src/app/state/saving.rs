@@ -89,7 +89,7 @@ impl State {
             let path = pollster::block_on(dialog)?.path().to_owned();
             let analysis = Box::new(Analysis::clone(&analysis));
             let page = report::page(&[Chapter::Analysed { deployment, analysis }]);
-            let result = report::write(&page, &path)
+            let result = export::atomic::write(&path, &page)
                 .map(|()| format!("{} written", path.display()))
                 .map_err(|error| error.to_string());
             Some(Reply::Done(result))
