@@ -46,6 +46,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands) {
     time_plot::head(ui, |ui| {
         station_switches(ui, state, commands);
+        time_plot::selection(ui, times, commands);
         let mut settings = *state.settings();
         if settings.pipeline.outlier_filter {
             let dark = ui.visuals().dark_mode;
@@ -62,7 +63,7 @@ fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands
                 commands.push(Command::Set(settings));
             }
         }
-        time_plot::selection_or_hint(ui, times, " · drag a line: set τ", commands);
+        time_plot::hint(ui, " · drag a line: set τ");
     });
 }
 

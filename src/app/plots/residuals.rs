@@ -32,9 +32,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let shown_mm = chosen_mm.unwrap_or(open.plots.range_mm);
     time_plot::head(ui, |ui| {
         pair_switches(ui, state, commands);
+        time_plot::selection(ui, &times, commands);
         let text = caption(open, analysis, answer, shown_mm);
         ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
-        time_plot::selection_or_hint(ui, &times, " · ctrl+scroll: zoom in mm", commands);
+        time_plot::hint(ui, " · ctrl+scroll: zoom in mm");
     });
     let plot = Plot::new(("residuals", open.id))
         .custom_x_axes(vec![time_axis(ui.available_width())])

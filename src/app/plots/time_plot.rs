@@ -169,24 +169,25 @@ pub fn head(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
 const HINT: &str =
     "drag: select · scroll: zoom · shift+scroll or right drag: move · double-click: all";
 
-/// At the end of the line above a plot: what is selected and what can be done with it, or how to move about.
-pub fn selection_or_hint(ui: &mut egui::Ui, times: &Times, more: &str, commands: &mut Commands) {
-    if let Some([from_s, to_s]) = times.selection_s {
-        ui.small(format!("{:.1} s selected", to_s - from_s));
-        for (text, name, command) in [
-            ("zoom", "Zoom to the selection", Command::ZoomToSelection),
-            ("clear", "Clear the selection", Command::Select(None)),
-        ] {
-            let button = ui.small_button(text).on_hover_text(name);
-            button.widget_info(|| {
-                egui::WidgetInfo::labeled(egui::accesskit::Role::Button, true, name)
-            });
-            if button.clicked() {
-                commands.push(command);
-            }
+/// In the line above a plot: how much is selected, and what can be done with it.
+pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
+    let Some([from_s, to_s]) = times.selection_s else { return };
+    ui.small(format!("{:.1} s selected", to_s - from_s));
+    for (text, name, command) in [
+        ("zoom", "Zoom to the selection", Command::ZoomToSelection),
+        ("clear", "Clear the selection", Command::Select(None)),
+    ] {
+        let button = ui.small_button(text).on_hover_text(name);
+        let role = egui::accesskit::Role::Button;
+        button.widget_info(|| egui::WidgetInfo::labeled(role, ui.is_enabled(), name));
+        if button.clicked() {
+            commands.push(command);
         }
-    } else {
-        let text = egui::RichText::new(format!("{HINT}{more}")).small().weak();
-        ui.add(egui::Label::new(text).truncate());
     }
+}
+
+/// At the end of the line above a plot, as far as there is room; in full under the pointer.
+pub fn hint(ui: &mut egui::Ui, more: &str) {
+    let text = egui::RichText::new(format!("{HINT}{more}")).small().weak();
+    ui.add(egui::Label::new(text).truncate());
 }

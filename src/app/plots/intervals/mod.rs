@@ -26,10 +26,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let times = Times::of(open, state);
     time_plot::head(ui, |ui| {
         station_switches(ui, state, commands);
+        time_plot::selection(ui, &times, commands);
         let (kept, short) = (open.plots.gaps.kept.len(), open.plots.gaps.short.len());
         let kept_s: f64 = analysis.pipeline.kept_intervals.iter().map(Interval::length_s).sum();
         ui.small(format!("{kept} intervals kept ({kept_s:.0} s), {short} too short"));
-        time_plot::selection_or_hint(ui, &times, "", commands);
+        time_plot::hint(ui, "");
     });
     let whole = ui.available_rect_before_wrap();
     let right = (SHARE * whole.width()).clamp(NARROWEST, WIDEST).min(0.5 * whole.width());
