@@ -5,6 +5,7 @@
 mod command;
 mod handle;
 mod opening;
+mod picture;
 mod replies;
 mod results;
 mod saving;
@@ -118,6 +119,8 @@ pub struct State {
     pub opening: Vec<Opening>,
     /// Requests that find out what a path is.
     looking: Vec<u64>,
+    /// Asked for in the last frame; taken in the next, when the menu that asked for it is gone.
+    wanted_picture: Option<PictureTo>,
 }
 
 impl State {
@@ -142,6 +145,7 @@ impl State {
             fixed_elapsed_ms: None,
             opening: Vec::new(),
             looking: Vec::new(),
+            wanted_picture: None,
         }
     }
 
