@@ -56,7 +56,7 @@ fn triplets(harness: &Harness<'_, ResectWindow>) -> usize {
 }
 
 fn cursor_s(harness: &Harness<'_, ResectWindow>) -> f64 {
-    harness.state().state.active().and_then(|open| open.cursor_s).expect("a cursor")
+    harness.state().state.active().and_then(|open| open.timeline.cursor_s).expect("a cursor")
 }
 
 #[test]

@@ -17,6 +17,7 @@ mod worker;
 
 pub use layout::Pane;
 pub use open_deployment::OpenDeployment;
-pub use state::{Command, Notice, State, Visibility};
+pub use scene::{Colouring, Ruler, RulerEnd};
+pub use state::{Command, Notice, Picked, PictureTo, Playback, State, Timeline, Visibility};
 pub use studies::{StudyKind, StudyOptions, StudyResult};
 pub use window::{ResectWindow, Start, offscreen_renderer, open_window, picture};

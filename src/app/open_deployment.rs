@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::plots::PreparedPlots;
+use super::state::Timeline;
 use crate::analysis::{Analysis, Settings};
 use crate::deployment::Deployment;
 
@@ -20,8 +21,7 @@ pub struct OpenDeployment {
     pub plots: Arc<PreparedPlots>,
     /// Number of the request that the answer belongs to; changes with it.
     pub analysis_run: u64,
-    /// The time cursor (s, in the stations' clock).
-    pub cursor_s: Option<f64>,
+    pub timeline: Timeline,
     /// Opened by the program itself, and never touched: gives way to the first that the user opens.
     pub placeholder: bool,
     /// Number of the newest request, and since when an answer is awaited.
@@ -34,6 +34,7 @@ impl OpenDeployment {
             .tracks
             .each_ref()
             .map(|track| track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max));
+        let timeline = Timeline::new(&deployment);
         Self {
             id,
             deployment,
@@ -42,7 +43,7 @@ impl OpenDeployment {
             analysis: None,
             plots: Arc::default(),
             analysis_run: 0,
-            cursor_s: None,
+            timeline,
             placeholder: false,
             analysing: None,
         }
@@ -59,10 +60,10 @@ impl OpenDeployment {
             return;
         }
         self.analysing = None;
-        if self.cursor_s.is_none() {
+        if self.timeline.cursor_s.is_none() {
             // So that the rig is seen before anything is clicked.
             let time_s = &analysis.pipeline.triplets.time_s;
-            self.cursor_s = time_s.get(time_s.len() / 2).copied();
+            self.timeline.cursor_s = time_s.get(time_s.len() / 2).copied();
         }
         self.analysis = Some(analysis);
         self.plots = plots;

@@ -62,6 +62,7 @@ impl ResectWindow {
 impl eframe::App for ResectWindow {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.state.take_replies();
+        self.state.advance(ui.input(|input| input.time));
         let mut commands = Commands::new();
         for file in ui.input(|i| i.raw.dropped_files.clone()) {
             commands.push(Command::OpenPath(file.path().to_owned()));
@@ -76,8 +77,13 @@ impl eframe::App for ResectWindow {
         });
         panels::drop_hint::ui(ui);
         let ctx = ui.ctx().clone();
+        let hovered_s = self.state.hover_s.take();
         for command in commands {
             self.send(command, &ctx);
+        }
+        if self.state.playback.playing || self.state.hover_s != hovered_s {
+            // The other panes show where the pointer is, too.
+            ctx.request_repaint();
         }
         if self.state.is_busy() {
             // To dim the old answer, and to turn the spinner.

@@ -83,7 +83,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     .radius(1.4),
             );
         }
-        if let Some(cursor_s) = open.cursor_s {
+        if let Some(cursor_s) = open.timeline.cursor_s {
             let colour = theme::rgb(theme::cursor(dark));
             plot_ui.vline(VLine::new("", cursor_s - start_s).color(colour).width(1.0));
         }
@@ -126,7 +126,7 @@ fn caption(
     let errors = || answer.evaluation.distance_errors_mm.iter().flatten();
     let outside = errors().filter(|e| **e < shown_mm[0] || **e > shown_mm[1]).count();
     let mut parts = Vec::new();
-    if let Some(cursor_s) = open.cursor_s {
+    if let Some(cursor_s) = open.timeline.cursor_s {
         let at = cursor_s - open.start_s();
         parts.push(match analysis.triplets().nearest(cursor_s) {
             Some(index) => {

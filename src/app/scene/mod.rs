@@ -10,6 +10,7 @@
 mod camera;
 mod content;
 mod legend;
+mod options;
 mod overlays;
 mod renderer;
 mod station_uncertainty;
@@ -17,5 +18,6 @@ mod view;
 
 pub use camera::{Camera, ViewPreset};
 pub use content::SceneContent;
+pub use options::{Colouring, Ruler, RulerEnd};
 pub use renderer::SceneRenderer;
 pub use view::SceneView;

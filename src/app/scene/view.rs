@@ -121,7 +121,7 @@ impl SceneView {
             self.content.rebuild(&open.deployment, analysis, &state.visibility, grid);
             self.built = Some(wanted);
         }
-        let instant = open.cursor_s.and_then(|t| analysis.triplets().nearest(t));
+        let instant = open.timeline.cursor_s.and_then(|t| analysis.triplets().nearest(t));
         let wanted = instant.map(|instant| (run, instant));
         if rebuilt || self.cursor != wanted {
             self.content.set_cursor(&open.deployment, analysis, instant, theme::cursor(dark));

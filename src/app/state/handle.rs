@@ -1,0 +1,202 @@
+//! Carrying out commands.
+
+use std::sync::Arc;
+
+use eframe::egui;
+
+use super::undo::{Change, Moment, Step};
+use super::{Command, Picked, State, Timeline};
+use crate::analysis::Settings;
+use crate::app::studies;
+use crate::app::worker::{Reply, Source};
+use crate::deployment::Deployment;
+use crate::experiment::Control;
+use crate::export;
+
+impl State {
+    /// Carries out a command; those of the window itself (layout, camera, pictures) are left to the caller.
+    pub fn handle(&mut self, command: Command, ctx: &egui::Context) {
+        match command {
+            Command::OpenPath(path) => self.open_source(Source::Path(path)),
+            Command::OpenSample(sample) => self.open_source(Source::Sample(sample)),
+            Command::OpenFolderDialog => self.open_folder_dialog(),
+            Command::OpenFileDialog => self.open_file_dialog(),
+            Command::Activate(id) => {
+                if let Some(index) = self.open.iter().position(|open| open.id == id) {
+                    self.active = index;
+                    self.playback.playing = false;
+                }
+            }
+            Command::Close(id) => self.close(id),
+
+            Command::Set(settings) => {
+                let active = self.active().map(|open| open.id);
+                self.change(active.as_slice(), settings, ctx);
+            }
+            Command::SetAll => {
+                let ids: Vec<u64> = self.open.iter().map(|open| open.id).collect();
+                self.change(&ids, *self.settings(), ctx);
+            }
+            Command::Undo => {
+                let step = self.undo.undo().cloned();
+                self.go(step.as_ref(), |change| change.before);
+            }
+            Command::Redo => {
+                let step = self.undo.redo().cloned();
+                self.go(step.as_ref(), |change| change.after);
+            }
+
+            Command::Hover(time_s) => self.hover_s = Some(time_s),
+            Command::MoveCursor(time_s) => self.with_timeline(|timeline, _| {
+                timeline.move_cursor(time_s);
+            }),
+            Command::StepCursor(steps) => self.step_cursor(steps),
+            Command::ShowTimes(span_s) => self.with_timeline(|timeline, _| timeline.show(span_s)),
+            Command::ShowAllTimes => self.with_timeline(|timeline, _| timeline.show_all()),
+            Command::Select(span_s) => self.with_timeline(|timeline, _| timeline.select(span_s)),
+            Command::ZoomToSelection => self.with_timeline(|timeline, _| {
+                if let Some(span_s) = timeline.selection_s {
+                    timeline.show(span_s);
+                }
+            }),
+            Command::TogglePlay => {
+                if let Some(open) = self.open.get_mut(self.active) {
+                    self.playback.toggle(&mut open.timeline);
+                }
+            }
+            Command::SetPlaySpeed(speed) => self.playback.speed = speed,
+            // The camera's part of it is the window's.
+            Command::PickInScene(picked) | Command::PickInPlot(picked) => self.pick(picked),
+            Command::Unpick => self.with_timeline(|timeline, _| timeline.picked = None),
+
+            Command::Show(visibility) => self.visibility = visibility,
+            Command::Colour(colouring) => self.colouring = colouring,
+            Command::Measure(ruler) => self.ruler = ruler,
+
+            Command::Copy(text) => ctx.copy_text(text),
+            Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
+                let result = export::rerun::open_viewer(&deployment, &analysis)
+                    .map(|()| "shown in the Rerun viewer".to_owned())
+                    .map_err(|error| error.to_string());
+                Some(Reply::Done(result))
+            }),
+            Command::SaveRecordingDialog => self.save_recording(),
+            Command::SaveTrajectoryDialog => self.save_trajectory(),
+            Command::SaveReportDialog => self.save_report(),
+
+            Command::SetStudy(options) => self.studies.options = options,
+            Command::RunStudy => self.run_study(),
+            Command::CancelStudy => {
+                if let Some((_, control)) = &self.studies.running {
+                    control.cancel();
+                }
+            }
+            Command::SaveStudyDialog => self.save_study(),
+            Command::DismissNotice => self.notice = None,
+            Command::Look(_)
+            | Command::ScenePicture(_)
+            | Command::ShowPane(_)
+            | Command::ResetLayout => {}
+        }
+    }
+
+    /// Gives deployments new settings as one step that can be undone.
+    fn change(&mut self, ids: &[u64], settings: Settings, ctx: &egui::Context) {
+        let changes: Vec<Change> = ids
+            .iter()
+            .filter_map(|&id| {
+                let before = self.open.iter().find(|open| open.id == id)?.settings;
+                (before != settings).then_some(Change { id, before, after: settings })
+            })
+            .collect();
+        for change in &changes {
+            self.set(change.id, settings);
+        }
+        let moment = ctx.input(|input| Moment {
+            now_s: input.time,
+            pressed_s: input.pointer.press_start_time().filter(|_| input.pointer.any_down()),
+        });
+        self.undo.record(changes, moment);
+    }
+
+    /// Goes back or forth by a step.
+    fn go(&mut self, step: Option<&Step>, wanted: impl Fn(&Change) -> Settings) {
+        for change in step.into_iter().flat_map(|step| &step.changes) {
+            self.set(change.id, wanted(change));
+        }
+    }
+
+    fn set(&mut self, id: u64, settings: Settings) {
+        let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
+        let open = &mut self.open[index];
+        if open.settings != settings {
+            open.settings = settings;
+            open.placeholder = false;
+            self.analyse(index);
+        }
+    }
+
+    fn close(&mut self, id: u64) {
+        let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
+        self.open.remove(index);
+        self.worker.forget(id);
+        self.undo.forget(id);
+        // The one shown stays shown; of a closed one, its neighbour.
+        if index < self.active || self.active == self.open.len() {
+            self.active = self.active.saturating_sub(1);
+        }
+    }
+
+    fn with_timeline(&mut self, change: impl FnOnce(&mut Timeline, &Deployment)) {
+        if let Some(open) = self.open.get_mut(self.active) {
+            change(&mut open.timeline, &open.deployment);
+        }
+    }
+
+    fn pick(&mut self, picked: Picked) {
+        self.with_timeline(|timeline, deployment| {
+            if let Some(time_s) = picked.time_s(deployment) {
+                timeline.picked = Some(picked);
+                timeline.move_cursor(time_s);
+                timeline.bring_into_view(time_s);
+            }
+        });
+    }
+
+    /// To the triplet so many further on; without triplets by tenths of a second.
+    fn step_cursor(&mut self, steps: i32) {
+        let Some(open) = self.open.get_mut(self.active) else { return };
+        let timeline = &mut open.timeline;
+        let from_s = timeline.cursor_s.unwrap_or(timeline.whole_s[0]);
+        let time_s = open.analysis.as_ref().map(|analysis| &analysis.triplets().time_s);
+        let to_s = match time_s.filter(|time_s| !time_s.is_empty()) {
+            Some(time_s) => {
+                // The first after the cursor, or the last before it, is one step away.
+                let after = time_s.partition_point(|t| *t <= from_s) as i64;
+                let before = time_s.partition_point(|t| *t < from_s) as i64;
+                let steps = i64::from(steps);
+                let index = if steps > 0 { after + steps - 1 } else { before + steps };
+                time_s[index.clamp(0, time_s.len() as i64 - 1) as usize]
+            }
+            None => from_s + 0.1 * f64::from(steps),
+        };
+        timeline.move_cursor(to_s);
+        timeline.bring_into_view(to_s);
+    }
+
+    fn run_study(&mut self) {
+        let options = self.studies.options;
+        let deployments: Vec<Arc<Deployment>> = if options.all_open {
+            self.open.iter().map(|open| Arc::clone(&open.deployment)).collect()
+        } else {
+            self.active().map(|open| Arc::clone(&open.deployment)).into_iter().collect()
+        };
+        let settings = *self.settings();
+        let control = Arc::new(Control::default());
+        let shared = Arc::clone(&control);
+        let number = self
+            .worker
+            .study(move || studies::run(&options, &deployments, &settings, &shared).map(Arc::new));
+        self.studies.running = Some((number, control));
+    }
+}

@@ -1,0 +1,193 @@
+//! The window's state, and the one place where it changes.
+//!
+//! Panes get the state to read and a list to put [`Command`]s on; [`State::handle`] carries them out between frames.
+
+mod command;
+mod handle;
+mod replies;
+mod saving;
+mod timeline;
+mod undo;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use eframe::egui;
+
+pub use command::{Command, Commands, PictureTo};
+pub use timeline::{Picked, Playback, Timeline};
+pub use undo::UndoStack;
+
+use super::open_deployment::OpenDeployment;
+use super::scene::{Colouring, Ruler};
+use super::studies::Studies;
+use super::worker::{Source, Worker};
+use crate::analysis::{Analysis, Settings};
+use crate::deployment::{Deployment, Sample};
+
+/// What the scene and the plots show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Visibility {
+    pub stations: [bool; 3],
+    pub raw: bool,
+    pub tracks: bool,
+    pub control_points: bool,
+    /// The vehicle's frame along the track.
+    pub poses: bool,
+    /// What the interpolation states about its own error: ellipsoids in the scene, bands in the plot.
+    pub uncertainty: bool,
+    /// What the answer states about where stations 2 and 3 stand.
+    pub station_ellipsoids: bool,
+    /// Arrows at stations 2 and 3 along what the drive leaves free or weak.
+    pub weak_directions: bool,
+    /// Pairs of prisms in the plots.
+    pub pairs: [bool; 3],
+}
+
+impl Default for Visibility {
+    fn default() -> Self {
+        Self {
+            stations: [true; 3],
+            raw: true,
+            tracks: true,
+            control_points: true,
+            poses: true,
+            uncertainty: true,
+            station_ellipsoids: true,
+            weak_directions: true,
+            pairs: [true; 3],
+        }
+    }
+}
+
+/// One line at the top of the window until it is dismissed or replaced.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Notice {
+    Error(String),
+    Done(String),
+}
+
+/// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
+const DIM_AFTER: Duration = Duration::from_millis(80);
+
+pub struct State {
+    worker: Worker,
+    /// In the order they were opened.
+    pub open: Vec<OpenDeployment>,
+    /// Which of them the panes show.
+    active: usize,
+    newest_id: u64,
+    /// What the next deployment starts with.
+    pub start_settings: Settings,
+    pub visibility: Visibility,
+    pub colouring: Colouring,
+    pub ruler: Ruler,
+    pub playback: Playback,
+    /// Time under the pointer in the last frame, in whichever pane (s, in the stations' clock).
+    pub hover_s: Option<f64>,
+    pub undo: UndoStack,
+    pub studies: Studies,
+    pub notice: Option<Notice>,
+    /// Pictures that are compared byte for byte show this instead of the measured time (ms).
+    pub fixed_elapsed_ms: Option<f64>,
+    opening: Vec<u64>,
+    /// The request whose deployment gives way to the first that the user opens.
+    placeholder: Option<u64>,
+}
+
+impl State {
+    pub fn new(ctx: egui::Context) -> Self {
+        Self {
+            worker: Worker::start(ctx),
+            open: Vec::new(),
+            active: 0,
+            newest_id: 0,
+            start_settings: Settings::default(),
+            visibility: Visibility::default(),
+            colouring: Colouring::default(),
+            ruler: Ruler::default(),
+            playback: Playback::default(),
+            hover_s: None,
+            undo: UndoStack::default(),
+            studies: Studies::default(),
+            notice: None,
+            fixed_elapsed_ms: None,
+            opening: Vec::new(),
+            placeholder: None,
+        }
+    }
+
+    /// What the panes show.
+    pub fn active(&self) -> Option<&OpenDeployment> {
+        self.open.get(self.active)
+    }
+
+    /// The active deployment with its newest answer, once there is one.
+    pub fn analysed(&self) -> Option<(&OpenDeployment, &Arc<Analysis>)> {
+        let active = self.active()?;
+        Some((active, active.analysis.as_ref()?))
+    }
+
+    /// Those of the active deployment, or what the next one starts with.
+    pub fn settings(&self) -> &Settings {
+        self.active().map_or(&self.start_settings, |open| &open.settings)
+    }
+
+    /// Opens a deployment, shows it, and calibrates it.
+    pub fn add(&mut self, deployment: Arc<Deployment>) {
+        self.open.retain(|open| !open.placeholder);
+        self.newest_id += 1;
+        self.open.push(OpenDeployment::new(self.newest_id, deployment, self.start_settings));
+        self.active = self.open.len() - 1;
+        self.analyse(self.active);
+    }
+
+    /// Opens the sample that is there until the user opens something.
+    pub fn open_placeholder(&mut self, sample: Sample) {
+        self.open_source(Source::Sample(sample));
+        self.placeholder = self.opening.last().copied();
+    }
+
+    /// Whether anything is being opened, calibrated or studied.
+    pub fn is_busy(&self) -> bool {
+        let analysing = self.open.iter().any(|open| open.analysing.is_some());
+        !self.opening.is_empty() || analysing || self.studies.running.is_some()
+    }
+
+    /// Whether the answer shown is old enough to be dimmed.
+    pub fn is_stale(&self) -> bool {
+        let since = self.active().and_then(|open| open.analysing);
+        since.is_some_and(|(_, since)| since.elapsed() > DIM_AFTER)
+    }
+
+    /// How long the answer took (ms), once there is one.
+    pub fn elapsed_ms(&self) -> Option<f64> {
+        let (_, analysis) = self.analysed()?;
+        Some(self.fixed_elapsed_ms.unwrap_or_else(|| analysis.total_ms()))
+    }
+
+    /// Time of the active deployment's first measurement (s).
+    pub fn start_s(&self) -> f64 {
+        self.active().map_or(0.0, OpenDeployment::start_s)
+    }
+
+    /// Moves what moves by itself on to this time of the window's clock (s).
+    pub fn advance(&mut self, now_s: f64) {
+        if let Some(open) = self.open.get_mut(self.active) {
+            self.playback.advance(&mut open.timeline, now_s);
+        }
+    }
+
+    fn analyse(&mut self, index: usize) {
+        let Some(open) = self.open.get_mut(index) else { return };
+        let number = self.worker.analyse(open.id, Arc::clone(&open.deployment), open.settings);
+        // The clock of a first request keeps running while newer ones replace it.
+        let since = open.analysing.map_or_else(Instant::now, |(_, since)| since);
+        open.analysing = Some((number, since));
+    }
+
+    fn open_source(&mut self, source: Source) {
+        let number = self.worker.open(source);
+        self.opening.push(number);
+    }
+}

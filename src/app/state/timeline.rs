@@ -1,0 +1,196 @@
+//! Time, one for all panes of a deployment: cursor, window, selection, and what is played.
+//!
+//! Times are seconds of the stations' clock; plots count from the first measurement.
+
+use crate::deployment::Deployment;
+
+/// A raw reading of a deployment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Picked {
+    /// 0 to 2.
+    pub station: usize,
+    /// In the station's track.
+    pub index: usize,
+}
+
+impl Picked {
+    /// When it was measured (s); `None` if there is no such reading.
+    pub fn time_s(&self, deployment: &Deployment) -> Option<f64> {
+        let track = deployment.tracks.get(self.station)?;
+        track.measurements.get(self.index).map(|reading| reading.time_s)
+    }
+}
+
+/// Where in time the panes of a deployment are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timeline {
+    /// From the first measurement to the last.
+    pub whole_s: [f64; 2],
+    /// What the plots over time show.
+    pub window_s: [f64; 2],
+    pub cursor_s: Option<f64>,
+    pub selection_s: Option<[f64; 2]>,
+    pub picked: Option<Picked>,
+}
+
+/// The shortest time that the plots show (s): readings come a few times a second.
+const SHORTEST_WINDOW_S: f64 = 0.05;
+
+impl Timeline {
+    pub fn new(deployment: &Deployment) -> Self {
+        let start_s = deployment.start_s().unwrap_or(0.0);
+        let end_s = deployment.end_s().unwrap_or(start_s).max(start_s + 1.0);
+        let whole_s = [start_s, end_s];
+        Self { whole_s, window_s: whole_s, cursor_s: None, selection_s: None, picked: None }
+    }
+
+    /// Moves the cursor, within the deployment.
+    pub fn move_cursor(&mut self, time_s: f64) {
+        if time_s.is_finite() {
+            self.cursor_s = Some(time_s.clamp(self.whole_s[0], self.whole_s[1]));
+        }
+    }
+
+    /// Shows a span of time, in whichever order its ends come. It may reach a little beyond the measurements.
+    pub fn show(&mut self, [a, b]: [f64; 2]) {
+        if !(a.is_finite() && b.is_finite()) {
+            return;
+        }
+        let margin_s = 0.5 * (self.whole_s[1] - self.whole_s[0]);
+        let [from, to] = [self.whole_s[0] - margin_s, self.whole_s[1] + margin_s];
+        let length_s = (b - a).abs().clamp(SHORTEST_WINDOW_S, to - from);
+        let start_s = a.min(b).clamp(from, to - length_s);
+        self.window_s = [start_s, start_s + length_s];
+    }
+
+    pub fn show_all(&mut self) {
+        self.window_s = self.whole_s;
+    }
+
+    /// Moves the window as it is to where an instant is seen.
+    pub fn bring_into_view(&mut self, time_s: f64) {
+        let [start_s, end_s] = self.window_s;
+        if !(start_s..=end_s).contains(&time_s) {
+            let half_s = (end_s - start_s) / 2.0;
+            self.show([time_s - half_s, time_s + half_s]);
+        }
+    }
+
+    /// Selects a span, in whichever order its ends come; one of no length selects nothing.
+    pub fn select(&mut self, span_s: Option<[f64; 2]>) {
+        self.selection_s = span_s
+            .filter(|[a, b]| a.is_finite() && b.is_finite() && a != b)
+            .map(|[a, b]| [a.min(b), a.max(b)].map(|t| t.clamp(self.whole_s[0], self.whole_s[1])));
+    }
+}
+
+/// The cursor moving by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Playback {
+    pub playing: bool,
+    /// Seconds of the drive in a second.
+    pub speed: f64,
+    /// Time of the last frame (s of the window's clock) while playing.
+    last_frame_s: Option<f64>,
+}
+
+impl Default for Playback {
+    fn default() -> Self {
+        Self { playing: false, speed: 4.0, last_frame_s: None }
+    }
+}
+
+impl Playback {
+    /// Speeds that are offered.
+    pub const SPEEDS: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 10.0, 40.0];
+
+    /// Starts or stops. From the end it starts again at the beginning of what is shown.
+    pub fn toggle(&mut self, timeline: &mut Timeline) {
+        self.playing = !self.playing;
+        self.last_frame_s = None;
+        let [start_s, end_s] = span(timeline);
+        if self.playing && timeline.cursor_s.is_none_or(|t| t >= end_s || t < start_s) {
+            timeline.move_cursor(start_s);
+        }
+    }
+
+    /// Moves the cursor on, and stops at the end of what is selected or shown.
+    pub fn advance(&mut self, timeline: &mut Timeline, now_s: f64) {
+        if !self.playing {
+            return;
+        }
+        // A frame that took long must not make the cursor jump.
+        let elapsed_s = self.last_frame_s.map_or(0.0, |last| (now_s - last).clamp(0.0, 0.25));
+        self.last_frame_s = Some(now_s);
+        let [start_s, end_s] = span(timeline);
+        let next_s = timeline.cursor_s.unwrap_or(start_s) + self.speed * elapsed_s;
+        timeline.move_cursor(next_s.min(end_s));
+        if next_s >= end_s {
+            self.playing = false;
+            self.last_frame_s = None;
+        }
+    }
+}
+
+/// What is played: the selection, or what the plots show of the drive.
+fn span(timeline: &Timeline) -> [f64; 2] {
+    let [start_s, end_s] = timeline.whole_s;
+    timeline.selection_s.unwrap_or(timeline.window_s).map(|t| t.clamp(start_s, end_s))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn timeline() -> Timeline {
+        let whole_s = [1000.0, 1100.0];
+        Timeline { whole_s, window_s: whole_s, cursor_s: None, selection_s: None, picked: None }
+    }
+
+    #[test]
+    fn what_is_shown_stays_near_the_drive_and_never_vanishes() {
+        let mut timeline = timeline();
+        timeline.show([1050.0, 1040.0]);
+        assert_eq!(timeline.window_s, [1040.0, 1050.0]);
+        timeline.show([1020.0, 1020.0]);
+        assert!(timeline.window_s[1] > timeline.window_s[0]);
+        timeline.show([-1e9, 1e9]);
+        assert_eq!(timeline.window_s, [950.0, 1150.0]);
+        timeline.show([f64::NAN, 1.0]);
+        assert_eq!(timeline.window_s, [950.0, 1150.0]);
+        timeline.show([5000.0, 5010.0]);
+        assert_eq!(timeline.window_s, [1140.0, 1150.0]);
+    }
+
+    #[test]
+    fn an_instant_out_of_sight_is_brought_into_the_middle() {
+        let mut timeline = timeline();
+        timeline.show([1010.0, 1020.0]);
+        timeline.bring_into_view(1015.0);
+        assert_eq!(timeline.window_s, [1010.0, 1020.0]);
+        timeline.bring_into_view(1080.0);
+        assert_eq!(timeline.window_s, [1075.0, 1085.0]);
+    }
+
+    #[test]
+    fn playing_follows_the_clock_and_stops_at_the_end_of_the_selection() {
+        let (mut timeline, mut playback) =
+            (timeline(), Playback { speed: 10.0, ..Default::default() });
+        timeline.select(Some([1030.0, 1020.0]));
+        playback.toggle(&mut timeline);
+        for frame in 0..=5 {
+            playback.advance(&mut timeline, 7.0 + 0.1 * f64::from(frame));
+        }
+        let cursor_s = timeline.cursor_s.expect("playing sets it");
+        assert!((cursor_s - 1025.0).abs() < 1e-9, "{cursor_s}");
+        // A pause of ten seconds is not a jump of a hundred.
+        playback.advance(&mut timeline, 17.5);
+        assert!((timeline.cursor_s.expect("set") - 1027.5).abs() < 1e-9);
+        for frame in 0..10 {
+            playback.advance(&mut timeline, 17.6 + 0.1 * f64::from(frame));
+        }
+        assert_eq!((timeline.cursor_s, playback.playing), (Some(1030.0), false));
+        playback.toggle(&mut timeline);
+        assert_eq!(timeline.cursor_s, Some(1020.0));
+    }
+}
