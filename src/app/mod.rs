@@ -17,7 +17,7 @@ mod worker;
 
 pub use layout::Pane;
 pub use open_deployment::OpenDeployment;
-pub use scene::{Colouring, Ruler, RulerEnd};
+pub use scene::{Colouring, Ruler, RulerEnd, SceneView, ViewPreset};
 pub use state::{Command, Notice, Picked, PictureTo, Playback, State, Timeline, Visibility};
 pub use studies::{StudyKind, StudyOptions, StudyResult};
 pub use window::{ResectWindow, Start, offscreen_renderer, open_window, picture};

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::plots::PreparedPlots;
+use super::scene::Clouds;
 use super::state::Timeline;
 use crate::analysis::{Analysis, Settings};
 use crate::deployment::Deployment;
@@ -19,6 +20,8 @@ pub struct OpenDeployment {
     pub analysis: Option<Arc<Analysis>>,
     /// Its plots.
     pub plots: Arc<PreparedPlots>,
+    /// Its readings and tracks, for the scene.
+    pub clouds: Clouds,
     /// Number of the request that the answer belongs to; changes with it.
     pub analysis_run: u64,
     pub timeline: Timeline,
@@ -42,6 +45,7 @@ impl OpenDeployment {
             settings,
             analysis: None,
             plots: Arc::default(),
+            clouds: Clouds::default(),
             analysis_run: 0,
             timeline,
             placeholder: false,
@@ -55,7 +59,13 @@ impl OpenDeployment {
     }
 
     /// Takes in an answer, unless a newer one is on its way.
-    pub fn take(&mut self, number: u64, analysis: Arc<Analysis>, plots: Arc<PreparedPlots>) {
+    pub fn take(
+        &mut self,
+        number: u64,
+        analysis: Arc<Analysis>,
+        plots: Arc<PreparedPlots>,
+        clouds: Clouds,
+    ) {
         if self.analysing.is_none_or(|(newest, _)| newest != number) {
             return;
         }
@@ -67,6 +77,7 @@ impl OpenDeployment {
         }
         self.analysis = Some(analysis);
         self.plots = plots;
+        self.clouds = clouds;
         self.analysis_run = number;
     }
 }

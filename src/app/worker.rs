@@ -12,6 +12,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use eframe::egui;
 
 use super::plots::PreparedPlots;
+use super::scene::{CloudMaker, Clouds};
 use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
 use crate::deployment::{Deployment, Sample, open};
@@ -51,6 +52,7 @@ pub enum Reply {
         id: u64,
         analysis: Arc<Analysis>,
         plots: Arc<PreparedPlots>,
+        clouds: Clouds,
     },
     Studied(u64, Result<Arc<StudyResult>, StudyError>),
     /// A request ended in a bug of the program.
@@ -141,8 +143,11 @@ impl Worker {
     }
 }
 
+/// Of each deployment: who analyses it and who makes its clouds.
+type Analysts = HashMap<u64, (Analyst, CloudMaker)>;
+
 fn work(inbox: &Receiver<Request>, outbox: &Sender<Reply>, ctx: &egui::Context) {
-    let mut analysts: HashMap<u64, Analyst> = HashMap::new();
+    let mut analysts: Analysts = HashMap::new();
     while let Ok(first) = inbox.recv() {
         let mut waiting = vec![first];
         waiting.extend(inbox.try_iter());
@@ -179,7 +184,7 @@ fn without_overtaken(waiting: Vec<Request>) -> Vec<Request> {
         .collect()
 }
 
-fn reply(request: Request, analysts: &mut HashMap<u64, Analyst>) -> Option<Reply> {
+fn reply(request: Request, analysts: &mut Analysts) -> Option<Reply> {
     match request {
         Request::Open(number, source) => {
             let opened = match source {
@@ -190,14 +195,18 @@ fn reply(request: Request, analysts: &mut HashMap<u64, Analyst>) -> Option<Reply
         }
         Request::Analyse { number, id, deployment, settings } => {
             let start_s = deployment.start_s().unwrap_or(0.0);
-            let analyst = analysts.entry(id).or_insert_with(|| Analyst::new(deployment));
+            let (analyst, clouds) = analysts
+                .entry(id)
+                .or_insert_with(|| (Analyst::new(deployment), CloudMaker::default()));
             let analysis = analyst.run(&settings);
+            let clouds = clouds.make(analyst.deployment(), &analysis);
             let plots = PreparedPlots::of(&analysis, start_s);
             Some(Reply::Analysed {
                 number,
                 id,
                 analysis: Arc::new(analysis),
                 plots: Arc::new(plots),
+                clouds,
             })
         }
         Request::Forget(id) => {

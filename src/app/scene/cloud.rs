@@ -1,6 +1,7 @@
 //! Points by the million: where they are never changes while their colours and who is shown do.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::pick::PointTree;
 use crate::analysis::Analysis;
@@ -67,6 +68,34 @@ impl Cloud {
     }
 }
 
+/// What the scene draws by the million, of one analysis.
+#[derive(Clone, Debug, Default)]
+pub struct Clouds {
+    pub raw: Arc<Cloud>,
+    pub tracks: Arc<Cloud>,
+}
+
+/// Makes the clouds of one deployment, and only those anew that changed.
+#[derive(Default)]
+pub struct CloudMaker {
+    raw: Option<Arc<Cloud>>,
+    tracks: Option<(Arc<Triplets>, Arc<Cloud>)>,
+}
+
+impl CloudMaker {
+    /// Half a second of work at a million readings, most of it the first time: not for the thread that draws.
+    pub fn make(&mut self, deployment: &Deployment, analysis: &Analysis) -> Clouds {
+        let raw = self.raw.get_or_insert_with(|| Arc::new(Cloud::of_readings(deployment)));
+        let triplets = analysis.triplets();
+        let known = self.tracks.take().filter(|(of, _)| Arc::ptr_eq(of, triplets));
+        let (_, tracks) = self.tracks.insert(known.unwrap_or_else(|| {
+            let start_s = deployment.start_s().unwrap_or(0.0);
+            (Arc::clone(triplets), Arc::new(Cloud::of_triplets(triplets, start_s)))
+        }));
+        Clouds { raw: Arc::clone(raw), tracks: Arc::clone(tracks) }
+    }
+}
+
 /// For each reading of a station the nearest triplet in time, `None` where none is within half a second.
 pub fn nearest_triplets<'a>(
     deployment: &'a Deployment,
@@ -107,7 +136,7 @@ mod tests {
             assert!(walked.iter().any(Option::is_none) && walked.iter().any(Option::is_some));
             for (m, walked) in measurements.iter().zip(walked) {
                 let searched = analysis.triplets().nearest(m.time_s);
-                let away = |index| (analysis.triplets().time_s[index] - m.time_s).abs();
+                let away = |index: usize| (analysis.triplets().time_s[index] - m.time_s).abs();
                 assert_eq!(walked.map(away), searched.map(away));
             }
         }

@@ -7,7 +7,9 @@ use crate::palette::{self, Rgb};
 use crate::pipeline::SampleFate;
 
 /// What readings and tracks are coloured by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Colouring {
     /// Readings by what became of them, tracks by their station: what is asked first of a new deployment.
@@ -98,9 +100,8 @@ impl Colours {
             ),
             Colouring::Interval => {
                 let owners = [0, 1, 2].map(|station| intervals(deployment, analysis, station));
-                let of = |interval: Option<u32>| {
-                    interval.map_or(palette::NO_VALUE, palette::interval)
-                };
+                let of =
+                    |interval: Option<u32>| interval.map_or(palette::NO_VALUE, palette::interval);
                 let mut colours = Self::by_group(
                     analysis,
                     |station, index, _| (of(owners[station][index]), false),
@@ -216,7 +217,8 @@ fn intervals(deployment: &Deployment, analysis: &Analysis, station: usize) -> Ve
             while at + 1 < kept.len() && m.time_s > kept[at].end_s {
                 // The reading that brackets the end is still this interval's.
                 if *fate == SampleFate::Kept && m.time_s < kept[at + 1].start_s {
-                    let (after, before) = (m.time_s - kept[at].end_s, kept[at + 1].start_s - m.time_s);
+                    let (after, before) =
+                        (m.time_s - kept[at].end_s, kept[at + 1].start_s - m.time_s);
                     if after <= before {
                         break;
                     }
@@ -301,7 +303,10 @@ mod tests {
         let of = residuals_mm(&analysis);
         for index in [0, 700, 3000] {
             let [e12, e13, e23] = [0, 1, 2].map(|pair| errors[pair][index].abs());
-            assert_eq!(of.each_ref().map(|own| own[index]), [e12.max(e13), e12.max(e23), e13.max(e23)]);
+            assert_eq!(
+                of.each_ref().map(|own| own[index]),
+                [e12.max(e13), e12.max(e23), e13.max(e23)]
+            );
         }
         let colours = Colours::of(&deployment, &analysis, Colouring::Residual);
         let scale = colours.scale.expect("a scale");

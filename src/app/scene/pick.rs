@@ -70,18 +70,14 @@ impl PickView {
             return None;
         }
         let distance_points = self.on_screen(&clip).distance(self.pointer);
-        let hit = Hit {
-            index,
-            distance_points: distance_points.max(UNDER_POINTS),
-            depth_m: clip.w,
-        };
+        let hit =
+            Hit { index, distance_points: distance_points.max(UNDER_POINTS), depth_m: clip.w };
         (distance_points <= self.reach_points).then_some(hit)
     }
 
     fn on_screen(&self, clip: &Vector4<f32>) -> Pos2 {
         let half = 0.5 * self.rect.size();
-        self.rect.center()
-            + eframe::egui::vec2(clip.x / clip.w * half.x, -clip.y / clip.w * half.y)
+        self.rect.center() + eframe::egui::vec2(clip.x / clip.w * half.x, -clip.y / clip.w * half.y)
     }
 
     /// No point of a box is seen nearer to the pointer than this; `None` if none is seen at all.
@@ -169,7 +165,8 @@ impl PointTree {
                 continue;
             }
             if level > 0 {
-                let children = node * BRANCH..((node + 1) * BRANCH).min(self.levels[level - 1].len());
+                let children =
+                    node * BRANCH..((node + 1) * BRANCH).min(self.levels[level - 1].len());
                 open.extend(children.map(|child| (level - 1, child)));
                 continue;
             }
@@ -224,7 +221,8 @@ mod tests {
             .map(|i| {
                 let s = i as f32 * 0.02;
                 let jump = if i % 50 == 7 { 40.0 * (3.7 * s).sin() } else { 0.0 };
-                let p = [30.0 + 20.0 * s.sin(), 15.0 * (1.3 * s).cos() + jump, 0.4 * (0.3 * s).sin()];
+                let p =
+                    [30.0 + 20.0 * s.sin(), 15.0 * (1.3 * s).cos() + jump, 0.4 * (0.3 * s).sin()];
                 TimedPoint { position_m: p, time_s: s }
             })
             .collect()

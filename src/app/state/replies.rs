@@ -3,8 +3,6 @@
 use std::sync::Arc;
 
 use super::{Notice, State};
-use crate::analysis::Analysis;
-use crate::app::plots::PreparedPlots;
 use crate::app::worker::{Reply, Source};
 use crate::deployment::Deployment;
 use crate::experiment::StudyError;
@@ -30,8 +28,10 @@ impl State {
     fn take(&mut self, reply: Reply) {
         match reply {
             Reply::Opened(number, result) => self.take_opened(number, result),
-            Reply::Analysed { number, id, analysis, plots } => {
-                self.take_analysed(number, id, analysis, plots);
+            Reply::Analysed { number, id, analysis, plots, clouds } => {
+                if let Some(open) = self.open.iter_mut().find(|open| open.id == id) {
+                    open.take(number, analysis, plots, clouds);
+                }
             }
             Reply::Studied(number, result) => {
                 if self.studies.running.as_ref().is_none_or(|(running, _)| *running != number) {
@@ -71,18 +71,6 @@ impl State {
                 }
             }
             Err(line) => self.notice = Some(Notice::Error(line)),
-        }
-    }
-
-    fn take_analysed(
-        &mut self,
-        number: u64,
-        id: u64,
-        analysis: Arc<Analysis>,
-        plots: Arc<PreparedPlots>,
-    ) {
-        if let Some(open) = self.open.iter_mut().find(|open| open.id == id) {
-            open.take(number, analysis, plots);
         }
     }
 }
