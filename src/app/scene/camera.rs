@@ -1,6 +1,6 @@
 //! An orbit camera: z is up, in metres of station 1's frame.
 
-use nalgebra::{Matrix4, Point3, Vector3, Vector4};
+use nalgebra::{Matrix4, Point3, Vector3};
 
 /// Ways to look that a button offers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -169,6 +169,7 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector4;
 
     #[test]
     fn what_is_fitted_fills_the_picture_and_stays_inside() {

