@@ -20,7 +20,7 @@ mod worker;
 
 pub use layout::{Layout, LayoutDescription, LayoutPreset, Pane};
 pub use open_deployment::OpenDeployment;
-pub use scene::{Colouring, Ruler, RulerEnd};
+pub use scene::{Colouring, Ruler, RulerEnd, SceneView, ViewPreset};
 pub use state::{
     Command, Notice, Overlay, Picked, PictureTo, Pin, Playback, Results, Run, State, Timeline,
     Visibility,

@@ -4,7 +4,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::plots::PreparedPlots;
+use super::scene::Clouds;
 use super::state::Timeline;
+use super::worker::Answered;
 use crate::analysis::{Analysis, Settings};
 use crate::deployment::{Deployment, Source};
 use crate::export::summary::ResultSummary;
@@ -24,6 +26,8 @@ pub struct OpenDeployment {
     pub summary: Option<Arc<ResultSummary>>,
     /// Its plots.
     pub plots: Arc<PreparedPlots>,
+    /// Its readings and tracks, for the scene.
+    pub clouds: Clouds,
     /// Number of the request that the answer belongs to; changes with it.
     pub analysis_run: u64,
     pub timeline: Timeline,
@@ -51,6 +55,7 @@ impl OpenDeployment {
             analysis: None,
             summary: None,
             plots: Arc::default(),
+            clouds: Clouds::default(),
             analysis_run: 0,
             timeline,
             placeholder: false,
@@ -76,15 +81,11 @@ impl OpenDeployment {
     }
 
     /// Takes in an answer, unless a newer one is on its way; tells whether it did.
-    pub fn take(
-        &mut self,
-        number: u64,
-        analysis: Arc<Analysis>,
-        plots: Arc<PreparedPlots>,
-    ) -> bool {
+    pub fn take(&mut self, number: u64, answered: Answered) -> bool {
         if self.analysing.is_none_or(|(newest, _)| newest != number) {
             return false;
         }
+        let Answered { analysis, plots, clouds } = answered;
         self.analysing = None;
         if self.timeline.cursor_s.is_none() {
             // So that the rig is seen before anything is clicked.
@@ -98,6 +99,7 @@ impl OpenDeployment {
             .map(|answer| Arc::new(ResultSummary::of(&self.deployment, &analysis, answer)));
         self.analysis = Some(analysis);
         self.plots = plots;
+        self.clouds = clouds;
         self.analysis_run = number;
         true
     }

@@ -53,6 +53,10 @@ impl ResectWindow {
     pub fn send(&mut self, command: Command, ctx: &egui::Context) {
         match command {
             Command::Look(preset) => self.scene.look(preset),
+            Command::PickInPlot(picked) => {
+                self.scene.fly_to_reading(&self.state, picked);
+                self.state.handle(command, ctx);
+            }
             Command::ShowPane(pane) => self.layout.show(pane),
             Command::UseLayout(preset) => self.layout = Layout::from(preset),
             Command::ResetLayout => self.layout = Layout::default(),

@@ -13,6 +13,7 @@ use eframe::egui;
 
 use super::file_dialog::Listing;
 use super::plots::{PreparedPlots, RawReadings};
+use super::scene::{CloudMaker, Clouds};
 use super::state::PictureTo;
 use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
@@ -39,13 +40,19 @@ impl Request {
     }
 }
 
+/// An analysis, and what is drawn of it.
+pub struct Answered {
+    pub analysis: Arc<Analysis>,
+    pub plots: Arc<PreparedPlots>,
+    pub clouds: Clouds,
+}
+
 pub enum Reply {
     Opened(u64, Result<Arc<Deployment>, OpenError>),
     Analysed {
         number: u64,
         id: u64,
-        analysis: Arc<Analysis>,
-        plots: Arc<PreparedPlots>,
+        answered: Answered,
     },
     Studied(u64, Result<Arc<StudyResult>, StudyError>),
     /// The picture of the scene that was asked for.
@@ -181,6 +188,7 @@ struct Known {
     analyst: Analyst,
     /// No setting changes them.
     readings: Arc<RawReadings>,
+    clouds: CloudMaker,
 }
 
 fn work(inbox: &Receiver<Request>, outbox: &Sender<Reply>, ctx: &egui::Context) {
@@ -225,16 +233,15 @@ fn reply(request: Request, known: &mut HashMap<u64, Known>) -> Option<Reply> {
         Request::Analyse { number, id, deployment, settings } => {
             let known = known.entry(id).or_insert_with(|| Known {
                 readings: Arc::new(RawReadings::of(&deployment)),
+                clouds: CloudMaker::default(),
                 analyst: Analyst::new(deployment),
             });
             let analysis = known.analyst.run(&settings);
+            let clouds = known.clouds.make(known.analyst.deployment(), &analysis);
             let plots = PreparedPlots::of(&analysis, &known.readings);
-            Some(Reply::Analysed {
-                number,
-                id,
-                analysis: Arc::new(analysis),
-                plots: Arc::new(plots),
-            })
+            let answered =
+                Answered { analysis: Arc::new(analysis), plots: Arc::new(plots), clouds };
+            Some(Reply::Analysed { number, id, answered })
         }
         Request::Forget(id) => {
             known.remove(&id);
