@@ -8,6 +8,7 @@ mod actions;
 mod layout;
 mod open_deployment;
 mod panels;
+pub mod persist;
 mod plots;
 mod scene;
 mod state;

@@ -1,9 +1,11 @@
 //! What the scene is asked to show.
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// What the colour of points and tracks means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Colouring {
     /// Raw readings by what became of them, tracks by station.
     #[default]

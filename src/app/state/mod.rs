@@ -15,6 +15,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui;
+use serde::{Deserialize, Serialize};
 
 pub use command::{Command, Commands, PictureTo};
 pub use opening::Opening;
@@ -30,7 +31,8 @@ use super::worker::Worker;
 use crate::analysis::{Analysis, Settings};
 
 /// What the scene and the plots show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Visibility {
     pub stations: [bool; 3],
     pub raw: bool,
