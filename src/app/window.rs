@@ -117,11 +117,13 @@ impl Panes<'_> {
             Pane::Result => panels::result::ui(ui, self.state, self.commands),
             Pane::Findings => panels::findings::ui(ui, self.state),
             Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),
+            Pane::Rates => plots::rates::ui(ui, self.state, self.commands),
+            Pane::Intervals => plots::intervals::ui(ui, self.state, self.commands),
             Pane::Histogram => plots::histogram::ui(ui, self.state),
             Pane::PriorSearch => plots::prior_search::ui(ui, self.state, self.commands),
             Pane::SideBySide => panels::side_by_side::ui(ui, self.state, self.commands),
             Pane::Studies => panels::studies::ui(ui, self.state, self.commands),
-            Pane::Rates | Pane::Intervals | Pane::Reading | Pane::Runs => {}
+            Pane::Reading | Pane::Runs => {}
         }
     }
 }

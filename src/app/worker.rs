@@ -11,7 +11,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui;
 
-use super::plots::PreparedPlots;
+use super::plots::{PreparedPlots, RawReadings};
 use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
 use crate::deployment::{Deployment, OpenError, Sorted, Source, sort};
@@ -155,17 +155,23 @@ impl Worker {
     }
 }
 
+/// What is remembered of a deployment.
+struct Known {
+    analyst: Analyst,
+    /// No setting changes them.
+    readings: Arc<RawReadings>,
+}
+
 fn work(inbox: &Receiver<Request>, outbox: &Sender<Reply>, ctx: &egui::Context) {
-    let mut analysts: HashMap<u64, Analyst> = HashMap::new();
+    let mut known: HashMap<u64, Known> = HashMap::new();
     while let Ok(first) = inbox.recv() {
         let mut waiting = vec![first];
         waiting.extend(inbox.try_iter());
         for request in without_overtaken(waiting) {
             let number = request.number();
-            let answer =
-                std::panic::catch_unwind(AssertUnwindSafe(|| reply(request, &mut analysts)));
+            let answer = std::panic::catch_unwind(AssertUnwindSafe(|| reply(request, &mut known)));
             let reply = answer.unwrap_or_else(|_| {
-                analysts.clear();
+                known.clear();
                 Some(Reply::Failed(number))
             });
             if let Some(reply) = reply {
@@ -193,13 +199,15 @@ fn without_overtaken(waiting: Vec<Request>) -> Vec<Request> {
         .collect()
 }
 
-fn reply(request: Request, analysts: &mut HashMap<u64, Analyst>) -> Option<Reply> {
+fn reply(request: Request, known: &mut HashMap<u64, Known>) -> Option<Reply> {
     match request {
         Request::Analyse { number, id, deployment, settings } => {
-            let start_s = deployment.start_s().unwrap_or(0.0);
-            let analyst = analysts.entry(id).or_insert_with(|| Analyst::new(deployment));
-            let analysis = analyst.run(&settings);
-            let plots = PreparedPlots::of(&analysis, start_s);
+            let known = known.entry(id).or_insert_with(|| Known {
+                readings: Arc::new(RawReadings::of(&deployment)),
+                analyst: Analyst::new(deployment),
+            });
+            let analysis = known.analyst.run(&settings);
+            let plots = PreparedPlots::of(&analysis, &known.readings);
             Some(Reply::Analysed {
                 number,
                 id,
@@ -208,7 +216,7 @@ fn reply(request: Request, analysts: &mut HashMap<u64, Analyst>) -> Option<Reply
             })
         }
         Request::Forget(id) => {
-            analysts.remove(&id);
+            known.remove(&id);
             None
         }
     }
