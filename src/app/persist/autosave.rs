@@ -6,7 +6,7 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::SystemTime;
 
 use super::hashes::HashCache;
 use super::keep_aside;
@@ -14,9 +14,6 @@ use super::session::{self, Session};
 use super::writer::Writer;
 use crate::deployment::Finding;
 use crate::export::atomic;
-
-/// How often the running window's session is looked at.
-const EVERY: Duration = Duration::from_secs(3);
 
 /// Keeps the session of this window in a file of its own.
 pub struct Autosave {
@@ -26,7 +23,6 @@ pub struct Autosave {
     writer: Writer,
     cache: Arc<HashCache>,
     last: Option<Session>,
-    looked: Instant,
 }
 
 /// What a window that died had open.
@@ -81,7 +77,6 @@ impl Autosave {
             writer: Writer::start("resect autosave"),
             cache,
             last: None,
-            looked: Instant::now(),
         };
         Ok((autosave, recovered, findings))
     }
@@ -92,14 +87,8 @@ impl Autosave {
         (recovered.session, recovered.findings)
     }
 
-    /// Whether it is time to offer the session again.
-    pub fn is_due(&self) -> bool {
-        self.looked.elapsed() >= EVERY
-    }
-
     /// Has the session written in the background where it is another than last time.
     pub fn offer(&mut self, session: Session) {
-        self.looked = Instant::now();
         if self.last.as_ref() == Some(&session) {
             return;
         }

@@ -1,5 +1,6 @@
 use std::collections::BTreeSet;
 use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use super::*;
 use crate::app::persist::session::SavedDeployment;

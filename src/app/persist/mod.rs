@@ -1,10 +1,12 @@
 //! What outlives the window: preferences, sessions, and what was open when the program stopped.
 //!
 //! Plain data and plain functions. [`session`] and [`preferences`] are the files, [`hashes`] tells whether inputs
-//! changed, [`autosave`] keeps the running window's session safe, and [`writer`] writes without a frame waiting.
+//! changed, [`autosave`] keeps the running window's session safe, [`writer`] writes without a frame waiting, and
+//! [`keeping`] is all that a window needs of it.
 
 pub mod autosave;
 pub mod hashes;
+pub mod keeping;
 pub mod preferences;
 pub mod session;
 mod stored;

@@ -70,18 +70,16 @@ pub struct Recent {
     pub source: Source,
 }
 
-impl Preferences {
-    /// Puts a deployment first among the recent ones; samples are in the menu anyway.
-    pub fn opened(&mut self, source: &Source) {
-        if source.path().is_none() {
-            return;
-        }
-        let now = SystemTime::now().duration_since(UNIX_EPOCH);
-        let opened_unix_s = now.map_or(0, |since| since.as_secs());
-        self.recent.retain(|recent| recent.source.place != source.place);
-        self.recent.insert(0, Recent { opened_unix_s, source: source.clone() });
-        self.recent.truncate(MOST_RECENT);
+/// Puts a deployment first among the recent ones; samples are in the menu anyway.
+pub fn remember(recent: &mut Vec<Recent>, source: &Source) {
+    if source.path().is_none() {
+        return;
     }
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let opened_unix_s = now.map_or(0, |since| since.as_secs());
+    recent.retain(|recent| recent.source.place != source.place);
+    recent.insert(0, Recent { opened_unix_s, source: source.clone() });
+    recent.truncate(MOST_RECENT);
 }
 
 /// As it lies in the file. Parts that cannot be read are left out, the rest stays.
@@ -236,7 +234,7 @@ mod tests {
             window_points: Some([1200.0, 800.0]),
             recent: Vec::new(),
         };
-        preferences.opened(&Source::at("/data/one"));
+        remember(&mut preferences.recent, &Source::at("/data/one"));
         preferences
     }
 
@@ -271,10 +269,10 @@ mod tests {
     fn recent_deployments_are_the_newest_first_each_once_and_not_too_many() {
         let mut preferences = Preferences::default();
         for number in 0..20 {
-            preferences.opened(&Source::at(format!("/data/{number}")));
+            remember(&mut preferences.recent, &Source::at(format!("/data/{number}")));
         }
-        preferences.opened(&Source::sample(Sample::Warthog));
-        preferences.opened(&Source::at("/data/15"));
+        remember(&mut preferences.recent, &Source::sample(Sample::Warthog));
+        remember(&mut preferences.recent, &Source::at("/data/15"));
         let titles: Vec<String> = preferences.recent.iter().map(|r| r.source.title()).collect();
         assert_eq!(titles.len(), MOST_RECENT);
         assert_eq!(titles[..4], ["15", "19", "18", "17"]);

@@ -5,16 +5,17 @@ use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
-use super::hashes::{FileMark, HashCache};
+use super::hashes::{FileMark, HashCache, used_files};
 use super::{line_of, stored};
 use crate::analysis::Settings;
 use crate::app::layout::LayoutDescription;
 use crate::app::scene::Colouring;
 use crate::app::state::Visibility;
 use crate::app::units::Units;
-use crate::deployment::{Finding, Source};
+use crate::deployment::{Deployment, Finding, OpenError, Source};
 use crate::export::atomic::{self, WriteError};
 use crate::export::summary::ResultSummary;
+use crate::progress::Progress;
 
 /// Ending of a session's file name.
 pub const EXTENSION: &str = "resect.toml";
@@ -60,40 +61,53 @@ pub struct SavedDeployment {
     pub files: Files,
 }
 
-/// The files that a deployment was read from, hashed once and only when a session is written.
+/// The files that a deployment was read from, found and hashed once and only when a session is written.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
-    used: Vec<PathBuf>,
+    /// What was read, until it is hashed; none of samples, and of files as a session remembers them.
+    read: Option<(Source, Arc<Deployment>)>,
     marks: Arc<OnceLock<Vec<FileMark>>>,
 }
 
 impl PartialEq for Files {
     /// Whether they are hashed yet does not matter.
     fn eq(&self, other: &Self) -> bool {
-        let same = match (self.marks.get(), other.marks.get()) {
+        match (self.marks.get(), other.marks.get()) {
             (Some(mine), Some(others)) => mine == others,
             _ => true,
-        };
-        same && self.used == other.used
+        }
     }
 }
 
 impl Files {
     /// Of a deployment that was just read.
-    pub fn used(used: Vec<PathBuf>) -> Self {
-        Self { used, marks: Arc::default() }
+    pub fn of(source: Option<&Source>, deployment: &Arc<Deployment>) -> Self {
+        let source = source.filter(|source| source.path().is_some()).cloned();
+        let read = source.map(|source| (source, Arc::clone(deployment)));
+        Self { read, marks: Arc::default() }
     }
 
     /// As a session remembers them.
     pub fn marked(marks: Vec<FileMark>) -> Self {
-        let used = marks.iter().map(|mark| mark.path.clone()).collect();
-        Self { used, marks: Arc::new(OnceLock::from(marks)) }
+        Self { read: None, marks: Arc::new(OnceLock::from(marks)) }
     }
 
     /// Hashes them the first time; not on the window's thread. What cannot be read is left out.
     pub fn marks(&self, cache: &HashCache) -> &[FileMark] {
-        let mark = |path: &PathBuf| cache.mark(path).ok();
-        self.marks.get_or_init(|| self.used.iter().filter_map(mark).collect())
+        self.marks.get_or_init(|| {
+            let used = self.read.iter().flat_map(|(source, read)| used_files(source, read));
+            used.filter_map(|path| cache.mark(&path).ok()).collect()
+        })
+    }
+}
+
+impl SavedDeployment {
+    /// Reads it again. What is not as it was comes first among its findings.
+    pub fn open(&self, cache: &HashCache, progress: &Progress) -> Result<Deployment, OpenError> {
+        let mut deployment = self.source.open(progress)?;
+        let changed = cache.changed(self.files.marks(cache));
+        deployment.findings.splice(0..0, changed);
+        Ok(deployment)
     }
 }
 

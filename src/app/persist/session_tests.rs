@@ -19,7 +19,9 @@ fn session(folder: &Path) -> Session {
         cursor_s: Some(1_657_543_210.125),
         window_s: Some([1_657_543_200.0, 1_657_543_300.5]),
         selection_s: None,
-        files: Files::used(vec![folder.join("data/tracks.csv")]),
+        files: Files::marked(
+            HashCache::default().mark(&folder.join("data/tracks.csv")).into_iter().collect(),
+        ),
     };
     let sample = SavedDeployment {
         source: Source::sample(Sample::Hd2Tunnel),

@@ -20,6 +20,12 @@ pub enum Command {
     CancelOpening(u64),
     OpenFolderDialog,
     OpenFileDialog,
+    OpenSessionDialog,
+    /// Into its file, which is asked for the first time.
+    SaveSession,
+    SaveSessionAs,
+    /// Opens again what the session holds and could not be opened.
+    RetryMissing,
     /// Shows another of the open deployments, by its id.
     Activate(u64),
     Close(u64),

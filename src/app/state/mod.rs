@@ -8,6 +8,7 @@ mod opening;
 mod replies;
 mod results;
 mod saving;
+mod sessions;
 mod timeline;
 mod undo;
 
@@ -20,6 +21,7 @@ use serde::{Deserialize, Serialize};
 pub use command::{Command, Commands, PictureTo};
 pub use opening::Opening;
 pub use results::{Pin, Results, Run};
+pub use sessions::SessionState;
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
 
@@ -120,6 +122,7 @@ pub struct State {
     pub opening: Vec<Opening>,
     /// Requests that find out what a path is.
     looking: Vec<u64>,
+    pub session: SessionState,
 }
 
 impl State {
@@ -144,6 +147,7 @@ impl State {
             fixed_elapsed_ms: None,
             opening: Vec::new(),
             looking: Vec::new(),
+            session: SessionState::default(),
         }
     }
 

@@ -30,6 +30,14 @@ impl State {
         self.open_picked(dialog);
     }
 
+    pub(super) fn open_session_dialog(&self) {
+        let dialog = rfd::AsyncFileDialog::new()
+            .set_title("Open a session")
+            .add_filter("Sessions (resect.toml)", &["toml"])
+            .pick_file();
+        self.open_picked(dialog);
+    }
+
     fn open_picked(&self, dialog: impl Future<Output = Option<rfd::FileHandle>> + Send + 'static) {
         self.worker.beside(move || {
             let asked = Instant::now();
@@ -47,7 +55,7 @@ impl State {
     }
 
     /// A dialog for a file named after the deployment.
-    fn save_dialog(
+    pub(super) fn save_dialog(
         &self,
         title: &str,
         extension: &str,
