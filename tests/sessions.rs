@@ -100,10 +100,7 @@ fn what_was_open_comes_back_after_a_crash_and_not_after_a_clean_exit() {
     let mut harness = window(&sample, kept);
     assert_is_back(&harness, &expected, settings);
     let notice = harness.state().state.notice.clone();
-    assert!(
-        matches!(&notice, Some(Notice::Done(line)) if line.contains("restored")),
-        "{notice:?}"
-    );
+    assert!(matches!(&notice, Some(Notice::Done(line)) if line.contains("restored")), "{notice:?}");
     let recent = &harness.state().state.session.recent;
     assert_eq!(recent.len(), 1);
     eframe::App::on_exit(harness.state_mut());

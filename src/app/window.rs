@@ -103,6 +103,7 @@ impl eframe::App for ResectWindow {
             self.state.tell(&findings);
         }
         self.state.advance(ui.input(|input| input.time));
+        self.state.take_picture(ui.ctx(), self.scene.place());
         let mut commands = Commands::new();
         let dropped = ui.input(|input| {
             input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
@@ -116,6 +117,7 @@ impl eframe::App for ResectWindow {
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
         panels::notice::ui(ui, &self.state, &mut commands);
+        panels::time_bar::ui(ui, &self.state, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
             let mut panes =

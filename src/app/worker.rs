@@ -14,6 +14,7 @@ use eframe::egui;
 use super::persist::hashes::HashCache;
 use super::persist::session::{SavedDeployment, Session, SessionError};
 use super::plots::{PreparedPlots, RawReadings};
+use super::state::PictureTo;
 use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
 use crate::deployment::{Deployment, Finding, OpenError, Sorted, Source, sort};
@@ -48,6 +49,11 @@ pub enum Reply {
         plots: Arc<PreparedPlots>,
     },
     Studied(u64, Result<Arc<StudyResult>, StudyError>),
+    /// The picture of the scene that was asked for.
+    Pictured {
+        to: PictureTo,
+        image: egui::ColorImage,
+    },
     /// The residuals of a pinned result.
     PinDrawn {
         id: u64,
@@ -149,13 +155,25 @@ impl Worker {
         self.newest
     }
 
+    pub fn ctx(&self) -> &egui::Context {
+        &self.ctx
+    }
+
+    /// For what runs elsewhere: takes its reply in as if it came from here.
+    pub fn reply(&self) -> impl Fn(Reply) + Send + use<> {
+        let (outbox, ctx) = (self.reply_to.clone(), self.ctx.clone());
+        move |reply| {
+            outbox.send(reply).ok();
+            ctx.request_repaint();
+        }
+    }
+
     /// Runs something beside the worker (a dialog, an export) and repaints when it is done.
     pub fn beside(&self, job: impl FnOnce() -> Option<Reply> + Send + 'static) {
-        let (outbox, ctx) = (self.reply_to.clone(), self.ctx.clone());
+        let reply = self.reply();
         std::thread::spawn(move || {
-            if let Some(reply) = job() {
-                outbox.send(reply).ok();
-                ctx.request_repaint();
+            if let Some(done) = job() {
+                reply(done);
             }
         });
     }

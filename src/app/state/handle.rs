@@ -96,6 +96,10 @@ impl State {
             Command::ShowShortcuts => self.overlay = Overlay::Shortcuts,
             Command::CloseOverlay => self.overlay = Overlay::None,
 
+            Command::ScenePicture(to) => {
+                self.wanted_picture = Some(to);
+                ctx.request_repaint();
+            }
             Command::Copy(text) => ctx.copy_text(text),
             Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
                 let result = export::rerun::open_viewer(&deployment, &analysis)
@@ -117,7 +121,6 @@ impl State {
             Command::SaveStudyDialog => self.save_study(),
             Command::DismissNotice => self.notice = None,
             Command::Look(_)
-            | Command::ScenePicture(_)
             | Command::ShowPane(_)
             | Command::UseLayout(_)
             | Command::SaveSession

@@ -5,6 +5,7 @@
 mod command;
 mod handle;
 mod opening;
+mod picture;
 mod replies;
 mod results;
 mod saving;
@@ -123,6 +124,8 @@ pub struct State {
     /// Requests that find out what a path is.
     looking: Vec<u64>,
     pub session: SessionState,
+    /// Asked for in the last frame; taken in the next, when the menu that asked for it is gone.
+    wanted_picture: Option<PictureTo>,
 }
 
 impl State {
@@ -148,6 +151,7 @@ impl State {
             opening: Vec::new(),
             looking: Vec::new(),
             session: SessionState::default(),
+            wanted_picture: None,
         }
     }
 

@@ -43,6 +43,7 @@ impl State {
                     Err(error) => self.notice = Some(Notice::Error(error.to_string())),
                 }
             }
+            Reply::Pictured { to, image } => self.take_pictured(to, image),
             Reply::PinDrawn { id, plots } => {
                 if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
                     pin.plots = Some(plots);
