@@ -9,6 +9,7 @@ pub mod file_dialog;
 mod layout;
 mod open_deployment;
 mod panels;
+pub mod persist;
 mod plots;
 mod scene;
 mod state;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::persist::session::Files;
 use super::plots::PreparedPlots;
 use super::scene::Clouds;
 use super::state::Timeline;
@@ -17,6 +18,8 @@ pub struct OpenDeployment {
     pub deployment: Arc<Deployment>,
     /// Where it can be read again.
     pub source: Option<Source>,
+    /// What it was read from, as sessions remember it.
+    pub files: Files,
     /// Of each station; found once, because the window asks in every frame.
     pub longest_range_m: [f64; 3],
     pub settings: Settings,
@@ -46,10 +49,12 @@ impl OpenDeployment {
     ) -> Self {
         let longest_range_m = longest_range_m(&deployment);
         let timeline = Timeline::new(&deployment);
+        let files = Files::of(source.as_ref(), &deployment);
         Self {
             id,
             deployment,
             source,
+            files,
             longest_range_m,
             settings,
             analysis: None,
@@ -70,6 +75,7 @@ impl OpenDeployment {
         if old.whole_s == self.timeline.whole_s {
             self.timeline = old;
         }
+        self.files = Files::of(Some(&source), &deployment);
         self.deployment = deployment;
         self.source = Some(source);
         self.placeholder = false;

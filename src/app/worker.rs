@@ -12,12 +12,14 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use eframe::egui;
 
 use super::file_dialog::Listing;
+use super::persist::hashes::HashCache;
+use super::persist::session::{SavedDeployment, Session, SessionError};
 use super::plots::{PreparedPlots, RawReadings};
 use super::scene::{CloudMaker, Clouds};
 use super::state::PictureTo;
 use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
-use crate::deployment::{Deployment, OpenError, Sorted, Source, sort};
+use crate::deployment::{Deployment, Finding, OpenError, Sorted, Source, sort};
 use crate::experiment::StudyError;
 use crate::progress::Progress;
 
@@ -73,6 +75,9 @@ pub enum Reply {
     Listed(Listing),
     /// What the paths are that the user dropped or chose.
     Sorted(u64, Sorted),
+    /// A session's file was read: the session and what had to be left out of it.
+    SessionRead(PathBuf, Result<(Box<Session>, Vec<Finding>), SessionError>),
+    SessionSaved(PathBuf, Result<(), String>),
     /// Something that ran beside the worker is done: a line for the user, or why it failed.
     Done(Result<String, String>),
 }
@@ -103,6 +108,16 @@ impl Worker {
     /// Reads a deployment beside the worker; gives the request's number.
     pub fn open(&mut self, source: Source, progress: Arc<Progress>) -> u64 {
         self.numbered(Reply::Opened, move || source.open(&progress).map(Arc::new))
+    }
+
+    /// The same for a deployment of a session: files that changed since are among its findings.
+    pub fn open_again(
+        &mut self,
+        saved: SavedDeployment,
+        cache: Arc<HashCache>,
+        progress: Arc<Progress>,
+    ) -> u64 {
+        self.numbered(Reply::Opened, move || saved.open(&cache, &progress).map(Arc::new))
     }
 
     /// Finds out what paths are, beside the worker; gives the request's number.

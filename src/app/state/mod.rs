@@ -10,6 +10,7 @@ mod picture;
 mod replies;
 mod results;
 mod saving;
+mod sessions;
 mod timeline;
 mod undo;
 
@@ -18,11 +19,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui;
+use serde::{Deserialize, Serialize};
 
 pub use asking::OpenPrompt;
 pub use command::{Command, Commands, PictureTo};
 pub use opening::Opening;
 pub use results::{Pin, Results, Run};
+pub use sessions::SessionState;
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
 
@@ -35,7 +38,8 @@ use super::worker::Worker;
 use crate::analysis::{Analysis, Settings};
 
 /// What the scene and the plots show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Visibility {
     pub stations: [bool; 3],
     pub raw: bool,
@@ -129,6 +133,7 @@ pub struct State {
     pub opening: Vec<Opening>,
     /// Requests that find out what a path is.
     looking: Vec<u64>,
+    pub session: SessionState,
     /// Asked for in the last frame; taken in the next, when the menu that asked for it is gone.
     wanted_picture: Option<PictureTo>,
 }
@@ -158,6 +163,7 @@ impl State {
             fixed_elapsed_ms: None,
             opening: Vec::new(),
             looking: Vec::new(),
+            session: SessionState::default(),
             wanted_picture: None,
         }
     }

@@ -53,7 +53,7 @@ impl State {
                 }
             }
             Reply::Failed(number) => {
-                self.opening.retain(|opening| opening.number != number);
+                self.opening_failed(number);
                 self.looking.retain(|looking| *looking != number);
                 for open in &mut self.open {
                     open.analysing = open.analysing.filter(|(newest, _)| *newest != number);
@@ -70,6 +70,8 @@ impl State {
             }
             Reply::Picked(path) => self.look_at(vec![path]),
             Reply::Sorted(number, sorted) => self.take_sorted(number, sorted),
+            Reply::SessionRead(path, result) => self.take_session(path, result),
+            Reply::SessionSaved(path, result) => self.take_session_saved(path, result),
             Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
             Reply::Done(Err(line)) => self.notice = Some(Notice::Error(line)),
         }
