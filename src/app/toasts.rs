@@ -65,8 +65,17 @@ impl Toasts {
 
     /// A line of the form "what; remedy", as errors of the library are.
     pub fn error(&mut self, line: &str) {
+        self.line(ToastLevel::Error, line);
+    }
+
+    /// The same of what was repaired or left out.
+    pub fn warning(&mut self, line: &str) {
+        self.line(ToastLevel::Warning, line);
+    }
+
+    fn line(&mut self, level: ToastLevel, line: &str) {
         let (text, detail) = line.split_once("; ").unwrap_or((line, ""));
-        self.push(ToastLevel::Error, text.to_owned(), detail.to_owned(), None);
+        self.push(level, text.to_owned(), detail.to_owned(), None);
     }
 
     /// One toast on those findings about a deployment that were not told before.

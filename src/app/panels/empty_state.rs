@@ -2,8 +2,9 @@
 
 use eframe::egui::{self, RichText};
 
+use crate::app::persist::preferences::Recent;
 use crate::app::state::{Command, Commands};
-use crate::deployment::{Sample, Source};
+use crate::deployment::Sample;
 
 const WIDTH: f32 = 460.0;
 const MOST_RECENT: usize = 5;
@@ -25,7 +26,7 @@ const STEPS: [(&str, &str); 3] = [
 ];
 
 /// `recent`: what was open before, the newest first.
-pub fn ui(ui: &mut egui::Ui, recent: &[Source], commands: &mut Commands) {
+pub fn ui(ui: &mut egui::Ui, recent: &[Recent], commands: &mut Commands) {
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let width = WIDTH.min(ui.available_width() - 24.0);
         let margin = ((ui.available_width() - width) / 2.0).max(12.0);
@@ -45,7 +46,7 @@ pub fn ui(ui: &mut egui::Ui, recent: &[Source], commands: &mut Commands) {
     });
 }
 
-fn content(ui: &mut egui::Ui, recent: &[Source], commands: &mut Commands) {
+fn content(ui: &mut egui::Ui, recent: &[Recent], commands: &mut Commands) {
     ui.heading("resect");
     ui.label(
         "Finds where three robotic total stations stood to each other, and says how far the answer can be trusted.",
@@ -81,7 +82,7 @@ fn content(ui: &mut egui::Ui, recent: &[Source], commands: &mut Commands) {
     }
     ui.add_space(10.0);
     ui.strong("Open before");
-    for source in recent.iter().take(MOST_RECENT) {
+    for Recent { source, .. } in recent.iter().take(MOST_RECENT) {
         let where_it_is = source.path().map_or(String::new(), |path| path.display().to_string());
         if ui.link(source.title()).on_hover_text(where_it_is).clicked() {
             commands.push(Command::OpenSource(source.clone()));

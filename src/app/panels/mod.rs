@@ -11,10 +11,13 @@ pub mod observability;
 pub mod path_prompt;
 pub mod pipeline;
 pub mod progress;
+pub mod reading;
 pub mod result;
+pub mod runs;
 pub mod shortcuts;
 pub mod side_by_side;
 pub mod studies;
+pub mod time_bar;
 pub mod toasts;
 pub mod top_bar;
 

@@ -23,8 +23,12 @@ impl State {
         }
         let (answer, receiver) = channel();
         let folder = self.last_folder.clone().or_else(|| std::env::current_dir().ok());
-        let recent: Vec<PathBuf> =
-            self.recent.iter().filter_map(|source| Some(source.path()?.to_owned())).collect();
+        let recent: Vec<PathBuf> = self
+            .session
+            .recent
+            .iter()
+            .filter_map(|it| Some(it.source.path()?.to_owned()))
+            .collect();
         let (shown, step) = PathPrompt::new(question, folder.unwrap_or_default(), &recent);
         self.prompt = Some(OpenPrompt { shown, answer });
         self.follow(step);

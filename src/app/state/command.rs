@@ -25,6 +25,12 @@ pub enum Command {
     OpenFileDialog,
     /// Something was done in the prompt for a path.
     Prompt(PromptCommand),
+    OpenSessionDialog,
+    /// Into its file, which is asked for the first time.
+    SaveSession,
+    SaveSessionAs,
+    /// Opens again what the session holds and could not be opened.
+    RetryMissing,
     /// Shows another of the open deployments, by its id.
     Activate(u64),
     Close(u64),

@@ -24,6 +24,8 @@ impl State {
             Command::OpenFolderDialog => self.open_folder_dialog(),
             Command::OpenFileDialog => self.open_file_dialog(),
             Command::Prompt(command) => self.answer_prompt(command),
+            Command::OpenSessionDialog => self.open_session_dialog(),
+            Command::RetryMissing => self.retry_missing(),
             Command::Activate(id) => {
                 if let Some(index) = self.open.iter().position(|open| open.id == id) {
                     self.active = index;
@@ -96,6 +98,10 @@ impl State {
             Command::ShowShortcuts => self.overlay = Overlay::Shortcuts,
             Command::CloseOverlay => self.overlay = Overlay::None,
 
+            Command::ScenePicture(to) => {
+                self.wanted_picture = Some(to);
+                ctx.request_repaint();
+            }
             Command::Copy(text) => ctx.copy_text(text),
             Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
                 let result = export::rerun::open_viewer(&deployment, &analysis)
@@ -118,9 +124,10 @@ impl State {
             Command::DismissToast(id) => self.toasts.dismiss(id),
             Command::HoldToast(id) => self.toasts.hold(id),
             Command::Look(_)
-            | Command::ScenePicture(_)
             | Command::ShowPane(_)
             | Command::UseLayout(_)
+            | Command::SaveSession
+            | Command::SaveSessionAs
             | Command::ResetLayout => {}
         }
     }
@@ -170,7 +177,7 @@ impl State {
         }
     }
 
-    fn close(&mut self, id: u64) {
+    pub(super) fn close(&mut self, id: u64) {
         let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
         self.open.remove(index);
         self.worker.forget(id);

@@ -6,9 +6,11 @@ mod asking;
 mod command;
 mod handle;
 mod opening;
+mod picture;
 mod replies;
 mod results;
 mod saving;
+mod sessions;
 mod timeline;
 mod undo;
 
@@ -17,11 +19,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui;
+use serde::{Deserialize, Serialize};
 
 pub use asking::OpenPrompt;
 pub use command::{Command, Commands, PictureTo};
 pub use opening::Opening;
 pub use results::{Pin, Results, Run};
+pub use sessions::SessionState;
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
 
@@ -33,10 +37,10 @@ use super::toasts::Toasts;
 use super::units::Units;
 use super::worker::Worker;
 use crate::analysis::{Analysis, Settings};
-use crate::deployment::Source;
 
 /// What the scene and the plots show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Visibility {
     pub stations: [bool; 3],
     pub raw: bool,
@@ -117,14 +121,15 @@ pub struct State {
     /// Where the last path was chosen.
     last_folder: Option<PathBuf>,
     pub toasts: Toasts,
-    /// What was open before, the newest first.
-    pub recent: Vec<Source>,
     /// Pictures that are compared byte for byte show this instead of the measured time (ms).
     pub fixed_elapsed_ms: Option<f64>,
     /// What is being read.
     pub opening: Vec<Opening>,
     /// Requests that find out what a path is.
     looking: Vec<u64>,
+    pub session: SessionState,
+    /// Asked for in the last frame; taken in the next, when the menu that asked for it is gone.
+    wanted_picture: Option<PictureTo>,
 }
 
 impl State {
@@ -149,10 +154,11 @@ impl State {
             asks_in_window: !file_dialog::system::is_there(),
             last_folder: None,
             toasts: Toasts::default(),
-            recent: Vec::new(),
             fixed_elapsed_ms: None,
             opening: Vec::new(),
             looking: Vec::new(),
+            session: SessionState::default(),
+            wanted_picture: None,
         }
     }
 

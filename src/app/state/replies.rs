@@ -3,10 +3,8 @@
 use std::sync::Arc;
 
 use super::State;
-use crate::analysis::Analysis;
-use crate::app::plots::PreparedPlots;
 use crate::app::toasts::new_findings;
-use crate::app::worker::Reply;
+use crate::app::worker::{Answered, Reply};
 use crate::experiment::StudyError;
 
 impl State {
@@ -30,9 +28,7 @@ impl State {
     fn take(&mut self, reply: Reply) {
         match reply {
             Reply::Opened(number, result) => self.take_opened(number, result),
-            Reply::Analysed { number, id, analysis, plots } => {
-                self.take_analysed(number, id, &analysis, plots);
-            }
+            Reply::Analysed { number, id, answered } => self.take_analysed(number, id, answered),
             Reply::Studied(number, result) => {
                 if self.studies.running.as_ref().is_none_or(|(running, _)| *running != number) {
                     return;
@@ -44,13 +40,14 @@ impl State {
                     Err(error) => self.toasts.error(&error.to_string()),
                 }
             }
+            Reply::Pictured { to, image } => self.take_pictured(to, image),
             Reply::PinDrawn { id, plots } => {
                 if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
                     pin.plots = Some(plots);
                 }
             }
             Reply::Failed(number) => {
-                self.opening.retain(|opening| opening.number != number);
+                self.opening_failed(number);
                 self.looking.retain(|looking| *looking != number);
                 for open in &mut self.open {
                     open.analysing = open.analysing.filter(|(newest, _)| *newest != number);
@@ -67,21 +64,18 @@ impl State {
             }
             Reply::Picked(path) => self.look_at(vec![path]),
             Reply::Sorted(number, sorted) => self.take_sorted(number, sorted),
+            Reply::SessionRead(path, result) => self.take_session(path, result),
+            Reply::SessionSaved(path, result) => self.take_session_saved(path, result),
             Reply::Done(Ok(line)) => self.toasts.done(line),
             Reply::Done(Err(line)) => self.toasts.error(&line),
         }
     }
 
-    fn take_analysed(
-        &mut self,
-        number: u64,
-        id: u64,
-        analysis: &Arc<Analysis>,
-        plots: Arc<PreparedPlots>,
-    ) {
+    fn take_analysed(&mut self, number: u64, id: u64, answered: Answered) {
         let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        let analysis = Arc::clone(&answered.analysis);
         let first = open.analysis.is_none();
-        if !open.take(number, Arc::clone(analysis), plots) {
+        if !open.take(number, answered) {
             return;
         }
         if let Ok(answer) = &analysis.answer {
@@ -93,6 +87,6 @@ impl State {
                 self.toasts.findings(&open.deployment.name, findings, &mut open.told);
             }
         }
-        self.remember_run(id, analysis);
+        self.remember_run(id, &analysis);
     }
 }

@@ -23,13 +23,18 @@ impl State {
         self.open_picked(question.kinds(&[("Tracks (bag, csv)", &["bag", "csv"])]));
     }
 
+    pub(super) fn open_session_dialog(&mut self) {
+        let question = Question::new("Open a session", Wanted::ToOpen { folder: false });
+        self.open_picked(question.kinds(&[("Sessions (toml)", &["toml"])]));
+    }
+
     fn open_picked(&mut self, question: Question) {
         let answer = self.ask(question);
         self.worker.beside(move || answer.wait().map(Reply::Picked));
     }
 
     /// Asks for a file named after the deployment.
-    fn ask_where(&mut self, title: &str, extension: &str) -> Answer {
+    pub(super) fn ask_where(&mut self, title: &str, extension: &str) -> Answer {
         let name = self.active().map_or("resect", |open| open.deployment.name.as_str());
         self.ask(Question::new_file(title, name, extension))
     }
@@ -54,6 +59,18 @@ impl State {
                     .map(|()| format!("{} written", path.display()))
                     .map_err(|error| format!("{}: {error}", path.display()))
             });
+            Some(Reply::Done(result))
+        });
+    }
+
+    pub(super) fn save_picture(&mut self, image: Arc<image::RgbaImage>) {
+        let answer = self.ask_where("Save the picture of the scene (PNG)", "png");
+        self.worker.beside(move || {
+            let path = answer.wait()?;
+            let result = image
+                .save_with_format(&path, image::ImageFormat::Png)
+                .map(|()| format!("{} written", path.display()))
+                .map_err(|error| format!("{}: {error}", path.display()));
             Some(Reply::Done(result))
         });
     }
