@@ -325,10 +325,10 @@ mod tests {
     #[test]
     fn folders_come_first_and_files_say_what_they_are() {
         let mut desk = Desk::new(Wanted::ToOpen { folder: true });
-        assert_eq!(desk.names(), [("day 1", ""), ("notes.txt", ""), ("tracks.csv", "tracks")]);
+        assert_eq!(desk.names(), [("day 1", ""), ("notes.txt", ""), ("tracks.csv", "deployment")]);
         let text = desk.prompt.text.clone();
         desk.handle(PromptCommand::Type(format!("{text}TRACK")));
-        assert_eq!(desk.names(), [("tracks.csv", "tracks")]);
+        assert_eq!(desk.names(), [("tracks.csv", "deployment")]);
         // What is left is what is meant.
         let tracks = desk.path("field/tracks.csv");
         assert_eq!(desk.handle(PromptCommand::Accept), PromptStep::Chosen(tracks));
