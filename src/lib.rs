@@ -26,6 +26,7 @@
 //! | module | what is in it | what goes there next |
 //! |---|---|---|
 //! | [`geometry`] | polar and geodetic coordinates, level and rigid transforms, alignment | |
+//! | [`progress`] | how far long work is, and whether anyone still wants it | |
 //! | [`deployment`] | the data model; `format/` has a file a format | a reader: a file in `format/`, a line in `recognise` |
 //! | [`pipeline`] | outlier filter, interval split and filter, interpolation | an interpolation: a file in `interpolation/` |
 //! | [`calibration`] | methods A to D, each answer with its uncertainty and verdict | a better estimate of D: a file in `inter_prism/` |
@@ -57,4 +58,5 @@ pub mod font;
 pub mod geometry;
 pub mod palette;
 pub mod pipeline;
+pub mod progress;
 pub mod simulation;

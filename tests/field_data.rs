@@ -7,8 +7,9 @@ use common::{analyse, answer, assert_close, field_data};
 use nalgebra::Vector3;
 use resect::analysis::Settings;
 use resect::calibration::{Alignment, Details, Method, PriorMethod, ResolvedBy, Targets, Verdict};
-use resect::deployment::{open, open_with};
+use resect::deployment::{Extras, Source, open};
 use resect::geometry::{LevelTransform, RigidTransform};
+use resect::progress::Progress;
 
 const NEAR: [f64; 3] = [0.003, 0.003, 0.010];
 const NEAR_RAD: f64 = 1e-4;
@@ -131,7 +132,9 @@ fn the_three_bags_give_the_numbers_of_the_table() {
         let Some(path) = field_data("2022-07-11-2-bags").map(|folder| folder.join(bag)) else {
             return;
         };
-        let deployment = open_with(&path, Some(&folder)).expect("opens");
+        let extras = Extras { rig: Some(folder.clone()), ..Extras::default() };
+        let source = Source::at(path).with(extras);
+        let deployment = source.open(&Progress::default()).expect("opens");
         // Six messages say that the lock was lost.
         let lost = deployment.findings.iter().filter(|f| f.message.contains("status 3")).count();
         assert_eq!(lost, 3, "{bag}: one finding a station");

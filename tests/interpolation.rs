@@ -7,8 +7,9 @@ use std::sync::Arc;
 use common::{analyse, answer, field_data};
 use resect::analysis::Settings;
 use resect::deployment::{Deployment, Sample, open};
-use resect::experiment::{Control, ablate};
+use resect::experiment::ablate;
 use resect::pipeline::Interpolation;
+use resect::progress::Progress;
 use resect::simulation::{Path, Preset, simulate, simulate_scenario};
 
 /// Median of the inter-prism metric of method D (mm).
@@ -43,7 +44,7 @@ fn on_winding_tracks_at_2_5_hz_learned_noise_beats_straight_lines() {
 #[test]
 fn with_gross_errors_left_in_straight_lines_lose_least() {
     let sample = [Arc::new(Sample::Warthog.open().expect("built in"))];
-    let study = ablate(&sample, &Settings::default(), None, None, &Control::default());
+    let study = ablate(&sample, &Settings::default(), None, None, &Progress::default());
     let study = study.expect("the sample has control points to judge by");
     let median = |group: usize, series: usize| {
         study.groups[group].boxes[series].as_ref().expect("a box").median

@@ -8,8 +8,9 @@ use common::field_data;
 use resect::analysis::Settings;
 use resect::calibration::Method;
 use resect::deployment::{Deployment, Sample, open};
-use resect::experiment::{Control, Parameter, Splits, StudyError, Sweep, ablate, compare, sweep};
+use resect::experiment::{Parameter, Splits, StudyError, Sweep, ablate, compare, sweep};
 use resect::export::study;
+use resect::progress::Progress;
 use resect::simulation::{Preset, simulate};
 
 fn sample() -> Vec<Arc<Deployment>> {
@@ -21,7 +22,7 @@ fn the_disagreement_of_b_and_d_about_station_2_is_plain() {
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployments = [Arc::new(open(&path).expect("opens"))];
     let result =
-        compare(&deployments, &Settings::default(), None, &Control::default()).expect("compares");
+        compare(&deployments, &Settings::default(), None, &Progress::default()).expect("compares");
     let compared = &result.deployments[0];
     let between = |station: usize| {
         compared
@@ -47,7 +48,7 @@ fn the_disagreement_of_b_and_d_about_station_2_is_plain() {
 #[test]
 fn methods_that_agree_are_not_said_to_disagree_and_gnss_is_a_line() {
     let result =
-        compare(&sample(), &Settings::default(), None, &Control::default()).expect("compares");
+        compare(&sample(), &Settings::default(), None, &Progress::default()).expect("compares");
     assert!(result.deployments[0].disagreements.is_empty());
     let solved = result.deployments[0].answers.iter().filter(|answer| answer.is_ok()).count();
     assert_eq!(solved, 3, "A, B and D");
@@ -62,7 +63,7 @@ fn methods_that_agree_are_not_said_to_disagree_and_gnss_is_a_line() {
 #[test]
 fn the_outlier_filter_pays_and_all_twelve_boxes_are_there() {
     let study =
-        ablate(&sample(), &Settings::default(), None, None, &Control::default()).expect("ablates");
+        ablate(&sample(), &Settings::default(), None, None, &Progress::default()).expect("ablates");
     assert_eq!((study.groups.len(), study.series.len()), (4, 3));
     let p95 = |group: usize, series: usize| {
         study.groups[group].boxes[series].as_ref().expect("a box").q95
@@ -80,7 +81,7 @@ fn the_outlier_filter_pays_and_all_twelve_boxes_are_there() {
 #[test]
 fn long_gaps_cost_accuracy() {
     let range = Sweep { parameter: Parameter::TauS, from: 0.5, to: 5.0, steps: 4 };
-    let study = sweep(&sample(), &Settings::default(), &range, None, None, &Control::default())
+    let study = sweep(&sample(), &Settings::default(), &range, None, None, &Progress::default())
         .expect("sweeps");
     let q95: Vec<f64> =
         study.groups.iter().map(|g| g.boxes[0].as_ref().expect("a box").q95).collect();
@@ -92,14 +93,14 @@ fn long_gaps_cost_accuracy() {
 fn splits_are_seeded_and_judge_unseen_data() {
     let run = |seed, repeats| {
         let splits = Some(Splits { repeats, seed });
-        compare(&sample(), &Settings::default(), splits, &Control::default())
+        compare(&sample(), &Settings::default(), splits, &Progress::default())
             .expect("compares")
             .study
     };
     let (first, again, other) = (run(1, 4), run(1, 4), run(2, 4));
     assert_eq!(first.groups, again.groups);
     assert!(first.groups != other.groups);
-    let whole = compare(&sample(), &Settings::default(), None, &Control::default())
+    let whole = compare(&sample(), &Settings::default(), None, &Progress::default())
         .expect("compares")
         .study;
     let n = |study: &resect::experiment::Study, group: usize, metric: usize| {
@@ -117,18 +118,18 @@ fn what_cannot_be_judged_is_left_out_and_said() {
     without_rig.control_points.clear();
     let both = [Arc::clone(&sample()[0]), Arc::new(without_rig)];
     let study =
-        ablate(&both, &Settings::default(), None, None, &Control::default()).expect("one is left");
+        ablate(&both, &Settings::default(), None, None, &Progress::default()).expect("one is left");
     assert!(study.findings.iter().any(|f| f.message.contains("left out")), "{:?}", study.findings);
-    let error = ablate(&both[1..], &Settings::default(), None, None, &Control::default())
+    let error = ablate(&both[1..], &Settings::default(), None, None, &Progress::default())
         .expect_err("none is left");
     assert!(matches!(error, StudyError::Nothing(why) if why.contains("inter-prism distances")));
 }
 
 #[test]
 fn a_cancelled_study_stops() {
-    let control = Control::default();
-    control.cancel();
-    let result = ablate(&sample(), &Settings::default(), None, None, &control);
+    let progress = Progress::default();
+    progress.cancel();
+    let result = ablate(&sample(), &Settings::default(), None, None, &progress);
     assert_eq!(result, Err(StudyError::Cancelled));
 }
 
@@ -150,9 +151,9 @@ fn ten_deployments_are_compared_as_one() {
     .zip(1..)
     .map(|(preset, seed)| Arc::new(simulate(preset, seed).deployment().expect("valid")))
     .collect();
-    let control = Control::default();
-    let result = compare(&deployments, &Settings::default(), None, &control).expect("compares");
+    let progress = Progress::default();
+    let result = compare(&deployments, &Settings::default(), None, &progress).expect("compares");
     assert_eq!(result.deployments.len(), 10);
-    assert_eq!(control.progress(), 1.0);
+    assert_eq!(progress.share(), Some(1.0));
     assert_eq!(result.study.groups[2].note, "1 of 10 deployments");
 }

@@ -4,6 +4,7 @@
 //! panes, and each pane is a function in [`panels`], [`plots`] or [`scene`] that reads the state and sends
 //! commands.
 
+mod actions;
 mod layout;
 mod open_deployment;
 mod panels;
@@ -12,12 +13,17 @@ mod scene;
 mod state;
 mod studies;
 mod theme;
+mod units;
 mod window;
 mod worker;
 
-pub use layout::Pane;
+pub use layout::{Layout, LayoutDescription, LayoutPreset, Pane};
 pub use open_deployment::OpenDeployment;
 pub use scene::{Colouring, Ruler, RulerEnd, SceneView, ViewPreset};
-pub use state::{Command, Notice, Picked, PictureTo, Playback, State, Timeline, Visibility};
+pub use state::{
+    Command, Notice, Overlay, Picked, PictureTo, Pin, Playback, Results, Run, State, Timeline,
+    Visibility,
+};
 pub use studies::{StudyKind, StudyOptions, StudyResult};
+pub use units::{AngleUnit, LengthUnit, Units};
 pub use window::{ResectWindow, Start, offscreen_renderer, open_window, picture};

@@ -7,17 +7,22 @@ use super::plots::PreparedPlots;
 use super::scene::Clouds;
 use super::state::Timeline;
 use crate::analysis::{Analysis, Settings};
-use crate::deployment::Deployment;
+use crate::deployment::{Deployment, Source};
+use crate::export::summary::ResultSummary;
 
 pub struct OpenDeployment {
     /// Tells it from every other that was ever opened.
     pub id: u64,
     pub deployment: Arc<Deployment>,
+    /// Where it can be read again.
+    pub source: Option<Source>,
     /// Of each station; found once, because the window asks in every frame.
     pub longest_range_m: [f64; 3],
     pub settings: Settings,
     /// The newest answer; older than the settings while it is stale.
     pub analysis: Option<Arc<Analysis>>,
+    /// The answer as plain data, if there is one.
+    pub summary: Option<Arc<ResultSummary>>,
     /// Its plots.
     pub plots: Arc<PreparedPlots>,
     /// Its readings and tracks, for the scene.
@@ -32,18 +37,22 @@ pub struct OpenDeployment {
 }
 
 impl OpenDeployment {
-    pub fn new(id: u64, deployment: Arc<Deployment>, settings: Settings) -> Self {
-        let longest_range_m = deployment
-            .tracks
-            .each_ref()
-            .map(|track| track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max));
+    pub fn new(
+        id: u64,
+        deployment: Arc<Deployment>,
+        source: Option<Source>,
+        settings: Settings,
+    ) -> Self {
+        let longest_range_m = longest_range_m(&deployment);
         let timeline = Timeline::new(&deployment);
         Self {
             id,
             deployment,
+            source,
             longest_range_m,
             settings,
             analysis: None,
+            summary: None,
             plots: Arc::default(),
             clouds: Clouds::default(),
             analysis_run: 0,
@@ -53,21 +62,33 @@ impl OpenDeployment {
         }
     }
 
+    /// The same deployment, read again with other files; the old answer stays until the new one is there.
+    pub fn replace(&mut self, deployment: Arc<Deployment>, source: Source) {
+        self.longest_range_m = longest_range_m(&deployment);
+        let old = std::mem::replace(&mut self.timeline, Timeline::new(&deployment));
+        if old.whole_s == self.timeline.whole_s {
+            self.timeline = old;
+        }
+        self.deployment = deployment;
+        self.source = Some(source);
+        self.placeholder = false;
+    }
+
     /// Time of the first measurement (s): what the plots count from.
     pub fn start_s(&self) -> f64 {
         self.deployment.start_s().unwrap_or(0.0)
     }
 
-    /// Takes in an answer, unless a newer one is on its way.
+    /// Takes in an answer, unless a newer one is on its way; tells whether it did.
     pub fn take(
         &mut self,
         number: u64,
         analysis: Arc<Analysis>,
         plots: Arc<PreparedPlots>,
         clouds: Clouds,
-    ) {
+    ) -> bool {
         if self.analysing.is_none_or(|(newest, _)| newest != number) {
-            return;
+            return false;
         }
         self.analysing = None;
         if self.timeline.cursor_s.is_none() {
@@ -75,9 +96,22 @@ impl OpenDeployment {
             let time_s = &analysis.pipeline.triplets.time_s;
             self.timeline.cursor_s = time_s.get(time_s.len() / 2).copied();
         }
+        self.summary = analysis
+            .answer
+            .as_ref()
+            .ok()
+            .map(|answer| Arc::new(ResultSummary::of(&self.deployment, &analysis, answer)));
         self.analysis = Some(analysis);
         self.plots = plots;
         self.clouds = clouds;
         self.analysis_run = number;
+        true
     }
+}
+
+fn longest_range_m(deployment: &Deployment) -> [f64; 3] {
+    deployment
+        .tracks
+        .each_ref()
+        .map(|track| track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max))
 }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use crate::analysis::Settings;
 use crate::deployment::Deployment;
 use crate::experiment::{
-    Comparison, Control, Parameter, Reference, Splits, Study, StudyError, Sweep, ablate, compare,
-    sweep,
+    Comparison, Parameter, Reference, Splits, Study, StudyError, Sweep, ablate, compare, sweep,
 };
+use crate::progress::Progress;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StudyKind {
@@ -75,18 +75,18 @@ pub fn run(
     options: &StudyOptions,
     deployments: &[Arc<Deployment>],
     settings: &Settings,
-    control: &Control,
+    progress: &Progress,
 ) -> Result<StudyResult, StudyError> {
     let splits = options.split.then_some(options.splits);
     let StudyOptions { reference, sweep: range, .. } = options;
     match options.kind {
         StudyKind::Comparison => {
-            compare(deployments, settings, splits, control).map(StudyResult::Comparison)
+            compare(deployments, settings, splits, progress).map(StudyResult::Comparison)
         }
         StudyKind::Ablation => {
-            ablate(deployments, settings, *reference, splits, control).map(StudyResult::Pipeline)
+            ablate(deployments, settings, *reference, splits, progress).map(StudyResult::Pipeline)
         }
-        StudyKind::Sensitivity => sweep(deployments, settings, range, *reference, splits, control)
+        StudyKind::Sensitivity => sweep(deployments, settings, range, *reference, splits, progress)
             .map(StudyResult::Pipeline),
     }
 }
@@ -96,6 +96,6 @@ pub fn run(
 pub struct Studies {
     pub options: StudyOptions,
     /// The one under way, with its number.
-    pub running: Option<(u64, Arc<Control>)>,
+    pub running: Option<(u64, Arc<Progress>)>,
     pub result: Option<Arc<StudyResult>>,
 }

@@ -4,19 +4,20 @@ use std::sync::Arc;
 
 use eframe::egui;
 
+use super::actions;
 use super::layout::{Layout, Pane, Panes};
 use super::panels;
 use super::scene::SceneView;
-use super::state::{Command, Commands, State};
+use super::state::{Command, Commands, Overlay, State};
 use super::theme;
 use crate::analysis::Settings;
-use crate::deployment::{Deployment, Sample};
+use crate::deployment::{Deployment, Sample, Source};
 
 /// What the window shows first.
 #[derive(Clone)]
 pub enum Start {
     Sample(Sample),
-    Deployments(Vec<Arc<Deployment>>),
+    Deployments(Vec<(Arc<Deployment>, Source)>),
 }
 
 /// State, layout and scene; the rest is drawn anew every frame.
@@ -34,8 +35,8 @@ impl ResectWindow {
         match start {
             Start::Sample(sample) => state.open_placeholder(*sample),
             Start::Deployments(deployments) => {
-                for deployment in deployments {
-                    state.add(Arc::clone(deployment));
+                for (deployment, source) in deployments {
+                    state.add(Arc::clone(deployment), Some(source.clone()));
                 }
             }
         }
@@ -57,6 +58,7 @@ impl ResectWindow {
                 self.state.handle(command, ctx);
             }
             Command::ShowPane(pane) => self.layout.show(pane),
+            Command::UseLayout(preset) => self.layout = Layout::from(preset),
             Command::ResetLayout => self.layout = Layout::default(),
             other => self.state.handle(other, ctx),
         }
@@ -67,12 +69,21 @@ impl eframe::App for ResectWindow {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.state.take_replies();
         self.state.advance(ui.input(|input| input.time));
+        self.state.take_picture(ui.ctx(), self.scene.place());
         let mut commands = Commands::new();
-        for file in ui.input(|i| i.raw.dropped_files.clone()) {
-            commands.push(Command::OpenPath(file.path().to_owned()));
+        let dropped = ui.input(|input| {
+            input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
+        });
+        if !dropped.is_empty() {
+            commands.push(Command::OpenPaths(dropped));
+        }
+        let ctx = ui.ctx().clone();
+        if self.state.overlay == Overlay::None {
+            actions::from_keys(&ctx, &self.state, &mut commands);
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
         panels::notice::ui(ui, &self.state, &mut commands);
+        panels::time_bar::ui(ui, &self.state, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
             let mut panes =
@@ -80,7 +91,13 @@ impl eframe::App for ResectWindow {
             self.layout.ui(ui, &mut panes);
         });
         panels::drop_hint::ui(ui);
-        let ctx = ui.ctx().clone();
+        match &self.state.overlay {
+            Overlay::None => {}
+            Overlay::Palette(palette) => {
+                panels::command_palette::ui(&ctx, &self.state, palette, &mut commands);
+            }
+            Overlay::Shortcuts => panels::shortcuts::ui(&ctx, &self.state, &mut commands),
+        }
         let hovered_s = self.state.hover_s.take();
         for command in commands {
             self.send(command, &ctx);
@@ -106,10 +123,13 @@ impl Panes<'_> {
             Pane::Result => panels::result::ui(ui, self.state, self.commands),
             Pane::Findings => panels::findings::ui(ui, self.state),
             Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),
+            Pane::Rates => plots::rates::ui(ui, self.state, self.commands),
+            Pane::Intervals => plots::intervals::ui(ui, self.state, self.commands),
             Pane::Histogram => plots::histogram::ui(ui, self.state),
             Pane::PriorSearch => plots::prior_search::ui(ui, self.state, self.commands),
             Pane::SideBySide => panels::side_by_side::ui(ui, self.state, self.commands),
             Pane::Studies => panels::studies::ui(ui, self.state, self.commands),
+            Pane::Reading | Pane::Runs => {}
         }
     }
 }
@@ -141,7 +161,7 @@ pub fn open_window(start: Start) -> eframe::Result {
 
 /// The window as an image, drawn off the screen.
 pub fn picture(
-    deployments: Vec<Arc<Deployment>>,
+    deployments: Vec<(Arc<Deployment>, Source)>,
     settings: Settings,
     [width, height]: [u32; 2],
     dark: bool,

@@ -98,6 +98,17 @@ impl CalibrationSettings {
         }
     }
 
+    /// These settings with all that goes beyond the published method D as in others.
+    pub fn beyond_as(&self, others: &Self) -> Self {
+        let Self { loss, estimate, weigh_by_noise, continuous_time, .. } = *others;
+        Self { loss, estimate, weigh_by_noise, continuous_time, ..*self }
+    }
+
+    /// Whether all that goes beyond the published method D is as in [`CalibrationSettings::robust`].
+    pub fn is_robust(&self) -> bool {
+        *self == self.beyond_as(&Self::robust())
+    }
+
     /// Whether anything goes beyond the published method D.
     pub fn refines(&self) -> bool {
         self.loss != Loss::Squared

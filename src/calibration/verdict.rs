@@ -1,9 +1,9 @@
 //! Whether an answer can be trusted, in one word.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// From best to worst. The reasons stand in the findings beside it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     Good,

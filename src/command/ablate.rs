@@ -5,8 +5,9 @@ use clap::Args;
 use super::study_args::StudyArguments;
 use super::{Failure, print};
 use crate::calibration::Method;
-use crate::experiment::{Control, ablate};
+use crate::experiment::ablate;
 use crate::export::study;
+use crate::progress::Progress;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -22,7 +23,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let splits = arguments.study.splits()?;
     let deployments = arguments.study.deployments()?;
     let reference = arguments.reference;
-    let result = ablate(&deployments, &settings, reference, splits, &Control::default())?;
+    let result = ablate(&deployments, &settings, reference, splits, &Progress::default())?;
     if arguments.study.json {
         print(&format!("{:#}\n", study::json(&result)))?;
     } else {

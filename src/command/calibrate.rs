@@ -28,8 +28,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut settings = arguments.settings.settings()?;
-    let (deployment, load_ms) = load(&arguments.path, arguments.settings.rig.as_deref())?;
-    let deployment = arguments.settings.adjust(deployment)?;
+    let (deployment, load_ms) = load(&arguments.path, arguments.settings.extras())?;
     let mut analyst = Analyst::new(deployment.clone());
     let mut methods: Vec<Option<Method>> = arguments.method.iter().copied().map(Some).collect();
     if methods.is_empty() {

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::{Failure, load, print};
 use crate::calibration::{Method, Offer};
-use crate::deployment::{Deployment, Track, pair_label};
+use crate::deployment::{Deployment, Extras, Track, pair_label};
 use crate::pipeline::{self, PipelineSettings};
 
 #[derive(Args)]
@@ -20,7 +20,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (deployment, load_ms) = load(&arguments.path, arguments.rig.as_deref())?;
+    let extras = Extras { rig: arguments.rig.clone(), ..Extras::default() };
+    let (deployment, load_ms) = load(&arguments.path, extras)?;
     print(&report(&deployment))?;
     print(&format!("opened in {load_ms:.1} ms\n"))?;
     Ok(())

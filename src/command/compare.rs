@@ -4,8 +4,9 @@ use clap::Args;
 
 use super::study_args::StudyArguments;
 use super::{Failure, print};
-use crate::experiment::{Control, compare};
+use crate::experiment::compare;
 use crate::export::study;
+use crate::progress::Progress;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -17,7 +18,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.study.settings.settings()?;
     let splits = arguments.study.splits()?;
     let deployments = arguments.study.deployments()?;
-    let result = compare(&deployments, &settings, splits, &Control::default())?;
+    let result = compare(&deployments, &settings, splits, &Progress::default())?;
     if arguments.study.json {
         print(&format!("{:#}\n", study::comparison_json(&result)))?;
     } else {

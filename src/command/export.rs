@@ -27,8 +27,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
-    let (deployment, _) = load(&arguments.path, arguments.settings.rig.as_deref())?;
-    let deployment = arguments.settings.adjust(deployment)?;
+    let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     if let Err(error) = &analysis.answer {
         eprintln!("resect: without an answer, stations are drawn in their own frames: {error}");

@@ -21,7 +21,8 @@ use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 
-use crate::deployment::{Deployment, OpenError, open_with};
+use crate::deployment::{Deployment, Extras, OpenError, Source};
+use crate::progress::Progress;
 
 /// Inspect a deployment of three robotic total stations, tune its filters, and calibrate it.
 #[derive(Parser)]
@@ -130,8 +131,8 @@ fn print(text: &str) -> std::io::Result<()> {
 }
 
 /// A deployment and how long opening it took (ms).
-fn load(path: &Path, rig: Option<&Path>) -> Result<(Arc<Deployment>, f64), OpenError> {
+fn load(path: &Path, extras: Extras) -> Result<(Arc<Deployment>, f64), OpenError> {
     let started = Instant::now();
-    let deployment = open_with(path, rig)?;
+    let deployment = Source::at(path).with(extras).open(&Progress::default())?;
     Ok((Arc::new(deployment), started.elapsed().as_secs_f64() * 1e3))
 }

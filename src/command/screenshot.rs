@@ -7,9 +7,10 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 
 use super::settings_args::SettingsArguments;
-use super::{Failure, load, print};
+use super::{Failure, print};
 use crate::app;
-use crate::deployment::Sample;
+use crate::deployment::{Sample, Source};
+use crate::progress::Progress;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Theme {
@@ -35,13 +36,14 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
-    let deployment = match &arguments.path {
-        Some(path) => load(path, arguments.settings.rig.as_deref())?.0,
-        None => Arc::new(Sample::Warthog.open()?),
+    let source = match &arguments.path {
+        Some(path) => Source::at(path),
+        None => Source::sample(Sample::Warthog),
     };
-    let deployment = arguments.settings.adjust(deployment)?;
+    let source = source.with(arguments.settings.extras());
+    let deployment = source.open(&Progress::default())?;
     let dark = arguments.theme == Theme::Dark;
-    let image = app::picture(vec![deployment], settings, arguments.size, dark)?;
+    let image = app::picture(vec![(Arc::new(deployment), source)], settings, arguments.size, dark)?;
     image
         .save_with_format(&arguments.out, image::ImageFormat::Png)
         .with_context(|| format!("{}: cannot be written", arguments.out.display()))?;

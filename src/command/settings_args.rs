@@ -1,15 +1,13 @@
 //! The flags that change settings, shared by every command that runs the pipeline.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
 use super::Failure;
 use crate::analysis::Settings;
 use crate::calibration::{Alignment, CalibrationSettings, Loss, PriorMethod};
-use crate::deployment::format::{Format, deployment_toml::parse_toml};
-use crate::deployment::{Deployment, Ingredient, OpenError, read_control_points};
+use crate::deployment::{Extras, OpenError};
 use crate::pipeline::Interpolation;
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -75,7 +73,7 @@ pub struct SettingsArguments {
     gcp: Vec<PathBuf>,
     /// Folder or file with the rig (calibration_results.csv, calibration_raw.csv)
     #[arg(long, value_name = "PATH")]
-    pub rig: Option<PathBuf>,
+    rig: Option<PathBuf>,
     /// Settings as TOML; flags overrule it
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
@@ -86,12 +84,10 @@ impl SettingsArguments {
     pub fn settings(&self) -> Result<Settings, Failure> {
         let mut settings = match &self.config {
             None => Settings::default(),
-            Some(path) => {
-                let text = std::fs::read_to_string(path)
-                    .map_err(|error| OpenError::Io { path: path.clone(), error })?;
-                parse_toml(&path.display().to_string(), &text)
-                    .map_err(|error| Failure::Usage(error.to_string()))?
-            }
+            Some(path) => Settings::read(path).map_err(|error| match error {
+                OpenError::Io { .. } => Failure::from(error),
+                error => Failure::Usage(error.to_string()),
+            })?,
         };
         let thresholds = &mut settings.pipeline.thresholds;
         for (flag, setting) in [
@@ -137,33 +133,13 @@ impl SettingsArguments {
         Ok(settings)
     }
 
-    /// The deployment with the control points of `--gcp`, if given.
-    pub fn adjust(&self, deployment: Arc<Deployment>) -> Result<Arc<Deployment>, Failure> {
-        if self.gcp.is_empty() {
-            return Ok(deployment);
+    /// The files of `--rig` and `--gcp`.
+    pub fn extras(&self) -> Extras {
+        Extras {
+            rig: self.rig.clone(),
+            gcp: self.gcp.clone(),
+            gcp_instead: !self.gcp.is_empty(),
+            gnss: Vec::new(),
         }
-        let prism_constant_m = deployment.tracks[0].prism_constant_m;
-        let mut deployment = Arc::unwrap_or_clone(deployment);
-        deployment.control_points.clear();
-        let replaced = [Format::ControlPoints, Format::Pillars, Format::SurveyedPoints];
-        for ingredient in &mut deployment.ingredients {
-            ingredient.used &= !replaced.map(Format::describe).contains(&ingredient.what);
-        }
-        for path in &self.gcp {
-            let text = std::fs::read_to_string(path)
-                .map_err(|error| OpenError::Io { path: path.clone(), error })?;
-            let file = path.display().to_string();
-            let set = read_control_points(
-                &file,
-                &text,
-                prism_constant_m,
-                None,
-                &mut deployment.findings,
-            )?;
-            let (what, used) = (Format::ControlPoints.describe(), set.is_some());
-            deployment.ingredients.push(Ingredient { file, what, used });
-            deployment.control_points.extend(set);
-        }
-        Ok(Arc::new(deployment))
     }
 }

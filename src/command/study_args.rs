@@ -34,13 +34,7 @@ pub struct StudyArguments {
 
 impl StudyArguments {
     pub fn deployments(&self) -> Result<Vec<Arc<Deployment>>, Failure> {
-        self.path
-            .iter()
-            .map(|path| {
-                let (deployment, _) = load(path, self.settings.rig.as_deref())?;
-                self.settings.adjust(deployment)
-            })
-            .collect()
+        self.path.iter().map(|path| Ok(load(path, self.settings.extras())?.0)).collect()
     }
 
     pub fn splits(&self) -> Result<Option<Splits>, Failure> {

@@ -5,8 +5,9 @@ use clap::Args;
 use super::study_args::StudyArguments;
 use super::{Failure, print};
 use crate::calibration::Method;
-use crate::experiment::{Control, Parameter, Sweep, sweep};
+use crate::experiment::{Parameter, Sweep, sweep};
 use crate::export::study;
+use crate::progress::Progress;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -37,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     range.check(&settings.pipeline).map_err(Failure::Usage)?;
     let deployments = arguments.study.deployments()?;
     let reference = arguments.reference;
-    let result = sweep(&deployments, &settings, &range, reference, splits, &Control::default())?;
+    let result = sweep(&deployments, &settings, &range, reference, splits, &Progress::default())?;
     if arguments.study.json {
         print(&format!("{:#}\n", study::json(&result)))?;
     } else {

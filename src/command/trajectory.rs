@@ -32,8 +32,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let line = format!("--max-error is {} mm; it must be above zero", arguments.max_error);
         return Err(Failure::Usage(line));
     }
-    let (deployment, _) = load(&arguments.path, arguments.settings.rig.as_deref())?;
-    let deployment = arguments.settings.adjust(deployment)?;
+    let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     let answer = analysis.answer.clone()?;
     let (trajectory, frame) = vehicle_trajectory(

@@ -1,6 +1,6 @@
 //! The data model: one field session of three robotic total stations, as it was measured.
 //!
-//! [`open`] is the one way in. Everything downstream (pipeline, calibration, window, commands) takes a
+//! [`Source::open`] is the one way in, and [`open`] its short form. Everything downstream (pipeline, calibration, window, commands) takes a
 //! [`Deployment`] and never looks at a file again.
 
 mod control_points;
@@ -10,16 +10,20 @@ mod gnss;
 mod open;
 mod rig;
 mod sample;
+mod source;
 mod track;
+mod what_is;
 
 pub use control_points::{ControlPoint, ControlPointSet};
 pub use finding::{Finding, Severity};
 pub use format::OpenError;
 pub use gnss::GnssFix;
-pub use open::{Ingredient, open, open_files, open_with, read_control_points};
+pub use open::{Ingredient, open, open_files};
 pub use rig::{Rig, pairwise_distances};
 pub use sample::Sample;
+pub use source::{Extras, Place, Source};
 pub use track::{Measurement, RawRecord, Track, assemble_tracks};
+pub use what_is::{Dropped, SESSION_KEY, Sorted, sort, what_is};
 
 /// Names of the pairs of prisms in the order of every `[f64; 3]` of distances: α, β, γ.
 pub const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];

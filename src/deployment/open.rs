@@ -1,23 +1,23 @@
 //! From a path to a deployment: what is in a folder, which file plays which part, and what is missing.
 
 mod control_points;
+mod found;
 mod gnss;
 mod rig;
 
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::format::{self, Format, OpenError, deployment_toml::Overrides, recognise};
+use self::control_points::read_control_point_sets;
+use self::found::{Content, Found};
+pub use self::found::{FOLDER_DEPTH, FoundFile, find, in_memory, list_folder};
+use self::gnss::read_gnss;
+use self::rig::read_rig;
+use super::format::{self, Format, OpenError, deployment_toml::Overrides};
 use super::{Deployment, Finding, RawRecord, assemble_tracks};
-use control_points::read_control_point_sets;
-pub use control_points::read_control_points;
-use gnss::read_gnss;
-use rig::read_rig;
+use crate::progress::Progress;
 
 /// What the MT1000 prism adds to a range (m), unless `deployment.toml` says otherwise.
 const PRISM_CONSTANT_M: f64 = 0.010;
-/// How deep below the given folder files are looked for.
-const FOLDER_DEPTH: usize = 3;
 
 /// A file that was looked at, and what became of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,157 +29,26 @@ pub struct Ingredient {
     pub used: bool,
 }
 
-/// A file before it is parsed: small ones in memory, bags where they lie.
-struct Source {
-    file: String,
-    format: Format,
-    place: Place,
-}
-
-enum Place {
-    Disk(PathBuf),
-    Memory(String),
-}
-
-impl Source {
-    fn text(&self) -> Result<String, OpenError> {
-        self.raw_text().map(|text| text.trim_start_matches(format::BYTE_ORDER_MARK).to_owned())
-    }
-
-    fn raw_text(&self) -> Result<String, OpenError> {
-        match &self.place {
-            Place::Memory(text) => Ok(text.clone()),
-            Place::Disk(path) => {
-                let bytes = std::fs::read(path)
-                    .map_err(|error| OpenError::Io { path: path.clone(), error })?;
-                String::from_utf8(bytes)
-                    .map_err(|_| OpenError::file(&self.file, "not UTF-8 text", "save it as UTF-8"))
-            }
-        }
-    }
-}
-
 /// Opens a folder by looking at what is in it, or a file of tracks with the rest of its folder.
 pub fn open(path: &Path) -> Result<Deployment, OpenError> {
-    open_with(path, None)
-}
-
-/// Like [`open`], with the rig taken from another folder or file where the data has none beside it.
-pub fn open_with(path: &Path, rig_path: Option<&Path>) -> Result<Deployment, OpenError> {
-    let io = |error| OpenError::Io { path: path.to_owned(), error };
-    let metadata = std::fs::metadata(path).map_err(io)?;
-    let path = &path.canonicalize().map_err(io)?;
-    let (folder, chosen) = if metadata.is_dir() {
-        (path.as_path(), None)
-    } else {
-        let folder = path.parent().unwrap_or(Path::new("."));
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        (folder, Some(name))
-    };
-    let mut sources = if let Some(chosen) = &chosen
-        && chosen != "deployment.toml"
-    {
-        // A single file: its neighbours can help, the folders below them are none of its business.
-        list_folder(folder, 1)?
-    } else {
-        list_folder(folder, FOLDER_DEPTH)?
-    };
-    if let Some(rig_path) = rig_path {
-        sources.retain(|s| !matches!(s.format, Format::RigReading | Format::RigDistances));
-        let extra = if rig_path.is_dir() {
-            list_folder(rig_path, FOLDER_DEPTH)?
-        } else {
-            vec![source_at(rig_path, rig_path.to_string_lossy().into_owned())?]
-        };
-        sources.extend(
-            extra
-                .into_iter()
-                .filter(|s| matches!(s.format, Format::RigReading | Format::RigDistances)),
-        );
-    }
-    let name = match &chosen {
-        Some(file) if file != "deployment.toml" => {
-            Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned()
-        }
-        _ => folder.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-    };
-    let chosen = chosen.filter(|file| file != "deployment.toml");
-    if let Some(file) = &chosen
-        && let Some(source) = sources.iter().find(|s| &s.file == file)
-        && !source.format.is_track()
-    {
-        return Err(OpenError::file(
-            file,
-            format!("holds no tracks of the stations ({})", source.format.describe()),
-            "open its folder, or a polar CSV (timestamp,id,distance,ha,va) or a ROS 1 bag",
-        ));
-    }
-    combine(name, chosen.as_deref(), &sources)
+    combine(&find(path, &Progress::default())?, &Progress::default())
 }
 
 /// Opens files that are already in memory, as the built-in samples are.
 pub fn open_files(name: &str, files: &[(&str, &str)]) -> Result<Deployment, OpenError> {
-    let sources: Vec<_> = files
-        .iter()
-        .map(|(file, text)| Source {
-            file: (*file).to_owned(),
-            format: recognise(file, text.as_bytes()),
-            place: Place::Memory((*text).to_owned()),
-        })
-        .collect();
-    combine(name.to_owned(), None, &sources)
+    combine(&in_memory(name, files), &Progress::default())
 }
 
-fn list_folder(folder: &Path, depth: usize) -> Result<Vec<Source>, OpenError> {
-    fn visit(
-        top: &Path,
-        folder: &Path,
-        depth: usize,
-        into: &mut Vec<Source>,
-    ) -> Result<(), OpenError> {
-        let io = |error| OpenError::Io { path: folder.to_owned(), error };
-        for entry in std::fs::read_dir(folder).map_err(io)? {
-            let path = entry.map_err(io)?.path();
-            let hidden =
-                path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-            if hidden {
-                continue;
-            } else if path.is_dir() {
-                if depth > 1 {
-                    visit(top, &path, depth - 1, into)?;
-                }
-            } else if path.is_file() {
-                let file = path.strip_prefix(top).unwrap_or(&path).to_string_lossy().into_owned();
-                into.push(source_at(&path, file)?);
-            }
-        }
-        Ok(())
-    }
-    let mut sources = Vec::new();
-    visit(folder, folder, depth, &mut sources)?;
-    sources.sort_by(|a, b| a.file.cmp(&b.file));
-    Ok(sources)
-}
-
-fn source_at(path: &Path, file: String) -> Result<Source, OpenError> {
-    let io = |error| OpenError::Io { path: path.to_owned(), error };
-    let mut head = Vec::new();
-    std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head)).map_err(io)?;
-    let base_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Source { file, format: recognise(&base_name, &head), place: Place::Disk(path.to_owned()) })
-}
-
-/// Gives every source its part, reads those that have one, and says what was passed over.
-fn combine(
-    name: String,
-    chosen: Option<&str>,
-    sources: &[Source],
-) -> Result<Deployment, OpenError> {
+/// Gives every file its part, reads those that have one, and says what was passed over.
+///
+/// `progress` counts the bytes of the files that are read.
+pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenError> {
+    let files = &found.files;
     // Only the folder's own: one further down belongs to another deployment.
     let is_overrides =
-        |s: &&Source| s.format == Format::DeploymentToml && s.file == "deployment.toml";
-    let overrides = match sources.iter().find(is_overrides) {
-        Some(source) => format::deployment_toml::read(&source.file, &source.text()?)?,
+        |f: &&FoundFile| f.format == Format::DeploymentToml && f.file == "deployment.toml";
+    let overrides = match files.iter().find(is_overrides) {
+        Some(file) => format::deployment_toml::read(&file.file, &file.uncounted_text()?)?,
         None => Overrides::default(),
     };
     let prism_constant_m = overrides.prism_constant_m.unwrap_or(PRISM_CONSTANT_M);
@@ -190,31 +59,46 @@ fn combine(
             "prism constants are a few hundredths of a metre",
         ));
     }
-    let name = overrides.name.clone().unwrap_or(name);
+    let prisms = overrides.prisms;
+    if prisms.is_some_and(|prisms| prisms != 1 && prisms != 3) {
+        return Err(OpenError::file(
+            "deployment.toml",
+            "prisms must be 1 (all stations follow one) or 3",
+            "leave it out to have it recognised",
+        ));
+    }
+    let name = overrides.name.clone().unwrap_or_else(|| found.name.clone());
     let mut findings = Vec::new();
     let mut used: Vec<&str> = Vec::new();
-    used.extend(sources.iter().filter(is_overrides).map(|s| s.file.as_str()));
+    used.extend(files.iter().filter(is_overrides).map(|f| f.file.as_str()));
 
-    let track_source = choose_tracks(&name, chosen.or(overrides.tracks.as_deref()), sources)?;
-    used.push(&track_source.file);
-    let (records, place_word) = read_records(track_source)?;
+    let chosen = found.chosen.as_deref().or(overrides.tracks.as_deref());
+    let track_file = choose_tracks(&name, chosen, files)?;
+    let beside = files.iter().filter(|f| f.is_read_beside_tracks()).map(|f| f.bytes);
+    progress.expect(track_file.bytes + beside.sum::<u64>());
+    used.push(&track_file.file);
+    let (records, place_word) = read_records(track_file, progress)?;
     let (tracks, track_findings) =
-        assemble_tracks(&records, prism_constant_m, &track_source.file, place_word);
+        assemble_tracks(&records, prism_constant_m, &track_file.file, place_word);
     findings.extend(track_findings);
     if tracks.iter().all(|track| track.measurements.is_empty()) {
         return Err(OpenError::file(
-            &track_source.file,
+            &track_file.file,
             "no usable measurement of any station",
             "stations are numbered 1, 2, 3 and a valid reading has status 0",
         ));
     }
 
-    let (control_points, used_sets) =
-        read_control_point_sets(sources, &overrides, prism_constant_m, &mut findings)?;
-    used.extend(used_sets);
-
-    let rig = read_rig(sources, &overrides, prism_constant_m, &mut used, &mut findings)?;
-    let gnss = read_gnss(sources, &overrides, &mut used, &mut findings)?;
+    let mut reading = Reading {
+        files,
+        overrides: &overrides,
+        progress,
+        used: &mut used,
+        findings: &mut findings,
+    };
+    let control_points = read_control_point_sets(&mut reading, prism_constant_m)?;
+    let rig = read_rig(&mut reading, prism_constant_m)?;
+    let gnss = read_gnss(&mut reading)?;
     let constant_from =
         if overrides.prism_constant_m.is_some() { "deployment.toml" } else { "the MT1000" };
     findings.push(Finding::note(format!(
@@ -222,35 +106,37 @@ fn combine(
         prism_constant_m * 1e3
     )));
 
-    let ingredients = sources
+    let ingredients = files
         .iter()
-        .map(|s| Ingredient {
-            file: s.file.clone(),
-            what: s.format.describe(),
-            used: used.contains(&s.file.as_str()),
+        .map(|f| Ingredient {
+            file: f.file.clone(),
+            what: f.format.describe(),
+            used: used.contains(&f.file.as_str()),
         })
         .collect();
-    if overrides.prisms.is_some_and(|prisms| prisms != 1 && prisms != 3) {
-        return Err(OpenError::file(
-            "deployment.toml",
-            "prisms must be 1 (all stations follow one) or 3",
-            "leave it out to have it recognised",
-        ));
-    }
-    let prisms = overrides.prisms;
     Ok(Deployment { name, tracks, control_points, rig, prisms, gnss, ingredients, findings })
 }
 
-/// The one source of tracks. Two representations in one folder are a question to the user.
+/// What the readers of everything beside the tracks share.
+struct Reading<'a, 'b> {
+    files: &'a [FoundFile],
+    overrides: &'a Overrides,
+    progress: &'a Progress,
+    /// Names of the files that were read.
+    used: &'b mut Vec<&'a str>,
+    findings: &'b mut Vec<Finding>,
+}
+
+/// The one file of tracks. Two representations in one folder are a question to the user.
 fn choose_tracks<'a>(
     name: &str,
     chosen: Option<&str>,
-    sources: &'a [Source],
-) -> Result<&'a Source, OpenError> {
-    let candidates: Vec<_> = sources.iter().filter(|s| s.format.is_track()).collect();
-    let names = || candidates.iter().map(|s| s.file.as_str()).collect::<Vec<_>>().join(", ");
+    files: &'a [FoundFile],
+) -> Result<&'a FoundFile, OpenError> {
+    let candidates: Vec<_> = files.iter().filter(|f| f.format.is_track()).collect();
+    let names = || candidates.iter().map(|f| f.file.as_str()).collect::<Vec<_>>().join(", ");
     if let Some(chosen) = chosen {
-        return candidates.iter().find(|s| s.file == chosen).copied().ok_or_else(|| {
+        return candidates.iter().find(|f| f.file == chosen).copied().ok_or_else(|| {
             OpenError::file(
                 name,
                 format!("`{chosen}` is no file with tracks (hidden files are not looked at)"),
@@ -262,7 +148,7 @@ fn choose_tracks<'a>(
         [only] => Ok(only),
         [] => {
             let mut seen: Vec<_> =
-                sources.iter().map(|s| format!("{} ({})", s.file, s.format.describe())).collect();
+                files.iter().map(|f| format!("{} ({})", f.file, f.format.describe())).collect();
             seen.truncate(4);
             let seen = if seen.is_empty() { "no file".to_owned() } else { seen.join(", ") };
             Err(OpenError::file(
@@ -279,12 +165,18 @@ fn choose_tracks<'a>(
     }
 }
 
-fn read_records(source: &Source) -> Result<(Vec<RawRecord>, &'static str), OpenError> {
-    match (&source.place, source.format) {
-        (Place::Disk(path), Format::Ros1Bag) => {
-            Ok((format::ros1_bag::read(path, &source.file)?, "message"))
+fn read_records(
+    file: &FoundFile,
+    progress: &Progress,
+) -> Result<(Vec<RawRecord>, &'static str), OpenError> {
+    match (&file.content, file.format) {
+        (Content::Disk(path), Format::Ros1Bag) => {
+            Ok((format::ros1_bag::read(path, &file.file, progress)?, "message"))
         }
-        _ => Ok((format::polar_csv::read(&source.file, &source.text()?)?, "line")),
+        _ => {
+            let text = file.uncounted_text()?;
+            Ok((format::polar_csv::read(&file.file, &text, progress)?, "line"))
+        }
     }
 }
 

@@ -1,9 +1,12 @@
 //! The built-in deployments, written by `resect simulate` and read by the same readers as any other.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Deployment, OpenError, open_files};
 
 /// A deployment that is part of the program. Regenerate with `assets/samples/regenerate`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Sample {
     /// A Warthog-like rig on uneven ground, with control points.
     Warthog,
@@ -27,7 +30,7 @@ impl Sample {
         }
     }
 
-    fn files(self) -> &'static [(&'static str, &'static str)] {
+    pub(super) fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Self::Warthog => sample_files!("warthog":
                 "inter_prism.csv", "GCP_raw_1.txt", "GCP_raw_2.txt", "Two_points.txt", "pillars.csv",

@@ -4,7 +4,7 @@ pub mod gnss;
 pub mod trajectory;
 pub mod vehicle;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::calibration::inter_prism::distance_errors_m;
 use crate::calibration::{Calibration, Targets};
@@ -13,7 +13,7 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 
 /// Median and quartiles of a list.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     pub median: f64,
     pub q25: f64,
@@ -58,7 +58,7 @@ fn quantile(part: &mut [u64], first: usize, rank: f64) -> f64 {
 }
 
 /// The control-point metric of one file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ControlPointMetric {
     pub file: String,
     /// Distances between the stations' versions of the same point (mm).

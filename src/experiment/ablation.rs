@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::StudyError;
 use super::reference::{self, Reference};
 use super::split::Splits;
 use super::study::{Group, Quantiles, Series, Study};
-use super::{Control, StudyError};
 use crate::analysis::Settings;
 use crate::deployment::Deployment;
 use crate::palette;
 use crate::pipeline::{Interpolation, PipelineSettings};
+use crate::progress::Progress;
 
 /// Which optional modules run.
 const COMBINATIONS: [(&str, bool, bool); 4] = [
@@ -27,11 +28,12 @@ pub fn ablate(
     settings: &Settings,
     reference: Reference,
     splits: Option<Splits>,
-    control: &Control,
+    progress: &Progress,
 ) -> Result<Study, StudyError> {
-    control.expect(deployments.len().min(1) + COMBINATIONS.len() * Interpolation::ALL.len());
+    let steps = deployments.len().min(1) + COMBINATIONS.len() * Interpolation::ALL.len();
+    progress.expect(steps as u64);
     let (judges, findings) =
-        control.step(|| reference::judges(deployments, settings, reference, splits))??;
+        progress.step(|| reference::judges(deployments, settings, reference, splits))??;
     let variants: Vec<(usize, Interpolation)> = (0..COMBINATIONS.len())
         .flat_map(|combination| {
             Interpolation::ALL.map(|interpolation| (combination, interpolation))
@@ -47,7 +49,7 @@ pub fn ablate(
                 interpolation: *interpolation,
                 ..settings.pipeline
             };
-            control.step(|| reference::pooled(&judges, &variant))
+            progress.step(|| reference::pooled(&judges, &variant))
         })
         .collect::<Result<Vec<_>, _>>()?;
     let mut results = results.into_iter();

@@ -6,12 +6,13 @@ use rayon::prelude::*;
 
 use super::split::{Plan, Splits};
 use super::study::{Group, Level, Quantiles, Series, Study};
-use super::{Control, INSTRUMENT_NOISE_MM, StudyError};
+use super::{INSTRUMENT_NOISE_MM, StudyError};
 use crate::analysis::{Analysis, Analyst, Answer, Settings};
 use crate::calibration::{self, CalibrationSettings, Disagreement, Method, Offer};
 use crate::deployment::{Deployment, Finding};
 use crate::evaluation::{self, gnss};
 use crate::palette;
+use crate::progress::Progress;
 
 /// Answers of one deployment, on all of its data.
 #[derive(Clone, Debug)]
@@ -34,15 +35,15 @@ pub fn compare(
     deployments: &[Arc<Deployment>],
     settings: &Settings,
     splits: Option<Splits>,
-    control: &Control,
+    progress: &Progress,
 ) -> Result<Comparison, StudyError> {
     if deployments.is_empty() {
         return Err(StudyError::Nothing("no deployment to compare on".to_owned()));
     }
-    control.expect(deployments.len());
+    progress.expect(deployments.len() as u64);
     let each = deployments
         .par_iter()
-        .map(|deployment| control.step(|| one(deployment, settings, splits)))
+        .map(|deployment| progress.step(|| one(deployment, settings, splits)))
         .collect::<Result<Vec<_>, _>>()?;
 
     if each.iter().all(|(compared, _)| compared.answers.iter().all(Result::is_err)) {

@@ -2,11 +2,12 @@
 //! [`compare`] (the calibrations).
 //!
 //! Each gives a [`Study`]: boxes of errors with a label each, which the terminal, CSV, JSON, pictures and the window
-//! all show. [`Control`] tells how far one is, and stops it.
+//! all show. [`Progress`](crate::progress::Progress) tells how far one
+//! is, in steps, and stops it.
 
 mod ablation;
 mod comparison;
-mod control;
+mod error;
 mod reference;
 mod sensitivity;
 mod split;
@@ -14,7 +15,7 @@ mod study;
 
 pub use ablation::ablate;
 pub use comparison::{Compared, Comparison, compare};
-pub use control::{Control, StudyError};
+pub use error::StudyError;
 pub use reference::Reference;
 pub use sensitivity::{Parameter, Sweep, sweep};
 pub use split::Splits;

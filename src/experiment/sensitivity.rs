@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::StudyError;
 use super::reference::{self, Reference};
 use super::split::Splits;
 use super::study::{Group, Quantiles, Series, Study};
-use super::{Control, StudyError};
 use crate::analysis::Settings;
 use crate::deployment::Deployment;
 use crate::palette;
 use crate::pipeline::PipelineSettings;
+use crate::progress::Progress;
 
 /// What can be swept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -128,20 +129,20 @@ pub fn sweep(
     sweep: &Sweep,
     reference: Reference,
     splits: Option<Splits>,
-    control: &Control,
+    progress: &Progress,
 ) -> Result<Study, StudyError> {
     sweep.check(&settings.pipeline).map_err(StudyError::Nothing)?;
     let values = sweep.values();
-    control.expect(1 + values.len());
+    progress.expect(1 + values.len() as u64);
     let (judges, findings) =
-        control.step(|| reference::judges(deployments, settings, reference, splits))??;
+        progress.step(|| reference::judges(deployments, settings, reference, splits))??;
     let parameter = sweep.parameter;
     let groups = values
         .par_iter()
         .map(|value| {
             let mut variant = settings.pipeline;
             *parameter.of(&mut variant) = *value;
-            let (errors, count) = control.step(|| reference::pooled(&judges, &variant))?;
+            let (errors, count) = progress.step(|| reference::pooled(&judges, &variant))?;
             Ok(Group {
                 label: short(*value, values[1] - values[0]),
                 note: format!("{count}"),

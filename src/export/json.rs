@@ -8,10 +8,11 @@ use serde_json::{Value, json};
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::inter_prism::{Estimate, InterPrismDetails, PriorSearch, Refinement};
 use crate::calibration::two_point::PairResection;
-use crate::calibration::{Basin, Calibration, Details};
+use crate::calibration::{Basin, Calibration, Details, TransformSigma};
 use crate::deployment::Deployment;
+use crate::geometry::RigidTransform;
 
-const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 1;
 
 /// One object for one method. `load_ms` is how long opening took.
 pub fn calibration(
@@ -97,21 +98,32 @@ fn level_transforms(basin: &Basin) -> Vec<Value> {
         .collect()
 }
 
+/// `station1_from_station` of station 2 or 3 (1 or 2 in the array).
 pub fn transform(calibration: &Calibration, station: usize) -> Value {
-    let transform = &calibration.station1_from_station[station];
-    let matrix = transform.matrix();
-    let sigma = calibration.sigma.map(|sigma| {
-        let sigma = sigma[station - 1];
-        json!({ "translation_m": sigma.translation_m.as_slice(), "yaw_rad": sigma.yaw_rad })
-    });
+    transform_of(
+        station + 1,
+        &calibration.station1_from_station[station],
+        calibration.sigma.map(|sigma| sigma[station - 1]),
+    )
+}
+
+/// The same, of the station with this number.
+pub fn transform_of(
+    number: usize,
+    station1_from_station: &RigidTransform,
+    sigma: Option<TransformSigma>,
+) -> Value {
     json!({
-        "from": station + 1,
+        "from": number,
         "to": 1,
-        "translation_m": transform.translation_m.as_slice(),
-        "yaw_rad": transform.yaw_rad(),
-        "tilt_rad": transform.tilt_rad(),
-        "matrix": rows(&matrix),
-        "sigma": sigma,
+        "translation_m": station1_from_station.translation_m.as_slice(),
+        "yaw_rad": station1_from_station.yaw_rad(),
+        "tilt_rad": station1_from_station.tilt_rad(),
+        "matrix": rows(&station1_from_station.matrix()),
+        "sigma": sigma.map(|sigma| json!({
+            "translation_m": sigma.translation_m.as_slice(),
+            "yaw_rad": sigma.yaw_rad,
+        })),
     })
 }
 

@@ -1,8 +1,11 @@
 //! Answers for other programs and for people: JSON, text, CSV, HTML, pictures, and recordings for the Rerun viewer.
 
+pub mod atomic;
 mod axis;
 pub mod box_chart;
+pub mod copy;
 pub mod csv;
+pub mod difference;
 pub mod drawing;
 mod frame;
 pub mod json;
@@ -12,6 +15,7 @@ pub mod report;
 pub mod rerun;
 pub mod residual_chart;
 pub mod study;
+pub mod summary;
 pub mod svg;
 pub mod text;
 pub mod tum;

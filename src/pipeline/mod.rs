@@ -6,6 +6,7 @@
 //! Each stage is a pure function of the one before it and of its own settings. `StagedPipeline` keeps
 //! the last output of each, so that a change re-runs only what depends on it.
 
+pub mod explanation;
 pub mod interpolation;
 pub mod interval_filter;
 pub mod interval_split;

@@ -1,5 +1,6 @@
 //! The pipeline with a memory: a change of a setting re-runs its stage and those after it.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -157,16 +158,20 @@ fn remember<Key: PartialEq, Output>(
     }
 }
 
-/// Fates of one station's raw readings. The readings that bracket an interval count as inside it, because
-/// the first and last positions in the interval are interpolated from them.
+/// Of a filtered track, the readings that positions in an interval are interpolated from. Those that bracket it count,
+/// because its first and last positions are interpolated from them.
+pub(super) fn used_readings(track: &FilteredTrack, interval: &Interval) -> RangeInclusive<usize> {
+    let from = track.time_s.partition_point(|t| *t <= interval.start_s).saturating_sub(1);
+    let to = track.time_s.partition_point(|t| *t < interval.end_s);
+    from..=to.min(track.time_s.len().saturating_sub(1))
+}
+
+/// Fates of one station's raw readings.
 fn fates(track: &FilteredTrack, intervals: &[Interval], kept: &[Interval]) -> Fates {
     let used_by = |intervals: &[Interval]| {
         let mut used = vec![false; track.time_s.len()];
         for interval in intervals {
-            let from = track.time_s.partition_point(|t| *t <= interval.start_s).saturating_sub(1);
-            let to = track.time_s.partition_point(|t| *t < interval.end_s);
-            let to = to.min(track.time_s.len().saturating_sub(1));
-            used[from..=to].fill(true);
+            used[used_readings(track, interval)].fill(true);
         }
         used
     };

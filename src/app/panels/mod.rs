@@ -1,5 +1,6 @@
 //! The panes that are lists of widgets: each a function that reads the state and sends commands.
 
+pub mod command_palette;
 pub mod correlations;
 pub mod deployment;
 pub mod drop_hint;
@@ -9,8 +10,10 @@ pub mod notice;
 pub mod observability;
 pub mod pipeline;
 pub mod result;
+pub mod shortcuts;
 pub mod side_by_side;
 pub mod studies;
+pub mod time_bar;
 pub mod top_bar;
 
 use eframe::egui;

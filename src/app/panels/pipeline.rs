@@ -200,32 +200,14 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
 
 /// What goes beyond the published method, and one switch for all that holds up.
 fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
-    let best = CalibrationSettings::robust();
-    let with_best = CalibrationSettings {
-        loss: best.loss,
-        estimate: best.estimate,
-        weigh_by_noise: best.weigh_by_noise,
-        continuous_time: best.continuous_time,
-        ..*settings
-    };
-    let mut robust = *settings == with_best;
+    let mut robust = settings.is_robust();
     if ui
         .checkbox(&mut robust, "robust, beyond the paper")
         .on_hover_text("The motion estimated from the readings themselves, Cauchy's loss, clocks, inter-prism distances and tilts estimated")
         .changed()
     {
-        let paper = CalibrationSettings::default();
-        *settings = if robust {
-            with_best
-        } else {
-            CalibrationSettings {
-                loss: paper.loss,
-                estimate: paper.estimate,
-                weigh_by_noise: paper.weigh_by_noise,
-                continuous_time: paper.continuous_time,
-                ..*settings
-            }
-        };
+        let wanted = if robust { CalibrationSettings::robust() } else { Default::default() };
+        *settings = settings.beyond_as(&wanted);
     }
     ui.collapsing("its parts", |ui| parts(ui, settings));
 }

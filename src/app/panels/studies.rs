@@ -82,8 +82,8 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 fn run_or_cancel(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let options = &state.studies.options;
     match &state.studies.running {
-        Some((_, control)) => {
-            ui.add(egui::ProgressBar::new(control.progress()).show_percentage());
+        Some((_, progress)) => {
+            ui.add(egui::ProgressBar::new(progress.share().unwrap_or(0.0)).show_percentage());
             if ui.button("Cancel").clicked() {
                 commands.push(Command::CancelStudy);
             }

@@ -1,83 +1,30 @@
-//! The bar at the top: opening, the deployment's name, what is under way, views and theme.
+//! The bar at the top: the menus, the deployment's name, what is under way, units and theme.
 
 use eframe::egui;
 
-use crate::app::layout::Pane;
-use crate::app::scene::ViewPreset;
+use crate::app::actions::{self, Action, Menu};
 use crate::app::state::{Command, Commands, State};
-use crate::deployment::Sample;
+use crate::app::units::{AngleUnit, LengthUnit};
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     egui::Panel::top("top bar").show(ui, |ui| {
         egui::MenuBar::new().ui(ui, |ui| {
             ui.strong("resect");
             ui.separator();
-            ui.menu_button("Open", |ui| {
-                if ui.button("Folder…").clicked() {
-                    commands.push(Command::OpenFolderDialog);
-                    ui.close();
-                }
-                if ui.button("Bag or CSV…").clicked() {
-                    commands.push(Command::OpenFileDialog);
-                    ui.close();
-                }
-                ui.separator();
-                for sample in Sample::ALL {
-                    if ui.button(format!("Sample: {}", sample.title())).clicked() {
-                        commands.push(Command::OpenSample(sample));
-                        ui.close();
-                    }
-                }
-            });
-            ui.menu_button("Export", |ui| {
-                ui.add_enabled_ui(state.analysed().is_some(), |ui| {
-                    if ui.button("Open in Rerun").clicked() {
-                        commands.push(Command::OpenInRerun);
-                        ui.close();
-                    }
-                    if ui.button("Save for Rerun (.rrd)…").clicked() {
-                        commands.push(Command::SaveRecordingDialog);
-                        ui.close();
-                    }
-                    if ui.button("Save the trajectory (.tum)…").clicked() {
-                        commands.push(Command::SaveTrajectoryDialog);
-                        ui.close();
+            let actions = actions::all(state);
+            for menu in Menu::ALL {
+                ui.menu_button(menu.title(), |ui| {
+                    let entries = actions.iter().filter(|action| action.menu == menu);
+                    show_menu(ui, entries, commands);
+                    if menu == Menu::View {
+                        appearance(ui, state, commands);
                     }
                 });
-            });
-            ui.menu_button("View", |ui| {
-                for (name, preset) in [
-                    ("Fit (F)", ViewPreset::Fit),
-                    ("Top", ViewPreset::Top),
-                    ("Side", ViewPreset::Side),
-                ] {
-                    if ui.button(name).clicked() {
-                        commands.push(Command::Look(preset));
-                        ui.close();
-                    }
-                }
-                ui.separator();
-                for pane in Pane::ALL {
-                    if ui.button(pane.title()).clicked() {
-                        commands.push(Command::ShowPane(pane));
-                        ui.close();
-                    }
-                }
-                ui.separator();
-                if ui.button("Reset layout").clicked() {
-                    commands.push(Command::ResetLayout);
-                    ui.close();
-                }
-                ui.separator();
-                ui.label("Theme");
-                let mut theme = ui.ctx().options(|options| options.theme_preference);
-                theme.buttons(ui);
-                ui.ctx().set_theme(theme);
-            });
+            }
             ui.separator();
             match state.active() {
                 Some(open) => ui.label(&open.deployment.name),
-                None => ui.weak("nothing open: choose Open, or drop a folder or bag here"),
+                None => ui.weak("nothing open: choose File, or drop a folder or bag here"),
             };
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if state.is_busy() {
@@ -90,4 +37,68 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             });
         });
     });
+}
+
+/// The entries of a menu, with a heading for each section; a long section is a menu of its own.
+fn show_menu<'a>(
+    ui: &mut egui::Ui,
+    entries: impl Iterator<Item = &'a Action>,
+    commands: &mut Commands,
+) {
+    let entries: Vec<&Action> = entries.collect();
+    for (index, section) in entries.chunk_by(|a, b| a.section == b.section).enumerate() {
+        if section.len() > MOST_IN_A_SECTION {
+            ui.menu_button(section[0].section, |ui| {
+                section.iter().for_each(|action| entry(ui, action, commands));
+            });
+            continue;
+        }
+        if index > 0 {
+            ui.separator();
+        }
+        section.iter().for_each(|action| entry(ui, action, commands));
+    }
+}
+
+const MOST_IN_A_SECTION: usize = 8;
+
+fn entry(ui: &mut egui::Ui, action: &Action, commands: &mut Commands) {
+    let mut button = egui::Button::selectable(action.on == Some(true), action.name.as_str());
+    if let Some(keys) = &action.shortcut {
+        button = button.shortcut_text(ui.ctx().format_shortcut(keys));
+    }
+    let response = ui.add_enabled(action.command.is_some(), button);
+    let response =
+        if action.hint.is_empty() { response } else { response.on_hover_text(action.hint) };
+    if response.clicked() {
+        commands.extend(action.command.clone());
+        ui.close();
+    }
+}
+
+fn appearance(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    ui.separator();
+    ui.horizontal(|ui| {
+        ui.label("Theme");
+        let mut theme = ui.ctx().options(|options| options.theme_preference);
+        ui.radio_value(&mut theme, egui::ThemePreference::System, "as the system");
+        ui.radio_value(&mut theme, egui::ThemePreference::Dark, "dark");
+        ui.radio_value(&mut theme, egui::ThemePreference::Light, "light");
+        ui.ctx().set_theme(theme);
+    });
+    let mut units = state.units;
+    ui.horizontal(|ui| {
+        ui.label("Lengths");
+        for unit in LengthUnit::ALL {
+            ui.radio_value(&mut units.length, unit, unit.name());
+        }
+        ui.separator();
+        ui.label("Angles");
+        for unit in AngleUnit::ALL {
+            ui.radio_value(&mut units.angle, unit, unit.name());
+        }
+    });
+    if units != state.units {
+        commands.push(Command::SetUnits(units));
+    }
 }

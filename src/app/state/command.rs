@@ -2,18 +2,22 @@
 
 use std::path::PathBuf;
 
-use super::{Picked, Visibility};
+use super::{Palette, Picked, Visibility};
 use crate::analysis::Settings;
-use crate::app::layout::Pane;
+use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
+use crate::app::units::Units;
 use crate::deployment::Sample;
 
 /// What a pane asks for.
 #[derive(Clone, Debug)]
 pub enum Command {
-    OpenPath(PathBuf),
+    /// Opens whatever the readers know: tracks, folders, control points, a rig, GNSS, settings, sessions.
+    OpenPaths(Vec<PathBuf>),
     OpenSample(Sample),
+    /// Stops reading a deployment, by its request's number.
+    CancelOpening(u64),
     OpenFolderDialog,
     OpenFileDialog,
     /// Shows another of the open deployments, by its id.
@@ -26,6 +30,16 @@ pub enum Command {
     SetAll,
     Undo,
     Redo,
+
+    /// Pins the active deployment's result.
+    Pin,
+    /// Pins the result of a run, by its id.
+    PinRun(u64),
+    Unpin(u64),
+    /// Shows or hides the residuals of a pinned result.
+    ShowPin(u64, bool),
+    /// Gives the active deployment the settings of a run, by its id.
+    RestoreRun(u64),
 
     /// Time under the pointer (s, in the stations' clock); sent in every frame while it is there.
     Hover(f64),
@@ -48,6 +62,7 @@ pub enum Command {
     Show(Visibility),
     Colour(Colouring),
     Measure(Ruler),
+    SetUnits(Units),
     Look(ViewPreset),
     ScenePicture(PictureTo),
 
@@ -64,7 +79,14 @@ pub enum Command {
 
     /// Brings a pane to the front.
     ShowPane(Pane),
+    UseLayout(LayoutPreset),
     ResetLayout,
+    ShowPalette,
+    /// What is typed in the command palette and which of its lines is chosen.
+    EditPalette(Palette),
+    ShowShortcuts,
+    /// Closes the palette or the sheet of shortcuts.
+    CloseOverlay,
     DismissNotice,
 }
 

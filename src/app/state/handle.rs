@@ -5,20 +5,21 @@ use std::sync::Arc;
 use eframe::egui;
 
 use super::undo::{Change, Moment, Step};
-use super::{Command, Picked, State, Timeline};
+use super::{Command, Overlay, Palette, Picked, State, Timeline};
 use crate::analysis::Settings;
 use crate::app::studies;
-use crate::app::worker::{Reply, Source};
-use crate::deployment::Deployment;
-use crate::experiment::Control;
+use crate::app::worker::Reply;
+use crate::deployment::{Deployment, Source};
 use crate::export;
+use crate::progress::Progress;
 
 impl State {
     /// Carries out a command; those of the window itself (layout, camera, pictures) are left to the caller.
     pub fn handle(&mut self, command: Command, ctx: &egui::Context) {
         match command {
-            Command::OpenPath(path) => self.open_source(Source::Path(path)),
-            Command::OpenSample(sample) => self.open_source(Source::Sample(sample)),
+            Command::OpenPaths(paths) => self.look_at(paths),
+            Command::OpenSample(sample) => self.open_source(Source::sample(sample)),
+            Command::CancelOpening(number) => self.cancel_opening(number),
             Command::OpenFolderDialog => self.open_folder_dialog(),
             Command::OpenFileDialog => self.open_file_dialog(),
             Command::Activate(id) => {
@@ -44,6 +45,21 @@ impl State {
             Command::Redo => {
                 let step = self.undo.redo().cloned();
                 self.go(step.as_ref(), |change| change.after);
+            }
+
+            Command::Pin => self.pin_active(),
+            Command::PinRun(id) => self.pin_run(id),
+            Command::Unpin(id) => self.results.pins.retain(|pin| pin.id != id),
+            Command::ShowPin(id, shown) => {
+                if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
+                    pin.shown = shown;
+                }
+            }
+            Command::RestoreRun(id) => {
+                if let Some(settings) = self.results.run(id).map(|run| run.settings) {
+                    let active = self.active().map(|open| open.id);
+                    self.change(active.as_slice(), settings, ctx);
+                }
             }
 
             Command::Hover(time_s) => self.hover_s = Some(time_s),
@@ -72,7 +88,16 @@ impl State {
             Command::Show(visibility) => self.visibility = visibility,
             Command::Colour(colouring) => self.colouring = colouring,
             Command::Measure(ruler) => self.ruler = ruler,
+            Command::SetUnits(units) => self.units = units,
+            Command::ShowPalette => self.overlay = Overlay::Palette(Palette::default()),
+            Command::EditPalette(palette) => self.overlay = Overlay::Palette(palette),
+            Command::ShowShortcuts => self.overlay = Overlay::Shortcuts,
+            Command::CloseOverlay => self.overlay = Overlay::None,
 
+            Command::ScenePicture(to) => {
+                self.wanted_picture = Some(to);
+                ctx.request_repaint();
+            }
             Command::Copy(text) => ctx.copy_text(text),
             Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
                 let result = export::rerun::open_viewer(&deployment, &analysis)
@@ -87,21 +112,34 @@ impl State {
             Command::SetStudy(options) => self.studies.options = options,
             Command::RunStudy => self.run_study(),
             Command::CancelStudy => {
-                if let Some((_, control)) = &self.studies.running {
-                    control.cancel();
+                if let Some((_, progress)) = &self.studies.running {
+                    progress.cancel();
                 }
             }
             Command::SaveStudyDialog => self.save_study(),
             Command::DismissNotice => self.notice = None,
             Command::Look(_)
-            | Command::ScenePicture(_)
             | Command::ShowPane(_)
+            | Command::UseLayout(_)
             | Command::ResetLayout => {}
         }
     }
 
     /// Gives deployments new settings as one step that can be undone.
     fn change(&mut self, ids: &[u64], settings: Settings, ctx: &egui::Context) {
+        let moment = ctx.input(|input| Moment {
+            now_s: input.time,
+            pressed_s: input.pointer.press_start_time().filter(|_| input.pointer.any_down()),
+        });
+        self.change_at(ids, settings, moment);
+    }
+
+    /// The same, as a step that no other continues.
+    pub(super) fn change_at_once(&mut self, ids: &[u64], settings: Settings) {
+        self.change_at(ids, settings, Moment { now_s: f64::NEG_INFINITY, pressed_s: None });
+    }
+
+    fn change_at(&mut self, ids: &[u64], settings: Settings, moment: Moment) {
         let changes: Vec<Change> = ids
             .iter()
             .filter_map(|&id| {
@@ -112,10 +150,6 @@ impl State {
         for change in &changes {
             self.set(change.id, settings);
         }
-        let moment = ctx.input(|input| Moment {
-            now_s: input.time,
-            pressed_s: input.pointer.press_start_time().filter(|_| input.pointer.any_down()),
-        });
         self.undo.record(changes, moment);
     }
 
@@ -192,11 +226,11 @@ impl State {
             self.active().map(|open| Arc::clone(&open.deployment)).into_iter().collect()
         };
         let settings = *self.settings();
-        let control = Arc::new(Control::default());
-        let shared = Arc::clone(&control);
+        let progress = Arc::new(Progress::default());
+        let shared = Arc::clone(&progress);
         let number = self
             .worker
             .study(move || studies::run(&options, &deployments, &settings, &shared).map(Arc::new));
-        self.studies.running = Some((number, control));
+        self.studies.running = Some((number, progress));
     }
 }

@@ -4,7 +4,10 @@
 
 mod command;
 mod handle;
+mod opening;
+mod picture;
 mod replies;
+mod results;
 mod saving;
 mod timeline;
 mod undo;
@@ -15,15 +18,17 @@ use std::time::{Duration, Instant};
 use eframe::egui;
 
 pub use command::{Command, Commands, PictureTo};
+pub use opening::Opening;
+pub use results::{Pin, Results, Run};
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
 
 use super::open_deployment::OpenDeployment;
 use super::scene::{Colouring, Ruler};
 use super::studies::Studies;
-use super::worker::{Source, Worker};
+use super::units::Units;
+use super::worker::Worker;
 use crate::analysis::{Analysis, Settings};
-use crate::deployment::{Deployment, Sample};
 
 /// What the scene and the plots show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +65,23 @@ impl Default for Visibility {
     }
 }
 
+/// What lies over the panes and has the keyboard.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Overlay {
+    #[default]
+    None,
+    Palette(Palette),
+    Shortcuts,
+}
+
+/// The command palette.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Palette {
+    pub query: String,
+    /// Line among those found.
+    pub chosen: usize,
+}
+
 /// One line at the top of the window until it is dismissed or replaced.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Notice {
@@ -86,13 +108,19 @@ pub struct State {
     /// Time under the pointer in the last frame, in whichever pane (s, in the stations' clock).
     pub hover_s: Option<f64>,
     pub undo: UndoStack,
+    pub results: Results,
+    pub units: Units,
+    pub overlay: Overlay,
     pub studies: Studies,
     pub notice: Option<Notice>,
     /// Pictures that are compared byte for byte show this instead of the measured time (ms).
     pub fixed_elapsed_ms: Option<f64>,
-    opening: Vec<u64>,
-    /// The request whose deployment gives way to the first that the user opens.
-    placeholder: Option<u64>,
+    /// What is being read.
+    pub opening: Vec<Opening>,
+    /// Requests that find out what a path is.
+    looking: Vec<u64>,
+    /// Asked for in the last frame; taken in the next, when the menu that asked for it is gone.
+    wanted_picture: Option<PictureTo>,
 }
 
 impl State {
@@ -109,11 +137,15 @@ impl State {
             playback: Playback::default(),
             hover_s: None,
             undo: UndoStack::default(),
+            results: Results::default(),
+            units: Units::default(),
+            overlay: Overlay::None,
             studies: Studies::default(),
             notice: None,
             fixed_elapsed_ms: None,
             opening: Vec::new(),
-            placeholder: None,
+            looking: Vec::new(),
+            wanted_picture: None,
         }
     }
 
@@ -133,25 +165,13 @@ impl State {
         self.active().map_or(&self.start_settings, |open| &open.settings)
     }
 
-    /// Opens a deployment, shows it, and calibrates it.
-    pub fn add(&mut self, deployment: Arc<Deployment>) {
-        self.open.retain(|open| !open.placeholder);
-        self.newest_id += 1;
-        self.open.push(OpenDeployment::new(self.newest_id, deployment, self.start_settings));
-        self.active = self.open.len() - 1;
-        self.analyse(self.active);
-    }
-
-    /// Opens the sample that is there until the user opens something.
-    pub fn open_placeholder(&mut self, sample: Sample) {
-        self.open_source(Source::Sample(sample));
-        self.placeholder = self.opening.last().copied();
-    }
-
     /// Whether anything is being opened, calibrated or studied.
     pub fn is_busy(&self) -> bool {
         let analysing = self.open.iter().any(|open| open.analysing.is_some());
-        !self.opening.is_empty() || analysing || self.studies.running.is_some()
+        !self.opening.is_empty()
+            || !self.looking.is_empty()
+            || analysing
+            || self.studies.running.is_some()
     }
 
     /// Whether the answer shown is old enough to be dimmed.
@@ -184,10 +204,5 @@ impl State {
         // The clock of a first request keeps running while newer ones replace it.
         let since = open.analysing.map_or_else(Instant::now, |(_, since)| since);
         open.analysing = Some((number, since));
-    }
-
-    fn open_source(&mut self, source: Source) {
-        let number = self.worker.open(source);
-        self.opening.push(number);
     }
 }

@@ -3,7 +3,7 @@
 //! A drag sends many settings; it is one step. egui's own `Undoer` merges whatever comes within a second, also two
 //! different switches, and cannot name a step; this one merges changes of the same setting only.
 
-use crate::analysis::Settings;
+use crate::analysis::{Settings, changes_in_words, setting_changes};
 
 /// Changes of the same setting that come this soon after each other (s) are one step: a key held down.
 const SAME_STEP_S: f64 = 0.5;
@@ -94,6 +94,15 @@ impl UndoStack {
         self.undone.last()
     }
 
+    /// "Undo τ_r 2 → 1.5 m/s", or only "Undo".
+    pub fn undo_name(&self) -> String {
+        name("Undo", self.next_undo())
+    }
+
+    pub fn redo_name(&self) -> String {
+        name("Redo", self.next_redo())
+    }
+
     /// Changes whenever a step begins.
     pub fn begun(&self) -> u64 {
         self.begun
@@ -120,27 +129,18 @@ impl Step {
     }
 }
 
+fn name(verb: &str, step: Option<&Step>) -> String {
+    let Some(change) = step.and_then(|step| step.changes.first()) else { return verb.to_owned() };
+    format!("{verb} {}", changes_in_words(&setting_changes(&change.before, &change.after)))
+}
+
 /// Whether two changes turn the same knobs.
 fn same_setting(a: &Change, b: &Change) -> bool {
     touched(a) == touched(b)
 }
 
-fn touched(change: &Change) -> Vec<String> {
-    fn differing(path: &str, a: &serde_json::Value, b: &serde_json::Value, into: &mut Vec<String>) {
-        match (a.as_object(), b.as_object()) {
-            (Some(one), Some(other)) => {
-                for (name, value) in one {
-                    differing(&format!("{path}/{name}"), value, &other[name], into);
-                }
-            }
-            _ if a != b => into.push(path.to_owned()),
-            _ => {}
-        }
-    }
-    let value = |settings: &Settings| serde_json::to_value(settings).unwrap_or_default();
-    let mut names = Vec::new();
-    differing("", &value(&change.before), &value(&change.after), &mut names);
-    names
+fn touched(change: &Change) -> Vec<&'static str> {
+    setting_changes(&change.before, &change.after).iter().map(|change| change.name).collect()
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ mod table;
 
 use std::path::PathBuf;
 
+use crate::progress::Cancelled;
+
 /// Why a file or folder did not become a deployment: what, where, and what to do about it.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
@@ -24,6 +26,15 @@ pub enum OpenError {
     File { file: String, what: String, remedy: String },
     #[error("{file}:{line}: {what}; {remedy}")]
     Line { file: String, line: usize, what: String, remedy: String },
+    /// By who asked for it: not to be shown as an error.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl From<Cancelled> for OpenError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 impl OpenError {

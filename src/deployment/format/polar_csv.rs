@@ -4,32 +4,41 @@
 
 use super::{OpenError, table};
 use crate::deployment::{Measurement, RawRecord};
+use crate::progress::Progress;
 
 pub const COLUMNS: [&str; 5] = ["timestamp", "id", "distance", "ha", "va"];
 
-/// Every line, unchecked but for being numbers.
-pub fn read(file: &str, text: &str) -> Result<Vec<RawRecord>, OpenError> {
-    let rows = table::read_columns(file, text, &COLUMNS)?;
-    if rows.is_empty() {
+const BYTES_BETWEEN_REPORTS: u64 = 1 << 16;
+
+/// Every line, unchecked but for being numbers. `progress` counts its bytes.
+pub fn read(file: &str, text: &str, progress: &Progress) -> Result<Vec<RawRecord>, OpenError> {
+    let mut records = Vec::new();
+    let mut counted = 0;
+    for row in table::rows(file, text, &COLUMNS)? {
+        let row = row?;
+        let [time_s, _, range_m, azimuth_rad, zenith_rad] = row.values[..] else {
+            unreachable!("rows have as many values as columns");
+        };
+        records.push(RawRecord {
+            station: row.whole(file, 1, COLUMNS[1])?,
+            status: 0,
+            place: row.line,
+            measurement: Measurement { time_s, range_m, azimuth_rad, zenith_rad },
+        });
+        if row.start_byte - counted > BYTES_BETWEEN_REPORTS {
+            progress.advance(row.start_byte - counted)?;
+            counted = row.start_byte;
+        }
+    }
+    progress.advance(text.len() as u64 - counted)?;
+    if records.is_empty() {
         return Err(OpenError::file(
             file,
             "has a header but no measurement",
             "record the deployment again",
         ));
     }
-    rows.into_iter()
-        .map(|row| {
-            let [time_s, _, range_m, azimuth_rad, zenith_rad] = row.values[..] else {
-                unreachable!("read_columns gives as many values as columns");
-            };
-            Ok(RawRecord {
-                station: row.whole(file, 1, COLUMNS[1])?,
-                status: 0,
-                place: row.line,
-                measurement: Measurement { time_s, range_m, azimuth_rad, zenith_rad },
-            })
-        })
-        .collect()
+    Ok(records)
 }
 
 /// The text that [`read`] reads.

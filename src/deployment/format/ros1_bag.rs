@@ -11,24 +11,30 @@ use rosbag::{ChunkRecord, IndexRecord, MessageRecord, RosBag};
 
 use super::OpenError;
 use crate::deployment::{Measurement, RawRecord};
+use crate::progress::Progress;
 
 const MESSAGE_TYPE: &str = "theodolite_node_msgs/TheodoliteCoordsStamped";
 const REINDEX: &str = "repair it with `rosbag reindex`, or record it again";
 
-/// Every theodolite message in the order of the file, one chunk in memory at a time.
-pub fn read(path: &Path, file: &str) -> Result<Vec<RawRecord>, OpenError> {
-    check_index(path, file)?;
+/// Every theodolite message in the order of the file, one chunk in memory at a time. `progress` counts the file's bytes.
+pub fn read(path: &Path, file: &str, progress: &Progress) -> Result<Vec<RawRecord>, OpenError> {
+    let length = check_index(path, file)?;
     let bag = RosBag::new(path)
         .map_err(|error| OpenError::file(file, format!("not a readable bag ({error})"), REINDEX))?;
-    let mut connections = Vec::new();
+    let (mut connections, mut chunk_starts) = (Vec::new(), Vec::new());
     for record in bag.index_records() {
-        if let IndexRecord::Connection(connection) =
-            record.map_err(|error| damaged(file, &error))?
-            && connection.tp == MESSAGE_TYPE
-        {
-            connections.push(connection.id);
+        match record.map_err(|error| damaged(file, &error))? {
+            IndexRecord::Connection(connection) if connection.tp == MESSAGE_TYPE => {
+                connections.push(connection.id);
+            }
+            IndexRecord::ChunkInfo(chunk) => chunk_starts.push(chunk.chunk_pos),
+            _ => {}
         }
     }
+    // As they lie in the file, which is how they are read.
+    chunk_starts.sort_unstable();
+    let mut chunk_ends = chunk_starts.into_iter().skip(1);
+    let mut counted = 0;
     if connections.is_empty() {
         return Err(OpenError::file(
             file,
@@ -58,6 +64,10 @@ pub fn read(path: &Path, file: &str) -> Result<Vec<RawRecord>, OpenError> {
                 })?);
             }
         }
+        // An index that is out of order costs the progress its truth, and nothing else.
+        let end = chunk_ends.next().unwrap_or(length).clamp(counted, length);
+        progress.advance(end - counted)?;
+        counted = end;
     }
     if records.is_empty() {
         return Err(OpenError::file(
@@ -70,8 +80,8 @@ pub fn read(path: &Path, file: &str) -> Result<Vec<RawRecord>, OpenError> {
 }
 
 /// The bag's header names where its index starts. A recording that was killed has 0 there; a copy that was
-/// cut short ends before it. Both must be caught here: the bag crate would index past the end.
-fn check_index(path: &Path, file: &str) -> Result<(), OpenError> {
+/// cut short ends before it. Both must be caught here: the bag crate would index past the end. Gives the file's length.
+fn check_index(path: &Path, file: &str) -> Result<u64, OpenError> {
     let io = |error| OpenError::Io { path: path.to_owned(), error };
     let length = std::fs::metadata(path).map_err(io)?.len();
     let mut head = Vec::new();
@@ -100,7 +110,7 @@ fn check_index(path: &Path, file: &str) -> Result<(), OpenError> {
             format!("the bag is cut short: {length} bytes, and its index starts at byte {index}"),
             REINDEX,
         )),
-        Some(_) => Ok(()),
+        Some(_) => Ok(length),
     }
 }
 

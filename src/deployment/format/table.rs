@@ -5,6 +5,8 @@ use super::OpenError;
 /// One row: the wanted columns in the order they were asked for.
 pub struct Row {
     pub line: usize,
+    /// Where it starts in the text.
+    pub start_byte: u64,
     pub values: Vec<f64>,
 }
 
@@ -27,11 +29,15 @@ pub fn header_has(header: &str, columns: &[&str]) -> bool {
     columns.iter().all(|column| names.iter().any(|name| name.eq_ignore_ascii_case(column)))
 }
 
-/// Reads the named columns of a comma-separated table, wherever they stand.
+/// The named columns of a comma-separated table, wherever they stand, row by row.
 ///
 /// A field that is not a number, a missing column, a row of another length or another separator is an
 /// error with its line; `NaN` is a number here, and the caller's business.
-pub fn read_columns(file: &str, text: &str, columns: &[&str]) -> Result<Vec<Row>, OpenError> {
+pub fn rows<'a>(
+    file: &'a str,
+    text: &'a str,
+    columns: &'a [&'a str],
+) -> Result<impl Iterator<Item = Result<Row, OpenError>> + 'a, OpenError> {
     let header = text.lines().next().unwrap_or_default();
     if !header.contains(',') {
         let found = [(';', "semicolons"), ('\t', "tabs"), ('|', "bars"), (' ', "spaces")];
@@ -57,25 +63,32 @@ pub fn read_columns(file: &str, text: &str, columns: &[&str]) -> Result<Vec<Row>
             }
         }
     }
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| csv_error(file, &error))?;
-        let line = record.position().map_or(0, |position| position.line() as usize);
-        let mut values = Vec::with_capacity(positions.len());
-        for (position, column) in positions.iter().zip(columns) {
-            let field = &record[*position];
-            values.push(field.parse().map_err(|_| {
-                OpenError::line(
-                    file,
-                    line,
-                    format!("`{field}` in column `{column}` is not a number"),
-                    "correct or delete the line",
-                )
-            })?);
-        }
-        rows.push(Row { line, values });
-    }
-    Ok(rows)
+    let mut records = reader.into_records();
+    Ok(std::iter::from_fn(move || {
+        let record = records.next()?;
+        Some(record.map_err(|error| csv_error(file, &error)).and_then(|record| {
+            let (line, start_byte) =
+                record.position().map_or((0, 0), |place| (place.line() as usize, place.byte()));
+            let mut values = Vec::with_capacity(positions.len());
+            for (position, column) in positions.iter().zip(columns) {
+                let field = &record[*position];
+                values.push(field.parse().map_err(|_| {
+                    OpenError::line(
+                        file,
+                        line,
+                        format!("`{field}` in column `{column}` is not a number"),
+                        "correct or delete the line",
+                    )
+                })?);
+            }
+            Ok(Row { line, start_byte, values })
+        }))
+    }))
+}
+
+/// All of [`rows`].
+pub fn read_columns(file: &str, text: &str, columns: &[&str]) -> Result<Vec<Row>, OpenError> {
+    rows(file, text, columns)?.collect()
 }
 
 fn csv_error(file: &str, error: &csv::Error) -> OpenError {

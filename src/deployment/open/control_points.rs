@@ -1,41 +1,39 @@
 //! Files of control points, and what is known of where their points are.
 
+use std::path::Path;
+
 use nalgebra::Vector3;
 
-use super::Source;
-use crate::deployment::format::{self, Format, OpenError, deployment_toml::Overrides};
+use super::Reading;
+use super::found::Standing;
+use crate::deployment::format::{self, Format, OpenError};
 use crate::deployment::{ControlPointSet, Finding};
 
-/// Every set, its points with their surveyed coordinates, and the names of the files that were used.
-pub fn read_control_point_sets<'a>(
-    sources: &'a [Source],
-    overrides: &Overrides,
+/// Every set, its points with their surveyed coordinates.
+pub fn read_control_point_sets(
+    reading: &mut Reading<'_, '_>,
     prism_constant_m: f64,
-    findings: &mut Vec<Finding>,
-) -> Result<(Vec<ControlPointSet>, Vec<&'a str>), OpenError> {
-    let mut used = Vec::new();
-    let mut sets = Vec::new();
+) -> Result<Vec<ControlPointSet>, OpenError> {
+    let Reading { files, overrides, progress, used, findings } = reading;
+    let mut sets: Vec<ControlPointSet> = Vec::new();
     let mut pillars = None;
-    if let Some(source) = sources.iter().find(|s| s.format == Format::Pillars) {
-        pillars = Some(format::pillars::read(&source.file, &source.text()?)?);
-        used.push(source.file.as_str());
+    // What the user names comes last.
+    if let Some(file) = files.iter().rfind(|f| f.serves_as(Format::Pillars)) {
+        pillars = Some(format::pillars::read(&file.file, &file.text(progress)?)?);
+        used.push(&file.file);
     }
-    for source in sources.iter().filter(|s| s.format == Format::ControlPoints) {
-        if overrides.control_points.as_ref().is_some_and(|files| !files.contains(&source.file)) {
+    for file in files.iter().filter(|f| f.serves_as(Format::ControlPoints)) {
+        let wanted = overrides.control_points.as_ref();
+        if file.standing != Standing::Named && wanted.is_some_and(|w| !w.contains(&file.file)) {
             continue;
         }
-        let Some(set) = read_control_points(
-            &source.file,
-            &source.text()?,
-            prism_constant_m,
-            pillars.as_deref(),
-            findings,
-        )?
-        else {
-            continue;
-        };
-        used.push(source.file.as_str());
-        sets.push(set);
+        let text = file.text(progress)?;
+        let pillars = pillars.as_deref();
+        let set = read_control_points(&file.file, &text, prism_constant_m, pillars, findings)?;
+        if let Some(set) = set {
+            used.push(&file.file);
+            sets.push(set);
+        }
     }
     if pillars.is_some() && !sets.is_empty() && !sets.iter().any(|set| set.pillars) {
         findings.push(Finding::warning(
@@ -43,26 +41,24 @@ pub fn read_control_point_sets<'a>(
              with the pillars' readings Two_points.txt",
         ));
     }
-    for source in sources.iter().filter(|s| s.format == Format::SurveyedPoints) {
-        let surveyed = format::surveyed_points::read(&source.file, &source.text()?)?;
+    for file in files.iter().filter(|f| f.serves_as(Format::SurveyedPoints)) {
+        let surveyed = format::surveyed_points::read(&file.file, &file.text(progress)?)?;
         for known in &surveyed {
-            let point = sets
-                .iter_mut()
-                .find(|set| set.file == known.file)
+            let point = set_of(&mut sets, &known.file)
                 .and_then(|set| set.points.iter_mut().find(|p| p.marker == known.marker_number));
             match point {
                 Some(point) => point.known_m = Some(known.position_m()),
                 None => findings.push(Finding::warning(format!(
                     "{}: marker {} of {} was not measured",
-                    source.file, known.marker_number, known.file
+                    file.file, known.marker_number, known.file
                 ))),
             }
         }
-        used.push(source.file.as_str());
+        used.push(&file.file);
     }
     if let Some(wanted) = &overrides.control_points
-        && let Some(missing) = wanted.iter().find(|file| {
-            !sources.iter().any(|s| s.file == **file && s.format == Format::ControlPoints)
+        && let Some(missing) = wanted.iter().find(|wanted| {
+            !files.iter().any(|f| f.file == **wanted && f.format == Format::ControlPoints)
         })
     {
         return Err(OpenError::file(
@@ -71,14 +67,22 @@ pub fn read_control_point_sets<'a>(
             "give names relative to the folder",
         ));
     }
-    Ok((sets, used))
+    Ok(sets)
+}
+
+/// The set of a file by its name in the folder, or where the user named it, by the end of its path.
+fn set_of<'a>(sets: &'a mut [ControlPointSet], file: &str) -> Option<&'a mut ControlPointSet> {
+    let exactly = sets.iter().position(|set| set.file == file);
+    let place =
+        exactly.or_else(|| sets.iter().position(|set| Path::new(&set.file).ends_with(file)))?;
+    sets.get_mut(place)
 }
 
 /// One file of control points; `None`, with a finding, when it holds no usable one.
 ///
 /// Pillars are known by the markers of their survey, which gives their coordinates; failing that, by the authors'
 /// file name.
-pub fn read_control_points(
+fn read_control_points(
     file: &str,
     text: &str,
     prism_constant_m: f64,

@@ -1,23 +1,20 @@
 //! Which solution file belongs to which GNSS antenna.
 
-use super::Source;
-use crate::deployment::format::{self, Format, OpenError, deployment_toml::Overrides};
+use super::Reading;
+use super::found::{FoundFile, Standing};
+use crate::deployment::format::{self, Format, OpenError};
 use crate::deployment::{Finding, GnssFix};
 
-/// Antennas 1, 2, 3: the files that `deployment.toml` names, or the three that are there, by name.
-pub fn read_gnss<'a>(
-    sources: &'a [Source],
-    overrides: &Overrides,
-    used: &mut Vec<&'a str>,
-    findings: &mut Vec<Finding>,
-) -> Result<Option<[Vec<GnssFix>; 3]>, OpenError> {
-    let there: Vec<&Source> = sources.iter().filter(|s| s.format == Format::RtklibPos).collect();
-    let chosen: Vec<&Source> = match &overrides.gnss {
-        None => there,
-        Some(names) => names
+/// Antennas 1, 2, 3: the files that the user or `deployment.toml` names, or the three that are there, by name.
+pub fn read_gnss(reading: &mut Reading<'_, '_>) -> Result<Option<[Vec<GnssFix>; 3]>, OpenError> {
+    let Reading { files, overrides, progress, used, findings } = reading;
+    let there: Vec<&FoundFile> = files.iter().filter(|f| f.serves_as(Format::RtklibPos)).collect();
+    let named = there.iter().any(|f| f.standing == Standing::Named);
+    let chosen: Vec<&FoundFile> = match &overrides.gnss {
+        Some(names) if !named => names
             .iter()
             .map(|name| {
-                there.iter().find(|s| s.file == *name).copied().ok_or_else(|| {
+                there.iter().find(|f| f.file == *name).copied().ok_or_else(|| {
                     OpenError::file(
                         "deployment.toml",
                         format!("gnss names `{name}`, which is no RTKLIB solution file here"),
@@ -26,6 +23,7 @@ pub fn read_gnss<'a>(
                 })
             })
             .collect::<Result<_, _>>()?,
+        _ => there,
     };
     let repeated =
         (1..chosen.len()).any(|i| chosen[..i].iter().any(|earlier| earlier.file == chosen[i].file));
@@ -36,7 +34,7 @@ pub fn read_gnss<'a>(
             "each antenna has a file of its own",
         ));
     }
-    let three: [&Source; 3] = match chosen.try_into() {
+    let three: [&FoundFile; 3] = match chosen.try_into() {
         Ok(three) => three,
         Err(others) => {
             if !others.is_empty() {
@@ -50,11 +48,11 @@ pub fn read_gnss<'a>(
         }
     };
     let mut antennas: [Vec<GnssFix>; 3] = Default::default();
-    for (antenna, source) in antennas.iter_mut().zip(three) {
-        let (fixes, said) = format::rtklib_pos::read(&source.file, &source.text()?)?;
+    for (antenna, file) in antennas.iter_mut().zip(three) {
+        let (fixes, said) = format::rtklib_pos::read(&file.file, &file.text(progress)?)?;
         *antenna = fixes;
         findings.extend(said);
-        used.push(&source.file);
+        used.push(&file.file);
     }
     // Coordinates about a base station are short, those about the Earth's centre are not.
     let about_the_earth =

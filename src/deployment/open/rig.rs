@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::Source;
-use crate::deployment::format::{self, Format, OpenError, deployment_toml::Overrides};
+use super::Reading;
+use super::found::{FoundFile, Standing};
+use crate::deployment::format::{self, Format, OpenError};
 use crate::deployment::rig::pairwise_distances;
 use crate::deployment::{Finding, Rig};
 
@@ -13,19 +14,19 @@ const RIG_TOLERANCE_M: f64 = 0.005;
 const WRONG_RIG_M: f64 = 0.05;
 
 /// `None`, with a finding, where nothing gives the inter-prism distances.
-pub fn read_rig<'a>(
-    sources: &'a [Source],
-    overrides: &Overrides,
+pub fn read_rig(
+    reading: &mut Reading<'_, '_>,
     prism_constant_m: f64,
-    used: &mut Vec<&'a str>,
-    findings: &mut Vec<Finding>,
 ) -> Result<Option<Rig>, OpenError> {
-    let mut only = |format: Format| -> Result<Option<&'a Source>, OpenError> {
-        let found: Vec<_> = sources.iter().filter(|s| s.format == format).collect();
+    let Reading { files, overrides, progress, used, findings } = reading;
+    let mut named = false;
+    let mut only = |format: Format| {
+        let found: Vec<&FoundFile> = files.iter().filter(|f| f.serves_as(format)).collect();
         match found[..] {
             [] => Ok(None),
             [one] => {
                 used.push(&one.file);
+                named |= one.standing == Standing::Named;
                 Ok(Some(one))
             }
             [first, second, ..] => Err(OpenError::file(
@@ -36,19 +37,29 @@ pub fn read_rig<'a>(
         }
     };
     let prisms_m = match only(Format::RigReading)? {
-        Some(s) => {
-            Some(format::rig_files::read_rig_reading(&s.file, &s.text()?, prism_constant_m)?)
+        Some(f) => {
+            let text = f.text(progress)?;
+            Some(format::rig_files::read_rig_reading(&f.file, &text, prism_constant_m)?)
         }
         None => None,
     };
     let distances = match only(Format::RigDistances)? {
-        Some(s) => Some(format::rig_files::read_distances(&s.file, &s.text()?)?),
+        Some(f) => Some(format::rig_files::read_distances(&f.file, &f.text(progress)?)?),
         None => None,
     };
     let inter_antenna_m = distances.and_then(|(_, antennas)| antennas);
     let measured = prisms_m.as_ref().map(pairwise_distances);
-    let inter_prism_m =
-        overrides.inter_prism_m.or(distances.map(|(prisms, _)| prisms)).or(measured);
+    let by_files = distances.map(|(prisms, _)| prisms).or(measured);
+    let inter_prism_m = match overrides.inter_prism_m {
+        // What the user names says it better than a file that lies about.
+        Some(_) if named => {
+            findings.push(Finding::note(
+                "the rig is the one that was named, not inter_prism_m of deployment.toml",
+            ));
+            by_files
+        }
+        overriding => overriding.or(by_files),
+    };
     let Some(inter_prism_m) = inter_prism_m else {
         // One prism has no distances.
         if overrides.prisms != Some(1) {
@@ -80,21 +91,26 @@ pub fn read_rig<'a>(
             )));
         }
     }
-    let in_vehicle_m = overrides.prisms_m.map(|prisms| prisms.map(Vector3::from));
+    let mut in_vehicle_m = overrides.prisms_m.map(|prisms| prisms.map(Vector3::from));
     if let Some(given) = in_vehicle_m {
         let worst = pairwise_distances(&given)
             .iter()
             .zip(&inter_prism_m)
             .map(|(given, known)| (given - known).abs())
             .fold(0.0, f64::max);
-        if worst > WRONG_RIG_M || given.iter().flatten().any(|value| !value.is_finite()) {
+        if worst > WRONG_RIG_M && named {
+            findings.push(Finding::warning(
+                "prisms_m of deployment.toml is of another rig than the one that was named; it is left out",
+            ));
+            in_vehicle_m = None;
+        } else if worst > WRONG_RIG_M || given.iter().flatten().any(|value| !value.is_finite()) {
             return Err(OpenError::file(
                 "deployment.toml",
                 format!("prisms_m does not have the inter-prism distances (off by {worst:.3} m)"),
                 "give the prisms 1, 2, 3 in the vehicle's frame, in metres",
             ));
         }
-        if worst > RIG_TOLERANCE_M {
+        if in_vehicle_m.is_some() && worst > RIG_TOLERANCE_M {
             findings.push(Finding::warning(format!(
                 "prisms_m and the inter-prism distances disagree by {:.1} mm",
                 worst * 1e3

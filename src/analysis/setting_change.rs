@@ -1,0 +1,221 @@
+//! What differs between two sets of settings, in words: for undo, for pinned results and for the history of runs.
+
+use std::fmt;
+
+use super::Settings;
+use crate::calibration::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
+use crate::pipeline::{Interpolation, PipelineSettings, Thresholds};
+
+/// One setting that differs. Displays as "τ_r 2 → 1.5 m/s".
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SettingChange {
+    /// As the window calls it; no two settings share a name.
+    pub name: &'static str,
+    pub before: String,
+    pub after: String,
+    /// Of both values; empty for words.
+    pub unit: &'static str,
+}
+
+impl fmt::Display for SettingChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, before, after, unit } = self;
+        write!(f, "{name} {before} → {after}")?;
+        if unit.is_empty() { Ok(()) } else { write!(f, " {unit}") }
+    }
+}
+
+/// All settings that differ, in the order of the pipeline.
+pub fn setting_changes(before: &Settings, after: &Settings) -> Vec<SettingChange> {
+    named_values(before)
+        .into_iter()
+        .zip(named_values(after))
+        .filter(|(before, after)| before.value != after.value)
+        .map(|(before, after)| SettingChange {
+            name: after.name,
+            before: before.value,
+            after: after.value,
+            unit: after.unit,
+        })
+        .collect()
+}
+
+/// The changes as one line: "τ_r 2 → 1.5 m/s, loss squared → Cauchy"; empty where nothing differs.
+pub fn changes_in_words(changes: &[SettingChange]) -> String {
+    changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+struct NamedValue {
+    name: &'static str,
+    value: String,
+    unit: &'static str,
+}
+
+/// Every setting there is. The patterns name every field, so that a new one does not compile until it is here.
+fn named_values(settings: &Settings) -> [NamedValue; 19] {
+    let Settings { pipeline, calibration } = settings;
+    let PipelineSettings { outlier_filter, interval_filter, thresholds, interpolation, rate_hz } =
+        pipeline;
+    let Thresholds {
+        tau_r_m_per_s,
+        tau_a_deg_per_s,
+        tau_e_deg_per_s,
+        tau_s_seconds,
+        tau_l_seconds,
+    } = thresholds;
+    let CalibrationSettings {
+        method,
+        alignment,
+        prior,
+        inter_prism_sigma_m,
+        loss,
+        weigh_by_noise,
+        continuous_time,
+        estimate,
+    } = calibration;
+    let Estimated { clocks, distances, tilt } = estimate;
+    let method =
+        method.map_or("automatic".to_owned(), |m| format!("{} ({})", m.letter(), m.title()));
+    [
+        switch("outlier filter", *outlier_filter),
+        number("τ_r", *tau_r_m_per_s, "m/s"),
+        number("τ_a", *tau_a_deg_per_s, "°/s"),
+        number("τ_e", *tau_e_deg_per_s, "°/s"),
+        number("τ_s", *tau_s_seconds, "s"),
+        switch("interval filter", *interval_filter),
+        number("τ_l", *tau_l_seconds, "s"),
+        word("interpolation", interpolation_name(*interpolation)),
+        number("rate", *rate_hz, "Hz"),
+        NamedValue { name: "method", value: method, unit: "" },
+        word("alignment", alignment_name(*alignment)),
+        word("prior", prior_name(*prior)),
+        number("σ distances", *inter_prism_sigma_m * 1e3, "mm"),
+        word("loss", loss_name(*loss)),
+        switch("weigh by noise", *weigh_by_noise),
+        switch("readings, not triplets", *continuous_time),
+        switch("estimate clocks", *clocks),
+        switch("estimate distances", *distances),
+        switch("estimate tilt", *tilt),
+    ]
+}
+
+fn word(name: &'static str, value: &str) -> NamedValue {
+    NamedValue { name, value: value.to_owned(), unit: "" }
+}
+
+fn switch(name: &'static str, on: bool) -> NamedValue {
+    word(name, if on { "on" } else { "off" })
+}
+
+/// The shortest decimals that tell the value from every other; no noise from a change of unit.
+fn number(name: &'static str, value: f64, unit: &'static str) -> NamedValue {
+    NamedValue { name, value: ((value * 1e9).round() / 1e9).to_string(), unit }
+}
+
+fn interpolation_name(interpolation: Interpolation) -> &'static str {
+    interpolation.title()
+}
+
+fn alignment_name(alignment: Alignment) -> &'static str {
+    match alignment {
+        Alignment::Level => "level",
+        Alignment::Rigid => "rigid",
+    }
+}
+
+fn prior_name(prior: PriorMethod) -> &'static str {
+    match prior {
+        PriorMethod::ClosedForm => "closed form",
+        PriorMethod::Search => "search",
+    }
+}
+
+fn loss_name(loss: Loss) -> &'static str {
+    match loss {
+        Loss::Squared => "squared",
+        Loss::Huber => "Huber",
+        Loss::Cauchy => "Cauchy",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::Method;
+
+    fn words(change: impl FnOnce(&mut Settings)) -> String {
+        let before = Settings::default();
+        let mut after = before;
+        change(&mut after);
+        changes_in_words(&setting_changes(&before, &after))
+    }
+
+    #[test]
+    fn a_change_is_named_with_its_values_and_unit() {
+        assert_eq!(words(|s| s.pipeline.thresholds.tau_r_m_per_s = 1.5), "τ_r 2 → 1.5 m/s");
+        assert_eq!(words(|s| s.pipeline.outlier_filter = false), "outlier filter on → off");
+        assert_eq!(words(|s| s.calibration.loss = Loss::Cauchy), "loss squared → Cauchy");
+        // 0.0007 m in mm is 0.7000000000000001 in floating point.
+        assert_eq!(words(|s| s.calibration.inter_prism_sigma_m = 7e-4), "σ distances 1 → 0.7 mm");
+        assert_eq!(
+            words(|s| s.calibration.method = Some(Method::StaticGcp)),
+            "method automatic → B (static control points)"
+        );
+        assert_eq!(words(|_| ()), "");
+    }
+
+    #[test]
+    fn several_changes_come_in_the_order_of_the_pipeline() {
+        let text = words(|s| {
+            s.calibration.loss = Loss::Huber;
+            s.pipeline.rate_hz = 5.0;
+        });
+        assert_eq!(text, "rate 10 → 5 Hz, loss squared → Huber");
+    }
+
+    /// Turns every leaf of the serialised settings into something else, one by one: each must be seen, and alone.
+    #[test]
+    fn every_setting_is_seen_and_under_its_own_name() {
+        let default = serde_json::to_value(Settings::default()).expect("plain data");
+        let mut names = std::collections::BTreeSet::new();
+        let mut leaves = Vec::new();
+        find_leaves(&default, &mut Vec::new(), &mut leaves);
+        for leaf in &leaves {
+            let pointer = format!("/{}", leaf.join("/"));
+            let key = leaf.last().expect("a leaf has a name").as_str();
+            let mut changed = default.clone();
+            let value = changed.pointer_mut(&pointer).expect("a leaf");
+            *value = another(key, value);
+            let changed: Settings = serde_json::from_value(changed).expect("valid settings");
+            let changes = setting_changes(&Settings::default(), &changed);
+            assert_eq!(changes.len(), 1, "{pointer}: {changes:?}");
+            assert!(names.insert(changes[0].name), "{pointer}: {} twice", changes[0].name);
+        }
+        assert_eq!(names.len(), named_values(&Settings::default()).len());
+    }
+
+    fn find_leaves(value: &serde_json::Value, at: &mut Vec<String>, leaves: &mut Vec<Vec<String>>) {
+        let Some(object) = value.as_object() else { return leaves.push(at.clone()) };
+        for (key, value) in object {
+            at.push(key.clone());
+            find_leaves(value, at, leaves);
+            at.pop();
+        }
+    }
+
+    fn another(key: &str, value: &serde_json::Value) -> serde_json::Value {
+        use serde_json::{Value, json};
+        match value {
+            Value::Bool(on) => json!(!on),
+            Value::Number(number) => json!(number.as_f64().expect("a number") + 0.25),
+            _ => json!(match key {
+                "interpolation" => "gp",
+                "method" => "static-gcp",
+                "alignment" => "rigid",
+                "prior" => "search",
+                "loss" => "huber",
+                _ => panic!("what else can {key} be?"),
+            }),
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Undo, and the switches of the settings.
+
+use eframe::egui::{Key, Modifiers};
+
+use super::{Action, Menu};
+use crate::analysis::Settings;
+use crate::app::state::{Command, State};
+use crate::calibration::{CalibrationSettings, Method, Offer};
+use crate::pipeline::Interpolation;
+
+pub fn actions(state: &State) -> Vec<Action> {
+    let open = state.active().is_some();
+    let mut actions = vec![
+        Action::new(Menu::Edit, "", state.undo.undo_name(), Command::Undo)
+            .ctrl(Key::Z)
+            .possible(state.undo.next_undo().is_some()),
+        Action::new(Menu::Edit, "", state.undo.redo_name(), Command::Redo)
+            .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
+            .possible(state.undo.next_redo().is_some()),
+    ];
+    let now = state.settings();
+    let setting = |section, name: &str, on: bool, change: &dyn Fn(&mut Settings)| {
+        let mut settings = *now;
+        change(&mut settings);
+        Action::new(Menu::Edit, section, name, Command::Set(settings)).on(on).possible(open)
+    };
+    let pipeline = &now.pipeline;
+    actions.push(setting("Pipeline", "Outlier filter", pipeline.outlier_filter, &|settings| {
+        settings.pipeline.outlier_filter ^= true;
+    }));
+    actions.push(setting("Pipeline", "Interval filter", pipeline.interval_filter, &|settings| {
+        settings.pipeline.interval_filter ^= true;
+    }));
+    for (choice, name) in [
+        (Interpolation::Linear, "Interpolate linearly"),
+        (Interpolation::Gp, "Interpolate by a Gaussian process"),
+        (Interpolation::Wnoa, "Interpolate by a motion model"),
+    ] {
+        actions.push(setting("Pipeline", name, pipeline.interpolation == choice, &|settings| {
+            settings.pipeline.interpolation = choice;
+        }));
+    }
+    let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
+    let method = now.calibration.method.or(offer.map(Offer::default_method));
+    for choice in Method::ALL {
+        let name = format!("Method {}: {}", choice.letter(), choice.title());
+        let offered = offer.is_some_and(|offer| offer.lack(choice).is_none());
+        let action = setting("Calibration", &name, method == Some(choice), &|settings| {
+            settings.calibration.method = Some(choice);
+        });
+        actions.push(action.possible(offered));
+    }
+    let robust = now.calibration.is_robust();
+    actions.push(setting("Calibration", "Robust, beyond the paper", robust, &|settings| {
+        let wanted = if robust { Default::default() } else { CalibrationSettings::robust() };
+        settings.calibration = settings.calibration.beyond_as(&wanted);
+    }));
+    let paper = setting("All", "Reset to the paper's values", false, &|settings| {
+        *settings = Settings::default();
+    });
+    actions.push(Action { on: None, ..paper }.possible(open && *now != Settings::default()));
+    actions.push(
+        Action::new(Menu::Edit, "All", "Give all the active one's settings", Command::SetAll)
+            .possible(state.open.iter().any(|open| open.settings != *now)),
+    );
+    actions
+}

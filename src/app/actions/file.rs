@@ -1,0 +1,48 @@
+//! Opening, sessions, and what is written for other programs.
+
+use eframe::egui::{Key, Modifiers};
+
+use super::{Action, Menu};
+use crate::app::state::{Command, PictureTo, State};
+use crate::deployment::Sample;
+
+pub fn actions(state: &State) -> Vec<Action> {
+    let file = |section, name: &str, command| Action::new(Menu::File, section, name, command);
+    let mut actions = vec![
+        file("", "Open folder…", Command::OpenFolderDialog)
+            .hint("A deployment's folder: tracks, control points, rig, GNSS")
+            .ctrl(Key::O),
+        file("", "Open bag or CSV…", Command::OpenFileDialog)
+            .hint("A file of tracks, with what lies beside it")
+            .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::O),
+    ];
+    for sample in Sample::ALL {
+        let name = format!("Sample: {}", sample.title());
+        actions.push(file("Samples", &name, Command::OpenSample(sample)));
+    }
+    if let Some(open) = state.active() {
+        let name = format!("Close {}", open.deployment.name);
+        actions.push(file("Deployment", &name, Command::Close(open.id)).ctrl(Key::W));
+    }
+    actions
+}
+
+pub fn exports(state: &State) -> Vec<Action> {
+    let there = state.analysed().is_some();
+    let export = |section, name: &str, command| {
+        Action::new(Menu::Export, section, name, command).possible(there)
+    };
+    vec![
+        export("Picture", "Picture of the scene…", Command::ScenePicture(PictureTo::File))
+            .hint("As it is shown, with legend and labels (PNG)")
+            .ctrl(Key::E),
+        export("Picture", "Copy picture of the scene", Command::ScenePicture(PictureTo::Clipboard))
+            .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::E),
+        export("Files", "Report (HTML)…", Command::SaveReportDialog)
+            .hint("Verdict, transforms, residuals and data as one page"),
+        export("Files", "Trajectory (TUM)…", Command::SaveTrajectoryDialog)
+            .hint("The vehicle's poses in six degrees of freedom"),
+        export("Rerun", "Open in Rerun", Command::OpenInRerun),
+        export("Rerun", "Recording for Rerun (.rrd)…", Command::SaveRecordingDialog),
+    ]
+}

@@ -1,0 +1,217 @@
+//! Everything that can be done by menu, palette or key, in one table: the menus, the command palette and the sheet
+//! of shortcuts are all drawn from it, so that none of them can forget one.
+
+mod edit;
+mod file;
+mod time;
+mod view;
+
+use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
+
+use super::state::{Command, Commands, State};
+
+/// The menus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Menu {
+    File,
+    Edit,
+    Time,
+    View,
+    Export,
+    Help,
+}
+
+impl Menu {
+    pub const ALL: [Self; 6] =
+        [Self::File, Self::Edit, Self::Time, Self::View, Self::Export, Self::Help];
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::File => "File",
+            Self::Edit => "Edit",
+            Self::Time => "Time",
+            Self::View => "View",
+            Self::Export => "Export",
+            Self::Help => "Help",
+        }
+    }
+}
+
+/// Something that can be done.
+#[derive(Clone, Debug)]
+pub struct Action {
+    pub menu: Menu,
+    /// Heading in the menu; actions of a section follow each other.
+    pub section: &'static str,
+    pub name: String,
+    pub hint: &'static str,
+    pub shortcut: Option<KeyboardShortcut>,
+    /// For what is chosen or switched: whether it is.
+    pub on: Option<bool>,
+    /// `None` while it cannot be done.
+    pub command: Option<Command>,
+}
+
+impl Action {
+    fn new(menu: Menu, section: &'static str, name: impl Into<String>, command: Command) -> Self {
+        Self {
+            menu,
+            section,
+            name: name.into(),
+            hint: "",
+            shortcut: None,
+            on: None,
+            command: Some(command),
+        }
+    }
+
+    fn hint(self, hint: &'static str) -> Self {
+        Self { hint, ..self }
+    }
+
+    /// The key that comes with Ctrl (⌘ on a Mac).
+    fn ctrl(self, key: Key) -> Self {
+        self.keys(Modifiers::COMMAND, key)
+    }
+
+    fn key(self, key: Key) -> Self {
+        self.keys(Modifiers::NONE, key)
+    }
+
+    fn keys(self, modifiers: Modifiers, key: Key) -> Self {
+        Self { shortcut: Some(KeyboardShortcut::new(modifiers, key)), ..self }
+    }
+
+    fn on(self, on: bool) -> Self {
+        Self { on: Some(on), ..self }
+    }
+
+    fn possible(self, possible: bool) -> Self {
+        Self { command: self.command.filter(|_| possible), ..self }
+    }
+}
+
+/// All there is to do in this state, in the order of the menus.
+pub fn all(state: &State) -> Vec<Action> {
+    let mut actions = file::actions(state);
+    actions.extend(edit::actions(state));
+    actions.extend(time::actions(state));
+    actions.extend(view::actions(state));
+    actions.extend(file::exports(state));
+    actions.extend([
+        Action::new(Menu::Help, "", "Command palette…", Command::ShowPalette)
+            .hint("Type what you want to do")
+            .ctrl(Key::P),
+        Action::new(Menu::Help, "", "Keyboard and mouse", Command::ShowShortcuts)
+            .hint("All keys, and what the mouse does in the scene and in the plots")
+            .key(Key::Questionmark),
+    ]);
+    actions
+}
+
+/// What the keys of this frame ask for. Keys without Ctrl are left to a widget that has the focus.
+pub fn from_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    let focused = ctx.memory(|memory| memory.focused().is_some());
+    let typing = ctx.text_edit_focused();
+    let mut keyed: Vec<(KeyboardShortcut, Command)> = all(state)
+        .into_iter()
+        .filter_map(|action| Some((action.shortcut?, action.command?)))
+        .collect();
+    // Ctrl+Z would take Ctrl+Shift+Z's keys.
+    keyed.sort_by_key(|(keys, _)| std::cmp::Reverse(keys.modifiers.shift));
+    for (keys, command) in keyed {
+        let plain = keys.modifiers.is_none() || keys.modifiers == Modifiers::SHIFT;
+        // The arrows and the space bar work the widget that has the focus; letters only a text field.
+        let taken = plain && (typing || (focused && works_widgets(keys.logical_key)));
+        if !taken && ctx.input_mut(|input| input.consume_shortcut(&keys)) {
+            commands.push(command);
+        }
+    }
+}
+
+fn works_widgets(key: Key) -> bool {
+    use Key::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp, End, Enter, Home, Space};
+    matches!(key, ArrowDown | ArrowLeft | ArrowRight | ArrowUp | End | Enter | Home | Space)
+}
+
+/// Actions that a query finds, the best first: every word of it is in the menu's title, the name or the hint.
+pub fn matching(actions: &[Action], query: &str) -> Vec<Action> {
+    let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
+    let mut found: Vec<(usize, &Action)> = actions
+        .iter()
+        .filter(|action| action.command.is_some())
+        .filter_map(|action| {
+            let name = action.name.to_lowercase();
+            let all = format!(
+                "{} {} {name} {}",
+                action.menu.title().to_lowercase(),
+                action.section.to_lowercase(),
+                action.hint.to_lowercase()
+            );
+            // A word at the start of the name, at the start of a word of it, anywhere in it, elsewhere.
+            let cost = |word: &String| match name.find(word.as_str()) {
+                Some(0) => Some(0),
+                Some(_) if name.contains(&format!(" {word}")) => Some(1),
+                Some(_) => Some(2),
+                None => all.contains(word.as_str()).then_some(5),
+            };
+            words.iter().map(cost).sum::<Option<usize>>().map(|cost| (cost, action))
+        })
+        .collect();
+    found.sort_by_key(|(cost, _)| *cost);
+    found.into_iter().map(|(_, action)| action.clone()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state() -> State {
+        State::new(egui::Context::default())
+    }
+
+    #[test]
+    fn no_two_actions_share_keys_or_a_name() {
+        let actions = all(&state());
+        for (index, one) in actions.iter().enumerate() {
+            for other in &actions[index + 1..] {
+                assert!(
+                    one.shortcut.is_none() || one.shortcut != other.shortcut,
+                    "{} and {}",
+                    one.name,
+                    other.name
+                );
+                assert!(one.menu != other.menu || one.name != other.name, "{}", one.name);
+            }
+        }
+    }
+
+    #[test]
+    fn the_actions_of_a_section_follow_each_other() {
+        let actions = all(&state());
+        let mut seen: Vec<(Menu, &str)> = Vec::new();
+        for action in &actions {
+            let place = (action.menu, action.section);
+            if seen.last() != Some(&place) {
+                assert!(!seen.contains(&place), "{place:?} comes twice");
+                seen.push(place);
+            }
+        }
+    }
+
+    #[test]
+    fn a_query_finds_by_words_in_any_order_and_puts_the_name_first() {
+        let actions = all(&state());
+        let found = matching(&actions, "folder open");
+        assert_eq!(found[0].name, "Open folder…");
+        let found = matching(&actions, "fit");
+        assert_eq!(found[0].name, "Fit");
+        assert!(matching(&actions, "no such thing").is_empty());
+        // What cannot be done now is not offered.
+        assert!(matching(&actions, "undo").is_empty());
+        assert_eq!(
+            matching(&actions, "").len(),
+            actions.iter().filter(|a| a.command.is_some()).count()
+        );
+    }
+}

@@ -1,0 +1,39 @@
+//! What is shown, and how.
+
+use eframe::egui::Key;
+
+use super::{Action, Menu};
+use crate::app::layout::{LayoutPreset, Pane};
+use crate::app::scene::{Ruler, ViewPreset};
+use crate::app::state::{Command, State};
+
+pub fn actions(state: &State) -> Vec<Action> {
+    let view = |section, name: &str, command| Action::new(Menu::View, section, name, command);
+    let measuring = state.ruler.active;
+    let ruler = Ruler { active: !measuring, ends: Vec::new() };
+    let mut actions = vec![
+        view("Scene", "Fit", Command::Look(ViewPreset::Fit))
+            .hint("Show everything in the scene")
+            .key(Key::F),
+        view("Scene", "Top", Command::Look(ViewPreset::Top)).key(Key::T),
+        view("Scene", "Side", Command::Look(ViewPreset::Side)).key(Key::S),
+        view("Scene", "Ruler", Command::Measure(ruler))
+            .hint("Measure between two points of the scene")
+            .key(Key::M)
+            .on(measuring),
+    ];
+    actions.extend(
+        Pane::ALL.into_iter().map(|pane| view("Panes", pane.title(), Command::ShowPane(pane))),
+    );
+    for (preset, key) in LayoutPreset::ALL.into_iter().zip([Key::Num1, Key::Num2, Key::Num3]) {
+        let name = format!("Layout: {}", preset.title());
+        actions
+            .push(view("Layout", &name, Command::UseLayout(preset)).hint(preset.hint()).ctrl(key));
+    }
+    actions.push(
+        view("Layout", "Reset layout", Command::ResetLayout)
+            .hint("All panes back to where they were at first")
+            .ctrl(Key::Num0),
+    );
+    actions
+}

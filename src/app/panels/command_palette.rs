@@ -1,0 +1,95 @@
+//! The command palette: type what you want to do.
+
+use eframe::egui::{self, Key};
+
+use crate::app::actions::{self, Action};
+use crate::app::state::{Command, Commands, Palette, State};
+
+const WIDTH: f32 = 520.0;
+const MOST_LINES_IN_SIGHT: f32 = 14.0;
+
+pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut Commands) {
+    let mut edited = palette.clone();
+    let found = actions::matching(&actions::all(state), &palette.query);
+    let modal = egui::Modal::new(egui::Id::unique("command palette"))
+        .frame(egui::Frame::popup(&ctx.global_style()).inner_margin(10.0));
+    let response = modal.show(ctx, |ui| {
+        ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 40.0));
+        // Before the text field, which would take them.
+        let (down, up, enter) = ui.input_mut(|input| {
+            let mut pressed = |key| input.consume_key(egui::Modifiers::NONE, key);
+            (pressed(Key::ArrowDown), pressed(Key::ArrowUp), pressed(Key::Enter))
+        });
+        let last = found.len().saturating_sub(1);
+        edited.chosen = edited.chosen.min(last);
+        if down {
+            edited.chosen = if edited.chosen == last { 0 } else { edited.chosen + 1 };
+        }
+        if up {
+            edited.chosen = if edited.chosen == 0 { last } else { edited.chosen - 1 };
+        }
+        let field = egui::TextEdit::singleline(&mut edited.query)
+            .hint_text("What do you want to do?")
+            .desired_width(f32::INFINITY);
+        let field = ui.add(field);
+        field.widget_info(|| {
+            egui::WidgetInfo::text_edit(true, &palette.query, &palette.query, "Command")
+        });
+        field.request_focus();
+        if field.changed() {
+            edited.chosen = 0;
+        }
+        ui.add_space(4.0);
+        let mut done = enter.then(|| found.get(edited.chosen)).flatten();
+        lines(ui, &found, edited.chosen, up || down, &mut done);
+        if found.is_empty() {
+            ui.weak("Nothing that can be done now has these words.");
+        }
+        done.and_then(|action| action.command.clone())
+    });
+    match response.inner {
+        Some(command) => commands.extend([Command::CloseOverlay, command]),
+        None if response.should_close() => commands.push(Command::CloseOverlay),
+        None if edited != *palette => commands.push(Command::EditPalette(edited)),
+        None => {}
+    }
+}
+
+/// One line for each action; the one that is clicked is done.
+fn lines<'a>(
+    ui: &mut egui::Ui,
+    found: &'a [Action],
+    chosen: usize,
+    moved: bool,
+    done: &mut Option<&'a Action>,
+) {
+    let height = MOST_LINES_IN_SIGHT * (ui.spacing().interact_size.y + ui.spacing().item_spacing.y);
+    egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
+        for (index, action) in found.iter().enumerate() {
+            let mut text = egui::text::LayoutJob::default();
+            let style = ui.style().clone();
+            let part = |job: &mut egui::text::LayoutJob, part: &str, weak: bool| {
+                let text = egui::RichText::new(part);
+                let text = if weak { text.weak() } else { text };
+                text.append_to(job, &style, egui::FontSelection::Default, egui::Align::Center);
+            };
+            part(&mut text, &format!("{}  ", action.menu.title()), true);
+            part(&mut text, &action.name, false);
+            let mut button = egui::Button::selectable(index == chosen, text)
+                .min_size(egui::vec2(ui.available_width(), 0.0));
+            if let Some(keys) = &action.shortcut {
+                button =
+                    button.right_text(egui::RichText::new(ui.ctx().format_shortcut(keys)).weak());
+            }
+            let response = ui.add(button);
+            if index == chosen && moved {
+                response.scroll_to_me(None);
+            }
+            let response =
+                if action.hint.is_empty() { response } else { response.on_hover_text(action.hint) };
+            if response.clicked() {
+                *done = Some(action);
+            }
+        }
+    });
+}

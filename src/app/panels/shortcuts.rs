@@ -1,0 +1,92 @@
+//! The sheet of shortcuts, from the same table as the menus, and what the mouse does.
+
+use eframe::egui;
+
+use crate::app::actions::{self, Menu};
+use crate::app::state::{Command, Commands, State};
+
+/// What the mouse does where.
+const MOUSE: [(&str, &[(&str, &str)]); 2] = [
+    (
+        "Scene",
+        &[
+            ("drag", "turn"),
+            ("right drag, Shift+drag", "move"),
+            ("wheel", "zoom to the pointer"),
+            ("click", "pick a reading, or move the time cursor"),
+            ("double-click", "show everything"),
+        ],
+    ),
+    (
+        "Plots over time",
+        &[
+            ("click", "move the time cursor, or pick a reading"),
+            ("drag", "select a span of time"),
+            ("wheel", "zoom in time, in all plots"),
+            ("right drag, Shift+wheel", "move through time"),
+            ("double-click", "show all times"),
+            ("drag a τ line", "set the threshold"),
+            ("right click on a τ", "the paper's value"),
+        ],
+    ),
+];
+
+pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    let modal = egui::Modal::new(egui::Id::unique("shortcuts"));
+    let response = modal.show(ctx, |ui| {
+        ui.horizontal(|ui| {
+            ui.heading("Keyboard and mouse");
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Close").clicked() {
+                    commands.push(Command::CloseOverlay);
+                }
+            });
+        });
+        let size = ui.ctx().content_rect().size() - egui::vec2(60.0, 120.0);
+        egui::ScrollArea::both().max_width(size.x).max_height(size.y).show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                let actions = actions::all(state);
+                for menus in [
+                    &[Menu::File, Menu::Edit, Menu::Export, Menu::Help][..],
+                    &[Menu::Time, Menu::View],
+                ] {
+                    ui.vertical(|ui| {
+                        for menu in menus {
+                            let keyed = actions.iter().filter(|a| a.menu == *menu);
+                            let rows: Vec<(String, &str)> = keyed
+                                .filter_map(|action| Some((action.shortcut?, action)))
+                                .map(|(keys, action)| {
+                                    (ctx.format_shortcut(&keys), action.name.as_str())
+                                })
+                                .collect();
+                            if !rows.is_empty() {
+                                table(ui, menu.title(), rows.iter().map(|(k, n)| (k.as_str(), *n)));
+                            }
+                        }
+                    });
+                    ui.add_space(16.0);
+                }
+                ui.vertical(|ui| {
+                    for (place, rows) in MOUSE {
+                        table(ui, place, rows.iter().copied());
+                    }
+                });
+            });
+        });
+    });
+    if response.should_close() {
+        commands.push(Command::CloseOverlay);
+    }
+}
+
+fn table<'a>(ui: &mut egui::Ui, title: &str, rows: impl Iterator<Item = (&'a str, &'a str)>) {
+    ui.add_space(4.0);
+    ui.strong(title);
+    egui::Grid::new(title).num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+        for (keys, what) in rows {
+            ui.monospace(keys);
+            ui.label(what);
+            ui.end_row();
+        }
+    });
+}

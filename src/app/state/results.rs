@@ -1,0 +1,144 @@
+//! Results of the session: each run, and those that were pinned to compare later ones with.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::State;
+use crate::analysis::{Analysis, Analyst, Settings, changes_in_words, setting_changes};
+use crate::app::plots::{PreparedPlots, RawReadings};
+use crate::app::worker::Reply;
+use crate::export::summary::ResultSummary;
+
+/// More runs than this are not looked at again; the oldest go.
+const MOST_RUNS: usize = 200;
+
+/// A result that later ones are seen against.
+#[derive(Clone, Debug)]
+pub struct Pin {
+    pub id: u64,
+    pub name: String,
+    pub summary: Arc<ResultSummary>,
+    /// Whether its residuals are drawn behind the present ones.
+    pub shown: bool,
+    /// Its residuals; `None` until they are computed, or when its deployment is not open.
+    pub plots: Option<Arc<PreparedPlots>>,
+}
+
+/// What one change of the settings led to.
+#[derive(Clone, Debug)]
+pub struct Run {
+    pub id: u64,
+    /// Id of the open deployment.
+    pub deployment: u64,
+    pub at: Instant,
+    /// The answer, or why there is none.
+    pub result: Result<Arc<ResultSummary>, String>,
+    pub settings: Settings,
+    /// Which step of the settings it belongs to: of a drag only the last is kept.
+    step: u64,
+}
+
+#[derive(Default)]
+pub struct Results {
+    /// The newest last.
+    pub runs: Vec<Run>,
+    pub pins: Vec<Pin>,
+    newest_id: u64,
+}
+
+impl Results {
+    pub fn run(&self, id: u64) -> Option<&Run> {
+        self.runs.iter().find(|run| run.id == id)
+    }
+
+    fn next_id(&mut self) -> u64 {
+        self.newest_id += 1;
+        self.newest_id
+    }
+
+    /// Pins a result under a name that tells it from the others, unless it is pinned already; gives its id.
+    pub fn pin(&mut self, summary: Arc<ResultSummary>, plots: Option<Arc<PreparedPlots>>) -> u64 {
+        if let Some(known) = self.pins.iter().find(|pin| pin.summary == summary) {
+            return known.id;
+        }
+        let id = self.next_id();
+        let taken = |name: &str| self.pins.iter().any(|pin| pin.name == name);
+        let letters = ('A'..='Z').map(String::from).find(|name| !taken(name));
+        let name = letters.unwrap_or_else(|| id.to_string());
+        self.pins.push(Pin { id, name, summary, shown: true, plots });
+        id
+    }
+}
+
+impl State {
+    /// The pinned result that the active deployment's answer is compared with: the last of the same data, else the
+    /// last of all.
+    pub fn compared_with(&self) -> Option<&Pin> {
+        let now = self.active()?.summary.as_ref()?;
+        let pins = &self.results.pins;
+        pins.iter().rev().find(|pin| pin.summary.has_same_data(now)).or(pins.last())
+    }
+
+    /// Remembers what an analysis led to. One drag is one run.
+    pub(super) fn remember_run(&mut self, deployment: u64, analysis: &Analysis) {
+        let Some(open) = self.open.iter().find(|open| open.id == deployment) else { return };
+        let result = match (&analysis.answer, &open.summary) {
+            (Ok(_), Some(summary)) => Ok(Arc::clone(summary)),
+            (Err(error), _) => Err(error.to_string()),
+            (Ok(_), None) => return,
+        };
+        let step = self.undo.begun();
+        let runs = &mut self.results.runs;
+        let replaces = |run: &Run| run.deployment == deployment && run.step == step;
+        if runs.last().is_some_and(replaces) {
+            runs.pop();
+        }
+        if runs.len() >= MOST_RUNS {
+            runs.remove(0);
+        }
+        let id = self.results.next_id();
+        let settings = analysis.settings;
+        let run = Run { id, deployment, at: Instant::now(), result, settings, step };
+        self.results.runs.push(run);
+    }
+
+    /// What changed against the run before of the same deployment, in words; `None` for its first.
+    pub fn run_change(&self, run: &Run) -> Option<String> {
+        let before = self.results.runs.iter().rev();
+        let before = before.skip_while(|other| other.id != run.id).skip(1);
+        let before = before.into_iter().find(|other| other.deployment == run.deployment)?;
+        let changes = setting_changes(&before.settings, &run.settings);
+        Some(changes_in_words(&changes))
+    }
+
+    pub(super) fn pin_active(&mut self) {
+        let Some(open) = self.active() else { return };
+        let Some(summary) = open.summary.clone() else { return };
+        let plots = Some(Arc::clone(&open.plots));
+        self.results.pin(summary, plots);
+    }
+
+    pub(super) fn pin_run(&mut self, id: u64) {
+        if let Some(Ok(summary)) = self.results.run(id).map(|run| run.result.clone()) {
+            self.results.pin(summary, None);
+            self.draw_pins();
+        }
+    }
+
+    /// Has the residuals of pinned results computed where they are missing and the data is open.
+    pub(super) fn draw_pins(&self) {
+        for pin in self.results.pins.iter().filter(|pin| pin.plots.is_none()) {
+            let same = |open: &&super::OpenDeployment| pin.summary.is_of(&open.deployment);
+            let Some(open) = self.open.iter().find(same) else { continue };
+            let (id, settings) = (pin.id, pin.summary.settings);
+            let deployment = Arc::clone(&open.deployment);
+            let readings = open.analysis.is_some().then(|| Arc::clone(&open.plots.readings));
+            self.worker.beside(move || {
+                let readings = readings.unwrap_or_else(|| RawReadings::of(&deployment).into());
+                let analysis = Analyst::new(deployment).run(&settings);
+                let plots = Arc::new(PreparedPlots::of(&analysis, &readings));
+                Some(Reply::PinDrawn { id, plots })
+            });
+        }
+    }
+}

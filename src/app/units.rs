@@ -1,0 +1,215 @@
+//! Units in which the window shows lengths and angles; everything is stored in metres and radians.
+//!
+//! Each unit has a small one beside it for σ and differences: mm for both lengths, and for angles what people who
+//! read that unit use: mrad for radians, arcseconds for degrees, mgon for gon.
+
+use serde::{Deserialize, Serialize};
+
+use crate::export::text::sigma_text;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LengthUnit {
+    #[default]
+    Metre,
+    Millimetre,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AngleUnit {
+    #[default]
+    Radian,
+    Degree,
+    /// 400 to the circle.
+    Gon,
+}
+
+/// What the user reads lengths and angles in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Units {
+    pub length: LengthUnit,
+    pub angle: AngleUnit,
+}
+
+impl LengthUnit {
+    pub const ALL: [Self; 2] = [Self::Metre, Self::Millimetre];
+
+    /// The symbol, as it stands behind a number.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Metre => "m",
+            Self::Millimetre => "mm",
+        }
+    }
+
+    fn per_metre(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Millimetre => 1e3,
+        }
+    }
+
+    /// Decimals that show 0.1 mm.
+    fn decimals(self) -> usize {
+        match self {
+            Self::Metre => 4,
+            Self::Millimetre => 1,
+        }
+    }
+}
+
+impl AngleUnit {
+    pub const ALL: [Self; 3] = [Self::Radian, Self::Degree, Self::Gon];
+
+    /// The symbol, as it stands behind a number.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Radian => "rad",
+            Self::Degree => "deg",
+            Self::Gon => "gon",
+        }
+    }
+
+    /// The unit of σ and differences.
+    pub fn small_name(self) -> &'static str {
+        match self {
+            Self::Radian => "mrad",
+            Self::Degree => "″",
+            Self::Gon => "mgon",
+        }
+    }
+
+    fn per_radian(self) -> f64 {
+        match self {
+            Self::Radian => 1.0,
+            Self::Degree => 1_f64.to_degrees(),
+            Self::Gon => 200.0 / std::f64::consts::PI,
+        }
+    }
+
+    fn small_per_radian(self) -> f64 {
+        match self {
+            Self::Radian | Self::Gon => 1e3 * self.per_radian(),
+            Self::Degree => 3600.0 * self.per_radian(),
+        }
+    }
+
+    /// Decimals that show about 1 µrad.
+    fn decimals(self) -> usize {
+        match self {
+            Self::Radian => 6,
+            Self::Degree | Self::Gon => 4,
+        }
+    }
+
+    /// Decimals of the small unit that show about 1 µrad or less.
+    fn small_decimals(self) -> usize {
+        match self {
+            Self::Radian => 3,
+            Self::Degree => 1,
+            Self::Gon => 2,
+        }
+    }
+}
+
+impl Units {
+    /// A length to 0.1 mm, without its unit: numbers stand in columns under a heading that names it.
+    pub fn length(self, metres: f64) -> String {
+        without_negative_zero(metres * self.length.per_metre(), self.length.decimals())
+    }
+
+    /// A length with its unit, for running text.
+    pub fn length_with_unit(self, metres: f64) -> String {
+        format!("{} {}", self.length(metres), self.length.name())
+    }
+
+    /// An angle to about 1 µrad, without its unit.
+    pub fn angle(self, radians: f64) -> String {
+        without_negative_zero(radians * self.angle.per_radian(), self.angle.decimals())
+    }
+
+    /// An angle with its unit, for running text.
+    pub fn angle_with_unit(self, radians: f64) -> String {
+        format!("{} {}", self.angle(radians), self.angle.name())
+    }
+
+    /// σ of a length in mm, a dash where there is none.
+    pub fn length_sigma(self, metres: Option<f64>) -> String {
+        sigma_text(metres, 1)
+    }
+
+    /// σ of an angle in [`AngleUnit::small_name`], a dash where there is none.
+    pub fn angle_sigma(self, radians: Option<f64>) -> String {
+        // The formatter counts in thousandths.
+        let thousandth = radians.map(|radians| radians * self.angle.small_per_radian() / 1e3);
+        sigma_text(thousandth, self.angle.small_decimals())
+    }
+
+    /// A difference of lengths in mm, with its sign.
+    pub fn length_difference(self, metres: f64) -> String {
+        with_sign(metres * 1e3, 2)
+    }
+
+    /// A difference of angles in [`AngleUnit::small_name`], with its sign.
+    pub fn angle_difference(self, radians: f64) -> String {
+        with_sign(radians * self.angle.small_per_radian(), self.angle.small_decimals())
+    }
+}
+
+fn without_negative_zero(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.bytes().all(|byte| matches!(byte, b'0' | b'.')) => zero.to_owned(),
+        _ => text,
+    }
+}
+
+/// No sign before nothing but zeros.
+fn with_sign(value: f64, decimals: usize) -> String {
+    let text = without_negative_zero(value, decimals);
+    let zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    if zero || text.starts_with('-') { text } else { format!("+{text}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn a_right_angle_in_each_unit() {
+        let show = |angle| Units { angle, ..Units::default() }.angle_with_unit(PI / 2.0);
+        assert_eq!(AngleUnit::ALL.map(show), ["1.570796 rad", "90.0000 deg", "100.0000 gon"]);
+    }
+
+    #[test]
+    fn small_angles_in_what_surveyors_read() {
+        // 24 µrad are 4.95″ and 1.53 mgon.
+        let show = |angle| {
+            let units = Units { angle, ..Units::default() };
+            (units.angle_sigma(Some(24e-6)), units.angle_difference(-24e-6))
+        };
+        let expected = [("0.024", "-0.024"), ("5.0", "-5.0"), ("1.53", "-1.53")];
+        assert_eq!(AngleUnit::ALL.map(show), expected.map(|(a, b)| (a.to_owned(), b.to_owned())));
+    }
+
+    #[test]
+    fn lengths_to_a_tenth_of_a_millimetre() {
+        let mm = Units { length: LengthUnit::Millimetre, ..Units::default() };
+        assert_eq!(Units::default().length_with_unit(12.345_67), "12.3457 m");
+        assert_eq!(mm.length_with_unit(12.345_67), "12345.7 mm");
+        assert_eq!(mm.length_sigma(Some(0.0012)), "1.2");
+        assert_eq!(mm.length_sigma(None), "–");
+        assert_eq!(mm.length_difference(0.001_234), "+1.23");
+    }
+
+    #[test]
+    fn nothing_has_no_sign() {
+        let units = Units::default();
+        assert_eq!(units.length(-1e-9), "0.0000");
+        assert_eq!(units.length_difference(-1e-9), "0.00");
+        assert_eq!(units.angle_difference(1e-9), "0.000");
+    }
+}

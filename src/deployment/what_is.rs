@@ -1,0 +1,187 @@
+//! What a path is that the user dropped on the window, or chose in a dialog: judged by content.
+
+use std::path::{Path, PathBuf};
+
+use super::Extras;
+use super::format::{Format, deployment_toml::parse_toml};
+use super::open::{FoundFile, list_folder};
+use crate::progress::Progress;
+
+/// The key that a session begins with; its value is the version of the format.
+pub const SESSION_KEY: &str = "resect_session";
+/// Tables of a file of settings, as `--config` reads it.
+const SETTINGS_KEYS: [&str; 2] = ["pipeline", "calibration"];
+/// No TOML file of the program comes near this.
+const LARGEST_TOML_BYTES: u64 = 4 << 20;
+
+/// What the program can do with a path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Dropped {
+    /// A folder, a file of tracks, or a `deployment.toml`, which stands for its folder.
+    Deployment,
+    /// Readings, pillars or coordinates.
+    ControlPoints,
+    /// A file that describes the rig, or a folder of such files without tracks.
+    Rig,
+    /// A solution of one antenna.
+    Gnss,
+    Session,
+    Settings,
+    /// And why nothing can be done with it.
+    Unknown(String),
+}
+
+impl Dropped {
+    /// In a word or two.
+    pub fn label(&self) -> &'static str {
+        match self {
+            Self::Deployment => "tracks",
+            Self::ControlPoints => "control points",
+            Self::Rig => "rig",
+            Self::Gnss => "GNSS",
+            Self::Session => "session",
+            Self::Settings => "settings",
+            Self::Unknown(_) => "",
+        }
+    }
+}
+
+/// Looks at a file, or at all that is in a folder.
+pub fn what_is(path: &Path) -> Dropped {
+    if path.is_dir() {
+        return what_folder_is(path);
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let file = match FoundFile::at(path, name) {
+        Ok(file) => file,
+        Err(error) => return Dropped::Unknown(error.to_string()),
+    };
+    match file.format {
+        Format::PolarCsv | Format::Ros1Bag | Format::DeploymentToml => Dropped::Deployment,
+        Format::ControlPoints | Format::Pillars | Format::SurveyedPoints => Dropped::ControlPoints,
+        Format::RigReading | Format::RigDistances => Dropped::Rig,
+        Format::RtklibPos => Dropped::Gnss,
+        Format::Ignored(why) => match path.extension() {
+            Some(extension) if extension == "toml" && file.file != "truth.toml" => {
+                what_toml_is(&file)
+            }
+            _ => Dropped::Unknown(format!("{}: {why}", file.file)),
+        },
+    }
+}
+
+fn what_folder_is(path: &Path) -> Dropped {
+    // What is wrong with a folder is said when it is opened.
+    let files = list_folder(path, super::open::FOLDER_DEPTH, &Progress::default());
+    let formats: Vec<Format> = files.iter().flatten().map(|file| file.format).collect();
+    let rig = formats.iter().any(|f| matches!(f, Format::RigReading | Format::RigDistances));
+    let deployment = formats.iter().any(|f| f.is_track() || *f == Format::DeploymentToml);
+    if rig && !deployment { Dropped::Rig } else { Dropped::Deployment }
+}
+
+fn what_toml_is(file: &FoundFile) -> Dropped {
+    let remedy = "it is neither a session nor settings of resect";
+    if file.bytes > LARGEST_TOML_BYTES {
+        return Dropped::Unknown(format!("{}: too large; {remedy}", file.file));
+    }
+    let table = file.uncounted_text().and_then(|text| parse_toml::<toml::Table>(&file.file, &text));
+    match table {
+        Ok(table) if table.contains_key(SESSION_KEY) => Dropped::Session,
+        Ok(table) if SETTINGS_KEYS.iter().any(|key| table.contains_key(*key)) => Dropped::Settings,
+        Ok(_) => Dropped::Unknown(format!("{}: {remedy}", file.file)),
+        Err(error) => Dropped::Unknown(error.to_string()),
+    }
+}
+
+/// Several paths at once, by what is done with them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sorted {
+    /// To be opened, each with the extras.
+    pub deployments: Vec<PathBuf>,
+    /// Without a deployment beside them they are for the one that is open.
+    pub extras: Extras,
+    pub sessions: Vec<PathBuf>,
+    pub settings: Vec<PathBuf>,
+    /// Lines that say what cannot be used, and why.
+    pub unknown: Vec<String>,
+}
+
+pub fn sort<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Sorted {
+    let mut sorted = Sorted::default();
+    for path in paths {
+        let own = path.to_owned();
+        match what_is(path) {
+            Dropped::Deployment => sorted.deployments.push(own),
+            Dropped::ControlPoints => sorted.extras.gcp.push(own),
+            Dropped::Rig => sorted.extras.rig = Some(own),
+            Dropped::Gnss => sorted.extras.gnss.push(own),
+            Dropped::Session => sorted.sessions.push(own),
+            Dropped::Settings => sorted.settings.push(own),
+            Dropped::Unknown(why) => sorted.unknown.push(why),
+        }
+    }
+    // The window system gives them in no particular order; antennas are numbered by their names.
+    sorted.extras.gnss.sort();
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_known_by_what_is_in_them() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().expect("inside")).expect("writable");
+            std::fs::write(&path, text).expect("writable");
+            path
+        };
+        let cases = [
+            ("x.txt", "timestamp,id,distance,ha,va\n1,1,2,3,1.5\n", Dropped::Deployment),
+            ("y.csv", "theodolite_number , marker_number , status\n", Dropped::ControlPoints),
+            ("z.csv", "marker_number,distance_m,height_m\n", Dropped::ControlPoints),
+            ("rig/d.txt", "0.7 0.9 1.0\n", Dropped::Rig),
+            ("a.pos", "% GPST latitude(deg) longitude(deg) height(m) Q\n", Dropped::Gnss),
+            ("s.toml", "# saved\nresect_session = 1\n", Dropped::Session),
+            ("c.toml", "[pipeline]\nrate_hz = 5\n", Dropped::Settings),
+            ("deployment.toml", "name = \"x\"\n", Dropped::Deployment),
+        ];
+        for (name, text, expected) in cases {
+            assert_eq!(what_is(&write(name, text)), expected, "{name}");
+        }
+        for (name, text, why) in [
+            ("notes.txt", "it rained\n", "notes.txt: not recognised"),
+            ("other.toml", "[package]\n", "other.toml: it is neither"),
+            ("bad.toml", "\n= 3\n", "bad.toml:2: "),
+            ("truth.toml", "[pipeline]\n", "truth of a simulation"),
+        ] {
+            let Dropped::Unknown(said) = what_is(&write(name, text)) else { panic!("{name}") };
+            assert!(said.contains(why), "{said}");
+        }
+        assert_eq!(what_is(&folder.path().join("rig")), Dropped::Rig);
+        assert_eq!(what_is(folder.path()), Dropped::Deployment);
+        assert!(matches!(what_is(&folder.path().join("absent")), Dropped::Unknown(_)));
+    }
+
+    #[test]
+    fn several_are_sorted_by_what_is_done_with_them() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        for (name, text) in [
+            ("gcp.txt", "theodolite_number , marker_number , status\n"),
+            ("p.csv", "timestamp,id,distance,ha,va\n"),
+            ("rig.txt", "0.7 0.9 1.0\n"),
+            ("note", "hello\n"),
+        ] {
+            std::fs::write(path(name), text).expect("writable");
+        }
+        let paths = ["gcp.txt", "note", "p.csv", "rig.txt"].map(path);
+        let sorted = sort(paths.iter().map(PathBuf::as_path));
+        assert_eq!(sorted.deployments, [path("p.csv")]);
+        assert_eq!(sorted.extras.gcp, [path("gcp.txt")]);
+        assert_eq!(sorted.extras.rig, Some(path("rig.txt")));
+        assert_eq!(sorted.unknown, ["note: not recognised"]);
+    }
+}

@@ -1,0 +1,105 @@
+//! Opening: how far it is, giving it up, and files that the user names beside those that lie with the tracks.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+
+use common::{field_data, sample_folder};
+use resect::deployment::{Extras, OpenError, Sample, Source, open};
+use resect::progress::Progress;
+
+fn used(deployment: &resect::deployment::Deployment, end: &str) -> Vec<bool> {
+    let ends = deployment.ingredients.iter().filter(|i| Path::new(&i.file).ends_with(end));
+    ends.map(|i| i.used).collect()
+}
+
+#[test]
+fn progress_ends_at_the_bytes_that_were_read() {
+    let mut paths = vec![sample_folder("warthog")];
+    paths.extend(field_data("2022-07-11-2-bags").map(|bags| bags.join("2022-07-11-2-bz2.bag")));
+    for path in paths {
+        let progress = Progress::default();
+        Source::at(&path).open(&progress).expect("opens");
+        assert!(progress.total() > 10_000, "{}", path.display());
+        assert_eq!(progress.done(), progress.total(), "{}", path.display());
+    }
+}
+
+#[test]
+fn what_is_cancelled_is_not_an_error_of_the_data() {
+    let mut paths =
+        vec![sample_folder("warthog"), sample_folder("warthog").join("inter_prism.csv")];
+    paths.extend(field_data("2022-07-11-2-bags").map(|bags| bags.join("2022-07-11-2.bag")));
+    for path in paths {
+        let progress = Progress::default();
+        progress.cancel();
+        let result = Source::at(&path).open(&progress);
+        assert!(matches!(result, Err(OpenError::Cancelled)), "{}", path.display());
+    }
+}
+
+#[test]
+fn named_control_points_are_added_or_used_instead() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let more = folder.path().join("more.txt");
+    std::fs::copy(sample_folder("warthog").join("GCP_raw_1.txt"), &more).expect("copied");
+    let open = |gcp: &[&PathBuf], gcp_instead| {
+        let gcp = gcp.iter().map(|path| (*path).clone()).collect();
+        let extras = Extras { gcp, gcp_instead, ..Extras::default() };
+        Source::sample(Sample::Warthog).with(extras).open(&Progress::default()).expect("opens")
+    };
+    let own = open(&[], false);
+    let added = open(&[&more], false);
+    assert_eq!(added.control_points.len(), own.control_points.len() + 1);
+    // The survey of the pillars, which lies with the tracks, still belongs to them.
+    assert!(added.control_points.iter().any(|set| set.points.iter().all(|p| p.known_m.is_some())));
+    let instead = open(&[&more], true);
+    assert_eq!(instead.control_points.len(), 1);
+    assert_eq!(used(&instead, "GCP_raw_1.txt"), [false]);
+    assert_eq!(used(&instead, "more.txt"), [true]);
+}
+
+#[test]
+fn a_file_that_lies_with_the_tracks_counts_once_when_it_is_named_too() {
+    let path = sample_folder("warthog");
+    let own = open(&path).expect("opens");
+    let extras = Extras { gcp: vec![path.join("GCP_raw_2.txt")], ..Extras::default() };
+    let named = Source::at(&path).with(extras).open(&Progress::default()).expect("opens");
+    assert_eq!(named.control_points.len(), own.control_points.len());
+    assert_eq!(used(&named, "GCP_raw_2.txt"), [false, true]);
+}
+
+#[test]
+fn a_named_rig_is_used_whatever_else_describes_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let sample = sample_folder("warthog");
+    std::fs::copy(sample.join("inter_prism.csv"), path("p.csv")).expect("copied");
+    std::fs::write(path("deployment.toml"), "inter_prism_m = [0.7, 0.9, 1.0]\n").expect("written");
+    let other = tempfile::tempdir().expect("a folder");
+    let rig = other.path().join("distances.txt");
+    std::fs::write(&rig, "0.8 0.9 1.1\n").expect("written");
+    let with = |rig: Option<PathBuf>| {
+        let extras = Extras { rig, ..Extras::default() };
+        Source::at(folder.path()).with(extras).open(&Progress::default())
+    };
+    let own = with(None).expect("opens").rig.expect("given").inter_prism_m;
+    assert_eq!(own, [0.7, 0.9, 1.0]);
+    let named = with(Some(rig)).expect("opens");
+    assert_eq!(named.rig.expect("named").inter_prism_m, [0.8, 0.9, 1.1]);
+    assert!(named.findings.iter().any(|f| f.message.contains("not inter_prism_m")));
+    let error = with(Some(path("p.csv"))).expect_err("tracks are no rig").to_string();
+    assert!(error.contains("does not describe the rig (polar measurements"), "{error}");
+}
+
+#[test]
+fn three_named_antennas_take_the_place_of_those_that_are_there() {
+    let path = sample_folder("warthog");
+    let gnss = vec![path.join("gnss_2.pos"), path.join("gnss_1.pos"), path.join("gnss_3.pos")];
+    let extras = Extras { gnss, ..Extras::default() };
+    let own = open(&path).expect("opens").gnss.expect("three");
+    let named = Source::at(&path).with(extras).open(&Progress::default()).expect("opens");
+    let named = named.gnss.expect("three");
+    assert_eq!(named[0], own[1]);
+    assert_eq!(named[2], own[2]);
+}
