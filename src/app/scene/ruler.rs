@@ -87,6 +87,7 @@ impl Ruler {
 pub struct RulerText {
     /// On the screen, between the ends.
     pub at: Pos2,
+    pub ends: [Option<Pos2>; 2],
     pub lines: Vec<String>,
 }
 
@@ -128,7 +129,12 @@ impl SceneContent {
     ) -> Option<RulerText> {
         let [from_m, to_m] = ruler.ends_m(self.prisms_m.as_ref())[..] else { return None };
         let at = projection.screen(&((from_m + to_m) / 2.0).cast::<f32>())?;
-        Some(RulerText { at, lines: ruler.lines(self.prisms_m.as_ref(), inter_prism_m, units) })
+        let ends = [from_m, to_m].map(|end_m| projection.visible(&end_m));
+        Some(RulerText {
+            at,
+            ends,
+            lines: ruler.lines(self.prisms_m.as_ref(), inter_prism_m, units),
+        })
     }
 
     /// The prism, station or control point at a place on the screen.

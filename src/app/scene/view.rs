@@ -156,9 +156,7 @@ impl SceneView {
             self.content.colour(&open.deployment, analysis, state.colouring);
             self.coloured = wanted;
         }
-        let start_s = open.start_s();
-        self.content.selection_s =
-            open.timeline.selection_s.map(|span_s| span_s.map(|t| (t - start_s) as f32));
+        self.content.set_selection(open.timeline.selection_s, open.start_s());
         let instant = |time_s: Option<f64>| time_s.and_then(|t| analysis.triplets().nearest(t));
         let colour = theme::cursor(dark);
         let at = instant(open.timeline.cursor_s);
@@ -255,7 +253,11 @@ impl SceneView {
         let font = FontId::proportional(12.0);
         let galley = painter.layout_no_wrap(text.lines.join("\n"), font, colour);
         let size = galley.size() + Vec2::splat(8.0);
-        if let Some(place) = placer.beside(text.at, size) {
+        // Neither on the ends nor on the line between them.
+        for at in text.ends.into_iter().flatten().chain([text.at]) {
+            placer.keep_free(at, 9.0);
+        }
+        if let Some(place) = placer.near(text.at, size) {
             labels::ground(painter, place, dark);
             painter.galley(place.min + Vec2::splat(4.0), galley, colour);
         }
