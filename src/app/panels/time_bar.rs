@@ -48,9 +48,7 @@ fn transport(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             }
         });
     let name = "Speed of playing";
-    combo
-        .response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+    combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
     combo.response.on_hover_text("Seconds of the drive in a second");
     if speed != state.playback.speed {
         commands.push(Command::SetPlaySpeed(speed));
