@@ -48,3 +48,47 @@ pub fn hold(hold: Hold) -> Rgb {
         Hold::Held => [120, 150, 170],
     }
 }
+
+/// What has no value on a scale.
+pub const NO_VALUE: Rgb = [110, 118, 128];
+
+/// Intervals, over and over: all of Okabe & Ito's set but black.
+pub const INTERVALS: [Rgb; 7] = [
+    [86, 180, 233],
+    [230, 159, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [240, 228, 66],
+    [213, 94, 0],
+    [0, 114, 178],
+];
+
+/// An interval, numbered from 0.
+pub fn interval(number: u32) -> Rgb {
+    INTERVALS[number as usize % INTERVALS.len()]
+}
+
+/// Viridis (Smith & van der Walt, matplotlib 2.0; perceptually uniform, safe for colour-blind eyes) at every eighth from
+/// 1/4 to 1: its darkest quarter cannot be seen on a dark ground.
+const VIRIDIS: [Rgb; 7] = [
+    [59, 82, 139],
+    [44, 114, 142],
+    [33, 144, 140],
+    [39, 173, 129],
+    [93, 200, 99],
+    [170, 220, 50],
+    [253, 231, 37],
+];
+
+/// A place on a scale from 0 to 1; beyond its ends, theirs.
+pub fn continuous(share: f32) -> Rgb {
+    let last = VIRIDIS.len() - 1;
+    let at = share.clamp(0.0, 1.0) * last as f32;
+    let below = (at as usize).min(last - 1);
+    let part = at - below as f32;
+    let mix = |c: usize| {
+        let (low, high) = (f32::from(VIRIDIS[below][c]), f32::from(VIRIDIS[below + 1][c]));
+        (low + part * (high - low)).round() as u8
+    };
+    [mix(0), mix(1), mix(2)]
+}

@@ -4,9 +4,11 @@ struct Uniforms {
     clip_from_world: mat4x4<f32>,
     // Stations 1, 2, 3, and the world itself.
     world_from_frame: array<mat4x4<f32>, 4>,
+    background: vec4<f32>,
     viewport_pixels: vec2<f32>,
+    // Times since the first measurement (s); readings and tracks at others are dimmed.
+    selection: vec2<f32>,
     pixels_per_point: f32,
-    padding: f32,
 };
 
 @group(0) @binding(0) var<uniform> u: Uniforms;
@@ -31,15 +33,49 @@ fn to_clip(position: vec3<f32>, frame: u32) -> vec4<f32> {
     return u.clip_from_world * u.world_from_frame[frame] * vec4<f32>(position, 1.0);
 }
 
+fn disc(corner: u32, centre: vec4<f32>, diameter: f32, colour: vec4<f32>) -> PointOutput {
+    let offset = vec2<f32>(f32(corner & 1u), f32(corner >> 1u)) * 2.0 - 1.0;
+    // Half a pixel more, for the soft edge.
+    let radius = 0.5 * diameter * u.pixels_per_point + 0.5;
+    let shift = offset * radius * 2.0 / u.viewport_pixels * centre.w;
+    let clip = vec4<f32>(centre.xy + shift, centre.zw);
+    return PointOutput(clip, colour, offset, radius);
+}
+
 @vertex
 fn point_vertex(in: PointInput) -> PointOutput {
-    let offset = vec2<f32>(f32(in.corner & 1u), f32(in.corner >> 1u)) * 2.0 - 1.0;
-    // Half a pixel more, for the soft edge.
-    let radius = 0.5 * in.diameter * u.pixels_per_point + 0.5;
-    var clip = to_clip(in.position, in.frame);
-    let shift = offset * radius * 2.0 / u.viewport_pixels * clip.w;
-    clip = vec4<f32>(clip.xy + shift, clip.zw);
-    return PointOutput(clip, in.colour, offset, radius);
+    return disc(in.corner, to_clip(in.position, in.frame), in.diameter, in.colour);
+}
+
+// In the last byte of a cloud's colour: the station's number, and
+const STATION: u32 = 3u;
+const LARGE: u32 = 4u;
+const JOINED: u32 = 8u;
+
+// How much of a colour is left outside of the selection.
+const DIMMED: f32 = 0.25;
+
+fn at_time(colour: vec4<u32>, time: f32) -> vec4<f32> {
+    var rgb = vec3<f32>(colour.rgb) / 255.0;
+    if time < u.selection.x || time > u.selection.y {
+        rgb = mix(u.background.rgb, rgb, DIMMED);
+    }
+    return vec4<f32>(rgb, 1.0);
+}
+
+struct ReadingInput {
+    @builtin(vertex_index) corner: u32,
+    // And the time.
+    @location(0) position: vec4<f32>,
+    @location(1) colour: vec4<u32>,
+};
+
+@vertex
+fn reading_vertex(in: ReadingInput) -> PointOutput {
+    let style = in.colour.a;
+    let diameter = select(2.5, 4.0, (style & LARGE) != 0u);
+    let centre = to_clip(in.position.xyz, style & STATION);
+    return disc(in.corner, centre, diameter, at_time(in.colour, in.position.w));
 }
 
 @fragment
@@ -67,10 +103,9 @@ struct LineOutput {
     @location(0) colour: vec4<f32>,
 };
 
-@vertex
-fn line_vertex(in: LineInput) -> LineOutput {
-    var a = to_clip(in.a, in.a_frame);
-    var b = to_clip(in.b, in.b_frame);
+fn line(corner: u32, start: vec4<f32>, end: vec4<f32>, width: f32, colour: vec4<f32>) -> LineOutput {
+    var a = start;
+    var b = end;
     // Cut what is behind the near plane, or the perspective division turns it inside out.
     let near = 1e-4;
     if a.w < near && b.w >= near {
@@ -86,14 +121,42 @@ fn line_vertex(in: LineInput) -> LineOutput {
     if size > 1e-6 {
         normal = vec2<f32>(-along.y, along.x) / size;
     }
-    let side = f32(in.corner & 1u) * 2.0 - 1.0;
+    let side = f32(corner & 1u) * 2.0 - 1.0;
     var clip = a;
-    if in.corner >= 2u {
+    if corner >= 2u {
         clip = b;
     }
-    let shift = normal * side * 0.5 * in.width * u.pixels_per_point;
+    let shift = normal * side * 0.5 * width * u.pixels_per_point;
     clip = vec4<f32>(clip.xy + shift * 2.0 / u.viewport_pixels * clip.w, clip.zw);
-    return LineOutput(clip, in.colour);
+    return LineOutput(clip, colour);
+}
+
+@vertex
+fn line_vertex(in: LineInput) -> LineOutput {
+    let a = to_clip(in.a, in.a_frame);
+    let b = to_clip(in.b, in.b_frame);
+    return line(in.corner, a, b, in.width, in.colour);
+}
+
+struct TrackInput {
+    @builtin(vertex_index) corner: u32,
+    // Two points that follow each other, and their times; the colour is the later one's.
+    @location(0) a: vec4<f32>,
+    @location(1) b: vec4<f32>,
+    @location(2) colour: vec4<u32>,
+};
+
+@vertex
+fn track_vertex(in: TrackInput) -> LineOutput {
+    let style = in.colour.a;
+    if (style & JOINED) == 0u {
+        // Beyond the far plane: nothing is drawn.
+        return LineOutput(vec4<f32>(0.0, 0.0, 2.0, 1.0), vec4<f32>(0.0));
+    }
+    let frame = style & STATION;
+    let a = to_clip(in.a.xyz, frame);
+    let b = to_clip(in.b.xyz, frame);
+    return line(in.corner, a, b, 1.6, at_time(in.colour, in.b.w));
 }
 
 @fragment

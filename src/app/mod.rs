@@ -5,9 +5,11 @@
 //! commands.
 
 mod actions;
+pub mod file_dialog;
 mod layout;
 mod open_deployment;
 mod panels;
+pub mod persist;
 mod plots;
 mod scene;
 mod state;
@@ -19,7 +21,7 @@ mod worker;
 
 pub use layout::{Layout, LayoutDescription, LayoutPreset, Pane};
 pub use open_deployment::OpenDeployment;
-pub use scene::{Colouring, Ruler, RulerEnd};
+pub use scene::{Colouring, Ruler, RulerEnd, SceneView, ViewPreset};
 pub use state::{
     Command, Notice, Overlay, Picked, PictureTo, Pin, Playback, Results, Run, State, Timeline,
     Visibility,

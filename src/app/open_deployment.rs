@@ -3,8 +3,11 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::persist::session::Files;
 use super::plots::PreparedPlots;
+use super::scene::Clouds;
 use super::state::Timeline;
+use super::worker::Answered;
 use crate::analysis::{Analysis, Settings};
 use crate::deployment::{Deployment, Source};
 use crate::export::summary::ResultSummary;
@@ -15,6 +18,8 @@ pub struct OpenDeployment {
     pub deployment: Arc<Deployment>,
     /// Where it can be read again.
     pub source: Option<Source>,
+    /// What it was read from, as sessions remember it.
+    pub files: Files,
     /// Of each station; found once, because the window asks in every frame.
     pub longest_range_m: [f64; 3],
     pub settings: Settings,
@@ -24,6 +29,8 @@ pub struct OpenDeployment {
     pub summary: Option<Arc<ResultSummary>>,
     /// Its plots.
     pub plots: Arc<PreparedPlots>,
+    /// Its readings and tracks, for the scene.
+    pub clouds: Clouds,
     /// Number of the request that the answer belongs to; changes with it.
     pub analysis_run: u64,
     pub timeline: Timeline,
@@ -42,15 +49,18 @@ impl OpenDeployment {
     ) -> Self {
         let longest_range_m = longest_range_m(&deployment);
         let timeline = Timeline::new(&deployment);
+        let files = Files::of(source.as_ref(), &deployment);
         Self {
             id,
             deployment,
             source,
+            files,
             longest_range_m,
             settings,
             analysis: None,
             summary: None,
             plots: Arc::default(),
+            clouds: Clouds::default(),
             analysis_run: 0,
             timeline,
             placeholder: false,
@@ -65,6 +75,7 @@ impl OpenDeployment {
         if old.whole_s == self.timeline.whole_s {
             self.timeline = old;
         }
+        self.files = Files::of(Some(&source), &deployment);
         self.deployment = deployment;
         self.source = Some(source);
         self.placeholder = false;
@@ -76,15 +87,11 @@ impl OpenDeployment {
     }
 
     /// Takes in an answer, unless a newer one is on its way; tells whether it did.
-    pub fn take(
-        &mut self,
-        number: u64,
-        analysis: Arc<Analysis>,
-        plots: Arc<PreparedPlots>,
-    ) -> bool {
+    pub fn take(&mut self, number: u64, answered: Answered) -> bool {
         if self.analysing.is_none_or(|(newest, _)| newest != number) {
             return false;
         }
+        let Answered { analysis, plots, clouds } = answered;
         self.analysing = None;
         if self.timeline.cursor_s.is_none() {
             // So that the rig is seen before anything is clicked.
@@ -98,6 +105,7 @@ impl OpenDeployment {
             .map(|answer| Arc::new(ResultSummary::of(&self.deployment, &analysis, answer)));
         self.analysis = Some(analysis);
         self.plots = plots;
+        self.clouds = clouds;
         self.analysis_run = number;
         true
     }

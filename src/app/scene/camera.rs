@@ -1,6 +1,6 @@
 //! An orbit camera: z is up, in metres of station 1's frame.
 
-use nalgebra::{Matrix4, Point3, Vector3, Vector4};
+use nalgebra::{Matrix4, Point3, Vector3};
 
 /// Ways to look that a button offers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -8,7 +8,12 @@ pub enum ViewPreset {
     /// Everything, from where the camera is turned now.
     Fit,
     Top,
+    /// Along y, x to the right.
+    Front,
+    /// Against x, y to the right.
     Side,
+    /// From where this station (0 to 2) stands, towards the prisms.
+    Station(usize),
 }
 
 /// Looks at `target` from `distance_m` away.
@@ -23,6 +28,8 @@ pub struct Camera {
 }
 
 const FIELD_OF_VIEW_RAD: f32 = 0.7;
+/// Part of the picture that is filled by what is fitted in.
+const FILLED: f32 = 0.88;
 const STEEPEST_RAD: f32 = std::f32::consts::FRAC_PI_2 - 1e-3;
 
 impl Default for Camera {
@@ -77,13 +84,27 @@ impl Camera {
 
     /// Moves the target by a drag in points, so that what is under the pointer stays there.
     pub fn pan(&mut self, drag: [f32; 2], viewport_height: f32) {
-        let metres_per_point =
-            2.0 * self.distance_m * (FIELD_OF_VIEW_RAD / 2.0).tan() / viewport_height.max(1.0);
-        let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
-        let right = Vector3::new(-sin_yaw, cos_yaw, 0.0);
-        let back = (self.eye_m() - self.target_m) / self.distance_m;
-        let up = back.cross(&right);
+        let metres_per_point = self.metres_per_point(viewport_height);
+        let [right, up, _] = self.axes();
         self.target_m += metres_per_point * (up * drag[1] - right * drag[0]);
+    }
+
+    /// At the distance of the target.
+    pub fn metres_per_point(&self, viewport_height: f32) -> f32 {
+        2.0 * self.distance_m * (FIELD_OF_VIEW_RAD / 2.0).tan() / viewport_height.max(1.0)
+    }
+
+    /// Stands at a place and looks at another.
+    pub fn stand(&mut self, eye_m: &Vector3<f32>, target_m: &Vector3<f32>) {
+        let back = eye_m - target_m;
+        let distance_m = back.norm();
+        if distance_m < 1e-3 {
+            return;
+        }
+        self.target_m = *target_m;
+        self.distance_m = distance_m;
+        self.yaw_rad = back.y.atan2(back.x);
+        self.pitch_rad = (back.z / distance_m).asin().clamp(-STEEPEST_RAD, STEEPEST_RAD);
     }
 
     /// Comes closer (factor below 1) or goes away.
@@ -95,50 +116,60 @@ impl Camera {
     pub fn look(&mut self, preset: ViewPreset, points_m: &[Vector3<f32>], aspect: f32) {
         let Some(first) = points_m.first() else { return };
         match preset {
-            ViewPreset::Fit => {}
+            // The view stands at the station before it comes here for what the station cannot look at.
+            ViewPreset::Fit | ViewPreset::Station(_) => {}
             ViewPreset::Top => {
                 self.pitch_rad = STEEPEST_RAD;
                 self.yaw_rad = -std::f32::consts::FRAC_PI_2;
             }
-            ViewPreset::Side => {
+            ViewPreset::Front => {
                 self.pitch_rad = 0.06;
                 self.yaw_rad = -std::f32::consts::FRAC_PI_2;
             }
-        }
-        let (low, high) =
-            points_m.iter().fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
-        self.target_m = (low + high) / 2.0;
-        self.distance_m = (high - low).norm().max(0.5);
-        // Perspective makes this a small fixed-point problem: centre what is seen, scale, and look again.
-        for _ in 0..20 {
-            let clip = self.clip_from_world(aspect);
-            let (mut least, mut most) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-            let mut behind = false;
-            for p in points_m {
-                let c = clip * Vector4::new(p.x, p.y, p.z, 1.0);
-                behind |= c.w <= 0.0;
-                for axis in 0..2 {
-                    let at = c[axis] / c.w;
-                    least[axis] = least[axis].min(at);
-                    most[axis] = most[axis].max(at);
-                }
+            ViewPreset::Side => {
+                self.pitch_rad = 0.06;
+                self.yaw_rad = 0.0;
             }
-            if behind {
-                self.distance_m *= 2.0;
-                continue;
-            }
-            let middle = [(least[0] + most[0]) / 2.0, (least[1] + most[1]) / 2.0];
-            let height = 2.0;
-            self.pan([-middle[0] * aspect, middle[1]], height);
-            let widest = (0..2).map(|axis| (most[axis] - least[axis]) / 2.0).fold(0.0, f32::max);
-            self.distance_m = (self.distance_m * (widest / 0.88).clamp(0.5, 2.0)).max(0.5);
         }
+        let [right, up, back] = self.axes();
+        let half_height = FILLED * (FIELD_OF_VIEW_RAD / 2.0).tan();
+        // A point is between two sides of the picture while its distance from the line of sight is at most `half` times
+        // its distance before the eye. That is linear in where the eye stands, so the eye nearest to them all is
+        // known for each direction on the picture.
+        let fit = |axis: &Vector3<f32>, half: f32| {
+            let (mut most, mut least) = (f32::NEG_INFINITY, f32::INFINITY);
+            for p in points_m.iter().map(|p| p - first) {
+                let (along, before) = (axis.dot(&p), half * back.dot(&p));
+                most = most.max(along + before);
+                least = least.min(along - before);
+            }
+            ((most + least) / 2.0, (most - least) / (2.0 * half))
+        };
+        let (across, wide_m) = fit(&right, half_height * aspect);
+        let (above, high_m) = fit(&up, half_height);
+        let eye_before_m = wide_m.max(high_m);
+        // The target, about which the camera turns, is amid them.
+        let before = points_m.iter().map(|p| back.dot(&(p - first)));
+        let (nearest, furthest) =
+            before.fold((f32::NEG_INFINITY, f32::INFINITY), |(a, b), p| (a.max(p), b.min(p)));
+        let middle = (nearest + furthest) / 2.0;
+        self.target_m = first + across * right + above * up + middle * back;
+        self.distance_m = (eye_before_m - middle).max(0.5);
+    }
+
+    /// Right, up, and back towards the eye, each of length 1.
+    fn axes(&self) -> [Vector3<f32>; 3] {
+        let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
+        let right = Vector3::new(-sin_yaw, cos_yaw, 0.0);
+        let back = (self.eye_m() - self.target_m) / self.distance_m;
+        [right, back.cross(&right), back]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector4;
 
     #[test]
     fn what_is_fitted_fills_the_picture_and_stays_inside() {
@@ -148,7 +179,7 @@ mod tests {
                 Vector3::new(40.0 + 30.0 * s.sin(), -5.0 + 12.0 * (1.7 * s).cos(), 0.1 * s)
             })
             .collect();
-        for preset in [ViewPreset::Fit, ViewPreset::Top, ViewPreset::Side] {
+        for preset in [ViewPreset::Fit, ViewPreset::Top, ViewPreset::Front, ViewPreset::Side] {
             for aspect in [0.7, 1.6] {
                 let mut camera = Camera::default();
                 camera.look(preset, &points, aspect);
@@ -159,9 +190,19 @@ mod tests {
                     widest = widest.max((c.x / c.w).abs()).max((c.y / c.w).abs());
                     assert!(c.z / c.w > 0.0 && c.z / c.w < 1.0, "{preset:?}");
                 }
-                assert!(widest > 0.8 && widest < 0.96, "{preset:?} at {aspect}: {widest}");
+                assert!((widest - FILLED).abs() < 0.01, "{preset:?} at {aspect}: {widest}");
             }
         }
+    }
+
+    #[test]
+    fn who_stands_at_a_station_sees_the_target_in_the_middle() {
+        let (eye, target) = (Vector3::new(-5.4, 0.4, -0.2), Vector3::new(40.0, -12.0, 1.5));
+        let mut camera = Camera::default();
+        camera.stand(&eye, &target);
+        assert!((camera.eye_m() - eye).norm() < 1e-4);
+        let c = camera.clip_from_world(1.5) * Vector4::new(target.x, target.y, target.z, 1.0);
+        assert!((c.x / c.w).abs() < 1e-5 && (c.y / c.w).abs() < 1e-5);
     }
 
     #[test]

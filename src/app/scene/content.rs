@@ -1,19 +1,26 @@
 //! What is drawn: points and lines, each in the frame of its station.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
+use super::cloud::Clouds;
+use super::colouring::{Colouring, Colours};
+use super::grid::Grid;
 use super::{overlays, station_uncertainty};
 use crate::analysis::Analysis;
-use crate::app::state::Visibility;
+use crate::app::state::{Picked, Visibility};
 use crate::deployment::Deployment;
+use crate::evaluation::trajectory::Pose;
 use crate::geometry::RigidTransform;
 use crate::palette::{self, Rgb};
 use crate::pipeline::SampleFate;
 
 /// Index of the frame in which a vertex stands: stations 1–3 are 0–2, the world (station 1) is 3.
 pub const WORLD: u32 = 3;
-/// How many points the camera looks at to fit everything.
+/// How many points the camera looks at to fit everything, and how many of a station are asked for where it is.
 const OUTLINE_POINTS: usize = 2000;
+const ASKED_POINTS: usize = 4000;
 /// Length of the axes at a station (m).
 const AXIS_M: f32 = 1.5;
 
@@ -39,12 +46,29 @@ pub struct LineVertex {
     pub width_points: f32,
 }
 
+/// Which label gives way where there is no room for all; the last is placed first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rank {
+    ControlPoint,
+    Direction,
+    Station,
+}
+
 /// Text at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
     pub position_m: Vector3<f32>,
     pub text: String,
     pub colour: Rgb,
+    pub rank: Rank,
+}
+
+/// What a measurement can end at, beside readings and tracks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Landmark {
+    /// In station 1's frame.
+    pub position_m: Vector3<f64>,
+    pub name: String,
 }
 
 /// A list of vertices and a number that changes when they do.
@@ -55,21 +79,48 @@ pub struct Layer {
     pub version: u64,
 }
 
+impl Layer {
+    pub fn clear(&mut self) {
+        self.points.clear();
+        self.lines.clear();
+        self.version += 1;
+    }
+}
+
 /// Everything in the scene.
 #[derive(Clone, Debug, Default)]
 pub struct SceneContent {
+    /// Readings and tracks, with the number of their newest change.
+    pub clouds: Clouds,
+    pub clouds_version: u64,
+    /// Theirs, with the same.
+    pub colours: Colours,
+    pub colours_version: u64,
+    /// The stations whose readings, and whose tracks, are drawn.
+    pub raw_shown: [bool; 3],
+    pub tracks_shown: [bool; 3],
+    /// What stands out (s since the first measurement).
+    pub selection_s: Option<[f32; 2]>,
     /// Changes with the analysis and the visibility.
     pub data: Layer,
     /// The prism triangle at the time cursor.
     pub cursor: Layer,
+    /// And at the time under the pointer.
+    pub hover: Layer,
+    pub ruler: Layer,
     /// Of stations 1–3 into the world.
     pub station1_from_station: [Option<RigidTransform>; 3],
     pub labels: Vec<Label>,
+    pub landmarks: Vec<Landmark>,
     /// Corners of the box around stations and tracks (m); `None` when there is nothing.
     pub bounds_m: Option<(Vector3<f32>, Vector3<f32>)>,
     /// A sample of the same, for the camera to look at.
     pub outline_m: Vec<Vector3<f32>>,
-    pub grid_spacing_m: f32,
+    pub grid: Option<Grid>,
+    /// The three prisms at the cursor in station 1's frame, where all have a place.
+    pub prisms_m: Option<[Vector3<f64>; 3]>,
+    /// And the vehicle's pose, where the rig is known.
+    pub pose: Option<Pose>,
     /// How much larger than true the ellipsoids of the interpolation are, where there are any.
     pub exaggeration: Option<f64>,
     /// And those of the stations.
@@ -84,8 +135,44 @@ pub fn opaque([r, g, b]: Rgb) -> [u8; 4] {
     [r, g, b, 255]
 }
 
+/// Where the stations' frames stand in station 1's. Without an answer only station 1, whose frame is the world, has
+/// a place.
+fn placed(analysis: &Analysis) -> [Option<RigidTransform>; 3] {
+    match &analysis.answer {
+        Ok(answer) => answer.calibration.station1_from_station.map(Some),
+        Err(_) => [Some(RigidTransform::IDENTITY), None, None],
+    }
+}
+
+/// Where a raw reading is, in station 1's frame; `None` if there is no such reading, or its station has no place.
+pub fn reading_m(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    picked: Picked,
+) -> Option<Vector3<f64>> {
+    let track = deployment.tracks.get(picked.station)?;
+    let position_m = track.position_m(track.measurements.get(picked.index)?);
+    Some(placed(analysis)[picked.station]?.apply(&position_m))
+}
+
 impl SceneContent {
-    /// Rebuilds the data layer. Without an answer only station 1, whose frame is the world, has a place.
+    /// Takes in clouds; nothing is done with those that are there already.
+    pub fn set_clouds(&mut self, clouds: &Clouds) {
+        let same = Arc::ptr_eq(&self.clouds.raw, &clouds.raw)
+            && Arc::ptr_eq(&self.clouds.tracks, &clouds.tracks);
+        if !same {
+            self.clouds = clouds.clone();
+            self.clouds_version += 1;
+        }
+    }
+
+    /// Goes through all points; to be called when analysis or colouring changed.
+    pub fn colour(&mut self, deployment: &Deployment, analysis: &Analysis, colouring: Colouring) {
+        self.colours = Colours::of(deployment, analysis, colouring);
+        self.colours_version += 1;
+    }
+
+    /// Rebuilds everything but readings and tracks, from which it asks for some.
     pub fn rebuild(
         &mut self,
         deployment: &Deployment,
@@ -93,64 +180,64 @@ impl SceneContent {
         visibility: &Visibility,
         grid_colour: [u8; 4],
     ) {
-        let transforms = match &analysis.answer {
-            Ok(answer) => answer.calibration.station1_from_station.map(Some),
-            Err(_) => [Some(RigidTransform::IDENTITY), None, None],
-        };
-        self.station1_from_station = transforms;
-        self.data.points.clear();
-        self.data.lines.clear();
+        self.station1_from_station = placed(analysis);
+        self.data.clear();
         self.labels.clear();
-        self.outline_m.clear();
+        self.landmarks.clear();
+        self.find_extent(analysis);
         self.exaggeration = None;
         self.station_exaggeration = None;
-        self.data.version += 1;
-        let mut bounds: Option<(Vector3<f32>, Vector3<f32>)> = None;
+        let transforms = self.station1_from_station;
+        let shown = |station: usize| transforms[station].is_some() && visibility.stations[station];
+        self.raw_shown = [0, 1, 2].map(|station| visibility.raw && shown(station));
+        self.tracks_shown = [0, 1, 2].map(|station| visibility.tracks && shown(station));
+        if visibility.uncertainty {
+            let stations: Vec<usize> = (0..3).filter(|station| shown(*station)).collect();
+            self.exaggeration = overlays::add_uncertainty(self, analysis, &stations);
+        }
         for (station, transform) in transforms.iter().enumerate() {
-            let Some(transform) = transform else { continue };
-            let track = &deployment.tracks[station];
-            let kept = track.measurements.iter().zip(&analysis.pipeline.fates[station].each);
-            let none_kept = analysis.triplets().is_empty();
-            // Outliers may lie anywhere; they must not push the rest into a corner.
-            let seen = kept
-                .filter(|(_, fate)| none_kept || !matches!(fate, SampleFate::Rejected(_)))
-                .map(|(m, _)| track.position_m(m));
-            for p in std::iter::once(Vector3::zeros()).chain(seen) {
-                let p = transform.apply(&p).cast::<f32>();
-                let (low, high) = bounds.unwrap_or((p, p));
-                bounds = Some((low.inf(&p), high.sup(&p)));
-                self.outline_m.push(p);
-            }
-            if !visibility.stations[station] {
-                continue;
-            }
-            if visibility.raw {
-                self.add_raw(deployment, analysis, station);
-            }
-            if visibility.tracks {
-                self.add_track(analysis, station);
-            }
-            if visibility.uncertainty {
-                self.exaggeration = overlays::add_uncertainty(self, analysis, station);
-            }
+            let Some(transform) = transform.filter(|_| shown(station)) else { continue };
             if visibility.control_points {
-                self.add_control_points(deployment, station, transform);
+                self.add_control_points(deployment, station, &transform);
             }
-            self.add_station(station, transform);
+            self.add_station(station, &transform);
         }
         if visibility.poses {
             overlays::add_poses(&mut self.data.lines, deployment, analysis);
         }
-        self.bounds_m = bounds;
+        self.add_what_is_known(analysis, visibility);
+        // The last of equals was placed first while there were only control points and stations.
+        self.labels.sort_by_key(|label| label.rank);
+        self.grid = self.bounds_m.map(|(low, high)| Grid::under(&low, &high));
+        if let Some(grid) = &self.grid {
+            grid.add_lines(&mut self.data.lines, grid_colour);
+        }
+    }
+
+    /// The box around stations and tracks, and an outline for the camera.
+    fn find_extent(&mut self, analysis: &Analysis) {
+        self.outline_m.clear();
+        let none_kept = analysis.triplets().is_empty();
+        for (station, transform) in self.station1_from_station.iter().enumerate() {
+            let Some(transform) = transform else { continue };
+            let points = self.clouds.raw.station(station);
+            let fates = &analysis.pipeline.fates[station].each;
+            let step = points.len().div_ceil(ASKED_POINTS).max(1);
+            // Outliers may lie anywhere; they must not push the rest into a corner.
+            let seen = points.iter().zip(fates).step_by(step);
+            let seen = seen
+                .filter(|(_, fate)| none_kept || !matches!(fate, SampleFate::Rejected(_)))
+                .map(|(point, _)| Vector3::from(point.position_m).cast::<f64>());
+            let origin = std::iter::once(Vector3::zeros());
+            self.outline_m.extend(origin.chain(seen).map(|p| transform.apply(&p).cast::<f32>()));
+        }
+        let corners = self.outline_m.iter().map(|p| (*p, *p));
+        self.bounds_m = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
         let step = self.outline_m.len().div_ceil(OUTLINE_POINTS).max(1);
         self.outline_m = self.outline_m.iter().step_by(step).copied().collect();
         // Thinning must not lose a station.
-        let origins = transforms.iter().flatten().map(|t| t.translation_m.cast::<f32>());
-        self.outline_m.extend(origins);
-        self.add_what_is_known(analysis, visibility);
-        // Painted from the last, while there is room: stations before all else.
-        self.labels.sort_by_key(|label| label.text.starts_with("Station"));
-        self.add_grid(grid_colour);
+        let origins = self.station1_from_station.iter().flatten();
+        self.outline_m.extend(origins.map(|t| t.translation_m.cast::<f32>()));
     }
 
     /// How well the stations are known.
@@ -169,37 +256,6 @@ impl SceneContent {
         }
     }
 
-    fn add_raw(&mut self, deployment: &Deployment, analysis: &Analysis, station: usize) {
-        let track = &deployment.tracks[station];
-        let fates = &analysis.pipeline.fates[station].each;
-        for (measurement, fate) in track.measurements.iter().zip(fates) {
-            let kept = *fate == SampleFate::Kept;
-            self.data.points.push(PointVertex {
-                position_m: f32s(&track.position_m(measurement)),
-                frame: station as u32,
-                colour: opaque(palette::fate(*fate)),
-                diameter_points: if kept { 2.5 } else { 4.0 },
-            });
-        }
-    }
-
-    fn add_track(&mut self, analysis: &Analysis, station: usize) {
-        let triplets = analysis.triplets();
-        let points = &triplets.points_m[station];
-        for i in 1..points.len() {
-            if triplets.interval[i] == triplets.interval[i - 1] {
-                self.data.lines.push(LineVertex {
-                    from_m: f32s(&points[i - 1]),
-                    from_frame: station as u32,
-                    to_m: f32s(&points[i]),
-                    to_frame: station as u32,
-                    colour: opaque(palette::STATIONS[station]),
-                    width_points: 1.6,
-                });
-            }
-        }
-    }
-
     fn add_control_points(
         &mut self,
         deployment: &Deployment,
@@ -209,14 +265,17 @@ impl SceneContent {
         for set in &deployment.control_points {
             for point in &set.points {
                 let Some(polar) = point.readings[station] else { continue };
-                let position = polar.to_cartesian();
-                let place = transform.apply(&position).cast::<f32>();
+                let position_m = transform.apply(&polar.to_cartesian());
+                let place = position_m.cast::<f32>();
                 // A cross of fixed size, so that the stations' versions of a point can be told apart.
                 for axis in 0..3 {
                     let mut arm = Vector3::zeros();
                     arm[axis] = 0.35;
                     self.world_line(place - arm, place + arm, palette::STATIONS[station], 1.5);
                 }
+                let kind = if set.pillars { "pillar" } else { "control point" };
+                let name = format!("{kind} {} from station {}", point.marker, station + 1);
+                self.landmarks.push(Landmark { position_m, name });
                 if station == 0 {
                     self.labels.push(Label {
                         position_m: place,
@@ -226,6 +285,7 @@ impl SceneContent {
                             point.marker.to_string()
                         },
                         colour: palette::fate(SampleFate::Kept),
+                        rank: Rank::ControlPoint,
                     });
                 }
             }
@@ -254,42 +314,11 @@ impl SceneContent {
             position_m: origin + Vector3::new(0.0, 0.0, 0.4),
             text: format!("Station {}", station + 1),
             colour: palette::STATIONS[station],
+            rank: Rank::Station,
         });
-    }
-
-    /// A square grid under everything, spaced 1, 2 or 5 times a power of ten.
-    fn add_grid(&mut self, colour: [u8; 4]) {
-        let Some((low, high)) = self.bounds_m else { return };
-        let extent = (high.x - low.x).max(high.y - low.y).max(1.0);
-        let rough = extent / 10.0;
-        let decade = 10_f32.powf(rough.log10().floor());
-        let spacing = [1.0, 2.0, 5.0, 10.0]
-            .map(|step| step * decade)
-            .into_iter()
-            .find(|step| *step >= rough)
-            .unwrap_or(decade * 10.0);
-        self.grid_spacing_m = spacing;
-        let z = low.z - 0.02 * extent.min(20.0);
-        let from = |v: f32| (v / spacing).floor() as i32 - 1;
-        let to = |v: f32| (v / spacing).ceil() as i32 + 1;
-        let (x0, x1, y0, y1) = (from(low.x), to(high.x), from(low.y), to(high.y));
-        let place = |i: i32, j: i32| Vector3::new(i as f32 * spacing, j as f32 * spacing, z);
-        for i in x0..=x1 {
-            self.grid_line(place(i, y0), place(i, y1), colour);
-        }
-        for j in y0..=y1 {
-            self.grid_line(place(x0, j), place(x1, j), colour);
-        }
-    }
-
-    fn grid_line(&mut self, from: Vector3<f32>, to: Vector3<f32>, colour: [u8; 4]) {
-        self.data.lines.push(LineVertex {
-            from_m: from.into(),
-            from_frame: WORLD,
-            to_m: to.into(),
-            to_frame: WORLD,
-            colour,
-            width_points: 1.0,
+        self.landmarks.push(Landmark {
+            position_m: transform.translation_m,
+            name: format!("station {}", station + 1),
         });
     }
 
@@ -302,43 +331,5 @@ impl SceneContent {
             colour: opaque(colour),
             width_points,
         });
-    }
-
-    /// Puts the prism triangle and the vehicle's axes at an instant of the triplets, or takes them away.
-    pub fn set_cursor(
-        &mut self,
-        deployment: &Deployment,
-        analysis: &Analysis,
-        instant: Option<usize>,
-        colour: Rgb,
-    ) {
-        self.cursor.points.clear();
-        self.cursor.lines.clear();
-        self.cursor.version += 1;
-        let Some(instant) = instant else { return };
-        let placed: Vec<usize> =
-            (0..3).filter(|s| self.station1_from_station[*s].is_some()).collect();
-        let corners = analysis.triplets().triplet_m(instant).map(|p| f32s(&p));
-        for &station in &placed {
-            self.cursor.points.push(PointVertex {
-                position_m: corners[station],
-                frame: station as u32,
-                colour: opaque(palette::STATIONS[station]),
-                diameter_points: 10.0,
-            });
-        }
-        if placed.len() == 3 {
-            overlays::add_pose_at(&mut self.cursor.lines, deployment, analysis, instant);
-            for (a, b) in crate::deployment::PAIRS {
-                self.cursor.lines.push(LineVertex {
-                    from_m: corners[a],
-                    from_frame: a as u32,
-                    to_m: corners[b],
-                    to_frame: b as u32,
-                    colour: opaque(colour),
-                    width_points: 2.5,
-                });
-            }
-        }
     }
 }

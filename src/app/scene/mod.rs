@@ -1,23 +1,45 @@
 //! The scene: tracks, stations and control points in 3D.
 //!
-//! [`content`] turns an analysis into points and lines in the stations' own frames, [`camera`] looks at them,
-//! [`renderer`] draws them with wgpu into a texture of its own (depth, four samples), and [`view`] is the pane: it
-//! shows that texture as an image, paints labels over it and turns the mouse into commands.
+//! [`view`] is the pane. What it shows comes in two kinds:
+//! - readings and tracks, by the million: [`cloud`] puts them on the GPU once (in the worker, before the frame that
+//!   shows them), [`colouring`] gives them colours, and [`pick`] finds the one under the pointer;
+//! - everything else, by the hundred: [`content`] with [`overlays`], [`station_uncertainty`], [`cursor`] and [`grid`].
+//!
+//! [`camera`] looks at them ([`flight`] moves it, [`input`] steers it), [`renderer`] draws them with wgpu into a texture of
+//! its own (depth, four samples), and [`projection`] tells where on the screen a place is, for what is written over the
+//! picture: [`labels`], [`legend`], [`readout`], the [`ruler`]'s numbers, and what is [`under_pointer`].
 //!
 //! Points stay in their station's frame on the GPU; the three transforms are uniforms. A new calibration of
-//! the same triplets rewrites 192 bytes, and no vertex buffer.
+//! the same triplets moves no point. No frame goes through all points.
 
+mod buffers;
 mod camera;
+mod cloud;
+mod colouring;
 mod content;
+mod controls;
+mod cursor;
+mod flight;
+mod grid;
+mod input;
+mod labels;
 mod legend;
-mod options;
 mod overlays;
+mod pick;
+mod pipelines;
+mod projection;
+mod readout;
 mod renderer;
+mod ruler;
 mod station_uncertainty;
+mod under_pointer;
 mod view;
+mod words;
 
 pub use camera::{Camera, ViewPreset};
+pub use cloud::{CloudMaker, Clouds};
+pub use colouring::Colouring;
 pub use content::SceneContent;
-pub use options::{Colouring, Ruler, RulerEnd};
 pub use renderer::SceneRenderer;
+pub use ruler::{Ruler, RulerEnd};
 pub use view::SceneView;

@@ -43,16 +43,14 @@ pub fn add_poses(lines: &mut Vec<LineVertex>, deployment: &Deployment, analysis:
     }
 }
 
-/// Adds the vehicle's axes at one instant, larger.
-pub fn add_pose_at(
-    lines: &mut Vec<LineVertex>,
-    deployment: &Deployment,
-    analysis: &Analysis,
-    instant: usize,
-) {
-    for pose in poses(deployment, analysis, &[instant]) {
-        add_axes(lines, &pose, 2.0 * POSE_AXIS_M, 2.5, 255);
-    }
+/// The vehicle's pose at one instant; `None` where there is no rig, no answer, or a distance that is too far off.
+pub fn pose_at(deployment: &Deployment, analysis: &Analysis, instant: usize) -> Option<Pose> {
+    poses(deployment, analysis, &[instant]).pop()
+}
+
+/// Adds the axes of one pose, larger than those along the way.
+pub fn add_pose(lines: &mut Vec<LineVertex>, pose: &Pose) {
+    add_axes(lines, pose, 2.0 * POSE_AXIS_M, 2.5, 255);
 }
 
 fn add_axes(lines: &mut Vec<LineVertex>, pose: &Pose, length_m: f64, width_points: f32, alpha: u8) {
@@ -68,41 +66,55 @@ fn add_axes(lines: &mut Vec<LineVertex>, pose: &Pose, length_m: f64, width_point
     }
 }
 
-/// Adds a 2 σ ellipsoid, as three ellipses, at even steps of a station's track, and gives how much it is exaggerated.
+/// Adds 2 σ ellipsoids, each as three ellipses, at even steps of the stations' tracks, and gives how much they are
+/// exaggerated.
 pub fn add_uncertainty(
     content: &mut SceneContent,
     analysis: &Analysis,
-    station: usize,
+    stations: &[usize],
 ) -> Option<f64> {
     let triplets = analysis.triplets();
     let sigma_m = triplets.sigma_m.as_ref()?;
-    let factor = exaggeration(sigma_m.iter().flatten())?;
     let step = triplets.len().div_ceil(MOST_ELLIPSOIDS).max(1);
-    let [r, g, b] = palette::STATIONS[station];
-    let corner = |index: usize| (std::f64::consts::TAU * index as f64 / CORNERS as f64).sin_cos();
-    for index in (0..triplets.len()).step_by(step) {
-        let centre = triplets.points_m[station][index];
-        let radii = 2.0 * factor * sigma_m[station][index];
-        for flat in 0..3 {
-            let (first, second) = ((flat + 1) % 3, (flat + 2) % 3);
-            let place = |at: usize| {
-                let (sin, cos) = corner(at);
-                let mut place = centre;
-                place[first] += radii[first] * cos;
-                place[second] += radii[second] * sin;
-                f32s(&place)
-            };
-            content.data.lines.extend((0..CORNERS).map(|at| LineVertex {
-                from_m: place(at),
-                from_frame: station as u32,
-                to_m: place(at + 1),
-                to_frame: station as u32,
-                colour: [r, g, b, 120],
-                width_points: 1.0,
-            }));
+    let drawn = || (0..triplets.len()).step_by(step);
+    let all = stations.iter().flat_map(|station| drawn().map(|index| &sigma_m[*station][index]));
+    let factor = exaggeration(all)?;
+    for &station in stations {
+        for index in drawn() {
+            let centre_m = triplets.points_m[station][index];
+            let radii_m = 2.0 * factor * sigma_m[station][index];
+            add_ellipsoid(&mut content.data.lines, station, &centre_m, &radii_m);
         }
     }
     Some(factor)
+}
+
+/// In the station's frame, along its axes.
+fn add_ellipsoid(
+    lines: &mut Vec<LineVertex>,
+    station: usize,
+    centre_m: &Vector3<f64>,
+    radii_m: &Vector3<f64>,
+) {
+    let [r, g, b] = palette::STATIONS[station];
+    for flat in 0..3 {
+        let (first, second) = ((flat + 1) % 3, (flat + 2) % 3);
+        let place = |at: usize| {
+            let (sin, cos) = (std::f64::consts::TAU * at as f64 / CORNERS as f64).sin_cos();
+            let mut place = *centre_m;
+            place[first] += radii_m[first] * cos;
+            place[second] += radii_m[second] * sin;
+            f32s(&place)
+        };
+        lines.extend((0..CORNERS).map(|at| LineVertex {
+            from_m: place(at),
+            from_frame: station as u32,
+            to_m: place(at + 1),
+            to_frame: station as u32,
+            colour: [r, g, b, 120],
+            width_points: 1.0,
+        }));
+    }
 }
 
 fn exaggeration<'a>(sigma_m: impl Iterator<Item = &'a Vector3<f64>>) -> Option<f64> {

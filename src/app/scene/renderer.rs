@@ -11,22 +11,22 @@ use eframe::{egui, egui_wgpu};
 use nalgebra::Matrix4;
 
 use super::Camera;
-use super::content::{Layer, LineVertex, PointVertex, SceneContent};
+use super::buffers::{CloudBuffers, LayerBuffers};
+use super::content::SceneContent;
+use super::pipelines::{COLOUR, DEPTH, Pipelines, SAMPLES};
 use crate::geometry::RigidTransform;
-
-const SAMPLES: u32 = 4;
-/// egui shows native textures of this format only.
-const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 struct Uniforms {
     clip_from_world: [[f32; 4]; 4],
     world_from_frame: [[[f32; 4]; 4]; 4],
+    background: [f32; 4],
     viewport_pixels: [f32; 2],
+    /// Readings and tracks at other times are dimmed.
+    selection_s: [f32; 2],
     pixels_per_point: f32,
-    padding: f32,
+    padding: [f32; 3],
 }
 
 /// Pipelines, buffers and the texture.
@@ -34,12 +34,13 @@ pub struct SceneRenderer {
     device: wgpu::Device,
     queue: wgpu::Queue,
     egui_renderer: Arc<egui::mutex::RwLock<egui_wgpu::Renderer>>,
-    points: wgpu::RenderPipeline,
-    lines: wgpu::RenderPipeline,
+    pipelines: Pipelines,
     uniforms: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
-    data: LayerBuffers,
-    cursor: LayerBuffers,
+    raw: CloudBuffers,
+    tracks: CloudBuffers,
+    /// Data, hover, cursor, ruler, in the order they are drawn.
+    layers: [LayerBuffers; 4],
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -48,8 +49,8 @@ pub struct SceneRenderer {
 #[derive(PartialEq)]
 struct Drawn {
     uniforms: Uniforms,
-    versions: [u64; 2],
-    background: [u8; 4],
+    versions: [u64; 6],
+    shown: [[bool; 3]; 2],
 }
 
 struct Target {
@@ -60,24 +61,9 @@ struct Target {
     shown: egui::TextureId,
 }
 
-#[derive(Default)]
-struct LayerBuffers {
-    version: Option<u64>,
-    points: VertexBuffer,
-    lines: VertexBuffer,
-}
-
-#[derive(Default)]
-struct VertexBuffer {
-    buffer: Option<wgpu::Buffer>,
-    count: u32,
-}
-
 impl SceneRenderer {
     pub fn new(state: &RenderState) -> Self {
         let device = state.device.clone();
-        let shader =
-            device.create_shader_module(wgpu::include_wgsl!("../../../assets/shaders/scene.wgsl"));
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("scene uniforms"),
             size: size_of::<Uniforms>() as u64,
@@ -107,67 +93,16 @@ impl SceneRenderer {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let pipeline = |name: &str, stride: usize, attributes: &[wgpu::VertexAttribute]| {
-            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(name),
-                layout: Some(&pipeline_layout),
-                vertex: wgpu::VertexState {
-                    module: &shader,
-                    entry_point: Some(&format!("{name}_vertex")),
-                    compilation_options: Default::default(),
-                    buffers: &[Some(wgpu::VertexBufferLayout {
-                        array_stride: stride as u64,
-                        step_mode: wgpu::VertexStepMode::Instance,
-                        attributes,
-                    })],
-                },
-                primitive: wgpu::PrimitiveState {
-                    topology: wgpu::PrimitiveTopology::TriangleStrip,
-                    ..Default::default()
-                },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: DEPTH,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::LessEqual),
-                    stencil: Default::default(),
-                    bias: Default::default(),
-                }),
-                multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
-                fragment: Some(wgpu::FragmentState {
-                    module: &shader,
-                    entry_point: Some(&format!("{name}_fragment")),
-                    compilation_options: Default::default(),
-                    targets: &[Some(wgpu::ColorTargetState {
-                        format: COLOUR,
-                        blend: Some(wgpu::BlendState::ALPHA_BLENDING),
-                        write_mask: wgpu::ColorWrites::ALL,
-                    })],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
-        };
-        let points = pipeline(
-            "point",
-            size_of::<PointVertex>(),
-            &wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Unorm8x4, 3 => Float32],
-        );
-        let lines = pipeline(
-            "line",
-            size_of::<LineVertex>(),
-            &wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float32x3, 3 => Uint32,
-                4 => Unorm8x4, 5 => Float32],
-        );
         Self {
+            pipelines: Pipelines::new(&device, &pipeline_layout),
             device,
             queue: state.queue.clone(),
             egui_renderer: Arc::clone(&state.renderer),
-            points,
-            lines,
             uniforms,
             bind_group,
-            data: LayerBuffers::default(),
-            cursor: LayerBuffers::default(),
+            raw: CloudBuffers::default(),
+            tracks: CloudBuffers::default(),
+            layers: Default::default(),
             target: None,
             drawn: None,
         }
@@ -186,12 +121,18 @@ impl SceneRenderer {
         let pixels = |points: f32| ((points * pixels_per_point).round() as u32).clamp(1, largest);
         let size = [pixels(size_points.x), pixels(size_points.y)];
         self.ensure_target(size);
-        self.data.upload(&self.device, &self.queue, &content.data);
-        self.cursor.upload(&self.device, &self.queue, &content.cursor);
+        self.upload(content);
         let wanted = Drawn {
-            uniforms: uniforms(content, camera, size, pixels_per_point),
-            versions: [content.data.version, content.cursor.version],
-            background: background.to_array(),
+            uniforms: uniforms(content, camera, size, pixels_per_point, background),
+            versions: [
+                content.clouds_version,
+                content.colours_version,
+                content.data.version,
+                content.hover.version,
+                content.cursor.version,
+                content.ruler.version,
+            ],
+            shown: [content.raw_shown, content.tracks_shown],
         };
         let target = self.target.as_ref().expect("just ensured");
         if self.drawn.as_ref() == Some(&wanted) {
@@ -199,49 +140,70 @@ impl SceneRenderer {
         }
         self.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&wanted.uniforms));
         let mut encoder = self.device.create_command_encoder(&Default::default());
-        {
-            let [r, g, b, a] = background.to_array().map(|c| f64::from(c) / 255.0);
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("scene"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &target.multisampled,
-                    depth_slice: None,
-                    resolve_target: Some(&target.resolved),
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
-                        store: wgpu::StoreOp::Discard,
-                    },
-                })],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &target.depth,
-                    depth_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(1.0),
-                        store: wgpu::StoreOp::Discard,
-                    }),
-                    stencil_ops: None,
-                }),
-                ..Default::default()
-            });
-            pass.set_bind_group(0, &self.bind_group, &[]);
-            // Lines first: points stand on them.
-            for (pipeline, buffers) in [
-                (&self.lines, [&self.data.lines, &self.cursor.lines]),
-                (&self.points, [&self.data.points, &self.cursor.points]),
-            ] {
-                pass.set_pipeline(pipeline);
-                for vertices in buffers {
-                    if let Some(buffer) = &vertices.buffer
-                        && vertices.count > 0
-                    {
-                        pass.set_vertex_buffer(0, buffer.slice(..));
-                        pass.draw(0..4, 0..vertices.count);
-                    }
-                }
-            }
-        }
+        self.encode(&mut encoder, target, content, background);
         self.queue.submit([encoder.finish()]);
         self.drawn = Some(wanted);
         target.shown
+    }
+
+    fn upload(&mut self, content: &SceneContent) {
+        let (device, queue) = (&self.device, &self.queue);
+        for (buffers, cloud, colours) in [
+            (&mut self.raw, &content.clouds.raw, &content.colours.raw),
+            (&mut self.tracks, &content.clouds.tracks, &content.colours.tracks),
+        ] {
+            let cloud = (&**cloud, content.clouds_version);
+            buffers.upload(device, queue, cloud, (colours, content.colours_version));
+        }
+        let layers = [&content.data, &content.hover, &content.cursor, &content.ruler];
+        for (buffers, layer) in self.layers.iter_mut().zip(layers) {
+            buffers.upload(device, queue, layer);
+        }
+    }
+
+    fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &Target,
+        content: &SceneContent,
+        background: egui::Color32,
+    ) {
+        let [r, g, b, a] = background.to_array().map(|c| f64::from(c) / 255.0);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("scene"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &target.multisampled,
+                depth_slice: None,
+                resolve_target: Some(&target.resolved),
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
+                    store: wgpu::StoreOp::Discard,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &target.depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &self.bind_group, &[]);
+        // Lines first: points stand on them.
+        pass.set_pipeline(&self.pipelines.track);
+        for station in (0..3).filter(|station| content.tracks_shown[*station]) {
+            self.tracks.draw_lines(&mut pass, &content.clouds.tracks.ranges[station]);
+        }
+        pass.set_pipeline(&self.pipelines.line);
+        self.layers.iter().for_each(|layer| layer.lines.draw(&mut pass));
+        pass.set_pipeline(&self.pipelines.reading);
+        for station in (0..3).filter(|station| content.raw_shown[*station]) {
+            self.raw.draw_points(&mut pass, &content.clouds.raw.ranges[station]);
+        }
+        pass.set_pipeline(&self.pipelines.point);
+        self.layers.iter().for_each(|layer| layer.points.draw(&mut pass));
     }
 
     fn ensure_target(&mut self, size: [u32; 2]) {
@@ -281,44 +243,12 @@ impl SceneRenderer {
     }
 }
 
-impl LayerBuffers {
-    fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, layer: &Layer) {
-        if self.version == Some(layer.version) {
-            return;
-        }
-        self.points.write(device, queue, bytemuck::cast_slice(&layer.points), layer.points.len());
-        self.lines.write(device, queue, bytemuck::cast_slice(&layer.lines), layer.lines.len());
-        self.version = Some(layer.version);
-    }
-}
-
-impl VertexBuffer {
-    /// Keeps the buffer while the vertices fit.
-    fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8], count: usize) {
-        self.count = count as u32;
-        if bytes.is_empty() {
-            return;
-        }
-        let fits = self.buffer.as_ref().is_some_and(|buffer| buffer.size() >= bytes.len() as u64);
-        if !fits {
-            self.buffer = Some(device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("scene vertices"),
-                size: bytes.len() as u64,
-                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }));
-        }
-        if let Some(buffer) = &self.buffer {
-            queue.write_buffer(buffer, 0, bytes);
-        }
-    }
-}
-
 fn uniforms(
     content: &SceneContent,
     camera: &Camera,
     size: [u32; 2],
     pixels_per_point: f32,
+    background: egui::Color32,
 ) -> Uniforms {
     let frame = |station: usize| {
         let transform = content.station1_from_station[station].unwrap_or(RigidTransform::IDENTITY);
@@ -328,9 +258,11 @@ fn uniforms(
     Uniforms {
         clip_from_world: columns(&camera.clip_from_world(viewport_pixels[0] / viewport_pixels[1])),
         world_from_frame: [frame(0), frame(1), frame(2), columns(&Matrix4::identity())],
+        background: background.to_array().map(|c| f32::from(c) / 255.0),
         viewport_pixels,
+        selection_s: content.selection_s.unwrap_or([f32::MIN, f32::MAX]),
         pixels_per_point,
-        padding: 0.0,
+        padding: [0.0; 3],
     }
 }
 

@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::content::{Label, LineVertex, SceneContent, WORLD, opaque};
+use super::content::{Label, LineVertex, Rank, SceneContent, WORLD, opaque};
 use super::overlays::round_factor;
 use crate::calibration::Calibration;
 use crate::calibration::inter_prism::observability::{Hold, Observability, StationMotion};
@@ -90,7 +90,7 @@ pub fn add_weak_directions(
             }
             if slot == mover {
                 let text = direction.short().to_owned();
-                let label = Label { position_m: tip, text, colour };
+                let label = Label { position_m: tip, text, colour, rank: Rank::Direction };
                 content.labels.push(label);
             }
         }

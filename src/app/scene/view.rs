@@ -1,34 +1,48 @@
-//! The scene pane: the picture, what is written over it, and what the mouse does.
+//! The scene pane: the picture, what is written over it, and what was hovered.
 
-use eframe::egui::{self, Align2, Color32, FontId, Key, Pos2, Rect, Sense, Vec2};
-use nalgebra::Vector4;
+use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Sense, StrokeKind, Vec2};
+use nalgebra::Vector3;
 
-use super::{Camera, SceneContent, SceneRenderer, ViewPreset, legend};
-use crate::app::state::{Command, Commands, State};
+use super::content::reading_m;
+use super::flight::Flight;
+use super::labels::{self, Placer};
+use super::projection::Projection;
+use super::under_pointer::{self, UnderPointer};
+use super::{
+    Camera, Colouring, SceneContent, SceneRenderer, ViewPreset, controls, legend, readout,
+};
+use crate::analysis::Analysis;
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::{Command, Commands, Picked, State, Visibility};
 use crate::app::theme;
-use crate::geometry::RigidTransform;
 
-/// A click this close (points) to a prism's track moves the cursor there.
-const CLICK_REACH: f32 = 14.0;
+/// Radius of the ring around what was picked, and around what would be (points).
+const PICKED_RING: f32 = 9.0;
+const HOVERED_RING: f32 = 6.0;
 
 /// Camera and buffers of the scene.
 pub struct SceneView {
     renderer: Option<SceneRenderer>,
-    content: SceneContent,
-    camera: Camera,
+    pub(super) content: SceneContent,
+    pub(super) camera: Camera,
     /// To be done at the next frame.
-    pending_look: Option<ViewPreset>,
+    pub(super) pending_look: Option<ViewPreset>,
+    pub(super) flight: Option<Flight>,
     /// What the content was made from.
     built: Option<Built>,
+    coloured: Option<(u64, u64, Colouring)>,
     cursor: Option<(u64, usize)>,
     place: Rect,
+    hover: Option<(u64, usize)>,
+    /// What the controls took in the last frame.
+    controls_size: Vec2,
 }
 
 #[derive(PartialEq)]
 struct Built {
     deployment: u64,
     analysis: u64,
-    visibility: crate::app::state::Visibility,
+    visibility: Visibility,
     dark: bool,
 }
 
@@ -39,9 +53,13 @@ impl SceneView {
             content: SceneContent::default(),
             camera: Camera::default(),
             pending_look: None,
+            flight: None,
             built: None,
+            coloured: None,
             cursor: None,
             place: Rect::NOTHING,
+            hover: None,
+            controls_size: Vec2::ZERO,
         }
     }
 
@@ -55,26 +73,141 @@ impl SceneView {
         self.place
     }
 
+    /// Glides to a place (m, in station 1's frame), and closer to it if it is far away.
+    pub fn fly_to(&mut self, position_m: &Vector3<f64>) {
+        self.flight = Some(Flight::new(&self.camera, position_m.cast::<f32>()));
+    }
+
+    /// Glides to a reading of the active deployment, if it has a place.
+    pub fn fly_to_reading(&mut self, state: &State, picked: Picked) {
+        let Some((open, analysis)) = state.analysed() else { return };
+        if let Some(position_m) = reading_m(&open.deployment, analysis, picked) {
+            self.fly_to(&position_m);
+        }
+    }
+
     pub fn ui(&mut self, ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let rect = ui.available_rect_before_wrap();
         self.place = rect;
         let id = ui.scope_id().with("scene");
         let response = ui.interact(rect, id, Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Scene"));
-        self.refresh(ui, state);
+        self.refresh(ui, state, commands);
         self.move_camera(ui, &response, rect);
-        if let Some(preset) = self.pending_look
-            && !self.content.outline_m.is_empty()
-        {
-            self.camera.look(
-                preset,
-                &self.content.outline_m,
-                rect.width() / rect.height().max(1.0),
-            );
-            self.pending_look = None;
-        }
-        let background = theme::scene_background(ui.visuals().dark_mode);
+        self.take_keys(ui, &response, rect, state, commands);
+        self.look_and_fly(ui, rect, state);
         let painter = ui.painter_at(rect);
+        self.paint_picture(ui, &painter, rect);
+        let projection = Projection::new(&self.camera, rect);
+        if let Some((open, analysis)) = state.analysed() {
+            let mut taken = vec![controls::ui(ui, rect, &mut self.controls_size, state, commands)];
+            taken.extend(legend::paint(ui, rect, state, &self.content));
+            let cursor = readout::paint_cursor(ui, rect, state, &self.content);
+            taken.extend(cursor);
+            let dark = ui.visuals().dark_mode;
+            let scale = readout::paint_scale(&painter, &projection, &self.content, cursor, dark);
+            taken.extend(scale);
+            let mut placer = Placer::new(rect, taken);
+            self.paint_ruler(&painter, &projection, open, state, &mut placer, dark);
+            let eye_m = self.camera.eye_m();
+            labels::paint(&painter, &projection, &eye_m, &self.content, &mut placer, dark);
+            self.paint_picked(&painter, &projection, open, analysis, dark);
+            self.show_hovered(ui, &response, &projection, open, analysis, commands);
+            self.click(&response, &projection, state, commands);
+        }
+        if response.has_focus() {
+            let stroke = ui.visuals().selection.stroke;
+            painter.rect_stroke(rect.shrink(1.0), 0.0, stroke, StrokeKind::Inside);
+        }
+    }
+
+    /// Rebuilds what the state has changed.
+    fn refresh(&mut self, ui: &egui::Ui, state: &State, commands: &mut Commands) {
+        let dark = ui.visuals().dark_mode;
+        let Some((open, analysis)) = state.analysed() else {
+            if self.built.take().is_some() {
+                self.content = SceneContent::default();
+                (self.coloured, self.cursor, self.hover) = (None, None, None);
+            }
+            return;
+        };
+        let run = open.analysis_run;
+        let wanted =
+            Built { deployment: open.id, analysis: run, visibility: state.visibility, dark };
+        let rebuilt = self.built.as_ref() != Some(&wanted);
+        if rebuilt {
+            let before = self.built.as_ref().map(|built| built.deployment);
+            if before != Some(open.id) {
+                self.pending_look = Some(ViewPreset::Fit);
+                self.flight = None;
+                // What was measured is of another deployment.
+                if before.is_some() && !state.ruler.ends.is_empty() {
+                    let ends = Vec::new();
+                    commands.push(Command::Measure(super::Ruler { ends, ..state.ruler }));
+                }
+            }
+            self.content.set_clouds(&open.clouds);
+            let grid = theme::scene_grid(dark).to_array();
+            self.content.rebuild(&open.deployment, analysis, &state.visibility, grid);
+            self.built = Some(wanted);
+        }
+        let wanted = Some((open.id, run, state.colouring));
+        if self.coloured != wanted {
+            self.content.colour(&open.deployment, analysis, state.colouring);
+            self.coloured = wanted;
+        }
+        let start_s = open.start_s();
+        self.content.selection_s =
+            open.timeline.selection_s.map(|span_s| span_s.map(|t| (t - start_s) as f32));
+        let instant = |time_s: Option<f64>| time_s.and_then(|t| analysis.triplets().nearest(t));
+        let colour = theme::cursor(dark);
+        let at = instant(open.timeline.cursor_s);
+        let wanted = at.map(|instant| (run, instant));
+        if rebuilt || self.cursor != wanted {
+            self.content.set_cursor(&open.deployment, analysis, at, colour);
+            self.cursor = wanted;
+        }
+        // At the cursor itself there is a triangle already.
+        let at = instant(state.hover_s).filter(|hovered| Some(*hovered) != at);
+        let wanted = at.map(|instant| (run, instant));
+        if rebuilt || self.hover != wanted {
+            self.content.set_hover(analysis, at, colour);
+            self.hover = wanted;
+        }
+        self.content.set_ruler(&state.ruler, colour);
+    }
+
+    /// Does what was asked of the camera since the last frame.
+    fn look_and_fly(&mut self, ui: &egui::Ui, rect: Rect, state: &State) {
+        if let Some(preset) = self.pending_look.filter(|_| !self.content.outline_m.is_empty()) {
+            self.flight = None;
+            self.pending_look = None;
+            match (preset, self.content.bounds_m, state.analysed()) {
+                (ViewPreset::Station(station), Some((low, high)), Some(_)) => {
+                    let prisms = self.content.prisms_m;
+                    let middle = prisms.map(|p| ((p[0] + p[1] + p[2]) / 3.0).cast::<f32>());
+                    let target = middle.unwrap_or((low + high) / 2.0);
+                    if let Some(transform) = self.content.station1_from_station[station] {
+                        self.camera.stand(&transform.translation_m.cast::<f32>(), &target);
+                    }
+                }
+                _ => {
+                    let aspect = rect.width() / rect.height().max(1.0);
+                    self.camera.look(preset, &self.content.outline_m, aspect);
+                }
+            }
+        }
+        if let Some(flight) = &mut self.flight {
+            if flight.advance(&mut self.camera, ui.input(|i| i.time)) {
+                self.flight = None;
+            } else {
+                ui.ctx().request_repaint();
+            }
+        }
+    }
+
+    fn paint_picture(&mut self, ui: &egui::Ui, painter: &egui::Painter, rect: Rect) {
+        let background = theme::scene_background(ui.visuals().dark_mode);
         match &mut self.renderer {
             Some(renderer) => {
                 let pixels_per_point = ui.ctx().pixels_per_point();
@@ -100,183 +233,69 @@ impl SceneView {
                 );
             }
         }
-        self.paint_labels(&painter, rect, ui.visuals().dark_mode);
-        self.click(&response, rect, state, commands);
-        if state.analysed().is_some() {
-            legend::paint(ui, rect, state, &self.content);
-        }
-        view_buttons(ui, rect, commands);
     }
 
-    /// Rebuilds what the state has changed.
-    fn refresh(&mut self, ui: &egui::Ui, state: &State) {
-        let dark = ui.visuals().dark_mode;
-        let Some((open, analysis)) = state.analysed() else {
-            if self.built.take().is_some() {
-                self.content = SceneContent::default();
-            }
+    /// Writes the ruler's numbers beside its middle.
+    fn paint_ruler(
+        &self,
+        painter: &egui::Painter,
+        projection: &Projection,
+        open: &OpenDeployment,
+        state: &State,
+        placer: &mut Placer,
+        dark: bool,
+    ) {
+        let inter_prism_m = open.deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
+        let Some(text) = self.content.ruler_text(&state.ruler, inter_prism_m, projection) else {
             return;
         };
-        let run = open.analysis_run;
-        let wanted =
-            Built { deployment: open.id, analysis: run, visibility: state.visibility, dark };
-        let rebuilt = self.built.as_ref() != Some(&wanted);
-        if rebuilt {
-            if self.built.as_ref().map(|built| built.deployment) != Some(open.id) {
-                self.pending_look = Some(ViewPreset::Fit);
-            }
-            let grid = theme::scene_grid(dark).to_array();
-            self.content.rebuild(&open.deployment, analysis, &state.visibility, grid);
-            self.built = Some(wanted);
-        }
-        let instant = open.timeline.cursor_s.and_then(|t| analysis.triplets().nearest(t));
-        let wanted = instant.map(|instant| (run, instant));
-        if rebuilt || self.cursor != wanted {
-            self.content.set_cursor(&open.deployment, analysis, instant, theme::cursor(dark));
-            self.cursor = wanted;
+        let colour = theme::rgb(theme::cursor(dark));
+        let font = FontId::proportional(12.0);
+        let galley = painter.layout_no_wrap(text.lines.join("\n"), font, colour);
+        let size = galley.size() + Vec2::splat(8.0);
+        if let Some(place) = placer.beside(text.at, size) {
+            labels::ground(painter, place, dark);
+            painter.galley(place.min + Vec2::splat(4.0), galley, colour);
         }
     }
 
-    fn move_camera(&mut self, ui: &egui::Ui, response: &egui::Response, rect: Rect) {
-        let drag: [f32; 2] = response.drag_delta().into();
-        let shift = ui.input(|i| i.modifiers.shift);
-        use egui::PointerButton::{Middle, Primary, Secondary};
-        if response.dragged_by(Secondary)
-            || response.dragged_by(Middle)
-            || (shift && response.dragged_by(Primary))
-        {
-            self.camera.pan(drag, rect.height());
-        } else if response.dragged_by(Primary) {
-            self.camera.orbit(drag);
-        }
-        if response.hovered() {
-            let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
-            if scroll != 0.0 || pinch != 1.0 {
-                let factor = (-0.004 * scroll).exp() / pinch;
-                self.camera.zoom(factor);
-                // What is under the pointer stays there.
-                if let Some(pointer) = response.hover_pos() {
-                    let shift = (pointer - rect.center()) * (1.0 - 1.0 / factor);
-                    self.camera.pan(shift.into(), rect.height());
-                }
-            }
-        }
-        let typing = ui.ctx().egui_wants_keyboard_input();
-        if !typing && ui.input(|i| i.key_pressed(Key::F)) {
-            self.pending_look = Some(ViewPreset::Fit);
-        }
-        if response.double_clicked() {
-            self.pending_look = Some(ViewPreset::Fit);
+    fn paint_picked(
+        &self,
+        painter: &egui::Painter,
+        projection: &Projection,
+        open: &OpenDeployment,
+        analysis: &Analysis,
+        dark: bool,
+    ) {
+        let shown = |picked: &Picked| under_pointer::is_shown(&self.content, *picked);
+        let Some(picked) = open.timeline.picked.filter(shown) else { return };
+        let position_m = reading_m(&open.deployment, analysis, picked);
+        if let Some(at) = position_m.and_then(|p| projection.visible(&p)) {
+            under_pointer::ring(painter, at, PICKED_RING, dark);
         }
     }
 
-    /// Screen position of a place, if it is in front of the camera.
-    fn project(&self, rect: Rect, p: &nalgebra::Vector3<f32>) -> Option<Pos2> {
-        let clip = self.camera.clip_from_world(rect.width() / rect.height().max(1.0))
-            * Vector4::new(p.x, p.y, p.z, 1.0);
-        if clip.w <= 1e-3 {
-            return None;
+    /// Says what is under the pointer, here and to the other panes.
+    fn show_hovered(
+        &self,
+        ui: &egui::Ui,
+        response: &egui::Response,
+        projection: &Projection,
+        open: &OpenDeployment,
+        analysis: &Analysis,
+        commands: &mut Commands,
+    ) {
+        // While the camera is turned nothing is meant.
+        let Some(pointer) = response.hover_pos().filter(|_| !response.dragged()) else { return };
+        let Some(under) = UnderPointer::find(&self.content, projection, pointer) else { return };
+        commands.extend(under.time_s(open, analysis).map(Command::Hover));
+        let UnderPointer::Reading(picked) = under else { return };
+        let (painter, dark) = (ui.painter_at(projection.rect), ui.visuals().dark_mode);
+        let position_m = under.position_m(open, analysis, &self.content);
+        if let Some(at) = position_m.and_then(|p| projection.visible(&p)) {
+            under_pointer::ring(&painter, at, HOVERED_RING, dark);
         }
-        let ndc = Vec2::new(clip.x / clip.w, -clip.y / clip.w);
-        Some(rect.center() + 0.5 * ndc * rect.size())
+        let lines = under_pointer::reading_lines(open, analysis, picked);
+        under_pointer::tooltip(&painter, projection.rect, pointer, &lines, dark);
     }
-
-    /// Labels in order of importance; one that would lie on another is left out.
-    fn paint_labels(&self, painter: &egui::Painter, rect: Rect, dark: bool) {
-        let mut taken: Vec<Rect> = Vec::new();
-        let stations_first = self.content.labels.iter().rev();
-        for label in stations_first {
-            let Some(at) = self.project(rect, &label.position_m) else { continue };
-            if !rect.shrink(4.0).contains(at) {
-                continue;
-            }
-            let station = label.text.starts_with("Station");
-            let font = FontId::proportional(if station { 13.0 } else { 10.5 });
-            let colour = theme::readable(label.colour, dark);
-            let galley = painter.layout_no_wrap(label.text.clone(), font, colour);
-            let places = [
-                (Align2::CENTER_BOTTOM, Vec2::new(0.0, -6.0)),
-                (Align2::CENTER_TOP, Vec2::new(0.0, 14.0)),
-                (Align2::LEFT_CENTER, Vec2::new(10.0, 0.0)),
-                (Align2::RIGHT_CENTER, Vec2::new(-10.0, 0.0)),
-                (Align2::CENTER_BOTTOM, Vec2::new(0.0, -22.0)),
-                (Align2::CENTER_TOP, Vec2::new(0.0, 30.0)),
-            ]
-            .map(|(align, offset)| inside(align.anchor_size(at + offset, galley.size()), rect));
-            let free = |place: &&Rect| !taken.iter().any(|other| other.intersects(**place));
-            let Some(place) = places.iter().find(free).copied() else { continue };
-            painter.galley(place.min, galley, colour);
-            taken.push(place);
-        }
-        if self.content.bounds_m.is_some() {
-            painter.text(
-                rect.right_bottom() - Vec2::new(8.0, 6.0),
-                Align2::RIGHT_BOTTOM,
-                self.scale(),
-                FontId::proportional(11.0),
-                theme::faint(dark),
-            );
-        }
-    }
-
-    /// What the lengths in the picture mean.
-    fn scale(&self) -> String {
-        let grid = format!("grid {} m · frame of station 1, z up", self.content.grid_spacing_m);
-        match self.content.exaggeration {
-            Some(factor) => format!("ellipsoids 2σ of the interpolation, ×{factor} · {grid}"),
-            None => grid,
-        }
-    }
-
-    /// A click on a track moves the time cursor to that instant.
-    fn click(&self, response: &egui::Response, rect: Rect, state: &State, commands: &mut Commands) {
-        let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) else {
-            return;
-        };
-        let Some((_, analysis)) = state.analysed() else { return };
-        let triplets = analysis.triplets();
-        let mut nearest: Option<(f32, usize)> = None;
-        for station in 0..3 {
-            let Some(transform) = self.content.station1_from_station[station] else { continue };
-            let transform: RigidTransform = transform;
-            for (index, point) in triplets.points_m[station].iter().enumerate() {
-                let place = transform.apply(point).cast::<f32>();
-                let Some(screen) = self.project(rect, &place) else { continue };
-                let distance = screen.distance(at);
-                if distance < CLICK_REACH && nearest.is_none_or(|(best, _)| distance < best) {
-                    nearest = Some((distance, index));
-                }
-            }
-        }
-        if let Some((_, index)) = nearest {
-            commands.push(Command::MoveCursor(triplets.time_s[index]));
-        }
-    }
-}
-
-/// A label's place, moved so that nothing of it is cut off.
-fn inside(place: Rect, rect: Rect) -> Rect {
-    let rect = rect.shrink(4.0);
-    let over = (rect.min - place.min).max(Vec2::ZERO) + (rect.max - place.max).min(Vec2::ZERO);
-    place.translate(over)
-}
-
-/// Ways to look, in the corner.
-fn view_buttons(ui: &mut egui::Ui, rect: Rect, commands: &mut Commands) {
-    let corner = Rect::from_min_max(
-        Pos2::new(rect.right() - 190.0, rect.top() + 6.0),
-        Pos2::new(rect.right() - 8.0, rect.top() + 30.0),
-    );
-    let layout = egui::Layout::right_to_left(egui::Align::Center);
-    ui.scope_builder(egui::UiBuilder::new().max_rect(corner).layout(layout), |ui| {
-        for (name, preset, hint) in [
-            ("Side", ViewPreset::Side, "Look along the ground"),
-            ("Top", ViewPreset::Top, "Look down, x to the right"),
-            ("Fit", ViewPreset::Fit, "Show everything (F, or double-click)"),
-        ] {
-            if ui.button(name).on_hover_text(hint).clicked() {
-                commands.push(Command::Look(preset));
-            }
-        }
-    });
 }

@@ -22,6 +22,9 @@ impl State {
             Command::CancelOpening(number) => self.cancel_opening(number),
             Command::OpenFolderDialog => self.open_folder_dialog(),
             Command::OpenFileDialog => self.open_file_dialog(),
+            Command::Prompt(command) => self.answer_prompt(command),
+            Command::OpenSessionDialog => self.open_session_dialog(),
+            Command::RetryMissing => self.retry_missing(),
             Command::Activate(id) => {
                 if let Some(index) = self.open.iter().position(|open| open.id == id) {
                     self.active = index;
@@ -121,6 +124,8 @@ impl State {
             Command::Look(_)
             | Command::ShowPane(_)
             | Command::UseLayout(_)
+            | Command::SaveSession
+            | Command::SaveSessionAs
             | Command::ResetLayout => {}
         }
     }
@@ -170,7 +175,7 @@ impl State {
         }
     }
 
-    fn close(&mut self, id: u64) {
+    pub(super) fn close(&mut self, id: u64) {
         let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
         self.open.remove(index);
         self.worker.forget(id);

@@ -6,6 +6,8 @@ use std::sync::Arc;
 use super::{Notice, State};
 use crate::analysis::Settings;
 use crate::app::open_deployment::OpenDeployment;
+use crate::app::persist::hashes::HashCache;
+use crate::app::persist::session::SavedDeployment;
 use crate::deployment::{Deployment, Extras, OpenError, Sample, Sorted, Source};
 use crate::progress::Progress;
 
@@ -28,6 +30,8 @@ enum Then {
     Placeholder,
     /// It takes the place of an open one, whose id this is: the same data with further files.
     Replace(u64),
+    /// It is shown as the session has it that is being restored.
+    Restore,
 }
 
 impl State {
@@ -36,13 +40,16 @@ impl State {
         self.add_with(deployment, source, self.start_settings);
     }
 
-    fn add_with(
+    pub(super) fn add_with(
         &mut self,
         deployment: Arc<Deployment>,
         source: Option<Source>,
         settings: Settings,
     ) {
         self.open.retain(|open| !open.placeholder);
+        if let Some(source) = &source {
+            self.session.opened(source);
+        }
         self.newest_id += 1;
         self.open.push(OpenDeployment::new(self.newest_id, deployment, source, settings));
         self.active = self.open.len() - 1;
@@ -67,6 +74,25 @@ impl State {
         self.opening.push(Opening { number, title, progress, source, then });
     }
 
+    /// Opens a deployment of a session, and finds out which of its files changed since.
+    pub(super) fn read_again(&mut self, saved: &SavedDeployment, cache: Arc<HashCache>) {
+        let progress = Arc::new(Progress::default());
+        let number = self.worker.open_again(saved.clone(), cache, Arc::clone(&progress));
+        let (source, then) = (saved.source.clone(), Then::Restore);
+        self.opening.push(Opening { number, title: source.title(), progress, source, then });
+    }
+
+    /// A bug stopped the reading.
+    pub(super) fn opening_failed(&mut self, number: u64) {
+        let failed = |opening: &Opening| opening.number == number;
+        let restoring = |opening: &Opening| failed(opening) && opening.then == Then::Restore;
+        let was_restoring = self.opening.iter().any(restoring);
+        self.opening.retain(|opening| !failed(opening));
+        if was_restoring {
+            self.not_restored("a bug in resect stopped the reading");
+        }
+    }
+
     pub(super) fn take_opened(&mut self, number: u64, result: Result<Arc<Deployment>, OpenError>) {
         let Some(index) = self.opening.iter().position(|opening| opening.number == number) else {
             return;
@@ -74,6 +100,10 @@ impl State {
         let Opening { source, then, .. } = self.opening.remove(index);
         let deployment = match result {
             Ok(deployment) => deployment,
+            Err(error) if then == Then::Restore => {
+                self.not_restored(&error.to_string());
+                return;
+            }
             Err(OpenError::Cancelled) => return,
             Err(error) => {
                 self.notice = Some(Notice::Error(error.to_string()));
@@ -88,6 +118,7 @@ impl State {
                 self.open[self.active].placeholder = true;
             }
             Then::Replace(id) => self.replace(id, deployment, source),
+            Then::Restore => self.restored(deployment),
         }
     }
 
@@ -118,7 +149,9 @@ impl State {
                 self.open_source(Source::at(path).with(extras.clone()));
             }
         }
-        _ = sessions;
+        if let Some(path) = sessions.into_iter().next_back() {
+            self.open_session(path);
+        }
         if let Some(path) = settings.last() {
             match read_settings(path) {
                 Ok(settings) => self.take_settings(settings),

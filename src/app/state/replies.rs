@@ -3,8 +3,6 @@
 use std::sync::Arc;
 
 use super::{Notice, State};
-use crate::analysis::Analysis;
-use crate::app::plots::PreparedPlots;
 use crate::app::worker::Reply;
 use crate::experiment::StudyError;
 
@@ -29,8 +27,13 @@ impl State {
     fn take(&mut self, reply: Reply) {
         match reply {
             Reply::Opened(number, result) => self.take_opened(number, result),
-            Reply::Analysed { number, id, analysis, plots } => {
-                self.take_analysed(number, id, &analysis, plots);
+            Reply::Analysed { number, id, answered } => {
+                let analysis = Arc::clone(&answered.analysis);
+                if let Some(open) = self.open.iter_mut().find(|open| open.id == id)
+                    && open.take(number, answered)
+                {
+                    self.remember_run(id, &analysis);
+                }
             }
             Reply::Studied(number, result) => {
                 if self.studies.running.as_ref().is_none_or(|(running, _)| *running != number) {
@@ -50,7 +53,7 @@ impl State {
                 }
             }
             Reply::Failed(number) => {
-                self.opening.retain(|opening| opening.number != number);
+                self.opening_failed(number);
                 self.looking.retain(|looking| *looking != number);
                 for open in &mut self.open {
                     open.analysing = open.analysing.filter(|(newest, _)| *newest != number);
@@ -60,24 +63,17 @@ impl State {
                     "a bug in resect stopped the calculation; please report it with the data and the settings".to_owned(),
                 ));
             }
+            Reply::Listed(listing) => {
+                if let Some(prompt) = &mut self.prompt {
+                    prompt.shown.take(listing);
+                }
+            }
             Reply::Picked(path) => self.look_at(vec![path]),
             Reply::Sorted(number, sorted) => self.take_sorted(number, sorted),
+            Reply::SessionRead(path, result) => self.take_session(path, result),
+            Reply::SessionSaved(path, result) => self.take_session_saved(path, result),
             Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
             Reply::Done(Err(line)) => self.notice = Some(Notice::Error(line)),
-        }
-    }
-
-    fn take_analysed(
-        &mut self,
-        number: u64,
-        id: u64,
-        analysis: &Arc<Analysis>,
-        plots: Arc<PreparedPlots>,
-    ) {
-        if let Some(open) = self.open.iter_mut().find(|open| open.id == id)
-            && open.take(number, Arc::clone(analysis), plots)
-        {
-            self.remember_run(id, analysis);
         }
     }
 }

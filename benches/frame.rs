@@ -1,0 +1,147 @@
+//! What the scene costs the window's thread in a frame with a million readings, while the camera orbits and while the
+//! time cursor moves, and in the one frame in which colours change.
+//!
+//! The time is what the thread spent on the processor (Linux counts it), drawing commands included. Without a
+//! GPU the driver draws on the same processor, in threads of its own; waiting for them is not the scene's cost.
+
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
+use eframe::egui::{self, Event, Modifiers, PointerButton, Pos2, RawInput, Rect};
+use eframe::egui_wgpu::wgpu;
+use resect::app::{Colouring, Command, SceneView, State};
+use resect::deployment::Deployment;
+use resect::simulation::{Preset, simulate_scenario};
+
+const SIZE: egui::Vec2 = egui::Vec2::new(1000.0, 700.0);
+
+/// A drive so long that the three stations read a million times.
+fn deployment() -> Arc<Deployment> {
+    let mut scenario = Preset::Warthog.scenario();
+    let short = simulate_scenario(&scenario, 1).deployment().expect("simulated");
+    scenario.duration_s *= 1e6 / readings(&short) as f64;
+    Arc::new(simulate_scenario(&scenario, 1).deployment().expect("simulated"))
+}
+
+fn readings(deployment: &Deployment) -> usize {
+    deployment.tracks.iter().map(|track| track.measurements.len()).sum()
+}
+
+/// The scene in a window of its own.
+struct Window {
+    ctx: egui::Context,
+    state: State,
+    scene: SceneView,
+    device: wgpu::Device,
+    time_s: f64,
+}
+
+impl Window {
+    fn new(deployment: Arc<Deployment>) -> Self {
+        let ctx = egui::Context::default();
+        let mut state = State::new(ctx.clone());
+        state.add(deployment);
+        state.settle();
+        let setup = egui_kittest::wgpu::default_wgpu_setup();
+        let render_state = egui_kittest::wgpu::create_render_state(setup, Default::default());
+        let scene = SceneView::new(Some(&render_state));
+        let mut window = Self { ctx, state, scene, device: render_state.device, time_s: 0.0 };
+        for _ in 0..5 {
+            window.frame(Vec::new());
+        }
+        window
+    }
+
+    fn frame(&mut self, events: Vec<Event>) {
+        self.time_s += 1.0 / 60.0;
+        let input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, SIZE)),
+            time: Some(self.time_s),
+            events,
+            ..Default::default()
+        };
+        let (state, scene) = (&self.state, &mut self.scene);
+        let mut commands = Vec::new();
+        let mut output = self.ctx.run_ui(input, |ui| scene.ui(ui, state, &mut commands));
+        for command in commands {
+            self.state.handle(command, &self.ctx);
+        }
+        // Fonts, which nobody draws here.
+        output.textures_delta.clear();
+        black_box(output);
+        // As a window does that shows one picture after the other.
+        self.device.poll(wgpu::PollType::wait_indefinitely()).expect("drawn");
+    }
+
+    fn press(&mut self, pressed: bool) {
+        let (pos, modifiers) = (Pos2::new(500.0, 600.0), Modifiers::NONE);
+        let button = PointerButton::Primary;
+        self.frame(vec![
+            Event::PointerMoved(pos),
+            Event::PointerButton { pos, button, pressed, modifiers },
+        ]);
+    }
+}
+
+/// What this thread has spent on a processor; elsewhere than on Linux, what the clock says.
+fn thread_time(since: Instant) -> Duration {
+    std::fs::read_to_string("/proc/thread-self/schedstat")
+        .ok()
+        .and_then(|text| text.split(' ').next()?.parse().ok())
+        .map_or_else(|| since.elapsed(), Duration::from_nanos)
+}
+
+fn benchmarks(criterion: &mut Criterion) {
+    let deployment = deployment();
+    eprintln!("{} readings", readings(&deployment));
+    let mut window = Window::new(deployment);
+    let (_, analysis) = window.state.analysed().expect("analysed");
+    let times_s = analysis.triplets().time_s.clone();
+    eprintln!("{} triplets", times_s.len());
+    let mut group = criterion.benchmark_group("frame");
+    // Criterion counts the thread's time; the clock's may be a hundred times longer where there is no GPU.
+    group.sampling_mode(SamplingMode::Flat).sample_size(10);
+    group.warm_up_time(Duration::from_millis(50)).measurement_time(Duration::from_millis(200));
+    let start = Instant::now();
+    let mut bench = |name: &str, frame: &mut dyn FnMut(usize)| {
+        group.bench_function(name, |b| {
+            b.iter_custom(|frames| {
+                let before = thread_time(start);
+                (0..frames as usize).for_each(&mut *frame);
+                thread_time(start) - before
+            });
+        });
+    };
+
+    window.press(true);
+    bench("orbit", &mut |i| {
+        // To and fro, and never a rest.
+        let x = 500.0 + 200.0 * (0.05 * i as f32).sin();
+        window.frame(vec![Event::PointerMoved(Pos2::new(x, 500.0))]);
+    });
+    window.press(false);
+    bench("cursor", &mut |i| {
+        let time_s = times_s[(i * 37) % times_s.len()];
+        let ctx = window.ctx.clone();
+        window.state.handle(Command::MoveCursor(time_s), &ctx);
+        window.frame(Vec::new());
+    });
+    bench("hover", &mut |i| {
+        let at = Pos2::new((i * 7 % 900) as f32 + 50.0, (i * 3 % 600) as f32 + 50.0);
+        window.frame(vec![Event::PointerMoved(at)]);
+    });
+    for colouring in [Colouring::Fate, Colouring::Residual, Colouring::Interval] {
+        bench(&format!("colour-by-{}", colouring.title().to_lowercase()), &mut |i| {
+            let ctx = window.ctx.clone();
+            let other = if i % 2 == 0 { colouring } else { Colouring::Station };
+            window.state.handle(Command::Colour(other), &ctx);
+            window.frame(Vec::new());
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, benchmarks);
+criterion_main!(benches);

@@ -1,0 +1,144 @@
+//! Points by the million: where they are never changes while their colours and who is shown do.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::pick::PointTree;
+use crate::analysis::Analysis;
+use crate::deployment::Deployment;
+use crate::pipeline::Triplets;
+
+/// A point in its station's frame, as the GPU reads it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct TimedPoint {
+    pub position_m: [f32; 3],
+    /// Since the deployment's first measurement.
+    pub time_s: f32,
+}
+
+/// Points of the three stations, one station after the other, each in its own order of time.
+#[derive(Clone, Debug, Default)]
+pub struct Cloud {
+    pub points: Vec<TimedPoint>,
+    /// Which of them are a station's.
+    pub ranges: [Range<usize>; 3],
+    /// For each station, to find what is under the pointer.
+    pub trees: [PointTree; 3],
+}
+
+impl Cloud {
+    /// Every raw reading. A jump may throw a reading anywhere, so their trees are sorted by place.
+    pub fn of_readings(deployment: &Deployment) -> Self {
+        let start_s = deployment.start_s().unwrap_or(0.0);
+        let stations = deployment.tracks.each_ref().map(|track| {
+            let point = |m| {
+                let p = track.position_m(m).cast::<f32>();
+                TimedPoint { position_m: p.into(), time_s: (m.time_s - start_s) as f32 }
+            };
+            track.measurements.iter().map(point).collect::<Vec<_>>()
+        });
+        Self::of(&stations, PointTree::by_place)
+    }
+
+    /// The interpolated tracks. Neighbours in time are neighbours in space.
+    pub fn of_triplets(triplets: &Triplets, start_s: f64) -> Self {
+        let stations = triplets.points_m.each_ref().map(|points_m| {
+            let point = |(p, time_s): (&nalgebra::Vector3<f64>, &f64)| TimedPoint {
+                position_m: p.cast::<f32>().into(),
+                time_s: (time_s - start_s) as f32,
+            };
+            points_m.iter().zip(&triplets.time_s).map(point).collect::<Vec<_>>()
+        });
+        Self::of(&stations, PointTree::by_time)
+    }
+
+    fn of(stations: &[Vec<TimedPoint>; 3], tree: impl Fn(&[TimedPoint]) -> PointTree) -> Self {
+        let mut ranges = [const { 0..0 }; 3];
+        let mut from = 0;
+        for (range, points) in ranges.iter_mut().zip(stations) {
+            *range = from..from + points.len();
+            from = range.end;
+        }
+        Self { points: stations.concat(), ranges, trees: stations.each_ref().map(|p| tree(p)) }
+    }
+
+    pub fn station(&self, station: usize) -> &[TimedPoint] {
+        &self.points[self.ranges[station].clone()]
+    }
+}
+
+/// What the scene draws by the million, of one analysis.
+#[derive(Clone, Debug, Default)]
+pub struct Clouds {
+    pub raw: Arc<Cloud>,
+    pub tracks: Arc<Cloud>,
+}
+
+/// Makes the clouds of one deployment, and only those anew that changed.
+#[derive(Default)]
+pub struct CloudMaker {
+    raw: Option<Arc<Cloud>>,
+    tracks: Option<(Arc<Triplets>, Arc<Cloud>)>,
+}
+
+impl CloudMaker {
+    /// Half a second of work at a million readings, most of it the first time: not for the thread that draws.
+    pub fn make(&mut self, deployment: &Deployment, analysis: &Analysis) -> Clouds {
+        let raw = self.raw.get_or_insert_with(|| Arc::new(Cloud::of_readings(deployment)));
+        let triplets = analysis.triplets();
+        let known = self.tracks.take().filter(|(of, _)| Arc::ptr_eq(of, triplets));
+        let (_, tracks) = self.tracks.insert(known.unwrap_or_else(|| {
+            let start_s = deployment.start_s().unwrap_or(0.0);
+            (Arc::clone(triplets), Arc::new(Cloud::of_triplets(triplets, start_s)))
+        }));
+        Clouds { raw: Arc::clone(raw), tracks: Arc::clone(tracks) }
+    }
+}
+
+/// For each reading of a station the nearest triplet in time, `None` where none is within half a second.
+pub fn nearest_triplets<'a>(
+    deployment: &'a Deployment,
+    analysis: &'a Analysis,
+    station: usize,
+) -> impl Iterator<Item = Option<usize>> + 'a {
+    let time_s = &analysis.triplets().time_s;
+    let mut next = 0;
+    deployment.tracks[station].measurements.iter().map(move |m| {
+        // Readings are in order of time: the search goes on where it stopped.
+        while next < time_s.len() && time_s[next] < m.time_s {
+            next += 1;
+        }
+        let away = |index: usize| (time_s[index] - m.time_s).abs();
+        let candidates = [next.checked_sub(1), (next < time_s.len()).then_some(next)];
+        let nearest =
+            candidates.into_iter().flatten().min_by(|a, b| away(*a).total_cmp(&away(*b)))?;
+        (away(nearest) < NEAR_S).then_some(nearest)
+    })
+}
+
+/// As [`Triplets::nearest`].
+const NEAR_S: f64 = 0.5;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::{Analyst, Settings};
+    use crate::deployment::Sample;
+
+    #[test]
+    fn the_walk_finds_what_the_search_finds() {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let analysis = Analyst::new(deployment.clone().into()).run(&Settings::default());
+        for station in 0..3 {
+            let walked: Vec<_> = nearest_triplets(&deployment, &analysis, station).collect();
+            let measurements = &deployment.tracks[station].measurements;
+            assert!(walked.iter().any(Option::is_none) && walked.iter().any(Option::is_some));
+            for (m, walked) in measurements.iter().zip(walked) {
+                let searched = analysis.triplets().nearest(m.time_s);
+                let away = |index: usize| (analysis.triplets().time_s[index] - m.time_s).abs();
+                assert_eq!(walked.map(away), searched.map(away));
+            }
+        }
+    }
+}

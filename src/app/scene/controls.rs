@@ -1,0 +1,104 @@
+//! Buttons in the scene's corner: where to look from, the ruler, and what colours mean.
+
+use eframe::egui::{self, Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
+
+use super::{Colouring, Ruler, ViewPreset};
+use crate::app::state::{Command, Commands, State};
+use crate::app::theme;
+use crate::palette;
+
+/// Wide enough for all in one row beside the legend; narrower pictures have a column of rows.
+const ONE_ROW_POINTS: f32 = 800.0;
+const MARGIN: f32 = 8.0;
+
+/// Shows the controls in the upper right corner; gives the place they take, whose size is `size`.
+pub fn ui(
+    ui: &mut egui::Ui,
+    rect: Rect,
+    size: &mut Vec2,
+    state: &State,
+    commands: &mut Commands,
+) -> Rect {
+    let corner = Pos2::new(rect.right() - MARGIN - size.x, rect.top() + 6.0);
+    let room = Rect::from_min_max(corner, rect.right_bottom());
+    // Left to right, so that Tab goes the way people read; the width is known once it was drawn.
+    let response = ui.scope_builder(egui::UiBuilder::new().max_rect(room), |ui| {
+        ui.spacing_mut().item_spacing = Vec2::splat(4.0);
+        if rect.width() >= ONE_ROW_POINTS {
+            ui.horizontal(|ui| {
+                presets(ui, commands);
+                stations(ui, commands);
+                ruler(ui, state, commands);
+                colouring(ui, state, commands);
+            });
+        } else {
+            ui.horizontal(|ui| presets(ui, commands));
+            ui.horizontal(|ui| {
+                stations(ui, commands);
+                ruler(ui, state, commands);
+            });
+            ui.horizontal(|ui| colouring(ui, state, commands));
+        }
+    });
+    let taken = response.response.rect;
+    if (taken.size() - *size).length() > 0.5 {
+        *size = taken.size();
+        ui.ctx().request_discard("the scene's controls have another width");
+    }
+    taken
+}
+
+fn presets(ui: &mut egui::Ui, commands: &mut Commands) {
+    for (name, preset, hint) in [
+        ("Fit", ViewPreset::Fit, "Show everything (F, or double-click)"),
+        ("Top", ViewPreset::Top, "Look down, x to the right"),
+        ("Front", ViewPreset::Front, "Look along y, x to the right"),
+        ("Side", ViewPreset::Side, "Look against x, y to the right"),
+    ] {
+        if ui.button(name).on_hover_text(hint).clicked() {
+            commands.push(Command::Look(preset));
+        }
+    }
+}
+
+fn stations(ui: &mut egui::Ui, commands: &mut Commands) {
+    let dark = ui.visuals().dark_mode;
+    for station in 0..3 {
+        let name = format!("From station {}", station + 1);
+        let text = RichText::new(format!("S{}", station + 1))
+            .color(theme::readable(palette::STATIONS[station], dark));
+        let button = ui.button(text);
+        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+        if button.on_hover_text(format!("{name}, towards the prisms at the cursor")).clicked() {
+            commands.push(Command::Look(ViewPreset::Station(station)));
+        }
+    }
+}
+
+fn ruler(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let hint = "Click two places to measure between them: readings, tracks, stations, control points, prisms at the \
+                cursor. Esc clears";
+    let active = state.ruler.active;
+    let button = ui.add(egui::Button::selectable(active, "Ruler").frame_when_inactive(true));
+    if button.on_hover_text(hint).clicked() {
+        commands.push(Command::Measure(Ruler { active: !active, ends: Vec::new() }));
+    }
+}
+
+fn colouring(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let label = ui.label(RichText::new("Colour by").small());
+    let mut chosen = state.colouring;
+    let combo = egui::ComboBox::from_id_salt("colour by")
+        .width(84.0)
+        .selected_text(chosen.title())
+        .show_ui(ui, |ui| {
+            for colouring in Colouring::ALL {
+                ui.selectable_value(&mut chosen, colouring, colouring.title())
+                    .on_hover_text(colouring.hint());
+            }
+        });
+    combo.response.labelled_by(label.id).on_hover_text(chosen.hint());
+    if chosen != state.colouring {
+        commands.push(Command::Colour(chosen));
+    }
+}

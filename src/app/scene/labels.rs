@@ -1,0 +1,126 @@
+//! Text over the picture, none on top of another.
+
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Vec2};
+
+use super::SceneContent;
+use super::content::Rank;
+use super::projection::Projection;
+use crate::app::theme;
+
+/// Gives out places that are still free.
+pub struct Placer {
+    area: Rect,
+    taken: Vec<Rect>,
+}
+
+impl Placer {
+    /// Nothing is placed outside of the area, or on what is taken.
+    pub fn new(area: Rect, taken: Vec<Rect>) -> Self {
+        Self { area: area.shrink(4.0), taken }
+    }
+
+    /// The first of some places that is free; it is taken from now on.
+    pub fn place(&mut self, places: impl IntoIterator<Item = Rect>) -> Option<Rect> {
+        let free = |place: &Rect| {
+            self.area.contains_rect(*place)
+                && !self.taken.iter().any(|other| other.intersects(*place))
+        };
+        let place = places.into_iter().find(free)?;
+        self.taken.push(place);
+        Some(place)
+    }
+
+    /// A place beside a point, moved so that nothing is cut off.
+    pub fn beside(&mut self, at: Pos2, size: Vec2) -> Option<Rect> {
+        if !self.area.contains(at) {
+            return None;
+        }
+        let area = self.area;
+        let places = [
+            (Align2::CENTER_BOTTOM, Vec2::new(0.0, -6.0)),
+            (Align2::CENTER_TOP, Vec2::new(0.0, 14.0)),
+            (Align2::LEFT_CENTER, Vec2::new(10.0, 0.0)),
+            (Align2::RIGHT_CENTER, Vec2::new(-10.0, 0.0)),
+            (Align2::CENTER_BOTTOM, Vec2::new(0.0, -22.0)),
+            (Align2::CENTER_TOP, Vec2::new(0.0, 30.0)),
+        ]
+        .map(|(align, offset)| inside(align.anchor_size(at + offset, size), area));
+        self.place(places)
+    }
+}
+
+/// A place, moved into an area.
+pub fn inside(place: Rect, area: Rect) -> Rect {
+    let over = (area.min - place.min).max(Vec2::ZERO) + (area.max - place.max).min(Vec2::ZERO);
+    place.translate(over)
+}
+
+/// Ground on which text is read over the picture.
+pub fn ground(painter: &Painter, place: Rect, dark: bool) {
+    painter.rect_filled(place, 4.0, theme::scene_background(dark).gamma_multiply(0.85));
+}
+
+/// Paints names of stations and points, as far as there is room, and then the grid's numbers.
+pub fn paint(
+    painter: &Painter,
+    projection: &Projection,
+    eye_m: &nalgebra::Vector3<f32>,
+    content: &SceneContent,
+    placer: &mut Placer,
+    dark: bool,
+) {
+    for label in content.labels.iter().rev() {
+        let Some(at) = projection.screen(&label.position_m) else { continue };
+        let size = if label.rank == Rank::Station { 13.0 } else { 10.5 };
+        let colour = theme::readable(label.colour, dark);
+        let galley = painter.layout_no_wrap(label.text.clone(), FontId::proportional(size), colour);
+        if let Some(place) = placer.beside(at, galley.size()) {
+            painter.galley(place.min, galley, colour);
+        }
+    }
+    let colour = theme::faint(dark);
+    for number in content.grid.iter().flat_map(|grid| grid.numbers(projection, eye_m)) {
+        text_at(painter, placer, number.at, number.text, 10.0, colour);
+    }
+}
+
+/// Paints text in the middle of a point, if there is room.
+fn text_at(
+    painter: &Painter,
+    placer: &mut Placer,
+    at: Pos2,
+    text: String,
+    size: f32,
+    colour: Color32,
+) {
+    let galley = painter.layout_no_wrap(text, FontId::proportional(size), colour);
+    let place = Align2::CENTER_CENTER.anchor_size(at, galley.size());
+    if let Some(place) = placer.place([place]) {
+        painter.galley(place.min, galley, colour);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_label_lies_on_another_under_a_button_or_outside() {
+        let area = Rect::from_min_max(Pos2::ZERO, Pos2::new(300.0, 200.0));
+        let button = Rect::from_min_max(Pos2::new(240.0, 6.0), Pos2::new(292.0, 30.0));
+        let mut placer = Placer::new(area, vec![button]);
+        let mut places = vec![button];
+        for i in 0..40_u8 {
+            // Ten points, again and again; some under the button.
+            let at = Pos2::new(f32::from(i % 10) * 33.0, 20.0 + f32::from(i % 3) * 15.0);
+            places.extend(placer.beside(at, Vec2::new(40.0, 12.0)));
+        }
+        assert!(places.len() > 8, "{}", places.len());
+        for (index, place) in places.iter().enumerate() {
+            assert!(area.contains_rect(*place));
+            assert!(places[..index].iter().all(|other| !other.intersects(*place)), "{place}");
+        }
+        // What is not in the picture has no label.
+        assert_eq!(placer.beside(Pos2::new(150.0, -30.0), Vec2::new(40.0, 12.0)), None);
+    }
+}

@@ -1,0 +1,113 @@
+//! The four ways in which the scene's vertices become pixels.
+
+use eframe::egui_wgpu::wgpu;
+
+use super::cloud::TimedPoint;
+use super::colouring::PointColour;
+use super::content::{LineVertex, PointVertex};
+
+pub const SAMPLES: u32 = 4;
+/// egui shows native textures of this format only.
+pub const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Each named as its functions in the shader.
+pub struct Pipelines {
+    pub point: wgpu::RenderPipeline,
+    pub line: wgpu::RenderPipeline,
+    /// Readings.
+    pub reading: wgpu::RenderPipeline,
+    /// Tracks, from each point to the next.
+    pub track: wgpu::RenderPipeline,
+}
+
+impl Pipelines {
+    pub fn new(device: &wgpu::Device, layout: &wgpu::PipelineLayout) -> Self {
+        let shader =
+            device.create_shader_module(wgpu::include_wgsl!("../../../assets/shaders/scene.wgsl"));
+        let pipeline =
+            |name: &str, fragment: &str, buffers: &[(usize, &[wgpu::VertexAttribute])]| {
+                let buffers: Vec<_> = buffers
+                    .iter()
+                    .map(|(stride, attributes)| {
+                        Some(wgpu::VertexBufferLayout {
+                            array_stride: *stride as u64,
+                            step_mode: wgpu::VertexStepMode::Instance,
+                            attributes,
+                        })
+                    })
+                    .collect();
+                device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                    label: Some(name),
+                    layout: Some(layout),
+                    vertex: wgpu::VertexState {
+                        module: &shader,
+                        entry_point: Some(&format!("{name}_vertex")),
+                        compilation_options: Default::default(),
+                        buffers: &buffers,
+                    },
+                    primitive: wgpu::PrimitiveState {
+                        topology: wgpu::PrimitiveTopology::TriangleStrip,
+                        ..Default::default()
+                    },
+                    depth_stencil: Some(wgpu::DepthStencilState {
+                        format: DEPTH,
+                        depth_write_enabled: Some(true),
+                        depth_compare: Some(wgpu::CompareFunction::LessEqual),
+                        stencil: Default::default(),
+                        bias: Default::default(),
+                    }),
+                    multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
+                    fragment: Some(wgpu::FragmentState {
+                        module: &shader,
+                        entry_point: Some(&format!("{fragment}_fragment")),
+                        compilation_options: Default::default(),
+                        targets: &[Some(wgpu::ColorTargetState {
+                            format: COLOUR,
+                            blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+                            write_mask: wgpu::ColorWrites::ALL,
+                        })],
+                    }),
+                    multiview_mask: None,
+                    cache: None,
+                })
+            };
+        let (place, colour) = (size_of::<TimedPoint>(), size_of::<PointColour>());
+        Self {
+            point: pipeline(
+                "point",
+                "point",
+                &[(
+                    size_of::<PointVertex>(),
+                    &wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Unorm8x4, 3 => Float32],
+                )],
+            ),
+            line: pipeline(
+                "line",
+                "line",
+                &[(
+                    size_of::<LineVertex>(),
+                    &wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float32x3,
+                        3 => Uint32, 4 => Unorm8x4, 5 => Float32],
+                )],
+            ),
+            reading: pipeline(
+                "reading",
+                "point",
+                &[
+                    (place, &wgpu::vertex_attr_array![0 => Float32x4]),
+                    (colour, &wgpu::vertex_attr_array![1 => Uint8x4]),
+                ],
+            ),
+            track: pipeline(
+                "track",
+                "line",
+                &[
+                    (place, &wgpu::vertex_attr_array![0 => Float32x4]),
+                    (place, &wgpu::vertex_attr_array![1 => Float32x4]),
+                    (colour, &wgpu::vertex_attr_array![2 => Uint8x4]),
+                ],
+            ),
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! From the world to the screen.
+
+use eframe::egui::{Pos2, Rect, Vec2};
+use nalgebra::{Matrix4, Vector3, Vector4};
+
+use super::Camera;
+use super::pick::PickView;
+use crate::geometry::RigidTransform;
+
+/// What the camera sees in a rectangle of the window.
+#[derive(Clone, Copy, Debug)]
+pub struct Projection {
+    clip_from_world: Matrix4<f32>,
+    pub rect: Rect,
+    /// Size of a metre (points on the screen) at the camera's target.
+    pub points_per_metre: f32,
+}
+
+/// Nothing this near to the eye (m) has a place on the screen.
+const NEAREST_M: f32 = 1e-3;
+
+impl Projection {
+    pub fn new(camera: &Camera, rect: Rect) -> Self {
+        Self {
+            clip_from_world: camera.clip_from_world(rect.width() / rect.height().max(1.0)),
+            rect,
+            points_per_metre: 1.0 / camera.metres_per_point(rect.height()),
+        }
+    }
+
+    /// Screen position of a place, if it is in front of the camera.
+    pub fn screen(&self, position_m: &Vector3<f32>) -> Option<Pos2> {
+        let clip =
+            self.clip_from_world * Vector4::new(position_m.x, position_m.y, position_m.z, 1.0);
+        if clip.w <= NEAREST_M {
+            return None;
+        }
+        let ndc = Vec2::new(clip.x / clip.w, -clip.y / clip.w);
+        Some(self.rect.center() + 0.5 * ndc * self.rect.size())
+    }
+
+    /// Screen position of a place, if it is inside the picture.
+    pub fn visible(&self, position_m: &Vector3<f64>) -> Option<Pos2> {
+        self.screen(&position_m.cast::<f32>()).filter(|at| self.rect.contains(*at))
+    }
+
+    /// To find what of a station's points is under the pointer.
+    pub fn pick_view(
+        &self,
+        station1_from_station: &RigidTransform,
+        pointer: Pos2,
+        reach_points: f32,
+    ) -> PickView {
+        PickView {
+            clip_from_points: self.clip_from_world * station1_from_station.matrix().cast::<f32>(),
+            rect: self.rect,
+            pointer,
+            reach_points,
+        }
+    }
+}

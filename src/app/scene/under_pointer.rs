@@ -1,0 +1,145 @@
+//! What the pointer is on, and what is said about it.
+
+use eframe::egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, Vec2};
+use nalgebra::Vector3;
+
+use super::SceneContent;
+use super::cloud::Cloud;
+use super::content::reading_m;
+use super::labels;
+use super::pick::Hit;
+use super::projection::Projection;
+use super::ruler::RulerEnd;
+use super::words;
+use crate::analysis::Analysis;
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::Picked;
+use crate::app::theme;
+
+/// The pointer is on a reading within so many points on the screen, and on a track within more.
+const READING_REACH: f32 = 7.0;
+const TRACK_REACH: f32 = 14.0;
+
+/// A thing that was measured, or interpolated between measurements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum UnderPointer {
+    Reading(Picked),
+    /// A triplet's point.
+    Track {
+        station: usize,
+        index: usize,
+    },
+}
+
+impl UnderPointer {
+    /// Of what is shown. A reading comes before the track that was made from it.
+    pub fn find(content: &SceneContent, projection: &Projection, at: Pos2) -> Option<Self> {
+        let nearest = |cloud: &Cloud, shown: &[bool; 3], reach: f32| -> Option<(usize, Hit)> {
+            let mut best: Option<(usize, Hit)> = None;
+            for station in (0..3).filter(|station| shown[*station]) {
+                let Some(transform) = &content.station1_from_station[station] else { continue };
+                let view = projection.pick_view(transform, at, reach);
+                let hit = cloud.trees[station].nearest(cloud.station(station), &view);
+                if let Some(hit) = hit.filter(|hit| hit.beats(best.as_ref().map(|(_, best)| best)))
+                {
+                    best = Some((station, hit));
+                }
+            }
+            best
+        };
+        if let Some((station, hit)) =
+            nearest(&content.clouds.raw, &content.raw_shown, READING_REACH)
+        {
+            return Some(Self::Reading(Picked { station, index: hit.index }));
+        }
+        nearest(&content.clouds.tracks, &content.tracks_shown, TRACK_REACH)
+            .map(|(station, hit)| Self::Track { station, index: hit.index })
+    }
+
+    /// When it was there (s, in the stations' clock).
+    pub fn time_s(&self, open: &OpenDeployment, analysis: &Analysis) -> Option<f64> {
+        match self {
+            Self::Reading(picked) => picked.time_s(&open.deployment),
+            Self::Track { index, .. } => analysis.triplets().time_s.get(*index).copied(),
+        }
+    }
+
+    /// Where it is, in station 1's frame.
+    pub fn position_m(
+        &self,
+        open: &OpenDeployment,
+        analysis: &Analysis,
+        content: &SceneContent,
+    ) -> Option<Vector3<f64>> {
+        match *self {
+            Self::Reading(picked) => reading_m(&open.deployment, analysis, picked),
+            Self::Track { station, index } => {
+                let point_m = analysis.triplets().points_m[station].get(index)?;
+                Some(content.station1_from_station[station]?.apply(point_m))
+            }
+        }
+    }
+
+    /// As an end of the ruler.
+    pub fn ruler_end(
+        &self,
+        open: &OpenDeployment,
+        analysis: &Analysis,
+        content: &SceneContent,
+    ) -> Option<RulerEnd> {
+        let since_s = self.time_s(open, analysis)? - open.start_s();
+        let what = match self {
+            Self::Reading(picked) => {
+                format!("station {}, reading at {since_s:.2} s", picked.station + 1)
+            }
+            Self::Track { station, .. } => format!("prism {} at {since_s:.2} s", station + 1),
+        };
+        Some(RulerEnd { position_m: self.position_m(open, analysis, content)?, what, prism: None })
+    }
+}
+
+/// What is said about a reading, in lines.
+pub fn reading_lines(open: &OpenDeployment, analysis: &Analysis, picked: Picked) -> Vec<String> {
+    let track = &open.deployment.tracks[picked.station];
+    let fate = analysis.pipeline.fates[picked.station].each.get(picked.index);
+    let (Some(m), Some(fate)) = (track.measurements.get(picked.index), fate) else {
+        return Vec::new();
+    };
+    vec![
+        format!(
+            "Station {}, {:.3} s after the start",
+            picked.station + 1,
+            m.time_s - open.start_s()
+        ),
+        format!(
+            "range {}  azimuth {}  zenith {}",
+            words::length(m.range_m),
+            words::angle(m.azimuth_rad),
+            words::angle(m.zenith_rad)
+        ),
+        fate.label().to_owned(),
+    ]
+}
+
+/// Rings a place: what was picked, and what would be.
+pub fn ring(painter: &Painter, at: Pos2, radius: f32, dark: bool) {
+    let (inner, outer) = (theme::rgb(theme::cursor(dark)), theme::scene_background(dark));
+    painter.circle_stroke(at, radius, Stroke::new(4.0, outer.gamma_multiply(0.8)));
+    painter.circle_stroke(at, radius, Stroke::new(2.0, inner));
+}
+
+/// A small box of text beside the pointer, inside of the picture.
+pub fn tooltip(painter: &Painter, rect: Rect, at: Pos2, lines: &[String], dark: bool) {
+    let colour = theme::rgb(theme::cursor(dark));
+    let galley = painter.layout_no_wrap(lines.join("\n"), FontId::proportional(11.5), colour);
+    let size = galley.size() + Vec2::splat(10.0);
+    let place = Align2::LEFT_TOP.anchor_size(at + Vec2::new(14.0, 14.0), size);
+    let place = labels::inside(place, rect.shrink(4.0));
+    labels::ground(painter, place, dark);
+    painter.galley(place.min + Vec2::splat(5.0), galley, colour);
+}
+
+/// Whether a reading is drawn at all.
+pub fn is_shown(content: &SceneContent, picked: Picked) -> bool {
+    content.raw_shown.get(picked.station).copied().unwrap_or(false)
+}
