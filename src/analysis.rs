@@ -6,13 +6,15 @@ mod setting_change;
 
 pub use setting_change::{SettingChange, changes_in_words, setting_changes};
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::{self, Calibration, CalibrationError, CalibrationSettings, Offer};
-use crate::deployment::Deployment;
+use crate::deployment::format::deployment_toml::parse_toml;
+use crate::deployment::{Deployment, OpenError};
 use crate::evaluation::{self, Evaluation};
 use crate::pipeline::{PipelineOutput, PipelineSettings, StagedPipeline, Triplets};
 
@@ -25,6 +27,14 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Those of a TOML file; what it does not name is the paper's. A file that cannot be read is
+    /// [`OpenError::Io`], what it says wrong an error with its line.
+    pub fn read(path: &Path) -> Result<Self, OpenError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| OpenError::Io { path: path.to_owned(), error })?;
+        parse_toml(&path.display().to_string(), &text)
+    }
+
     /// The first setting that makes no sense, as one line.
     pub fn check(&self) -> Result<(), String> {
         self.pipeline.check()?;

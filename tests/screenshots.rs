@@ -104,7 +104,7 @@ fn an_error_is_shown_and_what_was_open_stays() {
         let mut harness = window(SMALL, theme);
         let before = triplets(&harness);
         let ctx = harness.ctx.clone();
-        harness.state_mut().send(Command::OpenPath(file.clone()), &ctx);
+        harness.state_mut().send(Command::OpenPaths(vec![file.clone()]), &ctx);
         settle(&mut harness);
         let Some(Notice::Error(line)) = harness.state().state.notice.clone() else {
             panic!("no error shown");
@@ -391,7 +391,7 @@ fn only_the_methods_that_the_data_allows_can_be_chosen() {
         let mut harness = window(LARGE, theme);
         if theme == Theme::Dark {
             let deployment = simulate(Preset::SinglePrism, 1).deployment().expect("valid");
-            harness.state_mut().state.add(deployment.into());
+            harness.state_mut().state.add(deployment.into(), None);
             settle(&mut harness);
         } else {
             harness.get_by_label("A  two-point resection").click();
@@ -426,7 +426,7 @@ fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
     ] {
         let mut harness = window(size, theme);
         let deployment = simulate(preset, 1).deployment().expect("valid");
-        harness.state_mut().state.add(deployment.into());
+        harness.state_mut().state.add(deployment.into(), None);
         settle(&mut harness);
         if preset == Preset::LShape {
             harness.get_by_label("Correlations").click();

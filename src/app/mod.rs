@@ -17,7 +17,7 @@ mod units;
 mod window;
 mod worker;
 
-pub use layout::Pane;
+pub use layout::{Layout, LayoutDescription, LayoutPreset, Pane};
 pub use open_deployment::OpenDeployment;
 pub use scene::{Colouring, Ruler, RulerEnd};
 pub use state::{

@@ -6,13 +6,15 @@ use std::time::Instant;
 use super::plots::PreparedPlots;
 use super::state::Timeline;
 use crate::analysis::{Analysis, Settings};
-use crate::deployment::Deployment;
+use crate::deployment::{Deployment, Source};
 use crate::export::summary::ResultSummary;
 
 pub struct OpenDeployment {
     /// Tells it from every other that was ever opened.
     pub id: u64,
     pub deployment: Arc<Deployment>,
+    /// Where it can be read again.
+    pub source: Option<Source>,
     /// Of each station; found once, because the window asks in every frame.
     pub longest_range_m: [f64; 3],
     pub settings: Settings,
@@ -32,15 +34,18 @@ pub struct OpenDeployment {
 }
 
 impl OpenDeployment {
-    pub fn new(id: u64, deployment: Arc<Deployment>, settings: Settings) -> Self {
-        let longest_range_m = deployment
-            .tracks
-            .each_ref()
-            .map(|track| track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max));
+    pub fn new(
+        id: u64,
+        deployment: Arc<Deployment>,
+        source: Option<Source>,
+        settings: Settings,
+    ) -> Self {
+        let longest_range_m = longest_range_m(&deployment);
         let timeline = Timeline::new(&deployment);
         Self {
             id,
             deployment,
+            source,
             longest_range_m,
             settings,
             analysis: None,
@@ -51,6 +56,18 @@ impl OpenDeployment {
             placeholder: false,
             analysing: None,
         }
+    }
+
+    /// The same deployment, read again with other files; the old answer stays until the new one is there.
+    pub fn replace(&mut self, deployment: Arc<Deployment>, source: Source) {
+        self.longest_range_m = longest_range_m(&deployment);
+        let old = std::mem::replace(&mut self.timeline, Timeline::new(&deployment));
+        if old.whole_s == self.timeline.whole_s {
+            self.timeline = old;
+        }
+        self.deployment = deployment;
+        self.source = Some(source);
+        self.placeholder = false;
     }
 
     /// Time of the first measurement (s): what the plots count from.
@@ -84,4 +101,11 @@ impl OpenDeployment {
         self.analysis_run = number;
         true
     }
+}
+
+fn longest_range_m(deployment: &Deployment) -> [f64; 3] {
+    deployment
+        .tracks
+        .each_ref()
+        .map(|track| track.measurements.iter().map(|m| m.range_m).fold(0.0, f64::max))
 }

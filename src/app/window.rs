@@ -11,13 +11,13 @@ use super::scene::SceneView;
 use super::state::{Command, Commands, Overlay, State};
 use super::theme;
 use crate::analysis::Settings;
-use crate::deployment::{Deployment, Sample};
+use crate::deployment::{Deployment, Sample, Source};
 
 /// What the window shows first.
 #[derive(Clone)]
 pub enum Start {
     Sample(Sample),
-    Deployments(Vec<Arc<Deployment>>),
+    Deployments(Vec<(Arc<Deployment>, Source)>),
 }
 
 /// State, layout and scene; the rest is drawn anew every frame.
@@ -35,8 +35,8 @@ impl ResectWindow {
         match start {
             Start::Sample(sample) => state.open_placeholder(*sample),
             Start::Deployments(deployments) => {
-                for deployment in deployments {
-                    state.add(Arc::clone(deployment));
+                for (deployment, source) in deployments {
+                    state.add(Arc::clone(deployment), Some(source.clone()));
                 }
             }
         }
@@ -54,6 +54,7 @@ impl ResectWindow {
         match command {
             Command::Look(preset) => self.scene.look(preset),
             Command::ShowPane(pane) => self.layout.show(pane),
+            Command::UseLayout(preset) => self.layout = Layout::from(preset),
             Command::ResetLayout => self.layout = Layout::default(),
             other => self.state.handle(other, ctx),
         }
@@ -64,9 +65,13 @@ impl eframe::App for ResectWindow {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.state.take_replies();
         self.state.advance(ui.input(|input| input.time));
+        self.state.take_picture(ui.ctx(), self.scene.place());
         let mut commands = Commands::new();
-        for file in ui.input(|i| i.raw.dropped_files.clone()) {
-            commands.push(Command::OpenPath(file.path().to_owned()));
+        let dropped = ui.input(|input| {
+            input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
+        });
+        if !dropped.is_empty() {
+            commands.push(Command::OpenPaths(dropped));
         }
         let ctx = ui.ctx().clone();
         if self.state.overlay == Overlay::None {
@@ -74,6 +79,7 @@ impl eframe::App for ResectWindow {
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
         panels::notice::ui(ui, &self.state, &mut commands);
+        panels::time_bar::ui(ui, &self.state, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
             let mut panes =
@@ -113,6 +119,8 @@ impl Panes<'_> {
             Pane::Result => panels::result::ui(ui, self.state, self.commands),
             Pane::Findings => panels::findings::ui(ui, self.state),
             Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),
+            Pane::Rates => plots::rates::ui(ui, self.state, self.commands),
+            Pane::Intervals => plots::intervals::ui(ui, self.state, self.commands),
             Pane::Histogram => plots::histogram::ui(ui, self.state),
             Pane::PriorSearch => plots::prior_search::ui(ui, self.state, self.commands),
             Pane::SideBySide => panels::side_by_side::ui(ui, self.state, self.commands),
@@ -150,7 +158,7 @@ pub fn open_window(start: Start) -> eframe::Result {
 
 /// The window as an image, drawn off the screen.
 pub fn picture(
-    deployments: Vec<Arc<Deployment>>,
+    deployments: Vec<(Arc<Deployment>, Source)>,
     settings: Settings,
     [width, height]: [u32; 2],
     dark: bool,

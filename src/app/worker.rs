@@ -1,4 +1,4 @@
-//! The thread that opens files and calibrates, so that no frame ever waits.
+//! The thread that calibrates, and those beside it that open, study and save, so that no frame ever waits.
 //!
 //! The newest request wins: requests that pile up behind a running one are answered by one run with the last
 //! settings. Each reply carries the number of its request, so a stale one is recognised.
@@ -11,21 +11,15 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui;
 
-use super::plots::PreparedPlots;
+use super::plots::{PreparedPlots, RawReadings};
+use super::state::PictureTo;
 use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
-use crate::deployment::{Deployment, Sample, open};
+use crate::deployment::{Deployment, OpenError, Sorted, Source, sort};
 use crate::experiment::StudyError;
-
-/// Where a deployment comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Source {
-    Path(PathBuf),
-    Sample(Sample),
-}
+use crate::progress::Progress;
 
 enum Request {
-    Open(u64, Source),
     Analyse {
         number: u64,
         id: u64,
@@ -39,13 +33,13 @@ enum Request {
 impl Request {
     fn number(&self) -> u64 {
         match self {
-            Self::Open(number, _) | Self::Analyse { number, .. } | Self::Forget(number) => *number,
+            Self::Analyse { number, .. } | Self::Forget(number) => *number,
         }
     }
 }
 
 pub enum Reply {
-    Opened(u64, Result<Arc<Deployment>, String>),
+    Opened(u64, Result<Arc<Deployment>, OpenError>),
     Analysed {
         number: u64,
         id: u64,
@@ -53,6 +47,11 @@ pub enum Reply {
         plots: Arc<PreparedPlots>,
     },
     Studied(u64, Result<Arc<StudyResult>, StudyError>),
+    /// The picture of the scene that was asked for.
+    Pictured {
+        to: PictureTo,
+        image: egui::ColorImage,
+    },
     /// The residuals of a pinned result.
     PinDrawn {
         id: u64,
@@ -62,6 +61,8 @@ pub enum Reply {
     Failed(u64),
     /// The user chose a path in a dialog.
     Picked(PathBuf),
+    /// What the paths are that the user dropped or chose.
+    Sorted(u64, Sorted),
     /// Something that ran beside the worker is done: a line for the user, or why it failed.
     Done(Result<String, String>),
 }
@@ -89,9 +90,14 @@ impl Worker {
         Self { requests, replies, reply_to, ctx, newest: 0 }
     }
 
-    /// Asks for a deployment; gives the request's number.
-    pub fn open(&mut self, source: Source) -> u64 {
-        self.send(|number| Request::Open(number, source))
+    /// Reads a deployment beside the worker; gives the request's number.
+    pub fn open(&mut self, source: Source, progress: Arc<Progress>) -> u64 {
+        self.numbered(Reply::Opened, move || source.open(&progress).map(Arc::new))
+    }
+
+    /// Finds out what paths are, beside the worker; gives the request's number.
+    pub fn look_at(&mut self, paths: Vec<PathBuf>) -> u64 {
+        self.numbered(Reply::Sorted, move || sort(paths.iter().map(PathBuf::as_path)))
     }
 
     /// Asks for an analysis; gives the request's number.
@@ -109,11 +115,20 @@ impl Worker {
         &mut self,
         run: impl FnOnce() -> Result<Arc<StudyResult>, StudyError> + Send + 'static,
     ) -> u64 {
+        self.numbered(Reply::Studied, run)
+    }
+
+    /// Runs something beside the worker under a number of its own.
+    fn numbered<T: 'static>(
+        &mut self,
+        reply: fn(u64, T) -> Reply,
+        run: impl FnOnce() -> T + Send + 'static,
+    ) -> u64 {
         self.newest += 1;
         let number = self.newest;
         self.beside(move || {
             let result = std::panic::catch_unwind(AssertUnwindSafe(run));
-            Some(result.map_or(Reply::Failed(number), |result| Reply::Studied(number, result)))
+            Some(result.map_or(Reply::Failed(number), |result| reply(number, result)))
         });
         number
     }
@@ -125,13 +140,25 @@ impl Worker {
         self.newest
     }
 
+    pub fn ctx(&self) -> &egui::Context {
+        &self.ctx
+    }
+
+    /// For what runs elsewhere: takes its reply in as if it came from here.
+    pub fn reply(&self) -> impl Fn(Reply) + Send + use<> {
+        let (outbox, ctx) = (self.reply_to.clone(), self.ctx.clone());
+        move |reply| {
+            outbox.send(reply).ok();
+            ctx.request_repaint();
+        }
+    }
+
     /// Runs something beside the worker (a dialog, an export) and repaints when it is done.
     pub fn beside(&self, job: impl FnOnce() -> Option<Reply> + Send + 'static) {
-        let (outbox, ctx) = (self.reply_to.clone(), self.ctx.clone());
+        let reply = self.reply();
         std::thread::spawn(move || {
-            if let Some(reply) = job() {
-                outbox.send(reply).ok();
-                ctx.request_repaint();
+            if let Some(done) = job() {
+                reply(done);
             }
         });
     }
@@ -146,17 +173,23 @@ impl Worker {
     }
 }
 
+/// What is remembered of a deployment.
+struct Known {
+    analyst: Analyst,
+    /// No setting changes them.
+    readings: Arc<RawReadings>,
+}
+
 fn work(inbox: &Receiver<Request>, outbox: &Sender<Reply>, ctx: &egui::Context) {
-    let mut analysts: HashMap<u64, Analyst> = HashMap::new();
+    let mut known: HashMap<u64, Known> = HashMap::new();
     while let Ok(first) = inbox.recv() {
         let mut waiting = vec![first];
         waiting.extend(inbox.try_iter());
         for request in without_overtaken(waiting) {
             let number = request.number();
-            let answer =
-                std::panic::catch_unwind(AssertUnwindSafe(|| reply(request, &mut analysts)));
+            let answer = std::panic::catch_unwind(AssertUnwindSafe(|| reply(request, &mut known)));
             let reply = answer.unwrap_or_else(|_| {
-                analysts.clear();
+                known.clear();
                 Some(Reply::Failed(number))
             });
             if let Some(reply) = reply {
@@ -184,20 +217,15 @@ fn without_overtaken(waiting: Vec<Request>) -> Vec<Request> {
         .collect()
 }
 
-fn reply(request: Request, analysts: &mut HashMap<u64, Analyst>) -> Option<Reply> {
+fn reply(request: Request, known: &mut HashMap<u64, Known>) -> Option<Reply> {
     match request {
-        Request::Open(number, source) => {
-            let opened = match source {
-                Source::Path(path) => open(&path),
-                Source::Sample(sample) => sample.open(),
-            };
-            Some(Reply::Opened(number, opened.map(Arc::new).map_err(|error| error.to_string())))
-        }
         Request::Analyse { number, id, deployment, settings } => {
-            let start_s = deployment.start_s().unwrap_or(0.0);
-            let analyst = analysts.entry(id).or_insert_with(|| Analyst::new(deployment));
-            let analysis = analyst.run(&settings);
-            let plots = PreparedPlots::of(&analysis, start_s);
+            let known = known.entry(id).or_insert_with(|| Known {
+                readings: Arc::new(RawReadings::of(&deployment)),
+                analyst: Analyst::new(deployment),
+            });
+            let analysis = known.analyst.run(&settings);
+            let plots = PreparedPlots::of(&analysis, &known.readings);
             Some(Reply::Analysed {
                 number,
                 id,
@@ -206,7 +234,7 @@ fn reply(request: Request, analysts: &mut HashMap<u64, Analyst>) -> Option<Reply
             })
         }
         Request::Forget(id) => {
-            analysts.remove(&id);
+            known.remove(&id);
             None
         }
     }
@@ -215,6 +243,7 @@ fn reply(request: Request, analysts: &mut HashMap<u64, Analyst>) -> Option<Reply
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deployment::Sample;
 
     #[test]
     fn of_several_analyses_of_a_deployment_only_the_newest_is_run() {
@@ -225,8 +254,8 @@ mod tests {
             deployment: Arc::clone(&deployment),
             settings: Settings::default(),
         };
-        let open = |number| Request::Open(number, Source::Sample(Sample::Hd2Tunnel));
-        let waiting = vec![analyse(1, 7), open(2), analyse(3, 7), analyse(4, 8), analyse(5, 7)];
+        let waiting =
+            vec![analyse(1, 7), Request::Forget(2), analyse(3, 7), analyse(4, 8), analyse(5, 7)];
         let left: Vec<u64> = without_overtaken(waiting).iter().map(Request::number).collect();
         assert_eq!(left, [2, 4, 5]);
     }

@@ -7,6 +7,7 @@ use clap::Args;
 use super::settings_args::SettingsArguments;
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
+use crate::export::atomic;
 use crate::export::report::{self, Chapter};
 
 #[derive(Args)]
@@ -27,7 +28,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let chapters: Vec<Chapter> =
         arguments.path.iter().map(|path| chapter(path, &arguments.settings, &settings)).collect();
-    report::write(&report::page(&chapters), &arguments.out)?;
+    atomic::write(&arguments.out, report::page(&chapters))?;
     let file = arguments.out.display();
     let errors: Vec<String> = chapters.iter().filter_map(|c| c.answer().err()).collect();
     let (all, without) = (chapters.len(), errors.len());

@@ -40,9 +40,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => Source::at(path),
         None => Source::sample(Sample::Warthog),
     };
-    let deployment = source.with(arguments.settings.extras()).open(&Progress::default())?;
+    let source = source.with(arguments.settings.extras());
+    let deployment = source.open(&Progress::default())?;
     let dark = arguments.theme == Theme::Dark;
-    let image = app::picture(vec![Arc::new(deployment)], settings, arguments.size, dark)?;
+    let image = app::picture(vec![(Arc::new(deployment), source)], settings, arguments.size, dark)?;
     image
         .save_with_format(&arguments.out, image::ImageFormat::Png)
         .with_context(|| format!("{}: cannot be written", arguments.out.display()))?;

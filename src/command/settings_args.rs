@@ -7,7 +7,6 @@ use clap::{Args, ValueEnum};
 use super::Failure;
 use crate::analysis::Settings;
 use crate::calibration::{Alignment, CalibrationSettings, Loss, PriorMethod};
-use crate::deployment::format::deployment_toml::parse_toml;
 use crate::deployment::{Extras, OpenError};
 use crate::pipeline::Interpolation;
 
@@ -85,12 +84,10 @@ impl SettingsArguments {
     pub fn settings(&self) -> Result<Settings, Failure> {
         let mut settings = match &self.config {
             None => Settings::default(),
-            Some(path) => {
-                let text = std::fs::read_to_string(path)
-                    .map_err(|error| OpenError::Io { path: path.clone(), error })?;
-                parse_toml(&path.display().to_string(), &text)
-                    .map_err(|error| Failure::Usage(error.to_string()))?
-            }
+            Some(path) => Settings::read(path).map_err(|error| match error {
+                OpenError::Io { .. } => Failure::from(error),
+                error => Failure::Usage(error.to_string()),
+            })?,
         };
         let thresholds = &mut settings.pipeline.thresholds;
         for (flag, setting) in [

@@ -6,15 +6,15 @@ use std::sync::Arc;
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
 use crate::app;
-use crate::deployment::{Deployment, Extras, Sample};
+use crate::deployment::{Deployment, Extras, Sample, Source};
 use crate::export::text;
 
 pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
     // A path that does not open ends here, on the terminal it came from.
     let deployments = paths
         .iter()
-        .map(|path| Ok(load(path, Extras::default())?.0))
-        .collect::<Result<Vec<Arc<Deployment>>, Failure>>()?;
+        .map(|path| Ok((load(path, Extras::default())?.0, Source::at(path))))
+        .collect::<Result<Vec<(Arc<Deployment>, Source)>, Failure>>()?;
     if !has_display() {
         return without_display(deployments, "no display");
     }
@@ -37,14 +37,18 @@ fn has_display() -> bool {
             .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
-fn without_display(mut deployments: Vec<Arc<Deployment>>, why: &str) -> Result<(), Failure> {
+fn without_display(
+    mut deployments: Vec<(Arc<Deployment>, Source)>,
+    why: &str,
+) -> Result<(), Failure> {
     let mut what = "";
     if deployments.is_empty() {
         what = "; this is the built-in sample";
-        deployments.push(Arc::new(Sample::Warthog.open()?));
+        let sample = Arc::new(Sample::Warthog.open()?);
+        deployments.push((sample, Source::sample(Sample::Warthog)));
     }
     print(&format!("{why}{what}\n\n"))?;
-    for deployment in deployments {
+    for (deployment, _) in deployments {
         let analysis = Analyst::new(deployment.clone()).run(&Settings::default());
         let answer = analysis.answer.clone()?;
         print(&text::calibration(&deployment, &analysis, &answer))?;

@@ -93,7 +93,8 @@ fn filter_track(
     out
 }
 
-fn too_fast(rates: &Rates, thresholds: &Thresholds) -> Option<OutlierReason> {
+/// The first rate beyond its threshold.
+pub(crate) fn too_fast(rates: &Rates, thresholds: &Thresholds) -> Option<OutlierReason> {
     if rates.range_m_per_s.abs() > thresholds.tau_r_m_per_s {
         Some(OutlierReason::Range)
     } else if rates.azimuth_deg_per_s.abs() > thresholds.tau_a_deg_per_s {

@@ -3,7 +3,7 @@
 use eframe::egui::Key;
 
 use super::{Action, Menu};
-use crate::app::layout::Pane;
+use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Ruler, ViewPreset};
 use crate::app::state::{Command, State};
 
@@ -25,9 +25,15 @@ pub fn actions(state: &State) -> Vec<Action> {
     actions.extend(
         Pane::ALL.into_iter().map(|pane| view("Panes", pane.title(), Command::ShowPane(pane))),
     );
+    for (preset, key) in LayoutPreset::ALL.into_iter().zip([Key::Num1, Key::Num2, Key::Num3]) {
+        let name = format!("Layout: {}", preset.title());
+        actions
+            .push(view("Layout", &name, Command::UseLayout(preset)).hint(preset.hint()).ctrl(key));
+    }
     actions.push(
         view("Layout", "Reset layout", Command::ResetLayout)
-            .hint("All panes back to where they were at first"),
+            .hint("All panes back to where they were at first")
+            .ctrl(Key::Num0),
     );
     actions
 }

@@ -15,6 +15,7 @@ pub mod runs;
 pub mod shortcuts;
 pub mod side_by_side;
 pub mod studies;
+pub mod time_bar;
 pub mod top_bar;
 
 use eframe::egui;

@@ -1,12 +1,25 @@
-//! Plots of the distance errors.
+//! Plots: over time ([`residuals`], [`rates`], [`intervals`], all through [`time_plot`]), and others.
+//!
+//! What no frame should compute is in [`PreparedPlots`] and [`RawReadings`], made by the worker; of long series a frame
+//! draws what its [`pyramid`] says.
 
 pub mod chart;
+mod gaps;
 pub mod histogram;
+pub mod intervals;
+mod log_axis;
+mod navigation;
 mod prepared;
 pub mod prior_search;
+mod pyramid;
+pub mod rates;
+mod raw_readings;
 pub mod residuals;
+mod threshold;
+mod time_plot;
 
 pub use prepared::PreparedPlots;
+pub use raw_readings::RawReadings;
 
 use eframe::egui;
 use egui_plot::{GridInput, GridMark};
@@ -30,6 +43,20 @@ fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let dark = ui.visuals().dark_mode;
     for (pair, on) in visibility.pairs.iter_mut().enumerate() {
         ui.checkbox(on, pair_name(pair, dark)).on_hover_text("Show or hide this pair of prisms");
+    }
+    if visibility != state.visibility {
+        commands.push(Command::Show(visibility));
+    }
+}
+
+/// Stations in their colours, shown or hidden here and in the scene.
+fn station_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let mut visibility = state.visibility;
+    let dark = ui.visuals().dark_mode;
+    for (station, on) in visibility.stations.iter_mut().enumerate() {
+        let colour = theme::readable(palette::STATIONS[station], dark);
+        let name = egui::RichText::new(format!("station {}", station + 1)).color(colour).strong();
+        ui.checkbox(on, name).on_hover_text("Show or hide this station, in the scene too");
     }
     if visibility != state.visibility {
         commands.push(Command::Show(visibility));

@@ -1,13 +1,16 @@
 //! What the plots draw, made once for each answer by the worker: no frame goes through all residuals.
 
+use std::sync::Arc;
+
 use egui_plot::PlotPoint;
 
+use super::gaps::Gaps;
+use super::pyramid::Pyramid;
+use super::raw_readings::RawReadings;
 use crate::analysis::{Analysis, Answer};
 use crate::evaluation::vehicle::distance_sigma_m;
 use crate::export::residual_chart::{histogram, range_mm};
 
-/// More dots than this a pair are thinned to the extremes of short spans: what the eye would see anyway.
-const MOST_DOTS: usize = 4000;
 const BINS: usize = 40;
 
 /// Ready to draw; errors in mm, times in s since the first measurement.
@@ -17,7 +20,9 @@ pub struct PreparedPlots {
     /// zero up where no error is negative.
     pub range_mm: [f64; 2],
     /// For each pair.
-    pub dots: [Vec<PlotPoint>; 3],
+    pub residuals: [Residuals; 3],
+    /// The errors of all pairs in order of size.
+    sorted_mm: Vec<f64>,
     /// Twice the standard deviation that the interpolation states for each pair's distance, one band an interval;
     /// empty where it states none.
     pub bands: [Vec<Band>; 3],
@@ -25,6 +30,17 @@ pub struct PreparedPlots {
     pub outlines: [Vec<PlotPoint>; 3],
     pub bin_width_mm: f64,
     pub highest_count: usize,
+    pub gaps: Gaps,
+    /// The same for every answer.
+    pub readings: Arc<RawReadings>,
+}
+
+/// Distance errors of a pair over time.
+#[derive(Clone, Debug, Default)]
+pub struct Residuals {
+    /// In order of time.
+    pub dots: Vec<PlotPoint>,
+    pub pyramid: Pyramid,
 }
 
 /// A band about zero.
@@ -41,27 +57,61 @@ const MOST_BAND_CORNERS: usize = 1000;
 const LEAST_STRETCH: usize = 10;
 
 impl PreparedPlots {
-    /// `start_s` is the time of the first measurement. Empty without an answer.
-    pub fn of(analysis: &Analysis, start_s: f64) -> Self {
-        let Ok(answer) = &analysis.answer else { return Self::default() };
+    /// Without an answer there are no errors.
+    pub fn of(analysis: &Analysis, readings: &Arc<RawReadings>) -> Self {
+        let (gaps, readings) = (Gaps::of(analysis, readings), Arc::clone(readings));
+        let Ok(answer) = &analysis.answer else {
+            return Self { gaps, readings, ..Self::default() };
+        };
+        let start_s = readings.start_s;
         let errors = &answer.evaluation.distance_errors_mm;
         let time_s = &analysis.triplets().time_s;
         let range_mm = range_mm(errors);
         let bin_width_mm = (range_mm[1] - range_mm[0]) / BINS as f64;
         let counts = errors.each_ref().map(|errors| histogram(errors, range_mm, BINS));
+        let mut sorted_mm: Vec<f64> = errors.iter().flatten().copied().collect();
+        sorted_mm.sort_unstable_by(f64::total_cmp);
         Self {
             range_mm,
-            dots: errors.each_ref().map(|errors| {
-                thinned(errors)
-                    .into_iter()
-                    .map(|index| PlotPoint::new(time_s[index] - start_s, errors[index]))
-                    .collect()
+            residuals: errors.each_ref().map(|errors| Residuals {
+                dots: (time_s.iter().zip(errors))
+                    .map(|(time_s, error_mm)| PlotPoint::new(time_s - start_s, *error_mm))
+                    .collect(),
+                pyramid: Pyramid::of(errors),
             }),
+            sorted_mm,
             bands: bands(analysis, answer, start_s),
             outlines: counts.each_ref().map(|counts| outline(counts, range_mm[0], bin_width_mm)),
             bin_width_mm,
             highest_count: counts.iter().flatten().copied().max().unwrap_or(0),
+            gaps,
+            readings,
         }
+    }
+
+    /// How many of the errors of all pairs are outside a range (mm), and how many there are.
+    pub fn outside(&self, [low, high]: [f64; 2]) -> [usize; 2] {
+        let below = self.sorted_mm.partition_point(|error| *error < low);
+        let up_to = self.sorted_mm.partition_point(|error| *error <= high);
+        [self.sorted_mm.len() - (up_to - below), self.sorted_mm.len()]
+    }
+
+    /// The least and the greatest error (mm), with some room about them.
+    pub fn all_mm(&self) -> [f64; 2] {
+        let [low, high] = self.range_mm;
+        let low = self.sorted_mm.first().map_or(low, |least| least.min(low));
+        let high = self.sorted_mm.last().map_or(high, |greatest| greatest.max(high));
+        [low - 0.04 * (high - low), high + 0.04 * (high - low)]
+    }
+}
+
+impl Residuals {
+    /// Dots that stand for those within a window (s since the first measurement).
+    pub fn visible(&self, [from_s, to_s]: [f64; 2], runs: usize) -> Vec<PlotPoint> {
+        let from = self.dots.partition_point(|dot| dot.x < from_s);
+        let to = self.dots.partition_point(|dot| dot.x <= to_s).max(from);
+        let indices = self.pyramid.visible(from..to, runs);
+        indices.into_iter().map(|index| self.dots[index]).collect()
     }
 }
 
@@ -94,24 +144,6 @@ fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
     bands
 }
 
-/// Indices to draw: all, or lowest and highest of each of equal spans.
-fn thinned(errors: &[f64]) -> Vec<usize> {
-    if errors.len() <= MOST_DOTS {
-        return (0..errors.len()).collect();
-    }
-    let span = errors.len().div_ceil(MOST_DOTS / 2);
-    let by_error = |a: &usize, b: &usize| errors[*a].total_cmp(&errors[*b]);
-    (0..errors.len())
-        .step_by(span)
-        .flat_map(|start| {
-            let range = start..(start + span).min(errors.len());
-            let low = range.clone().min_by(by_error).unwrap_or(start);
-            let high = range.max_by(by_error).unwrap_or(start);
-            [low.min(high), low.max(high)]
-        })
-        .collect()
-}
-
 fn outline(counts: &[usize], low: f64, width: f64) -> Vec<PlotPoint> {
     counts
         .iter()
@@ -126,15 +158,21 @@ fn outline(counts: &[usize], low: f64, width: f64) -> Vec<PlotPoint> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::{Analyst, Settings};
+    use crate::deployment::Sample;
 
     #[test]
-    fn thinning_keeps_the_extremes() {
-        let mut errors: Vec<f64> = (0..100_000).map(|i| (f64::from(i) * 0.01).sin()).collect();
-        errors[51_234] = 40.0;
-        errors[7] = -30.0;
-        let kept = thinned(&errors);
-        assert!(kept.len() <= MOST_DOTS + 2);
-        assert!(kept.contains(&51_234) && kept.contains(&7));
-        assert!(kept.windows(2).all(|w| w[0] <= w[1]));
+    fn errors_outside_a_range_are_counted_as_by_brute_force() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let readings = Arc::new(RawReadings::of(&deployment));
+        let analysis = Analyst::new(deployment).run(&Settings::default());
+        let plots = PreparedPlots::of(&analysis, &readings);
+        let answer = analysis.answer.as_ref().expect("an answer");
+        let errors = || answer.evaluation.distance_errors_mm.iter().flatten();
+        for range_mm in [plots.range_mm, [-1.0, 2.0], plots.all_mm(), [0.0, 0.0]] {
+            let outside = errors().filter(|e| **e < range_mm[0] || **e > range_mm[1]).count();
+            assert_eq!(plots.outside(range_mm), [outside, errors().count()]);
+        }
+        assert_eq!(plots.outside(plots.all_mm())[0], 0);
     }
 }

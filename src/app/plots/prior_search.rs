@@ -1,12 +1,9 @@
 //! The paper's search of the prior: what each speed limit τ_v led to, which runs agreed, which was chosen.
 
 use eframe::egui;
-use egui_plot::{
-    AxisHints, GridInput, GridMark, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints,
-    Points,
-};
+use egui_plot::{AxisHints, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
-use super::{LABELS, answer, round_marks};
+use super::{LABELS, answer, log_axis, round_marks};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::calibration::inter_prism::{PriorSearch, SearchRun};
@@ -39,10 +36,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         .custom_y_axes(vec![
             AxisHints::new_y()
                 .label("error (mm, log)")
-                .formatter(|mark, _| decade(mark.value))
+                .formatter(|mark, _| log_axis::number(mark.value))
                 .label_spacing(10.0..=22.0),
         ])
-        .y_grid_spacer(decades)
+        .y_grid_spacer(log_axis::decades)
         .label_formatter(|position| match position {
             HoverPosition::NearDataPoint { plot_name, position, .. } => Some(format!(
                 "{plot_name}\nτ_v {:.2} m/s\n{:.2} mm",
@@ -96,32 +93,6 @@ fn series(runs: &[SearchRun], value_m: impl Fn(&SearchRun) -> f64) -> PlotPoints
     let log_mm = |metres: f64| (metres * 1e3).max(1e-3).log10();
     let points = runs.iter().map(|run| PlotPoint::new(run.tau_v_m_per_s, log_mm(value_m(run))));
     PlotPoints::Owned(points.collect())
-}
-
-/// Lines at 1, 2 and 5 times the powers of ten, and at the digits between where little of a decade is seen.
-#[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
-fn decades(input: GridInput) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let steps: Vec<(f64, f64)> = (1..10)
-        .filter(|digit| high - low < 0.7 || [1, 2, 5].contains(digit))
-        .map(|digit| (f64::from(digit), 1.0))
-        .collect();
-    (low.floor() as i32..=high.ceil() as i32)
-        .flat_map(|decade| {
-            let mark = move |(times, step_size): &(f64, f64)| GridMark {
-                value: f64::from(decade) + times.log10(),
-                step_size: *step_size,
-            };
-            steps.iter().map(mark).collect::<Vec<_>>()
-        })
-        .filter(|mark| (low..=high).contains(&mark.value))
-        .collect()
-}
-
-/// Back from the logarithm to mm.
-fn decade(log10: f64) -> String {
-    let value = 10_f64.powf(log10);
-    if value < 0.95 { format!("{value:.1}") } else { format!("{value:.0}") }
 }
 
 /// What each step chose, in its colour, and how to read the picture.

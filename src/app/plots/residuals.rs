@@ -1,13 +1,15 @@
 //! Distance errors over time, one colour a pair, with the kept intervals behind and the time cursor.
 
 use eframe::egui;
-use egui_plot::{AxisHints, FilledArea, HoverPosition, Plot, PlotPoints, Points, Span, VLine};
+use egui_plot::{FilledArea, HoverPosition, Plot, PlotPoints, PlotUi, Points, Span};
 
-use super::prepared::Band;
-use super::{LABELS, answer, pair_switches, round_marks};
+use super::navigation::Moved;
+use super::prepared::{Band, PreparedPlots};
+use super::time_plot::{self, Times, time_axis};
+use super::{answer, gaps, pair_switches, round_marks};
 use crate::analysis::{Analysis, Answer};
 use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, State};
+use crate::app::state::{Commands, State, Visibility};
 use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;
@@ -20,100 +22,83 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if state.is_stale() {
         ui.multiply_opacity(0.45);
     }
-    let dark = ui.visuals().dark_mode;
-    let start_s = open.start_s();
-    let range_mm = open.plots.range_mm;
-    let end_s = open.deployment.end_s().unwrap_or(start_s) - start_s;
-    // The range of the last frame: shown in the caption, and kept while the settings change if the user chose it.
-    let range_id = ui.scope_id().with(("shown range", open.id));
-    let last: Option<ShownRange> = ui.data(|data| data.get_temp(range_id));
-    let shown_mm = last.map_or(range_mm, |last| last.shown_mm);
-    let follows = last.is_some_and(|last| last.is_default() && last.default_mm != range_mm);
+    let times = Times::of(open, state);
+    // Errors that the user chose to see; otherwise the plot follows the answer.
+    let chosen_id = ui.scope_id().with(("chosen errors", open.id));
+    let chosen_mm: Option<[f64; 2]> = ui.data(|data| data.get_temp(chosen_id)).unwrap_or_default();
+    let shown_mm = chosen_mm.unwrap_or(open.plots.range_mm);
     ui.horizontal(|ui| {
         ui.add_space(6.0);
         pair_switches(ui, state, commands);
         let text = caption(open, analysis, answer, shown_mm);
         ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
+        time_plot::selection_or_hint(ui, &times, " · ctrl+scroll: zoom in mm", commands);
     });
     let plot = Plot::new(("residuals", open.id))
-        .custom_x_axes(vec![
-            AxisHints::new_x().label("time since the first measurement (s)").label_spacing(LABELS),
-        ])
+        .custom_x_axes(vec![time_axis()])
         .y_axis_label("distance error (mm)")
-        .x_grid_spacer(round_marks)
         .y_grid_spacer(round_marks)
-        .default_x_bounds(0.0, end_s.max(1.0))
-        .default_y_bounds(range_mm[0], range_mm[1])
         .label_formatter(|position| match position {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
                 Some(format!("{plot_name}\n{:.1} s\n{:+.2} mm", position.x, position.y))
             }
             HoverPosition::Elsewhere { .. } => None,
         });
-    let response = plot.show(ui, |plot_ui| {
-        if follows {
-            plot_ui.set_plot_bounds_y(range_mm[0]..=range_mm[1]);
+    let (plots, visibility) = (&open.plots, &state.visibility);
+    let columns = ui.available_width() as usize;
+    let shade = ui_shade(ui.visuals().dark_mode);
+    let name = "distance errors over time";
+    let shown = time_plot::show(ui, name, &times, plot, shown_mm, commands, |plot_ui| {
+        let s_per_column = (times.window_s[1] - times.window_s[0]) / columns.max(1) as f64;
+        for seen in gaps::visible(&plots.gaps.kept, times.window_s, s_per_column) {
+            plot_ui.span(Span::new("", seen.span.start_s..=seen.span.end_s).fill(shade));
         }
-        let shade = ui_shade(dark);
-        for interval in analysis.pipeline.kept_intervals.iter() {
-            plot_ui.span(
-                Span::new("", interval.start_s - start_s..=interval.end_s - start_s).fill(shade),
-            );
-        }
-        if state.visibility.uncertainty {
-            for (pair, bands) in open.plots.bands.iter().enumerate() {
-                if !state.visibility.pairs[pair] {
-                    continue;
-                }
-                let fill = theme::rgb(palette::PAIRS[pair]).gamma_multiply(0.16);
-                for Band { times_s, half_widths_mm } in bands {
-                    let lower: Vec<f64> = half_widths_mm.iter().map(|w| -w).collect();
-                    let area = FilledArea::new("", times_s, &lower, half_widths_mm);
-                    plot_ui.add(area.fill_color(fill).allow_hover(false));
-                }
-            }
-        }
-        for (pair, dots) in open.plots.dots.iter().enumerate() {
-            if !state.visibility.pairs[pair] {
-                continue;
-            }
-            plot_ui.points(
-                Points::new(format!("prisms {}", pair_label(pair)), PlotPoints::Borrowed(dots))
-                    .color(theme::rgb(palette::PAIRS[pair]))
-                    .radius(1.4),
-            );
-        }
-        if let Some(cursor_s) = open.timeline.cursor_s {
-            let colour = theme::rgb(theme::cursor(dark));
-            plot_ui.vline(VLine::new("", cursor_s - start_s).color(colour).width(1.0));
-        }
+        add_bands(plot_ui, plots, visibility);
+        add_dots(plot_ui, plots, visibility, &times, columns);
     });
-    if response.response.clicked()
-        && let Some(at) = response.response.interact_pointer_pos()
-    {
-        commands.push(Command::MoveCursor(response.transform.value_from_position(at).x + start_s));
+    shown.paint_times(ui, &times);
+    shown.on_click(&times, commands, |_| None);
+    let chosen_mm = match (shown.moved_y, chosen_mm) {
+        (None, chosen_mm) => chosen_mm,
+        (Some(Moved::To(range_mm)), _) => Some(range_mm),
+        // From what the plot shows by itself to everything, and from anything else back.
+        (Some(Moved::Back), None) => Some(open.plots.all_mm()),
+        (Some(Moved::Back), Some(_)) => None,
+    };
+    ui.data_mut(|data| data.insert_temp(chosen_id, chosen_mm));
+}
+
+fn add_bands<'a>(plot_ui: &mut PlotUi<'a>, plots: &'a PreparedPlots, visibility: &Visibility) {
+    let pairs = (0..3).filter(|pair| visibility.uncertainty && visibility.pairs[*pair]);
+    for pair in pairs {
+        let fill = theme::rgb(palette::PAIRS[pair]).gamma_multiply(0.16);
+        for Band { times_s, half_widths_mm } in &plots.bands[pair] {
+            let lower: Vec<f64> = half_widths_mm.iter().map(|w| -w).collect();
+            let area = FilledArea::new("", times_s, &lower, half_widths_mm);
+            plot_ui.add(area.fill_color(fill).allow_hover(false));
+        }
     }
-    let bounds = response.transform.bounds();
-    let shown_mm = [bounds.min()[1], bounds.max()[1]];
-    ui.data_mut(|data| data.insert_temp(range_id, ShownRange { shown_mm, default_mm: range_mm }));
+}
+
+fn add_dots(
+    plot_ui: &mut PlotUi<'_>,
+    plots: &PreparedPlots,
+    visibility: &Visibility,
+    times: &Times,
+    columns: usize,
+) {
+    for pair in (0..3).filter(|pair| visibility.pairs[*pair]) {
+        let dots = plots.residuals[pair].visible(times.window_s, columns);
+        plot_ui.points(
+            Points::new(format!("prisms {}", pair_label(pair)), PlotPoints::Owned(dots))
+                .color(theme::rgb(palette::PAIRS[pair]))
+                .radius(1.4),
+        );
+    }
 }
 
 fn ui_shade(dark: bool) -> egui::Color32 {
     if dark { egui::Color32::from_white_alpha(7) } else { egui::Color32::from_black_alpha(9) }
-}
-
-/// What the plot showed in the last frame, and what it would show untouched.
-#[derive(Clone, Copy)]
-struct ShownRange {
-    shown_mm: [f64; 2],
-    default_mm: [f64; 2],
-}
-
-impl ShownRange {
-    fn is_default(&self) -> bool {
-        let [low, high] = self.default_mm;
-        (self.shown_mm[0] - low).abs() + (self.shown_mm[1] - high).abs() < 1e-6 * (high - low)
-    }
 }
 
 /// The errors at the cursor, and how many lie outside what is shown: nothing is hidden without a word.
@@ -123,8 +108,6 @@ fn caption(
     answer: &Answer,
     shown_mm: [f64; 2],
 ) -> String {
-    let errors = || answer.evaluation.distance_errors_mm.iter().flatten();
-    let outside = errors().filter(|e| **e < shown_mm[0] || **e > shown_mm[1]).count();
     let mut parts = Vec::new();
     if let Some(cursor_s) = open.timeline.cursor_s {
         let at = cursor_s - open.start_s();
@@ -139,11 +122,9 @@ fn caption(
     if open.plots.bands.iter().any(|bands| !bands.is_empty()) {
         parts.push("bands: ±2σ that the interpolation states".to_owned());
     }
+    let [outside, all] = open.plots.outside(shown_mm);
     if outside > 0 {
-        parts.push(format!(
-            "{outside} of {} beyond the range (double-click: all)",
-            errors().count()
-        ));
+        parts.push(format!("{outside} of {all} beyond the range (double-click: all)"));
     }
     parts.join("  ·  ")
 }

@@ -21,6 +21,7 @@ pub struct SceneView {
     /// What the content was made from.
     built: Option<Built>,
     cursor: Option<(u64, usize)>,
+    place: Rect,
 }
 
 #[derive(PartialEq)]
@@ -40,6 +41,7 @@ impl SceneView {
             pending_look: None,
             built: None,
             cursor: None,
+            place: Rect::NOTHING,
         }
     }
 
@@ -48,8 +50,14 @@ impl SceneView {
         self.pending_look = Some(preset);
     }
 
+    /// Where the scene was drawn last, in the window (points).
+    pub fn place(&self) -> Rect {
+        self.place
+    }
+
     pub fn ui(&mut self, ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let rect = ui.available_rect_before_wrap();
+        self.place = rect;
         let id = ui.scope_id().with("scene");
         let response = ui.interact(rect, id, Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Scene"));

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Palette, Picked, Visibility};
 use crate::analysis::Settings;
-use crate::app::layout::Pane;
+use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
 use crate::app::units::Units;
@@ -13,8 +13,11 @@ use crate::deployment::Sample;
 /// What a pane asks for.
 #[derive(Clone, Debug)]
 pub enum Command {
-    OpenPath(PathBuf),
+    /// Opens whatever the readers know: tracks, folders, control points, a rig, GNSS, settings, sessions.
+    OpenPaths(Vec<PathBuf>),
     OpenSample(Sample),
+    /// Stops reading a deployment, by its request's number.
+    CancelOpening(u64),
     OpenFolderDialog,
     OpenFileDialog,
     /// Shows another of the open deployments, by its id.
@@ -76,6 +79,7 @@ pub enum Command {
 
     /// Brings a pane to the front.
     ShowPane(Pane),
+    UseLayout(LayoutPreset),
     ResetLayout,
     ShowPalette,
     /// What is typed in the command palette and which of its lines is chosen.

@@ -8,8 +8,8 @@ use super::undo::{Change, Moment, Step};
 use super::{Command, Overlay, Palette, Picked, State, Timeline};
 use crate::analysis::Settings;
 use crate::app::studies;
-use crate::app::worker::{Reply, Source};
-use crate::deployment::Deployment;
+use crate::app::worker::Reply;
+use crate::deployment::{Deployment, Source};
 use crate::export;
 use crate::progress::Progress;
 
@@ -17,8 +17,9 @@ impl State {
     /// Carries out a command; those of the window itself (layout, camera, pictures) are left to the caller.
     pub fn handle(&mut self, command: Command, ctx: &egui::Context) {
         match command {
-            Command::OpenPath(path) => self.open_source(Source::Path(path)),
-            Command::OpenSample(sample) => self.open_source(Source::Sample(sample)),
+            Command::OpenPaths(paths) => self.look_at(paths),
+            Command::OpenSample(sample) => self.open_source(Source::sample(sample)),
+            Command::CancelOpening(number) => self.cancel_opening(number),
             Command::OpenFolderDialog => self.open_folder_dialog(),
             Command::OpenFileDialog => self.open_file_dialog(),
             Command::Activate(id) => {
@@ -93,6 +94,10 @@ impl State {
             Command::ShowShortcuts => self.overlay = Overlay::Shortcuts,
             Command::CloseOverlay => self.overlay = Overlay::None,
 
+            Command::ScenePicture(to) => {
+                self.wanted_picture = Some(to);
+                ctx.request_repaint();
+            }
             Command::Copy(text) => ctx.copy_text(text),
             Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
                 let result = export::rerun::open_viewer(&deployment, &analysis)
@@ -114,14 +119,27 @@ impl State {
             Command::SaveStudyDialog => self.save_study(),
             Command::DismissNotice => self.notice = None,
             Command::Look(_)
-            | Command::ScenePicture(_)
             | Command::ShowPane(_)
+            | Command::UseLayout(_)
             | Command::ResetLayout => {}
         }
     }
 
     /// Gives deployments new settings as one step that can be undone.
     fn change(&mut self, ids: &[u64], settings: Settings, ctx: &egui::Context) {
+        let moment = ctx.input(|input| Moment {
+            now_s: input.time,
+            pressed_s: input.pointer.press_start_time().filter(|_| input.pointer.any_down()),
+        });
+        self.change_at(ids, settings, moment);
+    }
+
+    /// The same, as a step that no other continues.
+    pub(super) fn change_at_once(&mut self, ids: &[u64], settings: Settings) {
+        self.change_at(ids, settings, Moment { now_s: f64::NEG_INFINITY, pressed_s: None });
+    }
+
+    fn change_at(&mut self, ids: &[u64], settings: Settings, moment: Moment) {
         let changes: Vec<Change> = ids
             .iter()
             .filter_map(|&id| {
@@ -132,10 +150,6 @@ impl State {
         for change in &changes {
             self.set(change.id, settings);
         }
-        let moment = ctx.input(|input| Moment {
-            now_s: input.time,
-            pressed_s: input.pointer.press_start_time().filter(|_| input.pointer.any_down()),
-        });
         self.undo.record(changes, moment);
     }
 

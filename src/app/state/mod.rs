@@ -4,6 +4,8 @@
 
 mod command;
 mod handle;
+mod opening;
+mod picture;
 mod replies;
 mod results;
 mod saving;
@@ -16,6 +18,7 @@ use std::time::{Duration, Instant};
 use eframe::egui;
 
 pub use command::{Command, Commands, PictureTo};
+pub use opening::Opening;
 pub use results::{Pin, Results, Run};
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
@@ -24,9 +27,8 @@ use super::open_deployment::OpenDeployment;
 use super::scene::{Colouring, Ruler};
 use super::studies::Studies;
 use super::units::Units;
-use super::worker::{Source, Worker};
+use super::worker::Worker;
 use crate::analysis::{Analysis, Settings};
-use crate::deployment::{Deployment, Sample};
 
 /// What the scene and the plots show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,9 +115,12 @@ pub struct State {
     pub notice: Option<Notice>,
     /// Pictures that are compared byte for byte show this instead of the measured time (ms).
     pub fixed_elapsed_ms: Option<f64>,
-    opening: Vec<u64>,
-    /// The request whose deployment gives way to the first that the user opens.
-    placeholder: Option<u64>,
+    /// What is being read.
+    pub opening: Vec<Opening>,
+    /// Requests that find out what a path is.
+    looking: Vec<u64>,
+    /// Asked for in the last frame; taken in the next, when the menu that asked for it is gone.
+    wanted_picture: Option<PictureTo>,
 }
 
 impl State {
@@ -139,7 +144,8 @@ impl State {
             notice: None,
             fixed_elapsed_ms: None,
             opening: Vec::new(),
-            placeholder: None,
+            looking: Vec::new(),
+            wanted_picture: None,
         }
     }
 
@@ -159,25 +165,13 @@ impl State {
         self.active().map_or(&self.start_settings, |open| &open.settings)
     }
 
-    /// Opens a deployment, shows it, and calibrates it.
-    pub fn add(&mut self, deployment: Arc<Deployment>) {
-        self.open.retain(|open| !open.placeholder);
-        self.newest_id += 1;
-        self.open.push(OpenDeployment::new(self.newest_id, deployment, self.start_settings));
-        self.active = self.open.len() - 1;
-        self.analyse(self.active);
-    }
-
-    /// Opens the sample that is there until the user opens something.
-    pub fn open_placeholder(&mut self, sample: Sample) {
-        self.open_source(Source::Sample(sample));
-        self.placeholder = self.opening.last().copied();
-    }
-
     /// Whether anything is being opened, calibrated or studied.
     pub fn is_busy(&self) -> bool {
         let analysing = self.open.iter().any(|open| open.analysing.is_some());
-        !self.opening.is_empty() || analysing || self.studies.running.is_some()
+        !self.opening.is_empty()
+            || !self.looking.is_empty()
+            || analysing
+            || self.studies.running.is_some()
     }
 
     /// Whether the answer shown is old enough to be dimmed.
@@ -210,10 +204,5 @@ impl State {
         // The clock of a first request keeps running while newer ones replace it.
         let since = open.analysing.map_or_else(Instant::now, |(_, since)| since);
         open.analysing = Some((number, since));
-    }
-
-    fn open_source(&mut self, source: Source) {
-        let number = self.worker.open(source);
-        self.opening.push(number);
     }
 }

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use super::{Notice, State};
 use crate::analysis::Analysis;
 use crate::app::plots::PreparedPlots;
-use crate::app::worker::{Reply, Source};
-use crate::deployment::Deployment;
+use crate::app::worker::Reply;
 use crate::experiment::StudyError;
 
 impl State {
@@ -44,13 +43,15 @@ impl State {
                     Err(error) => self.notice = Some(Notice::Error(error.to_string())),
                 }
             }
+            Reply::Pictured { to, image } => self.take_pictured(to, image),
             Reply::PinDrawn { id, plots } => {
                 if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
                     pin.plots = Some(plots);
                 }
             }
             Reply::Failed(number) => {
-                self.opening.retain(|opening| *opening != number);
+                self.opening.retain(|opening| opening.number != number);
+                self.looking.retain(|looking| *looking != number);
                 for open in &mut self.open {
                     open.analysing = open.analysing.filter(|(newest, _)| *newest != number);
                 }
@@ -59,23 +60,10 @@ impl State {
                     "a bug in resect stopped the calculation; please report it with the data and the settings".to_owned(),
                 ));
             }
-            Reply::Picked(path) => self.open_source(Source::Path(path)),
+            Reply::Picked(path) => self.look_at(vec![path]),
+            Reply::Sorted(number, sorted) => self.take_sorted(number, sorted),
             Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
             Reply::Done(Err(line)) => self.notice = Some(Notice::Error(line)),
-        }
-    }
-
-    fn take_opened(&mut self, number: u64, result: Result<Arc<Deployment>, String>) {
-        self.opening.retain(|opening| *opening != number);
-        match result {
-            Ok(deployment) => {
-                self.notice = None;
-                self.add(deployment);
-                if self.placeholder == Some(number) {
-                    self.open[self.active].placeholder = true;
-                }
-            }
-            Err(line) => self.notice = Some(Notice::Error(line)),
         }
     }
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::State;
 use crate::analysis::{Analysis, Analyst, Settings, changes_in_words, setting_changes};
-use crate::app::plots::PreparedPlots;
+use crate::app::plots::{PreparedPlots, RawReadings};
 use crate::app::worker::Reply;
 use crate::export::summary::ResultSummary;
 
@@ -131,10 +131,12 @@ impl State {
             let same = |open: &&super::OpenDeployment| pin.summary.is_of(&open.deployment);
             let Some(open) = self.open.iter().find(same) else { continue };
             let (id, settings) = (pin.id, pin.summary.settings);
-            let (deployment, start_s) = (Arc::clone(&open.deployment), open.start_s());
+            let deployment = Arc::clone(&open.deployment);
+            let readings = open.analysis.is_some().then(|| Arc::clone(&open.plots.readings));
             self.worker.beside(move || {
+                let readings = readings.unwrap_or_else(|| RawReadings::of(&deployment).into());
                 let analysis = Analyst::new(deployment).run(&settings);
-                let plots = Arc::new(PreparedPlots::of(&analysis, start_s));
+                let plots = Arc::new(PreparedPlots::of(&analysis, &readings));
                 Some(Reply::PinDrawn { id, plots })
             });
         }

@@ -83,13 +83,25 @@ impl State {
         });
     }
 
+    pub(super) fn save_picture(&self, image: Arc<image::RgbaImage>) {
+        let dialog = self.save_dialog("Save the picture of the scene (PNG)", "png");
+        self.worker.beside(move || {
+            let path = pollster::block_on(dialog)?.path().to_owned();
+            let result = image
+                .save_with_format(&path, image::ImageFormat::Png)
+                .map(|()| format!("{} written", path.display()))
+                .map_err(|error| format!("{}: {error}", path.display()));
+            Some(Reply::Done(result))
+        });
+    }
+
     pub(super) fn save_report(&self) {
         let dialog = self.save_dialog("Save the report (HTML)", "html");
         self.with_analysis(move |deployment, analysis| {
             let path = pollster::block_on(dialog)?.path().to_owned();
             let analysis = Box::new(Analysis::clone(&analysis));
             let page = report::page(&[Chapter::Analysed { deployment, analysis }]);
-            let result = report::write(&page, &path)
+            let result = export::atomic::write(&path, &page)
                 .map(|()| format!("{} written", path.display()))
                 .map_err(|error| error.to_string());
             Some(Reply::Done(result))

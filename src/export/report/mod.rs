@@ -5,7 +5,6 @@
 mod answer;
 mod charts;
 mod correlation;
-mod file;
 mod input;
 
 use std::sync::Arc;
@@ -16,7 +15,6 @@ use crate::analysis::{Analysis, Answer};
 use crate::calibration::Calibration;
 use crate::deployment::{Deployment, Finding};
 use crate::palette;
-pub use file::{ReportFileError, write};
 
 const STYLE: &str = include_str!("style.css");
 

@@ -1,0 +1,110 @@
+//! Where the panes are: docked, split, tabbed and closed by the user, sized by the window until then.
+//!
+//! [`description`] is a layout as plain data, [`presets`] the ready-made ones; [`tree`] goes between descriptions and
+//! the docking library, [`fit`] lets sizes follow the window, [`reopen`] brings closed panes back.
+
+mod behaviour;
+mod description;
+mod fit;
+mod pane;
+mod presets;
+mod reopen;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+use std::collections::HashMap;
+
+use eframe::egui;
+use egui_tiles::{Tile, TileId, Tree};
+
+use super::scene::SceneView;
+use super::state::{Commands, State};
+use crate::deployment::Finding;
+use behaviour::{Edits, PaneBehaviour};
+pub use description::LayoutDescription;
+use description::Node;
+pub use pane::Pane;
+pub use presets::LayoutPreset;
+
+/// What a pane is drawn from.
+pub struct Panes<'a> {
+    pub state: &'a State,
+    pub commands: &'a mut Commands,
+    pub scene: &'a mut SceneView,
+}
+
+/// The tree of panes.
+pub struct Layout {
+    tree: Tree<Pane>,
+    /// Of rows and columns as described, by child; what the window's size makes of them is in the tree.
+    shares: HashMap<TileId, f32>,
+    /// Until the user moves something.
+    follows_window: bool,
+    /// The ready-made layout that it came from; closed panes come back to where that has them.
+    preset: Option<LayoutPreset>,
+}
+
+impl Default for Layout {
+    /// What the first window shows.
+    fn default() -> Self {
+        Self::of_root(&presets::first(), true)
+    }
+}
+
+impl From<LayoutPreset> for Layout {
+    fn from(preset: LayoutPreset) -> Self {
+        Self { preset: Some(preset), ..Self::of_root(&preset.root(), true) }
+    }
+}
+
+impl Layout {
+    fn of_root(root: &Node, follows_window: bool) -> Self {
+        let (tree, shares) = tree::tree_of(root);
+        Self { tree, shares, follows_window, preset: None }
+    }
+
+    /// As described, with what is wrong put right; the first window's where no pane is left.
+    pub fn of_description(description: &LayoutDescription) -> (Self, Vec<Finding>) {
+        let (root, findings) = description.arrangement();
+        let layout = root
+            .map_or_else(Self::default, |root| Self::of_root(&root, description.follows_window));
+        (layout, findings)
+    }
+
+    /// As plain data, to be kept.
+    pub fn describe(&self) -> LayoutDescription {
+        let none = HashMap::new();
+        let shares = if self.follows_window { &self.shares } else { &none };
+        let root = tree::node_of(&self.tree, shares).unwrap_or_else(presets::first);
+        LayoutDescription::new(&root, self.follows_window)
+    }
+
+    pub fn ui(&mut self, ui: &mut egui::Ui, panes: &mut Panes<'_>) {
+        self.ui_with(ui, &mut |pane, ui| panes.pane(pane, ui));
+    }
+
+    fn ui_with(&mut self, ui: &mut egui::Ui, draw: &mut dyn FnMut(Pane, &mut egui::Ui)) {
+        if let (true, Some(root)) = (self.follows_window, self.tree.root) {
+            fit::fit(&mut self.tree.tiles, &self.shares, root, ui.available_size());
+        }
+        let mut edits = Edits::default();
+        self.tree.ui(&mut PaneBehaviour { draw, edits: &mut edits }, ui);
+        self.follows_window &= !edits.moved;
+    }
+
+    /// Brings a pane to the front of its tabs; back into the window where it was closed.
+    pub fn show(&mut self, pane: Pane) {
+        if !self.holds(pane) {
+            let mut layouts: Vec<Node> = self.preset.map(LayoutPreset::root).into_iter().collect();
+            layouts.push(presets::first());
+            reopen::reopen(&mut self.tree, &mut self.shares, pane, &layouts);
+        }
+        self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(p) if *p == pane));
+    }
+
+    /// Whether a pane is in the window, in front or behind others.
+    pub fn holds(&self, pane: Pane) -> bool {
+        self.tree.tiles.find_pane(&pane).is_some()
+    }
+}

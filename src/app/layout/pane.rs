@@ -1,0 +1,87 @@
+//! The panes there are.
+
+/// What can be docked, tabbed and closed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Pane {
+    Deployment,
+    Pipeline,
+    Scene,
+    Result,
+    Findings,
+    Residuals,
+    Histogram,
+    PriorSearch,
+    SideBySide,
+    Studies,
+    /// Rates of range, azimuth and zenith angle, with their thresholds.
+    Rates,
+    /// When each station measured, and what of it is used.
+    Intervals,
+    /// The picked reading, explained.
+    Reading,
+    /// Earlier runs and pinned results.
+    Runs,
+}
+
+impl Pane {
+    /// In the order of the menu.
+    pub const ALL: [Self; 14] = [
+        Self::Deployment,
+        Self::Pipeline,
+        Self::Scene,
+        Self::Studies,
+        Self::SideBySide,
+        Self::Result,
+        Self::Runs,
+        Self::Residuals,
+        Self::Rates,
+        Self::Intervals,
+        Self::Histogram,
+        Self::Findings,
+        Self::Reading,
+        Self::PriorSearch,
+    ];
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Deployment => "Deployment",
+            Self::Pipeline => "Pipeline",
+            Self::Scene => "Scene",
+            Self::Result => "Result",
+            Self::Findings => "Findings",
+            Self::Residuals => "Distance errors over time",
+            Self::Histogram => "Histogram",
+            Self::PriorSearch => "Prior search",
+            Self::SideBySide => "Side by side",
+            Self::Studies => "Studies",
+            Self::Rates => "Rates",
+            Self::Intervals => "Intervals",
+            Self::Reading => "Reading",
+            Self::Runs => "Runs",
+        }
+    }
+
+    /// As files call it; never changes, unlike the title.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Deployment => "deployment",
+            Self::Pipeline => "pipeline",
+            Self::Scene => "scene",
+            Self::Result => "result",
+            Self::Findings => "findings",
+            Self::Residuals => "residuals",
+            Self::Histogram => "histogram",
+            Self::PriorSearch => "prior-search",
+            Self::SideBySide => "side-by-side",
+            Self::Studies => "studies",
+            Self::Rates => "rates",
+            Self::Intervals => "intervals",
+            Self::Reading => "reading",
+            Self::Runs => "runs",
+        }
+    }
+
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|pane| pane.name() == name)
+    }
+}

@@ -1,0 +1,104 @@
+//! The ready-made layouts, written as descriptions.
+
+use super::description::{Node, column, row, tabs};
+use super::pane::Pane::{
+    Deployment, Findings, Histogram, Intervals, Pipeline, PriorSearch, Rates, Reading, Residuals,
+    Result, Runs, Scene, SideBySide, Studies,
+};
+
+/// A ready-made layout for one kind of work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LayoutPreset {
+    /// Looking at what was measured.
+    Inspect,
+    /// Turning thresholds and watching what they do.
+    Tune,
+    /// Deployments, methods and runs beside each other.
+    Compare,
+}
+
+impl LayoutPreset {
+    pub const ALL: [Self; 3] = [Self::Inspect, Self::Tune, Self::Compare];
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Inspect => "Inspect",
+            Self::Tune => "Tune",
+            Self::Compare => "Compare",
+        }
+    }
+
+    /// What it is for, in one line.
+    pub fn hint(self) -> &'static str {
+        match self {
+            Self::Inspect => "A large scene, the picked reading, and what was measured over time",
+            Self::Tune => "The pipeline beside the rates and intervals that its thresholds cut",
+            Self::Compare => "Deployments, studies and runs beside each other",
+        }
+    }
+
+    pub(super) fn root(self) -> Node {
+        match self {
+            Self::Inspect => row([
+                (0.2, column([(0.4, tabs(&[Deployment])), (0.6, tabs(&[Reading, Pipeline]))])),
+                (
+                    0.6,
+                    column([
+                        (0.68, tabs(&[Scene])),
+                        (0.32, tabs(&[Rates, Intervals, Residuals, Histogram])),
+                    ]),
+                ),
+                (0.2, tabs(&[Result, Findings, Runs])),
+            ]),
+            Self::Tune => row([
+                (0.2, column([(0.3, tabs(&[Deployment])), (0.7, tabs(&[Pipeline]))])),
+                (
+                    0.54,
+                    column([
+                        (0.4, tabs(&[Scene])),
+                        (0.36, tabs(&[Rates])),
+                        (0.24, tabs(&[Intervals])),
+                    ]),
+                ),
+                (
+                    0.46,
+                    column([
+                        (0.58, tabs(&[Result, Runs, Findings])),
+                        (0.42, tabs(&[Residuals, Histogram, PriorSearch])),
+                    ]),
+                ),
+            ]),
+            Self::Compare => row([
+                (
+                    0.7,
+                    column([
+                        (0.56, tabs(&[SideBySide, Studies])),
+                        (0.44, row([(0.5, tabs(&[Scene])), (0.5, tabs(&[Residuals, Histogram]))])),
+                    ]),
+                ),
+                (0.3, column([(0.6, tabs(&[Result, Findings])), (0.4, tabs(&[Runs, Deployment]))])),
+            ]),
+        }
+    }
+}
+
+/// What the first window shows: a place for every pane.
+pub fn first() -> Node {
+    row([
+        (0.2, column([(0.3, tabs(&[Deployment])), (0.7, tabs(&[Pipeline]))])),
+        (
+            0.6,
+            column([
+                (0.68, tabs(&[Scene, Studies, SideBySide])),
+                (
+                    0.32,
+                    row([
+                        (0.66, tabs(&[Residuals, Rates, Intervals, PriorSearch])),
+                        (0.34, tabs(&[Histogram, Findings, Reading])),
+                    ]),
+                ),
+            ]),
+        ),
+        (0.2, tabs(&[Result, Runs])),
+    ])
+}

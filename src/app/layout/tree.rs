@@ -1,0 +1,88 @@
+//! Between descriptions and the tree of the docking library.
+
+use std::collections::HashMap;
+
+use eframe::egui;
+use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
+
+use super::description::{Node, normalised};
+use super::pane::Pane;
+
+/// The tree of an arrangement, and each child's share of its row or column.
+pub fn tree_of(root: &Node) -> (Tree<Pane>, HashMap<TileId, f32>) {
+    let (mut tiles, mut shares) = (Tiles::default(), HashMap::new());
+    let root = insert(&mut tiles, &mut shares, root);
+    (Tree::new(egui::Id::unique("panes"), root, tiles), shares)
+}
+
+fn insert(tiles: &mut Tiles<Pane>, all: &mut HashMap<TileId, f32>, node: &Node) -> TileId {
+    let mut linear = |direction, shares: &[f32], children: &[Node]| {
+        let ids: Vec<TileId> = children.iter().map(|child| insert(tiles, all, child)).collect();
+        let mut linear = Linear::new(direction, ids.clone());
+        for (child, share) in ids.into_iter().zip(shares) {
+            linear.shares.set_share(child, *share);
+            all.insert(child, *share);
+        }
+        tiles.insert_container(linear)
+    };
+    match node {
+        Node::Pane(pane) => tiles.insert_pane(*pane),
+        Node::Row { shares, children } => linear(LinearDir::Horizontal, shares, children),
+        Node::Column { shares, children } => linear(LinearDir::Vertical, shares, children),
+        Node::Tabs { active, children } => {
+            let ids: Vec<TileId> = children.iter().map(|child| insert(tiles, all, child)).collect();
+            let active = usize::try_from(*active).ok().and_then(|at| ids.get(at).copied());
+            let mut tabs = Tabs::new(ids);
+            tabs.active = active.or(tabs.active);
+            tiles.insert_container(tabs)
+        }
+    }
+}
+
+/// The arrangement of a tree, with the shares of its children that `shares` has in place of the tree's own.
+pub fn node_of(tree: &Tree<Pane>, shares: &HashMap<TileId, f32>) -> Option<Node> {
+    node_at(&tree.tiles, shares, tree.root?)
+}
+
+fn node_at(tiles: &Tiles<Pane>, shares: &HashMap<TileId, f32>, tile: TileId) -> Option<Node> {
+    let container = match tiles.get(tile)? {
+        Tile::Pane(pane) => return Some(Node::Pane(*pane)),
+        Tile::Container(container) => container,
+    };
+    let children: Vec<(TileId, Node)> = container
+        .children()
+        .filter_map(|child| Some((*child, node_at(tiles, shares, *child)?)))
+        .collect();
+    if children.is_empty() {
+        return None;
+    }
+    let own_share = |child: &TileId| match container {
+        Container::Linear(linear) => linear.shares[*child],
+        Container::Tabs(_) | Container::Grid(_) => 1.0,
+    };
+    let shares: Vec<f32> = children
+        .iter()
+        .map(|(child, _)| shares.get(child).copied().unwrap_or_else(|| own_share(child)))
+        .collect();
+    let at = |tabs: &Tabs| children.iter().position(|(child, _)| tabs.active == Some(*child));
+    let active = match container {
+        Container::Tabs(tabs) => at(tabs).and_then(|at| i64::try_from(at).ok()).unwrap_or(0),
+        Container::Linear(_) | Container::Grid(_) => 0,
+    };
+    let children = children.into_iter().map(|(_, node)| node).collect();
+    Some(match container {
+        Container::Tabs(_) => Node::Tabs { active, children },
+        Container::Linear(Linear { dir: LinearDir::Vertical, .. }) => {
+            Node::Column { shares: rounded(&shares), children }
+        }
+        // Nothing here makes grids.
+        Container::Linear(_) | Container::Grid(_) => {
+            Node::Row { shares: rounded(&shares), children }
+        }
+    })
+}
+
+/// Parts of one with as many digits as a window has pixels.
+fn rounded(shares: &[f32]) -> Vec<f32> {
+    normalised(shares).into_iter().map(|share| (share * 1e4).round() / 1e4).collect()
+}

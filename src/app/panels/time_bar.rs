@@ -1,0 +1,124 @@
+//! The bar at the bottom: play, speed, where the cursor is, and the whole drive in one line.
+
+use eframe::egui::{self, Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
+
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::{Command, Commands, Playback, State, Timeline};
+use crate::app::theme;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let Some(open) = state.active() else { return };
+    egui::Panel::bottom("time bar").show(ui, |ui| {
+        ui.horizontal(|ui| {
+            transport(ui, state, commands);
+            let [start_s, end_s] = open.timeline.whole_s;
+            let at_s = open.timeline.cursor_s.unwrap_or(start_s) - start_s;
+            ui.monospace(format!("{at_s:7.1} / {:.1} s", end_s - start_s))
+                .on_hover_text("The time cursor, since the first measurement");
+            strip(ui, state, open, commands);
+        });
+    });
+}
+
+fn transport(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let playing = state.playback.playing;
+    for (sign, name, command) in [
+        ("⏮", "Step backwards (←)", Command::StepCursor(-1)),
+        if playing {
+            ("⏸", "Pause (Space)", Command::TogglePlay)
+        } else {
+            ("▶", "Play (Space)", Command::TogglePlay)
+        },
+        ("⏭", "Step forwards (→)", Command::StepCursor(1)),
+    ] {
+        let button = ui.add(egui::Button::new(sign).min_size(Vec2::new(24.0, 0.0)));
+        let button = button.on_hover_text(name);
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+        if button.clicked() {
+            commands.push(command);
+        }
+    }
+    let mut speed = state.playback.speed;
+    let combo = egui::ComboBox::from_id_salt("speed")
+        .width(52.0)
+        .selected_text(format!("{speed}×"))
+        .show_ui(ui, |ui| {
+            for choice in Playback::SPEEDS {
+                ui.selectable_value(&mut speed, choice, format!("{choice}×"));
+            }
+        });
+    let name = "Speed of playing";
+    combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+    combo.response.on_hover_text("Seconds of the drive in a second");
+    if speed != state.playback.speed {
+        commands.push(Command::SetPlaySpeed(speed));
+    }
+}
+
+/// The whole drive: kept intervals, what the plots show, the selection, and the cursor that a drag moves.
+fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
+    let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let Timeline { whole_s, window_s, cursor_s, selection_s, .. } = open.timeline;
+    let [start_s, end_s] = whole_s;
+    response.widget_info(|| {
+        let at_s = cursor_s.unwrap_or(start_s) - start_s;
+        egui::WidgetInfo::slider(true, at_s, "Time cursor")
+    });
+    let x = |time_s: f64| {
+        let share = ((time_s - start_s) / (end_s - start_s)).clamp(0.0, 1.0);
+        rect.left() + share as f32 * rect.width()
+    };
+    let band = |span_s: [f64; 2], inset: f32| {
+        Rect::from_x_y_ranges(x(span_s[0])..=x(span_s[1]), rect.y_range())
+            .shrink2(Vec2::new(0.0, inset))
+    };
+    let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
+    let dark = visuals.dark_mode;
+    painter.rect_filled(rect, 3.0, visuals.extreme_bg_color);
+    if let Some(analysis) = &open.analysis {
+        let kept = theme::faint(dark).gamma_multiply(0.55);
+        for interval in analysis.pipeline.kept_intervals.iter() {
+            painter.rect_filled(band([interval.start_s, interval.end_s], 6.0), 1.0, kept);
+        }
+    }
+    if let Some(span_s) = selection_s {
+        painter.rect_filled(band(span_s, 1.0), 1.0, visuals.selection.bg_fill.gamma_multiply(0.5));
+    }
+    if window_s != whole_s {
+        let stroke = Stroke::new(1.0, visuals.text_color());
+        painter.rect_stroke(band(window_s, 1.0), 2.0, stroke, StrokeKind::Inside);
+    }
+    if let Some(hover_s) = state.hover_s {
+        painter.vline(x(hover_s), rect.y_range(), Stroke::new(1.0, theme::faint(dark)));
+    }
+    if let Some(cursor_s) = cursor_s {
+        let colour = theme::rgb(theme::cursor(dark));
+        painter.vline(x(cursor_s), rect.y_range(), Stroke::new(2.0, colour));
+    }
+    if response.has_focus() {
+        painter.rect_stroke(rect, 3.0, visuals.selection.stroke, StrokeKind::Inside);
+        let pressed = |key| ui.input(|input| input.num_presses(key)) as i32;
+        let steps = pressed(Key::ArrowRight) - pressed(Key::ArrowLeft);
+        if steps != 0 {
+            commands.push(Command::StepCursor(steps));
+        }
+        let arrows = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+    }
+    let time_at = |at: Pos2| {
+        let share = ((at.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
+        start_s + f64::from(share) * (end_s - start_s)
+    };
+    if let Some(at) = response.interact_pointer_pos() {
+        commands.push(Command::MoveCursor(time_at(at)));
+    } else if let Some(at) = response.hover_pos() {
+        let time_s = time_at(at);
+        commands.push(Command::Hover(time_s));
+        let text = format!("{:.1} s", time_s - start_s);
+        let align = if at.x > rect.center().x { Align2::RIGHT_CENTER } else { Align2::LEFT_CENTER };
+        let offset = if align == Align2::RIGHT_CENTER { -6.0 } else { 6.0 };
+        let place = Pos2::new(at.x + offset, rect.center().y);
+        painter.text(place, align, text, FontId::proportional(11.0), visuals.text_color());
+    }
+}

@@ -1,0 +1,271 @@
+//! One row a station with its readings and silences, and one with the spans that all three have in common.
+
+use eframe::egui::{self, Align2, Color32, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2};
+use egui_plot::{AxisHints, GridMark, Plot};
+
+use super::super::gaps::{Seen, visible};
+use super::super::time_plot::{self, Shown, Times, time_axis};
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::{Command, Commands, Picked, State};
+use crate::app::theme;
+use crate::palette;
+use crate::pipeline::{Interval, OutlierReason, SampleFate};
+
+/// Space for the rows' names.
+pub const NAMES: f32 = 66.0;
+/// Rows from the top: stations 1 to 3, and all three.
+const ROWS: usize = 4;
+/// Ticks further apart than this stand alone (points); closer ones are drawn as density, in columns this wide.
+const TICKS: f64 = 3.0;
+const COLUMN: f32 = 2.0;
+/// A click this near to a tick is meant for it (points).
+const NEAR: f32 = 6.0;
+
+pub fn ui(
+    ui: &mut egui::Ui,
+    open: &OpenDeployment,
+    state: &State,
+    times: &Times,
+    commands: &mut Commands,
+) {
+    let plot = Plot::new(("intervals", open.id))
+        .custom_x_axes(vec![time_axis()])
+        .custom_y_axes(vec![
+            AxisHints::new_y()
+                .formatter(|mark, _| name(ROWS as f64 - mark.value))
+                .label_spacing(8.0..=14.0)
+                .min_thickness(NAMES),
+        ])
+        .y_grid_spacer(|_| {
+            let middle = |row| GridMark { value: f64::from(row) + 0.5, step_size: 1.0 };
+            (0..ROWS as i32).map(middle).collect()
+        })
+        .show_grid([true, false])
+        .label_formatter(|_| None);
+    let name = "readings, silences and intervals over time";
+    let bounds = [0.0, ROWS as f64];
+    let shown = time_plot::show(ui, name, times, plot, bounds, commands, |_| {});
+    let chart = Chart { open, state, times, shown };
+    for station in (0..3).filter(|station| state.visibility.stations[*station]) {
+        chart.station(ui, station);
+    }
+    chart.common(ui);
+    chart.shown.paint_times(ui, times);
+    chart.hover(ui);
+    chart.shown.on_click(times, commands, |at| chart.reading_at(at).map(Command::PickInPlot));
+}
+
+fn name(row: f64) -> String {
+    match row as usize {
+        station @ 0..3 => format!("station {}", station + 1),
+        _ => "all three".to_owned(),
+    }
+}
+
+struct Chart<'a> {
+    open: &'a OpenDeployment,
+    state: &'a State,
+    times: &'a Times,
+    shown: Shown,
+}
+
+impl Chart<'_> {
+    fn row(&self, row: usize) -> Rangef {
+        let frame = self.shown.frame();
+        let height = frame.height() / ROWS as f32;
+        let top = frame.top() + row as f32 * height;
+        Rangef::new(top, top + height).shrink(0.12 * height)
+    }
+
+    fn points_per_s(&self) -> f64 {
+        self.shown.transform.dpos_dvalue_x()
+    }
+
+    /// Silences and spans at least a point wide.
+    fn visible(&self, spans: &[Interval]) -> Vec<Seen> {
+        visible(spans, self.times.window_s, 1.0 / self.points_per_s())
+    }
+
+    fn rect(&self, row: usize, span: &Interval) -> Rect {
+        let frame = self.shown.frame();
+        let x = [span.start_s, span.end_s].map(|t| {
+            // Far outside, f32 would be coarse.
+            self.shown.x(t).clamp(frame.left() - 9.0, frame.right() + 9.0)
+        });
+        Rect::from_x_y_ranges(x[0]..=x[1].max(x[0] + 1.0), self.row(row))
+    }
+
+    fn station(&self, ui: &egui::Ui, station: usize) {
+        let painter = self.shown.painter(ui);
+        let (row, gaps) = (self.row(station), &self.open.plots.gaps);
+        let silent = theme::rgb(palette::fate(SampleFate::Rejected(OutlierReason::Range)));
+        for seen in self.visible(&gaps.outages[station]) {
+            let rect = self.rect(station, &seen.span);
+            painter.rect_filled(rect, 0.0, silent.gamma_multiply(0.3));
+            painter.rect_stroke(rect, 0.0, Stroke::new(1.0, silent), StrokeKind::Inside);
+            label(ui, &painter, rect, &seen);
+        }
+        if self.ticks_stand_alone(station) {
+            self.ticks(&painter, station);
+        } else {
+            self.density(&painter, station);
+        }
+        // What the outlier filter took is often why a station seems silent.
+        let reach = Rangef::new(row.max - 0.3 * row.span(), row.max);
+        let rejected_s = &gaps.rejected_s[station];
+        let spans = |t: &f64| Interval { start_s: *t, end_s: *t };
+        let from = rejected_s.partition_point(|t| *t < self.times.window_s[0]);
+        let mut at = from;
+        while let Some(time_s) = rejected_s.get(at).filter(|t| **t <= self.times.window_s[1]) {
+            painter.vline(self.shown.x(spans(time_s).start_s), reach, Stroke::new(1.5, silent));
+            let close_s = time_s + 1.0 / self.points_per_s();
+            at = rejected_s.partition_point(|t| *t <= close_s).max(at + 1);
+        }
+    }
+
+    fn ticks_stand_alone(&self, station: usize) -> bool {
+        let readings = self.open.plots.readings.stations[station].within(self.times.window_s);
+        f64::from(self.shown.frame().width()) > TICKS * readings.len() as f64
+    }
+
+    fn ticks(&self, painter: &egui::Painter, station: usize) {
+        let own = &self.open.plots.readings.stations[station];
+        let row = self.row(station);
+        for index in own.within(self.times.window_s) {
+            let x = self.shown.x(own.time_s[index]);
+            let colour = theme::rgb(palette::STATIONS[station]);
+            painter.vline(x, row, Stroke::new(1.2, colour));
+            if self.open.timeline.picked == Some(Picked { station, index }) {
+                let ring = Rect::from_x_y_ranges(x - 3.0..=x + 3.0, row.expand(1.0));
+                let stroke = Stroke::new(1.5, self.strong());
+                painter.rect_stroke(ring, 2.0, stroke, StrokeKind::Outside);
+            }
+        }
+    }
+
+    fn strong(&self) -> Color32 {
+        self.shown.response.ctx.global_style().visuals.strong_text_color()
+    }
+
+    /// How many readings fall into each column, the darker the more.
+    fn density(&self, painter: &egui::Painter, station: usize) {
+        let times_s = &self.open.plots.readings.stations[station].time_s;
+        let (frame, row) = (self.shown.frame(), self.row(station));
+        let columns = (frame.width() / COLUMN).ceil() as usize;
+        let left = |column: usize| frame.left() + column as f32 * COLUMN;
+        let time_at = |x: f32| self.shown.transform.value_from_position(Pos2::new(x, 0.0)).x;
+        let ends: Vec<usize> = (0..=columns)
+            .map(|column| times_s.partition_point(|t| *t < time_at(left(column))))
+            .collect();
+        let most = ends.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(1).max(1);
+        let colour = theme::rgb(palette::STATIONS[station]);
+        for (column, pair) in ends.windows(2).enumerate().filter(|(_, pair)| pair[0] < pair[1]) {
+            let share = (pair[1] - pair[0]) as f32 / most as f32;
+            let rect = Rect::from_x_y_ranges(left(column)..=left(column + 1), row);
+            painter.rect_filled(rect, 0.0, colour.gamma_multiply(0.25 + 0.6 * share));
+        }
+    }
+
+    fn common(&self, ui: &egui::Ui) {
+        let painter = self.shown.painter(ui);
+        let gaps = &self.open.plots.gaps;
+        let (row, kept) = (ROWS - 1, theme::rgb(palette::fate(SampleFate::Kept)));
+        for seen in self.visible(&gaps.kept) {
+            let rect = self.rect(row, &seen.span);
+            painter.rect_filled(rect, 1.0, kept.gamma_multiply(0.75));
+            label(ui, &painter, rect, &seen);
+        }
+        let short = theme::rgb(palette::fate(SampleFate::IntervalTooShort));
+        for seen in self.visible(&gaps.short) {
+            let rect = self.rect(row, &seen.span);
+            hatch(&painter.with_clip_rect(rect.intersect(painter.clip_rect())), rect, short);
+            painter.rect_stroke(rect, 0.0, Stroke::new(1.0, short), StrokeKind::Inside);
+            label(ui, &painter, rect, &seen);
+        }
+    }
+
+    /// What is under the pointer, in words.
+    fn hover(&self, ui: &egui::Ui) {
+        let Some(at) = self.shown.pointer(ui) else { return };
+        let frame = self.shown.frame();
+        let row = ((at.y - frame.top()) / frame.height() * ROWS as f32) as usize;
+        let time_s = self.shown.transform.value_from_position(at).x;
+        let gaps = &self.open.plots.gaps;
+        let silences = |station: usize| {
+            let silent = under(&gaps.outages[station], time_s)?;
+            Some(format!("station {} silent for {}", station + 1, length_and_span(silent)))
+        };
+        let text = if row < 3 {
+            silences(row)
+        } else if let Some(kept) = under(&gaps.kept, time_s) {
+            Some(format!("kept interval: {}", length_and_span(kept)))
+        } else if let Some(short) = under(&gaps.short, time_s) {
+            let tau_l = self.state.settings().pipeline.thresholds.tau_l_seconds;
+            Some(format!("too short (τ_l {tau_l} s): {}", length_and_span(short)))
+        } else {
+            let silent: Vec<String> = (0..3).filter_map(silences).collect();
+            (!silent.is_empty()).then(|| format!("no interval\n{}", silent.join("\n")))
+        };
+        if let Some(text) = text {
+            self.shown.response.clone().on_hover_text_at_pointer(text);
+        }
+    }
+
+    /// The reading whose tick is near.
+    fn reading_at(&self, at: Pos2) -> Option<Picked> {
+        let station = (0..3).find(|station| self.row(*station).contains(at.y))?;
+        if !self.state.visibility.stations[station] || !self.ticks_stand_alone(station) {
+            return None;
+        }
+        let own = &self.open.plots.readings.stations[station];
+        let far = |index: &usize| (self.shown.x(own.time_s[*index]) - at.x).abs();
+        let near = own.within(self.times.window_s).min_by(|a, b| far(a).total_cmp(&far(b)))?;
+        (far(&near) < NEAR).then_some(Picked { station, index: near })
+    }
+}
+
+fn under(spans: &[Interval], time_s: f64) -> Option<&Interval> {
+    let span = spans.get(spans.partition_point(|span| span.end_s < time_s))?;
+    (span.start_s <= time_s).then_some(span)
+}
+
+fn length_and_span(span: &Interval) -> String {
+    format!("{} s ({:.1}–{:.1} s)", length(span), span.start_s, span.end_s)
+}
+
+fn length(span: &Interval) -> String {
+    let length_s = span.length_s();
+    if length_s < 9.95 { format!("{length_s:.1}") } else { format!("{length_s:.0}") }
+}
+
+/// How long a span is, where there is room.
+fn label(ui: &egui::Ui, painter: &egui::Painter, rect: Rect, seen: &Seen) {
+    let seen_part = rect.intersect(painter.clip_rect());
+    let text = format!("{} s", length(&seen.span));
+    // Most have no room; letters are not laid out to find that.
+    if seen.count > 1 || seen_part.width() < 5.0 * text.len() as f32 {
+        return;
+    }
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let galley = painter.layout_no_wrap(text, font, ui.visuals().strong_text_color());
+    if seen_part.width() > galley.size().x + 4.0 {
+        let place = Align2::CENTER_CENTER.anchor_size(seen_part.center(), galley.size());
+        let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.7);
+        painter.rect_filled(place.expand(1.0), 2.0, ground);
+        painter.galley(place.min, galley, ui.visuals().strong_text_color());
+    }
+}
+
+/// Slanted lines, cut off by the painter.
+fn hatch(painter: &egui::Painter, rect: Rect, colour: Color32) {
+    painter.rect_filled(rect, 0.0, colour.gamma_multiply(0.15));
+    let (step, rise) = (5.0, rect.height());
+    let seen = rect.intersect(painter.clip_rect());
+    let first = ((seen.left() - rect.left() - rise) / step).floor().max(0.0) as i32;
+    let last = ((seen.right() - rect.left() + rise) / step).ceil() as i32;
+    for line in first..=last {
+        let foot = rect.left_bottom() + Vec2::new(line as f32 * step - rise, 0.0);
+        let ends = [foot, foot + Vec2::new(rise, -rise)];
+        painter.add(Shape::line_segment(ends, Stroke::new(1.0, colour)));
+    }
+}

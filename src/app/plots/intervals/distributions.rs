@@ -1,0 +1,147 @@
+//! How long the silences and the intervals are, on logarithmic axes, with τ_s and τ_l as lines to drag.
+
+use eframe::egui::{self, Color32, Rect, RichText};
+use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform};
+
+use super::super::gaps::LogHistogram;
+use super::super::{LABELS, log_axis};
+use super::GapThresholds;
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::State;
+use crate::app::theme;
+use crate::palette;
+use crate::pipeline::SampleFate;
+
+/// The values of τ_s and τ_l that the user wants.
+pub fn ui(
+    ui: &mut egui::Ui,
+    open: &OpenDeployment,
+    state: &State,
+    thresholds: &GapThresholds,
+) -> [Option<f64>; 2] {
+    ui.spacing_mut().item_spacing.y = 2.0;
+    let gaps = &open.plots.gaps;
+    let [tau_s, tau_l] = &thresholds.0;
+    // Two titles, two plots.
+    let height = (ui.available_height() / 2.0 - 18.0).max(40.0);
+    let longer = gaps.outages.each_ref().map(|outages| outages.len().to_string()).join(" / ");
+    title(ui, "silences", &format!("{longer} longer than τ_s"));
+    let stations: Vec<(&LogHistogram, Color32)> = (0..3)
+        .filter(|station| state.visibility.stations[*station])
+        .map(|station| (&gaps.lengths[station], theme::rgb(palette::STATIONS[station])))
+        .collect();
+    let silences = Distribution { name: "silences", threshold: tau_s.value, series: &stations };
+    let (transform, frame) = silences.show(ui, open.id, height, |_| 1.0);
+    let wanted_s =
+        tau_s.vertical_line(ui, frame, x(&transform, tau_s.value), |x| at(&transform, x));
+
+    title(ui, "intervals", &format!("{} not longer than τ_l", gaps.short.len()));
+    let kept = theme::rgb(palette::fate(SampleFate::Kept));
+    let series = [(&gaps.interval_lengths, kept)];
+    let intervals = Distribution { name: "intervals", threshold: tau_l.value, series: &series };
+    let shortest = if tau_l.enabled { tau_l.value.max(1e-9).log10() } else { f64::NEG_INFINITY };
+    let pale = |log10: f64| if log10 < shortest { 0.4 } else { 1.0 };
+    let (transform, frame) = intervals.show(ui, open.id, height, pale);
+    let wanted_l =
+        tau_l.vertical_line(ui, frame, x(&transform, tau_l.value), |x| at(&transform, x));
+    [wanted_s, wanted_l]
+}
+
+fn title(ui: &mut egui::Ui, what: &str, counts: &str) {
+    ui.horizontal(|ui| {
+        ui.add(egui::Label::new(RichText::new(format!("{what}: {counts}")).small()).truncate());
+    });
+}
+
+/// Of a length, also one that no axis shows.
+fn x(transform: &PlotTransform, length_s: f64) -> f32 {
+    let bounds = transform.bounds();
+    let log10 = length_s.max(1e-9).log10().clamp(bounds.min()[0], bounds.max()[0]);
+    transform.position_from_point_x(log10)
+}
+
+fn at(transform: &PlotTransform, x: f32) -> f64 {
+    10_f64.powf(transform.value_from_position(egui::pos2(x, 0.0)).x)
+}
+
+struct Distribution<'a> {
+    name: &'a str,
+    threshold: f64,
+    series: &'a [(&'a LogHistogram, Color32)],
+}
+
+impl Distribution<'_> {
+    /// `strength` of a bin by the middle of its length (log10). Counts stand on a logarithmic axis, too: a few long
+    /// silences matter as much as thousands of short ones.
+    fn show(
+        &self,
+        ui: &mut egui::Ui,
+        id: u64,
+        height: f32,
+        strength: impl Fn(f64) -> f32,
+    ) -> (PlotTransform, Rect) {
+        let bins = || self.series.iter().flat_map(|(histogram, _)| histogram.bins());
+        let threshold = self.threshold.max(1e-3).log10();
+        let ends = bins().map(|(ends, _)| ends);
+        let [low, high] = ends.fold([threshold - 0.7, threshold + 0.7], |[low, high], [a, b]| {
+            [low.min(a - 0.1), high.max(b + 0.1)]
+        });
+        let most = bins().map(|(_, count)| count).max().unwrap_or(1);
+        let shown = Plot::new((self.name, id))
+            .height(height)
+            .custom_x_axes(vec![
+                AxisHints::new_x()
+                    .label(format!("length of {} (s)", self.name))
+                    .formatter(|mark, _| log_axis::number(mark.value))
+                    .label_spacing(LABELS),
+            ])
+            .custom_y_axes(vec![
+                AxisHints::new_y()
+                    .formatter(|mark, _| format!("{:.0}", 10_f64.powf(mark.value) - 1.0))
+                    .label_spacing(8.0..=14.0)
+                    .min_thickness(28.0),
+            ])
+            .x_grid_spacer(log_axis::many_decades)
+            .y_grid_spacer(counts)
+            .label_formatter(|_| None)
+            .show_crosshair(false)
+            .allow_zoom(false)
+            .allow_scroll(false)
+            .allow_drag(false)
+            .allow_boxed_zoom(false)
+            .allow_axis_zoom_drag(false)
+            .allow_double_click_reset(false)
+            .sense(egui::Sense::hover())
+            .show(ui, |plot_ui| {
+                plot_ui.set_plot_bounds_x(low..=high);
+                plot_ui.set_plot_bounds_y(0.0..=1.1 * place(most));
+            });
+        let transform = shown.transform;
+        let frame = *transform.frame();
+        let painter = ui.painter().with_clip_rect(frame);
+        // Side by side within a bin, so that no station hides another.
+        let beside = 1.0 / self.series.len().max(1) as f64;
+        for (index, (histogram, colour)) in self.series.iter().enumerate() {
+            for ([a, b], count) in histogram.bins() {
+                let left = a + (b - a) * beside * index as f64;
+                let x = [left, left + (b - a) * beside].map(|x| transform.position_from_point_x(x));
+                let top = transform.position_from_point_y(place(count));
+                let bar = Rect::from_x_y_ranges(x[0]..=x[1], top..=frame.bottom());
+                painter.rect_filled(bar, 0.0, colour.gamma_multiply(strength((a + b) / 2.0)));
+            }
+        }
+        (transform, frame)
+    }
+}
+
+/// Of a count on its axis: nothing at 0, and one is seen.
+fn place(count: usize) -> f64 {
+    (count as f64 + 1.0).log10()
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
+fn counts(input: GridInput) -> Vec<GridMark> {
+    let mark = |count: usize| GridMark { value: place(count), step_size: 0.7 };
+    let shown = |mark: &GridMark| mark.value <= input.bounds.1;
+    [0, 1, 10, 100, 1000, 10_000, 100_000, 1_000_000].map(mark).into_iter().filter(shown).collect()
+}

@@ -1,0 +1,100 @@
+//! When the stations measured, when they were silent, and which spans are left for the calibration; beside it how long
+//! the silences and the spans are, where τ_s and τ_l are set.
+
+mod chart;
+mod distributions;
+
+use eframe::egui::{self, Rect, Sense, Vec2};
+
+use super::station_switches;
+use super::threshold::Threshold;
+use super::time_plot::{self, Times};
+use crate::analysis::Settings;
+use crate::app::state::{Command, Commands, State};
+use crate::pipeline::{Interval, Thresholds};
+
+/// The distributions' part of the width, and their least and greatest (points).
+const SHARE: f32 = 0.28;
+const NARROWEST: f32 = 150.0;
+const WIDEST: f32 = 300.0;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let Some((open, analysis)) = state.analysed() else {
+        ui.centered_and_justified(|ui| ui.weak("No readings to plot."));
+        return;
+    };
+    let times = Times::of(open, state);
+    ui.horizontal(|ui| {
+        ui.add_space(6.0);
+        station_switches(ui, state, commands);
+        let (kept, short) = (open.plots.gaps.kept.len(), open.plots.gaps.short.len());
+        let kept_s: f64 = analysis.pipeline.kept_intervals.iter().map(Interval::length_s).sum();
+        ui.small(format!("{kept} intervals kept ({kept_s:.0} s), {short} too short"));
+        time_plot::selection_or_hint(ui, &times, "", commands);
+    });
+    let whole = ui.available_rect_before_wrap();
+    let right = (SHARE * whole.width()).clamp(NARROWEST, WIDEST).min(0.5 * whole.width());
+    let (left, right) = whole.split_left_right_at_x(whole.right() - right);
+    let thresholds = GapThresholds::of(state.settings());
+    let mut wanted = [None; 2];
+    let mut chart = ui.new_child(egui::UiBuilder::new().id_salt("chart").max_rect(left));
+    let bars = bars(&mut chart, &times, &thresholds);
+    chart::ui(&mut chart, open, state, &times, commands);
+    let mut side = ui.new_child(egui::UiBuilder::new().id_salt("side").max_rect(right));
+    let lines = distributions::ui(&mut side, open, state, &thresholds);
+    for (wanted, (bar, line)) in wanted.iter_mut().zip(bars.into_iter().zip(lines)) {
+        *wanted = bar.or(line);
+    }
+    ui.advance_cursor_after_rect(whole);
+    if wanted != [None; 2] {
+        let mut settings = *state.settings();
+        let set = &mut settings.pipeline.thresholds;
+        set.tau_s_seconds = wanted[0].unwrap_or(set.tau_s_seconds);
+        set.tau_l_seconds = wanted[1].unwrap_or(set.tau_l_seconds);
+        commands.push(Command::Set(settings));
+    }
+}
+
+/// τ_s and τ_l.
+struct GapThresholds([Threshold<'static>; 2]);
+
+impl GapThresholds {
+    fn of(settings: &Settings) -> Self {
+        let (set, paper) = (&settings.pipeline.thresholds, Thresholds::default());
+        Self([
+            Threshold {
+                symbol: "τ_s",
+                value: set.tau_s_seconds,
+                paper: paper.tau_s_seconds,
+                unit: "s",
+                // What the settings allow.
+                range: 0.05..=60.0,
+                enabled: true,
+            },
+            Threshold {
+                symbol: "τ_l",
+                value: set.tau_l_seconds,
+                paper: paper.tau_l_seconds,
+                unit: "s",
+                range: 0.1..=600.0,
+                enabled: settings.pipeline.interval_filter,
+            },
+        ])
+    }
+}
+
+/// Bars above the chart, as long in its seconds as the thresholds.
+fn bars(ui: &mut egui::Ui, times: &Times, thresholds: &GapThresholds) -> [Option<f64>; 2] {
+    let size = Vec2::new(ui.available_width(), 14.0);
+    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    let width_s = (times.window_s[1] - times.window_s[0]) as f32;
+    let points_per_s = (rect.width() - chart::NAMES) / width_s;
+    let [first, second] = [0.0, 0.45].map(|share| {
+        let left = rect.left() + chart::NAMES + share * (rect.width() - chart::NAMES);
+        Rect::from_x_y_ranges(left..=rect.right(), rect.y_range())
+    });
+    let [tau_s, tau_l] = &thresholds.0;
+    // Each in its half.
+    let first = first.with_max_x(second.left() - 8.0);
+    [tau_s.bar(ui, first, points_per_s), tau_l.bar(ui, second, points_per_s)]
+}

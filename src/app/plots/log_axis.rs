@@ -1,0 +1,48 @@
+//! Axes that show the common logarithm of what they are labelled with.
+
+use egui_plot::{GridInput, GridMark};
+
+/// Lines at 1, 2 and 5 times the powers of ten, and at the digits between where little of a decade is seen.
+#[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
+pub fn decades(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let steps: Vec<(f64, f64)> = (1..10)
+        .filter(|digit| high - low < 0.7 || [1, 2, 5].contains(digit))
+        .map(|digit| (f64::from(digit), 1.0))
+        .collect();
+    marks(low, high, &steps)
+}
+
+/// Where many decades share little room: strong lines at the powers of ten, faint ones at 2 and 5 times them.
+pub fn many_decades(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    if high - low < 1.5 {
+        return decades(input);
+    }
+    marks(low, high, &[(1.0, 1.0), (2.0, 0.3), (5.0, 0.3)])
+}
+
+fn marks(low: f64, high: f64, steps: &[(f64, f64)]) -> Vec<GridMark> {
+    (low.floor() as i32..=high.ceil() as i32)
+        .flat_map(|decade| {
+            steps.iter().map(move |(times, step_size)| GridMark {
+                value: f64::from(decade) + times.log10(),
+                step_size: *step_size,
+            })
+        })
+        .filter(|mark| (low..=high).contains(&mark.value))
+        .collect()
+}
+
+/// Back from the logarithm, with as many digits as a mark needs.
+pub fn number(log10: f64) -> String {
+    let value = 10_f64.powf(log10);
+    // A mark at 0.5 is a little less than that.
+    match value {
+        v if v < 0.000_95 => format!("{v:.4}"),
+        v if v < 0.009_5 => format!("{v:.3}"),
+        v if v < 0.095 => format!("{v:.2}"),
+        v if v < 0.95 => format!("{v:.1}"),
+        v => format!("{v:.0}"),
+    }
+}

@@ -1,0 +1,134 @@
+//! Moving about in a plot over time. Every pane moves the one window of time, so all of them move.
+
+use eframe::egui::{self, Key, PointerButton};
+use egui_plot::PlotTransform;
+
+use super::time_plot::Times;
+use crate::app::state::{Command, Commands};
+
+/// What the user asks of the y axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moved {
+    To([f64; 2]),
+    /// To what the plot shows by itself.
+    Back,
+}
+
+/// Zoom of a key, and the part of the window that a key moves it by.
+const KEY_ZOOM: f64 = 1.25;
+const KEY_STEP: f64 = 0.2;
+
+/// Drag selects, scrolling zooms in time at the pointer, with shift (or sideways) it moves the window, as does a drag
+/// with the right or the middle button; with ctrl it zooms in y. A double click shows all. With the keyboard: plus,
+/// minus, page up and page down.
+pub fn navigate(
+    ui: &egui::Ui,
+    response: &egui::Response,
+    transform: &PlotTransform,
+    times: &Times,
+    commands: &mut Commands,
+) -> Option<Moved> {
+    let frame = transform.frame();
+    let s_per_point = transform.dvalue_dpos()[0];
+    let mut window_s = times.window_s;
+    let mut moved_y = None;
+    let pointer = ui.input(|i| i.pointer.latest_pos()).filter(|at| frame.contains(*at));
+    if let Some(at) = pointer.filter(|_| response.contains_pointer()) {
+        let value = transform.value_from_position(at);
+        commands.push(Command::Hover(value.x + times.start_s));
+        let speed = ui.ctx().options(|options| options.input_options.scroll_zoom_speed);
+        let (scroll, zoom, in_y) =
+            ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta(), i.modifiers.command));
+        if in_y {
+            let bounds = transform.bounds();
+            if zoom != 1.0 {
+                let range = [bounds.min()[1], bounds.max()[1]];
+                moved_y = Some(Moved::To(zoomed(range, value.y, f64::from(zoom))));
+            }
+        } else {
+            let factor = f64::from((scroll.y * speed).exp() * zoom);
+            window_s = zoomed(window_s, value.x, factor);
+            window_s = window_s.map(|t| t - f64::from(scroll.x) * s_per_point);
+        }
+    }
+    if response.dragged_by(PointerButton::Secondary) || response.dragged_by(PointerButton::Middle) {
+        window_s = window_s.map(|t| t - f64::from(response.drag_delta().x) * s_per_point);
+    }
+    if response.has_focus() {
+        window_s = by_keys(ui, window_s, times.cursor_s);
+    }
+    if window_s != times.window_s {
+        commands.push(Command::ShowTimes(window_s.map(|t| t + times.start_s)));
+    }
+    if response.double_clicked() {
+        commands.push(Command::ShowAllTimes);
+        moved_y = Some(Moved::Back);
+    }
+    select(ui, response, transform, times, commands);
+    moved_y
+}
+
+/// Selects what is dragged over with the main button.
+fn select(
+    ui: &egui::Ui,
+    response: &egui::Response,
+    transform: &PlotTransform,
+    times: &Times,
+    commands: &mut Commands,
+) {
+    if !response.dragged_by(PointerButton::Primary) {
+        return;
+    }
+    // Where it began in time: the window may move under the pointer.
+    let anchor_id = response.id.with("selected from");
+    let time_at = |x: f32| {
+        let x = x.clamp(transform.frame().left(), transform.frame().right());
+        transform.value_from_position(egui::pos2(x, 0.0)).x + times.start_s
+    };
+    if response.drag_started()
+        && let Some(origin) = ui.input(|i| i.pointer.press_origin())
+    {
+        ui.data_mut(|data| data.insert_temp(anchor_id, time_at(origin.x)));
+    }
+    let anchor_s: Option<f64> = ui.data(|data| data.get_temp(anchor_id));
+    if let Some((anchor_s, at)) = anchor_s.zip(response.interact_pointer_pos()) {
+        commands.push(Command::Select(Some([anchor_s, time_at(at.x)])));
+    }
+}
+
+/// Zooms about the cursor where it is seen, and otherwise about the middle.
+fn by_keys(ui: &egui::Ui, window_s: [f64; 2], cursor_s: Option<f64>) -> [f64; 2] {
+    let [from_s, to_s] = window_s;
+    let about_s = cursor_s.filter(|t| (from_s..=to_s).contains(t)).unwrap_or((from_s + to_s) / 2.0);
+    let step_s = KEY_STEP * (to_s - from_s);
+    let pressed = |keys: &[Key]| ui.input(|i| keys.iter().any(|key| i.key_pressed(*key)));
+    if pressed(&[Key::Plus, Key::Equals]) {
+        zoomed(window_s, about_s, KEY_ZOOM)
+    } else if pressed(&[Key::Minus]) {
+        zoomed(window_s, about_s, 1.0 / KEY_ZOOM)
+    } else if pressed(&[Key::PageUp]) {
+        window_s.map(|t| t - step_s)
+    } else if pressed(&[Key::PageDown]) {
+        window_s.map(|t| t + step_s)
+    } else {
+        window_s
+    }
+}
+
+/// Above 1 shows less; `about` stays where it is.
+fn zoomed(range: [f64; 2], about: f64, factor: f64) -> [f64; 2] {
+    if factor == 1.0 { range } else { range.map(|end| about + (end - about) / factor) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_zoomed_about_stays_where_it_is() {
+        let [from, to] = zoomed([10.0, 30.0], 15.0, 2.0);
+        assert_eq!([from, to], [12.5, 22.5]);
+        assert!(((15.0 - from) / (to - from) - 0.25).abs() < 1e-12);
+        assert_eq!(zoomed([from, to], 15.0, 0.5), [10.0, 30.0]);
+    }
+}

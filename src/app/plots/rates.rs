@@ -1,0 +1,286 @@
+//! How fast each station's raw readings change over time, with the outlier filter's thresholds as lines to drag.
+//!
+//! The rates stand on a logarithmic axis without their signs: outliers are a hundred times faster than driving, and the
+//! filter asks only how fast.
+
+use eframe::egui::{self, Rect, RichText, Stroke};
+use egui_plot::{AxisHints, HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
+
+use super::raw_readings::{Quantity, RawReadings, StationReadings};
+use super::threshold::Threshold;
+use super::time_plot::{self, Shown, Times, time_axis};
+use super::{log_axis, station_switches};
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::{Command, Commands, Picked, State};
+use crate::app::theme;
+use crate::palette;
+use crate::pipeline::outlier_filter::too_fast;
+use crate::pipeline::{PipelineSettings, SampleFate, Thresholds};
+
+/// Space for the numbers at the left, so that the three plots stand under each other.
+const NUMBERS: f32 = 44.0;
+/// Height of the time axis at the bottom.
+const TIME_AXIS: f32 = 34.0;
+/// A click this near to a dot is meant for it (points).
+const NEAR: f32 = 8.0;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let Some((open, _)) = state.analysed() else {
+        ui.centered_and_justified(|ui| ui.weak("No readings to plot."));
+        return;
+    };
+    let times = Times::of(open, state);
+    head(ui, state, &times, commands);
+    let gap = 2.0;
+    ui.spacing_mut().item_spacing.y = gap;
+    let height = ((ui.available_height() - TIME_AXIS - 2.0 * gap) / 3.0).max(30.0);
+    for quantity in Quantity::ALL {
+        let axis = if quantity == Quantity::Zenith { TIME_AXIS } else { 0.0 };
+        RatePlot { open, state, times, quantity }.show(ui, height + axis, commands);
+    }
+}
+
+/// Switches, what the marks mean, and a way to switch the filter on.
+fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands) {
+    ui.horizontal(|ui| {
+        ui.add_space(6.0);
+        station_switches(ui, state, commands);
+        let mut settings = *state.settings();
+        if settings.pipeline.outlier_filter {
+            let dark = ui.visuals().dark_mode;
+            ui.small("rejected by");
+            for quantity in Quantity::ALL {
+                let colour = palette::fate(SampleFate::Rejected(quantity.reason()));
+                let text = format!("× {}", quantity.symbol());
+                ui.label(RichText::new(text).small().color(theme::readable(colour, dark)));
+            }
+        } else {
+            ui.small("The outlier filter is off: nothing is rejected.");
+            if ui.button("Switch it on").clicked() {
+                settings.pipeline.outlier_filter = true;
+                commands.push(Command::Set(settings));
+            }
+        }
+        time_plot::selection_or_hint(ui, times, " · drag a line: set τ", commands);
+    });
+}
+
+/// One of the three plots.
+struct RatePlot<'a> {
+    open: &'a OpenDeployment,
+    state: &'a State,
+    times: Times,
+    quantity: Quantity,
+}
+
+/// A reading that is drawn.
+struct Dot {
+    picked: Picked,
+    /// Time, and the common logarithm of the rate.
+    at: PlotPoint,
+    fate: Option<SampleFate>,
+}
+
+impl RatePlot<'_> {
+    fn show(&self, ui: &mut egui::Ui, height: f32, commands: &mut Commands) {
+        let pipeline = self.state.settings().pipeline;
+        let bounds = self.bounds(&pipeline.thresholds);
+        let columns = ui.available_width() as usize;
+        let dots = self.dots(&pipeline, bounds, columns);
+        let unit = self.quantity.unit();
+        let plot = Plot::new(("rates", self.open.id, self.quantity.symbol()))
+            .height(height)
+            .custom_x_axes(if self.quantity == Quantity::Zenith {
+                vec![time_axis()]
+            } else {
+                vec![]
+            })
+            .custom_y_axes(vec![
+                AxisHints::new_y()
+                    .formatter(|mark, _| log_axis::number(mark.value))
+                    .label_spacing(8.0..=16.0)
+                    .min_thickness(NUMBERS),
+            ])
+            .y_grid_spacer(log_axis::many_decades)
+            .label_formatter(move |position| match position {
+                HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                    let rate = log_axis::number(position.y + 1e-9);
+                    let rate = if rate.len() < 4 {
+                        format!("{:.2}", 10_f64.powf(position.y))
+                    } else {
+                        rate
+                    };
+                    Some(format!("{plot_name}\n{:.2} s\n{rate} {unit}", position.x))
+                }
+                HoverPosition::Elsewhere { .. } => None,
+            });
+        let name = format!("{} over time", self.quantity.name());
+        let series = series(&dots);
+        let shown =
+            time_plot::show(ui, &name, &self.times, plot, bounds, commands, move |plot_ui| {
+                for points in series {
+                    plot_ui.points(points);
+                }
+            });
+        self.ring(ui, &shown, &pipeline);
+        shown.paint_times(ui, &self.times);
+        self.title(ui, &shown, &pipeline);
+        self.line(ui, &shown, commands);
+        shown.on_click(&self.times, commands, |at| {
+            let far = |dot: &Dot| shown.transform.position_from_point(&dot.at).distance(at);
+            let near = dots.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
+            (far(near) < NEAR).then_some(Command::PickInPlot(near.picked))
+        });
+    }
+
+    fn readings(&self) -> &RawReadings {
+        &self.open.plots.readings
+    }
+
+    /// Lowest and highest rate of the axis (log10): those of the data, and the threshold wherever it is.
+    fn bounds(&self, thresholds: &Thresholds) -> [f64; 2] {
+        let [low, high] = self.readings().shown[self.quantity as usize];
+        let threshold = self.threshold_value(thresholds);
+        [low.min(threshold / 1.5).log10(), high.max(threshold * 1.5).log10()]
+    }
+
+    fn threshold_value(&self, thresholds: &Thresholds) -> f64 {
+        let mut thresholds = *thresholds;
+        *self.quantity.threshold(&mut thresholds)
+    }
+
+    /// At most a few for each column of the screen; the fastest and the slowest are among them.
+    fn dots(&self, pipeline: &PipelineSettings, bounds: [f64; 2], columns: usize) -> Vec<Dot> {
+        let mut dots = Vec::new();
+        for (station, own) in self.readings().stations.iter().enumerate() {
+            if !self.state.visibility.stations[station] {
+                continue;
+            }
+            let part = own.within(self.times.window_s);
+            // The first reading has no rate.
+            let part = part.start.max(1)..part.end.max(1);
+            let series = &own.rates[self.quantity as usize];
+            for index in series.pyramid.visible(part, columns) {
+                dots.push(Dot {
+                    picked: Picked { station, index },
+                    at: self.place(own, index, bounds),
+                    fate: fate(own, index, pipeline),
+                });
+            }
+        }
+        dots
+    }
+
+    /// Those too slow for the axis stand at its lower end.
+    fn place(&self, own: &StationReadings, index: usize, bounds: [f64; 2]) -> PlotPoint {
+        let margin = 0.01 * (bounds[1] - bounds[0]);
+        let rate = own.rates[self.quantity as usize].values[index];
+        PlotPoint::new(own.time_s[index], rate.log10().max(bounds[0] + margin))
+    }
+
+    /// A ring about the picked reading.
+    fn ring(&self, ui: &egui::Ui, shown: &Shown, pipeline: &PipelineSettings) {
+        let Some(Picked { station, index }) = self.open.timeline.picked else { return };
+        let Some(own) = self.readings().stations.get(station) else { return };
+        if index == 0 || index >= own.time_s.len() {
+            return;
+        }
+        let at = self.place(own, index, self.bounds(&pipeline.thresholds));
+        let stroke = Stroke::new(2.0, ui.visuals().strong_text_color());
+        shown.painter(ui).circle_stroke(shown.transform.position_from_point(&at), 6.0, stroke);
+    }
+
+    /// What is plotted, and what the line rejects: that is what it is tuned by.
+    fn title(&self, ui: &mut egui::Ui, shown: &Shown, pipeline: &PipelineSettings) {
+        let title = format!("|{}| ({})", self.quantity.name(), self.quantity.unit());
+        let text = match self.rejects(pipeline) {
+            Some(rejects) => format!("{title}   {rejects}"),
+            None => title,
+        };
+        let hint = "For stations 1 / 2 / 3. A reading beyond several thresholds counts for the first: \
+                    range, azimuth, zenith. Rates are from one raw reading to the next.";
+        let galley = egui::WidgetText::from(RichText::new(&text).small()).into_galley(
+            ui,
+            Some(egui::TextWrapMode::Truncate),
+            shown.frame().width() - 8.0,
+            egui::TextStyle::Small,
+        );
+        let rect = Rect::from_min_size(shown.frame().min + egui::vec2(4.0, 2.0), galley.size());
+        let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.8);
+        ui.painter().rect_filled(rect.expand(2.0), 2.0, ground);
+        // In a place of its own: the plots stand under each other as if it were not there.
+        let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(rect));
+        inside.add(egui::Label::new(RichText::new(text).small()).truncate()).on_hover_text(hint);
+    }
+
+    /// "rejects 12 / 30 / 9 of 4321 / 4400 / 4391"; while the answer is awaited only how many are above the line.
+    fn rejects(&self, pipeline: &PipelineSettings) -> Option<String> {
+        let analysis = self.open.analysis.as_ref().filter(|_| pipeline.outlier_filter)?;
+        let stations = &self.readings().stations;
+        let in_a_row = |counts: [usize; 3]| counts.map(|count| count.to_string()).join(" / ");
+        let all = in_a_row(stations.each_ref().map(|own| own.time_s.len()));
+        if self.state.is_stale() {
+            let threshold = self.threshold_value(&pipeline.thresholds);
+            let above =
+                stations.each_ref().map(|own| own.rates[self.quantity as usize].above(threshold));
+            return Some(format!("above the line {} of {all}", in_a_row(above)));
+        }
+        let fate = SampleFate::Rejected(self.quantity.reason());
+        let rejected = std::array::from_fn(|station| analysis.pipeline.count(station, fate));
+        Some(format!("rejects {} of {all}", in_a_row(rejected)))
+    }
+
+    fn line(&self, ui: &mut egui::Ui, shown: &Shown, commands: &mut Commands) {
+        let mut settings = *self.state.settings();
+        let mut paper = Thresholds::default();
+        let threshold = Threshold {
+            symbol: self.quantity.symbol(),
+            value: self.threshold_value(&settings.pipeline.thresholds),
+            paper: *self.quantity.threshold(&mut paper),
+            unit: self.quantity.unit(),
+            range: 0.01..=100.0,
+            enabled: settings.pipeline.outlier_filter,
+        };
+        let y = shown.transform.position_from_point_y(threshold.value.log10());
+        let rate_at =
+            |y: f32| 10_f64.powf(shown.transform.value_from_position(egui::pos2(0.0, y)).y);
+        if let Some(value) = threshold.horizontal_line(ui, shown.frame(), y, rate_at) {
+            *self.quantity.threshold(&mut settings.pipeline.thresholds) = value;
+            commands.push(Command::Set(settings));
+        }
+    }
+}
+
+/// By the thresholds as they are now: the answer may still be on its way.
+fn fate(own: &StationReadings, index: usize, pipeline: &PipelineSettings) -> Option<SampleFate> {
+    let rates = pipeline.outlier_filter.then(|| own.rates_at(index))?;
+    too_fast(&rates, &pipeline.thresholds).map(SampleFate::Rejected)
+}
+
+/// Dots in the stations' colours, then crosses in those of the fates, over them.
+fn series(dots: &[Dot]) -> Vec<Points<'static>> {
+    let mut all = Vec::new();
+    let rejected = Quantity::ALL.map(|quantity| Some(SampleFate::Rejected(quantity.reason())));
+    for fate in std::iter::once(None).chain(rejected) {
+        for station in 0..3 {
+            let points: Vec<PlotPoint> = dots
+                .iter()
+                .filter(|dot| dot.picked.station == station && dot.fate == fate)
+                .map(|dot| dot.at)
+                .collect();
+            let name = format!("station {}", station + 1);
+            all.push(match fate {
+                None => Points::new(name, PlotPoints::Owned(points))
+                    .color(theme::rgb(palette::STATIONS[station]))
+                    .radius(1.4),
+                Some(fate) => {
+                    Points::new(format!("{name}, {}", fate.label()), PlotPoints::Owned(points))
+                        .color(theme::rgb(palette::fate(fate)))
+                        .shape(MarkerShape::Cross)
+                        .radius(3.5)
+                }
+            });
+        }
+    }
+    all
+}

@@ -1,0 +1,224 @@
+//! How fast the raw readings change, made once for each deployment by the worker: no setting changes it.
+
+use super::pyramid::Pyramid;
+use crate::deployment::{Deployment, Measurement, Track};
+use crate::pipeline::outlier_filter::{Rates, rates};
+use crate::pipeline::{OutlierReason, Thresholds};
+
+/// What is measured, each with its rate and its threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    Range,
+    Azimuth,
+    Zenith,
+}
+
+impl Quantity {
+    /// In the order of the pipeline's rule.
+    pub const ALL: [Self; 3] = [Self::Range, Self::Azimuth, Self::Zenith];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Range => "range rate",
+            Self::Azimuth => "azimuth rate",
+            Self::Zenith => "zenith rate",
+        }
+    }
+
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Range => "τ_r",
+            Self::Azimuth => "τ_a",
+            Self::Zenith => "τ_e",
+        }
+    }
+
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Range => "m/s",
+            Self::Azimuth | Self::Zenith => "°/s",
+        }
+    }
+
+    /// What a reading is rejected for.
+    pub fn reason(self) -> OutlierReason {
+        match self {
+            Self::Range => OutlierReason::Range,
+            Self::Azimuth => OutlierReason::Azimuth,
+            Self::Zenith => OutlierReason::Zenith,
+        }
+    }
+
+    /// Its threshold, in [`Self::unit`].
+    pub fn threshold(self, thresholds: &mut Thresholds) -> &mut f64 {
+        match self {
+            Self::Range => &mut thresholds.tau_r_m_per_s,
+            Self::Azimuth => &mut thresholds.tau_a_deg_per_s,
+            Self::Zenith => &mut thresholds.tau_e_deg_per_s,
+        }
+    }
+
+    fn of(self, rates: &Rates) -> f64 {
+        match self {
+            Self::Range => rates.range_m_per_s,
+            Self::Azimuth => rates.azimuth_deg_per_s,
+            Self::Zenith => rates.zenith_deg_per_s,
+        }
+    }
+}
+
+/// Of all three stations.
+#[derive(Clone, Debug, Default)]
+pub struct RawReadings {
+    /// Time of the first measurement of any (s, in the stations' clock).
+    pub start_s: f64,
+    pub stations: [StationReadings; 3],
+    /// For each quantity the rates that a plot of them shows by itself; none is beyond the upper.
+    pub shown: [[f64; 2]; 3],
+}
+
+/// Of one station.
+#[derive(Clone, Debug, Default)]
+pub struct StationReadings {
+    /// Of each raw reading, since the first measurement of any station.
+    pub time_s: Vec<f64>,
+    /// For each quantity.
+    pub rates: [RateSeries; 3],
+}
+
+/// Absolute rates of each raw reading since the one before it, in the quantity's unit; 0 of the first.
+#[derive(Clone, Debug, Default)]
+pub struct RateSeries {
+    pub values: Vec<f64>,
+    pub pyramid: Pyramid,
+    sorted: Vec<f64>,
+}
+
+/// Rates below this are drawn there (m/s, °/s): nothing stands stiller.
+const LOWEST: f64 = 1e-4;
+
+impl RawReadings {
+    pub fn of(deployment: &Deployment) -> Self {
+        let start_s = deployment.start_s().unwrap_or(0.0);
+        let stations =
+            deployment.tracks.each_ref().map(|track| StationReadings::of(track, start_s));
+        let mut paper = Thresholds::default();
+        let shown = Quantity::ALL.map(|quantity| {
+            let paper = *quantity.threshold(&mut paper);
+            let of_each = |share: f64| {
+                stations.iter().filter_map(move |s| s.rates[quantity as usize].quantile(share))
+            };
+            // A tenth of the readings say no more than that the vehicle stood.
+            let low = of_each(0.1).fold(paper / 10.0, f64::min).max(LOWEST);
+            let high = of_each(1.0).fold(3.0 * paper, f64::max);
+            [low, 1.5 * high]
+        });
+        Self { start_s, stations, shown }
+    }
+
+    /// From the first measurement of any station to the last (s).
+    pub fn length_s(&self) -> f64 {
+        self.stations.iter().filter_map(|own| own.time_s.last()).copied().fold(0.0, f64::max)
+    }
+}
+
+impl StationReadings {
+    fn of(track: &Track, start_s: f64) -> Self {
+        let readings = &track.measurements;
+        let all: Vec<Rates> = readings.windows(2).map(|pair| rates(&pair[0], &pair[1])).collect();
+        let series = |quantity: Quantity| {
+            let first = readings.first().map(|_: &Measurement| 0.0);
+            let values =
+                first.into_iter().chain(all.iter().map(|r| quantity.of(r).abs())).collect();
+            RateSeries::of(values)
+        };
+        Self {
+            time_s: readings.iter().map(|m| m.time_s - start_s).collect(),
+            rates: Quantity::ALL.map(series),
+        }
+    }
+
+    /// Rates of a reading, without signs.
+    pub fn rates_at(&self, index: usize) -> Rates {
+        let [range_m_per_s, azimuth_deg_per_s, zenith_deg_per_s] =
+            self.rates.each_ref().map(|series| series.values[index]);
+        Rates { range_m_per_s, azimuth_deg_per_s, zenith_deg_per_s }
+    }
+
+    /// Indices of the readings within a window (s since the first measurement).
+    pub fn within(&self, [from_s, to_s]: [f64; 2]) -> std::ops::Range<usize> {
+        let from = self.time_s.partition_point(|t| *t < from_s);
+        from..self.time_s.partition_point(|t| *t <= to_s).max(from)
+    }
+}
+
+impl RateSeries {
+    fn of(values: Vec<f64>) -> Self {
+        let mut sorted: Vec<f64> = values.iter().skip(1).copied().collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        Self { pyramid: Pyramid::of(&values), values, sorted }
+    }
+
+    /// How many are above a threshold.
+    pub fn above(&self, threshold: f64) -> usize {
+        self.sorted.len() - self.sorted.partition_point(|value| *value <= threshold)
+    }
+
+    fn quantile(&self, share: f64) -> Option<f64> {
+        let last = self.sorted.len().checked_sub(1)?;
+        Some(self.sorted[(share * last as f64).round() as usize])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deployment::Sample;
+    use crate::pipeline::outlier_filter::too_fast;
+    use crate::pipeline::{self, PipelineSettings, SampleFate};
+
+    /// What the plots mark and count is what the pipeline rejects.
+    #[test]
+    fn the_lines_reject_what_the_pipeline_rejects() {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let readings = RawReadings::of(&deployment);
+        for (tau_r, tau_a, tau_e) in [(2.0, 1.0, 1.0), (0.4, 0.6, 0.2), (1.3, 5.0, 0.05)] {
+            let mut settings = PipelineSettings::default();
+            settings.thresholds.tau_r_m_per_s = tau_r;
+            settings.thresholds.tau_a_deg_per_s = tau_a;
+            settings.thresholds.tau_e_deg_per_s = tau_e;
+            let out = pipeline::run(&deployment, &settings);
+            for (station, own) in readings.stations.iter().enumerate() {
+                for (index, fate) in out.fates[station].each.iter().enumerate() {
+                    let reason = too_fast(&own.rates_at(index), &settings.thresholds);
+                    let rejected = match fate {
+                        SampleFate::Rejected(reason) => Some(*reason),
+                        _ => None,
+                    };
+                    assert_eq!(reason, rejected, "station {station}, reading {index}");
+                }
+                let mut thresholds = settings.thresholds;
+                for quantity in Quantity::ALL {
+                    let rejected = out.count(station, SampleFate::Rejected(quantity.reason()));
+                    let above =
+                        own.rates[quantity as usize].above(*quantity.threshold(&mut thresholds));
+                    // Only the first of the three is asked about every reading.
+                    assert!(rejected <= above);
+                    assert!(quantity != Quantity::Range || rejected == above);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_rate_has_room_in_its_plot() {
+        let readings = RawReadings::of(&Sample::Hd2Tunnel.open().expect("built in"));
+        for quantity in Quantity::ALL {
+            let [low, high] = readings.shown[quantity as usize];
+            assert!(0.0 < low && low < high);
+            for station in &readings.stations {
+                assert_eq!(station.rates[quantity as usize].above(high), 0);
+            }
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! What all plots over time share: one window of time, one cursor, one selection, and one way to move about.
+
+use eframe::egui::{self, Pos2, Rect, Stroke};
+use egui_plot::{AxisHints, Plot, PlotTransform, PlotUi};
+
+use super::navigation::{self, Moved};
+use super::{LABELS, round_marks};
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::{Command, Commands, State};
+use crate::app::theme;
+
+/// Where in time the panes are; seconds since the first measurement, as the plots count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Times {
+    /// The first measurement, in the stations' clock (s).
+    pub start_s: f64,
+    pub window_s: [f64; 2],
+    pub cursor_s: Option<f64>,
+    /// Under the pointer, in whichever pane.
+    pub hover_s: Option<f64>,
+    pub selection_s: Option<[f64; 2]>,
+}
+
+impl Times {
+    pub fn of(open: &OpenDeployment, state: &State) -> Self {
+        let start_s = open.start_s();
+        let since = |time_s: f64| time_s - start_s;
+        let timeline = &open.timeline;
+        Self {
+            start_s,
+            window_s: timeline.window_s.map(since),
+            cursor_s: timeline.cursor_s.map(since),
+            hover_s: state.hover_s.map(since),
+            selection_s: timeline.selection_s.map(|span_s| span_s.map(since)),
+        }
+    }
+}
+
+/// A plot that was shown.
+pub struct Shown {
+    pub response: egui::Response,
+    pub transform: PlotTransform,
+    /// Bounds of y that the user asks for, where the plot lets him.
+    pub moved_y: Option<Moved>,
+}
+
+/// Shows a plot whose y axis is set up, with what `add` puts on it, and carries out what the user does in it. `name`
+/// is for screen readers. The caller paints what else it has and ends with [`Shown::paint_times`].
+pub fn show<'a>(
+    ui: &mut egui::Ui,
+    name: &str,
+    times: &Times,
+    plot: Plot<'a>,
+    y_bounds: [f64; 2],
+    commands: &mut Commands,
+    add: impl FnOnce(&mut PlotUi<'a>) + 'a,
+) -> Shown {
+    let [from_s, to_s] = times.window_s;
+    let shown = plot
+        .x_grid_spacer(round_marks)
+        // Moving about is the same in all plots over time, and not egui_plot's.
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_boxed_zoom(false)
+        .allow_axis_zoom_drag(false)
+        .allow_double_click_reset(false)
+        .show_crosshair(false)
+        .show(ui, move |plot_ui| {
+            plot_ui.set_plot_bounds_x(from_s..=to_s);
+            plot_ui.set_plot_bounds_y(y_bounds[0]..=y_bounds[1]);
+            add(plot_ui);
+        });
+    let response = shown.response;
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, ui.is_enabled(), name)
+    });
+    if response.has_focus() {
+        let frame = shown.transform.frame().shrink(1.0);
+        let stroke = ui.visuals().selection.stroke;
+        ui.painter().rect_stroke(frame, 2.0, stroke, egui::StrokeKind::Inside);
+    }
+    let moved_y = navigation::navigate(ui, &response, &shown.transform, times, commands);
+    Shown { response, transform: shown.transform, moved_y }
+}
+
+/// The axis that plots over time have at the bottom; of several above each other only the lowest.
+pub fn time_axis<'a>() -> AxisHints<'a> {
+    AxisHints::new_x().label("time since the first measurement (s)").label_spacing(LABELS)
+}
+
+impl Shown {
+    pub fn frame(&self) -> Rect {
+        *self.transform.frame()
+    }
+
+    /// Where an instant is on the screen.
+    pub fn x(&self, since_start_s: f64) -> f32 {
+        self.transform.position_from_point_x(since_start_s)
+    }
+
+    /// Paints into the plot and no further.
+    pub fn painter(&self, ui: &egui::Ui) -> egui::Painter {
+        ui.painter().with_clip_rect(self.frame().intersect(ui.clip_rect()))
+    }
+
+    /// The pointer, while nothing is dragged and it is in the plot.
+    pub fn pointer(&self, ui: &egui::Ui) -> Option<Pos2> {
+        let pointer = ui.input(|i| i.pointer.hover_pos().filter(|_| !i.pointer.any_down()))?;
+        (self.response.contains_pointer() && self.frame().contains(pointer)).then_some(pointer)
+    }
+
+    /// A click moves the cursor, unless the caller finds that it was meant for something.
+    pub fn on_click(
+        &self,
+        times: &Times,
+        commands: &mut Commands,
+        meant_for: impl FnOnce(Pos2) -> Option<Command>,
+    ) {
+        if self.response.clicked()
+            && let Some(at) = self.response.interact_pointer_pos()
+        {
+            let time_s = self.transform.value_from_position(at).x + times.start_s;
+            commands.push(meant_for(at).unwrap_or(Command::MoveCursor(time_s)));
+        }
+    }
+
+    /// The selection, the hovered instant and the cursor, over all else.
+    pub fn paint_times(&self, ui: &egui::Ui, times: &Times) {
+        let dark = ui.visuals().dark_mode;
+        let (painter, frame) = (self.painter(ui), self.frame());
+        let line =
+            |time_s: f64, stroke: Stroke| painter.vline(self.x(time_s), frame.y_range(), stroke);
+        if let Some(span_s) = times.selection_s {
+            let [left, right] = span_s.map(|time_s| self.x(time_s));
+            let colour = ui.visuals().selection.bg_fill;
+            let shade = Rect::from_x_y_ranges(left..=right, frame.y_range());
+            painter.rect_filled(shade, 0.0, colour.gamma_multiply(0.25));
+            for time_s in span_s {
+                line(time_s, Stroke::new(1.0, colour));
+            }
+        }
+        if let Some(hover_s) = times.hover_s {
+            line(hover_s, Stroke::new(1.0, theme::faint(dark).gamma_multiply(0.6)));
+        }
+        if let Some(cursor_s) = times.cursor_s {
+            line(cursor_s, Stroke::new(1.0, theme::rgb(theme::cursor(dark))));
+        }
+    }
+}
+
+/// How to move about, for the line above a plot.
+const HINT: &str =
+    "drag: select · scroll: zoom · shift+scroll or right drag: move · double-click: all";
+
+/// At the end of the line above a plot: what is selected and what can be done with it, or how to move about.
+pub fn selection_or_hint(ui: &mut egui::Ui, times: &Times, more: &str, commands: &mut Commands) {
+    if let Some([from_s, to_s]) = times.selection_s {
+        ui.small(format!("{:.1} s selected", to_s - from_s));
+        for (text, name, command) in [
+            ("zoom", "Zoom to the selection", Command::ZoomToSelection),
+            ("clear", "Clear the selection", Command::Select(None)),
+        ] {
+            let button = ui.small_button(text).on_hover_text(name);
+            button.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::accesskit::Role::Button, true, name)
+            });
+            if button.clicked() {
+                commands.push(command);
+            }
+        }
+    } else {
+        let text = egui::RichText::new(format!("{HINT}{more}")).small().weak();
+        ui.add(egui::Label::new(text).truncate());
+    }
+}

@@ -1,0 +1,163 @@
+//! Opening deployments: each beside the worker, so that a large one holds up nothing, and with its progress.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::{Notice, State};
+use crate::analysis::Settings;
+use crate::app::open_deployment::OpenDeployment;
+use crate::deployment::{Deployment, Extras, OpenError, Sample, Sorted, Source};
+use crate::progress::Progress;
+
+/// A deployment that is being read.
+pub struct Opening {
+    pub number: u64,
+    pub title: String,
+    /// In bytes.
+    pub progress: Arc<Progress>,
+    source: Source,
+    then: Then,
+}
+
+/// What becomes of a deployment once it is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Then {
+    /// It is shown, with these settings.
+    Show(Settings),
+    /// It is shown, and gives way to the first that the user opens.
+    Placeholder,
+    /// It takes the place of an open one, whose id this is: the same data with further files.
+    Replace(u64),
+}
+
+impl State {
+    /// Shows a deployment and calibrates it; `source` is where it can be read again.
+    pub fn add(&mut self, deployment: Arc<Deployment>, source: Option<Source>) {
+        self.add_with(deployment, source, self.start_settings);
+    }
+
+    fn add_with(
+        &mut self,
+        deployment: Arc<Deployment>,
+        source: Option<Source>,
+        settings: Settings,
+    ) {
+        self.open.retain(|open| !open.placeholder);
+        self.newest_id += 1;
+        self.open.push(OpenDeployment::new(self.newest_id, deployment, source, settings));
+        self.active = self.open.len() - 1;
+        self.analyse(self.active);
+        self.draw_pins();
+    }
+
+    /// Opens the sample that is there until the user opens something.
+    pub fn open_placeholder(&mut self, sample: Sample) {
+        self.read(Source::sample(sample), Then::Placeholder);
+    }
+
+    /// Opens what is at a place, with the settings that the next deployment starts with.
+    pub(super) fn open_source(&mut self, source: Source) {
+        self.read(source, Then::Show(self.start_settings));
+    }
+
+    fn read(&mut self, source: Source, then: Then) {
+        let progress = Arc::new(Progress::default());
+        let number = self.worker.open(source.clone(), Arc::clone(&progress));
+        let title = source.title();
+        self.opening.push(Opening { number, title, progress, source, then });
+    }
+
+    pub(super) fn take_opened(&mut self, number: u64, result: Result<Arc<Deployment>, OpenError>) {
+        let Some(index) = self.opening.iter().position(|opening| opening.number == number) else {
+            return;
+        };
+        let Opening { source, then, .. } = self.opening.remove(index);
+        let deployment = match result {
+            Ok(deployment) => deployment,
+            Err(OpenError::Cancelled) => return,
+            Err(error) => {
+                self.notice = Some(Notice::Error(error.to_string()));
+                return;
+            }
+        };
+        self.notice = None;
+        match then {
+            Then::Show(settings) => self.add_with(deployment, Some(source), settings),
+            Then::Placeholder => {
+                self.add(deployment, Some(source));
+                self.open[self.active].placeholder = true;
+            }
+            Then::Replace(id) => self.replace(id, deployment, source),
+        }
+    }
+
+    fn replace(&mut self, id: u64, deployment: Arc<Deployment>, source: Source) {
+        let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
+        self.open[index].replace(deployment, source);
+        // What is remembered of the old data must not answer for the new.
+        self.worker.forget(id);
+        self.analyse(index);
+    }
+
+    /// Finds out what paths are, beside the worker: a folder may lie on a slow disk.
+    pub(super) fn look_at(&mut self, paths: Vec<PathBuf>) {
+        self.looking.push(self.worker.look_at(paths));
+    }
+
+    /// Opens what the user dropped or chose: deployments with what came with them, else additions to the active one.
+    pub(super) fn take_sorted(&mut self, number: u64, sorted: Sorted) {
+        self.looking.retain(|looking| *looking != number);
+        let Sorted { deployments, extras, sessions, settings, unknown } = sorted;
+        if let Some(line) = unknown.first() {
+            self.notice = Some(Notice::Error(line.clone()));
+        }
+        if deployments.is_empty() && !extras.is_empty() {
+            self.add_files(extras);
+        } else {
+            for path in deployments {
+                self.open_source(Source::at(path).with(extras.clone()));
+            }
+        }
+        _ = sessions;
+        if let Some(path) = settings.last() {
+            match read_settings(path) {
+                Ok(settings) => self.take_settings(settings),
+                Err(line) => self.notice = Some(Notice::Error(line)),
+            }
+        }
+    }
+
+    /// Reads the active deployment again, with further files.
+    fn add_files(&mut self, extras: Extras) {
+        let Some(open) = self.active() else {
+            let line = "these files describe a deployment, but none is open; open its tracks first";
+            self.notice = Some(Notice::Error(line.to_owned()));
+            return;
+        };
+        let Some(mut source) = open.source.clone() else { return };
+        let id = open.id;
+        source.extras.add(extras);
+        self.read(source, Then::Replace(id));
+    }
+
+    fn take_settings(&mut self, settings: Settings) {
+        match self.active().map(|open| open.id) {
+            Some(id) => self.change_at_once(&[id], settings),
+            None => self.start_settings = settings,
+        }
+    }
+
+    /// Stops reading a deployment, by its request's number.
+    pub(super) fn cancel_opening(&mut self, number: u64) {
+        if let Some(opening) = self.opening.iter().find(|opening| opening.number == number) {
+            opening.progress.cancel();
+        }
+    }
+}
+
+/// Settings as `--config` reads them, or why not.
+fn read_settings(path: &Path) -> Result<Settings, String> {
+    let settings = Settings::read(path).map_err(|error| error.to_string())?;
+    settings.check().map_err(|what| format!("{}: {what}", path.display()))?;
+    Ok(settings)
+}

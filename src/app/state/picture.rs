@@ -1,0 +1,71 @@
+//! The scene as a picture, with what is written over it: the window's own pixels, cut to the pane.
+
+use std::sync::Arc;
+
+use eframe::egui;
+
+use super::{Notice, PictureTo, State};
+use crate::app::worker::Reply;
+
+impl State {
+    /// Asks the window system for its pixels in the part of the window where the scene is (points).
+    pub fn take_picture(&mut self, ctx: &egui::Context, scene: egui::Rect) {
+        let Some(to) = self.wanted_picture.take() else { return };
+        let reply = self.worker.reply();
+        let pixels_per_point = ctx.pixels_per_point();
+        ctx.request_screenshot(move |window| {
+            if let Some(image) = cut(&window, scene, pixels_per_point) {
+                reply(Reply::Pictured { to, image });
+            }
+        });
+    }
+
+    pub(super) fn take_pictured(&mut self, to: PictureTo, image: egui::ColorImage) {
+        match to {
+            PictureTo::Clipboard => {
+                self.worker.ctx().copy_image(image);
+                self.notice = Some(Notice::Done("picture of the scene copied".to_owned()));
+            }
+            PictureTo::File => {
+                let bytes = image.pixels.iter().flat_map(egui::Color32::to_srgba_unmultiplied);
+                let [width, height] = image.size.map(|side| side as u32);
+                if let Some(image) = image::RgbaImage::from_raw(width, height, bytes.collect()) {
+                    self.save_picture(Arc::new(image));
+                }
+            }
+        }
+    }
+}
+
+/// The pixels of a part of the window (points); `None` if nothing of it is in the picture.
+fn cut(
+    window: &egui::ColorImage,
+    part: egui::Rect,
+    pixels_per_point: f32,
+) -> Option<egui::ColorImage> {
+    let whole = egui::Rect::from_min_size(egui::Pos2::ZERO, window.size.map(|s| s as f32).into());
+    let part = (part * pixels_per_point).intersect(whole);
+    let [left, top] = [part.left().ceil(), part.top().ceil()].map(|side| side as usize);
+    let [right, bottom] = [part.right().floor(), part.bottom().floor()].map(|side| side as usize);
+    (right > left && bottom > top)
+        .then(|| window.region_by_pixels([left, top], [right - left, bottom - top]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_scene_is_cut_out_and_only_what_is_there() {
+        let pixels = (0..80).map(egui::Color32::from_gray).collect();
+        let window = egui::ColorImage::new([10, 8], pixels);
+        let part = |left, top, right, bottom| {
+            egui::Rect::from_min_max(egui::pos2(left, top), egui::pos2(right, bottom))
+        };
+        let image = cut(&window, part(1.0, 1.0, 3.0, 2.5), 2.0).expect("inside");
+        assert_eq!(image.size, [4, 3]);
+        assert_eq!(image.pixels[0], egui::Color32::from_gray(22));
+        assert_eq!(cut(&window, part(4.0, 3.0, 100.0, 100.0), 1.0).expect("half").size, [6, 5]);
+        assert!(cut(&window, part(40.0, 3.0, 100.0, 100.0), 1.0).is_none());
+    }
+}
