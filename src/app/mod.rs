@@ -5,6 +5,7 @@
 //! commands.
 
 mod actions;
+pub mod file_dialog;
 mod layout;
 mod open_deployment;
 mod panels;

@@ -74,7 +74,7 @@ impl eframe::App for ResectWindow {
             commands.push(Command::OpenPaths(dropped));
         }
         let ctx = ui.ctx().clone();
-        if self.state.overlay == Overlay::None {
+        if self.state.overlay == Overlay::None && self.state.prompt.is_none() {
             actions::from_keys(&ctx, &self.state, &mut commands);
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
@@ -93,6 +93,9 @@ impl eframe::App for ResectWindow {
                 panels::command_palette::ui(&ctx, &self.state, palette, &mut commands);
             }
             Overlay::Shortcuts => panels::shortcuts::ui(&ctx, &self.state, &mut commands),
+        }
+        if let Some(prompt) = &self.state.prompt {
+            panels::path_prompt::ui(&ctx, &prompt.shown, &mut commands);
         }
         let hovered_s = self.state.hover_s.take();
         for command in commands {

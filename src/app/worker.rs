@@ -11,6 +11,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui;
 
+use super::file_dialog::Listing;
 use super::plots::{PreparedPlots, RawReadings};
 use super::state::PictureTo;
 use super::studies::StudyResult;
@@ -61,6 +62,8 @@ pub enum Reply {
     Failed(u64),
     /// The user chose a path in a dialog.
     Picked(PathBuf),
+    /// What is in a folder that the prompt shows.
+    Listed(Listing),
     /// What the paths are that the user dropped or chose.
     Sorted(u64, Sorted),
     /// Something that ran beside the worker is done: a line for the user, or why it failed.

@@ -8,6 +8,7 @@ pub mod findings;
 pub mod minima;
 pub mod notice;
 pub mod observability;
+pub mod path_prompt;
 pub mod pipeline;
 pub mod reading;
 pub mod result;

@@ -14,6 +14,9 @@ use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;
 
+/// Twice as many dots a pair are all drawn, also where the plot is narrow: of a cloud the eye wants more than the edges.
+const LEAST_RUNS: usize = 2000;
+
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, analysis, answer)) = answer(state) else {
         ui.centered_and_justified(|ui| ui.weak("No result to plot."));
@@ -27,15 +30,15 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let chosen_id = ui.scope_id().with(("chosen errors", open.id));
     let chosen_mm: Option<[f64; 2]> = ui.data(|data| data.get_temp(chosen_id)).unwrap_or_default();
     let shown_mm = chosen_mm.unwrap_or(open.plots.range_mm);
-    ui.horizontal(|ui| {
-        ui.add_space(6.0);
+    time_plot::head(ui, |ui| {
         pair_switches(ui, state, commands);
+        time_plot::selection(ui, &times, commands);
         let text = caption(open, analysis, answer, shown_mm);
         ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
-        time_plot::selection_or_hint(ui, &times, " · ctrl+scroll: zoom in mm", commands);
+        time_plot::hint(ui, " · ctrl+scroll: zoom in mm");
     });
     let plot = Plot::new(("residuals", open.id))
-        .custom_x_axes(vec![time_axis()])
+        .custom_x_axes(vec![time_axis(ui.available_width())])
         .y_axis_label("distance error (mm)")
         .y_grid_spacer(round_marks)
         .label_formatter(|position| match position {
@@ -88,7 +91,7 @@ fn add_dots(
     columns: usize,
 ) {
     for pair in (0..3).filter(|pair| visibility.pairs[*pair]) {
-        let dots = plots.residuals[pair].visible(times.window_s, columns);
+        let dots = plots.residuals[pair].visible(times.window_s, columns.max(LEAST_RUNS));
         plot_ui.points(
             Points::new(format!("prisms {}", pair_label(pair)), PlotPoints::Owned(dots))
                 .color(theme::rgb(palette::PAIRS[pair]))

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::{Palette, Picked, Visibility};
 use crate::analysis::Settings;
+use crate::app::file_dialog::PromptCommand;
 use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
@@ -20,6 +21,8 @@ pub enum Command {
     CancelOpening(u64),
     OpenFolderDialog,
     OpenFileDialog,
+    /// Something was done in the prompt for a path.
+    Prompt(PromptCommand),
     /// Shows another of the open deployments, by its id.
     Activate(u64),
     Close(u64),

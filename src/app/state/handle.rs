@@ -22,6 +22,7 @@ impl State {
             Command::CancelOpening(number) => self.cancel_opening(number),
             Command::OpenFolderDialog => self.open_folder_dialog(),
             Command::OpenFileDialog => self.open_file_dialog(),
+            Command::Prompt(command) => self.answer_prompt(command),
             Command::Activate(id) => {
                 if let Some(index) = self.open.iter().position(|open| open.id == id) {
                     self.active = index;

@@ -2,6 +2,7 @@
 //!
 //! Panes get the state to read and a list to put [`Command`]s on; [`State::handle`] carries them out between frames.
 
+mod asking;
 mod command;
 mod handle;
 mod opening;
@@ -12,17 +13,20 @@ mod saving;
 mod timeline;
 mod undo;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui;
 
+pub use asking::OpenPrompt;
 pub use command::{Command, Commands, PictureTo};
 pub use opening::Opening;
 pub use results::{Pin, Results, Run};
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
 
+use super::file_dialog;
 use super::open_deployment::OpenDeployment;
 use super::scene::{Colouring, Ruler};
 use super::studies::Studies;
@@ -112,6 +116,12 @@ pub struct State {
     pub units: Units,
     pub overlay: Overlay,
     pub studies: Studies,
+    /// The dialog for a path inside the window.
+    pub prompt: Option<OpenPrompt>,
+    /// Whether paths are asked for inside the window: the system has no dialog.
+    pub asks_in_window: bool,
+    /// Where the last path was chosen.
+    last_folder: Option<PathBuf>,
     pub notice: Option<Notice>,
     /// Pictures that are compared byte for byte show this instead of the measured time (ms).
     pub fixed_elapsed_ms: Option<f64>,
@@ -141,6 +151,9 @@ impl State {
             units: Units::default(),
             overlay: Overlay::None,
             studies: Studies::default(),
+            prompt: None,
+            asks_in_window: !file_dialog::system::is_there(),
+            last_folder: None,
             notice: None,
             fixed_elapsed_ms: None,
             opening: Vec::new(),
@@ -168,8 +181,10 @@ impl State {
     /// Whether anything is being opened, calibrated or studied.
     pub fn is_busy(&self) -> bool {
         let analysing = self.open.iter().any(|open| open.analysing.is_some());
+        let listing = self.prompt.as_ref().is_some_and(|prompt| prompt.shown.is_reading());
         !self.opening.is_empty()
             || !self.looking.is_empty()
+            || listing
             || analysing
             || self.studies.running.is_some()
     }

@@ -60,6 +60,11 @@ impl State {
                     "a bug in resect stopped the calculation; please report it with the data and the settings".to_owned(),
                 ));
             }
+            Reply::Listed(listing) => {
+                if let Some(prompt) = &mut self.prompt {
+                    prompt.shown.take(listing);
+                }
+            }
             Reply::Picked(path) => self.look_at(vec![path]),
             Reply::Sorted(number, sorted) => self.take_sorted(number, sorted),
             Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
