@@ -5,14 +5,17 @@
 //! commands.
 
 mod actions;
+pub mod file_dialog;
 mod layout;
 mod open_deployment;
 mod panels;
+pub mod persist;
 mod plots;
 mod scene;
 mod state;
 mod studies;
 mod theme;
+pub mod toasts;
 mod units;
 mod window;
 mod worker;
@@ -21,8 +24,7 @@ pub use layout::{Layout, LayoutDescription, LayoutPreset, Pane};
 pub use open_deployment::OpenDeployment;
 pub use scene::{Colouring, Ruler, RulerEnd, SceneView, ViewPreset};
 pub use state::{
-    Command, Notice, Overlay, Picked, PictureTo, Pin, Playback, Results, Run, State, Timeline,
-    Visibility,
+    Command, Overlay, Picked, PictureTo, Pin, Playback, Results, Run, State, Timeline, Visibility,
 };
 pub use studies::{StudyKind, StudyOptions, StudyResult};
 pub use units::{AngleUnit, LengthUnit, Units};

@@ -1,11 +1,14 @@
 //! One of the deployments that are open: its data, its settings, its newest answer.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::persist::session::Files;
 use super::plots::PreparedPlots;
 use super::scene::Clouds;
 use super::state::Timeline;
+use super::worker::Answered;
 use crate::analysis::{Analysis, Settings};
 use crate::deployment::{Deployment, Source};
 use crate::export::summary::ResultSummary;
@@ -16,6 +19,8 @@ pub struct OpenDeployment {
     pub deployment: Arc<Deployment>,
     /// Where it can be read again.
     pub source: Option<Source>,
+    /// What it was read from, as sessions remember it.
+    pub files: Files,
     /// Of each station; found once, because the window asks in every frame.
     pub longest_range_m: [f64; 3],
     pub settings: Settings,
@@ -32,6 +37,8 @@ pub struct OpenDeployment {
     pub timeline: Timeline,
     /// Opened by the program itself, and never touched: gives way to the first that the user opens.
     pub placeholder: bool,
+    /// Findings that the user was told, numbers left out.
+    pub told: BTreeSet<String>,
     /// Number of the newest request, and since when an answer is awaited.
     pub analysing: Option<(u64, Instant)>,
 }
@@ -45,10 +52,12 @@ impl OpenDeployment {
     ) -> Self {
         let longest_range_m = longest_range_m(&deployment);
         let timeline = Timeline::new(&deployment);
+        let files = Files::of(source.as_ref(), &deployment);
         Self {
             id,
             deployment,
             source,
+            files,
             longest_range_m,
             settings,
             analysis: None,
@@ -58,6 +67,7 @@ impl OpenDeployment {
             analysis_run: 0,
             timeline,
             placeholder: false,
+            told: BTreeSet::new(),
             analysing: None,
         }
     }
@@ -69,6 +79,7 @@ impl OpenDeployment {
         if old.whole_s == self.timeline.whole_s {
             self.timeline = old;
         }
+        self.files = Files::of(Some(&source), &deployment);
         self.deployment = deployment;
         self.source = Some(source);
         self.placeholder = false;
@@ -80,16 +91,11 @@ impl OpenDeployment {
     }
 
     /// Takes in an answer, unless a newer one is on its way; tells whether it did.
-    pub fn take(
-        &mut self,
-        number: u64,
-        analysis: Arc<Analysis>,
-        plots: Arc<PreparedPlots>,
-        clouds: Clouds,
-    ) -> bool {
+    pub fn take(&mut self, number: u64, answered: Answered) -> bool {
         if self.analysing.is_none_or(|(newest, _)| newest != number) {
             return false;
         }
+        let Answered { analysis, plots, clouds } = answered;
         self.analysing = None;
         if self.timeline.cursor_s.is_none() {
             // So that the rig is seen before anything is clicked.

@@ -158,7 +158,8 @@ impl Units {
     }
 }
 
-fn without_negative_zero(value: f64, decimals: usize) -> String {
+/// A number with so many decimals, and no sign before nothing but zeros.
+pub fn without_negative_zero(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
         Some(zero) if zero.bytes().all(|byte| matches!(byte, b'0' | b'.')) => zero.to_owned(),
@@ -166,7 +167,6 @@ fn without_negative_zero(value: f64, decimals: usize) -> String {
     }
 }
 
-/// No sign before nothing but zeros.
 fn with_sign(value: f64, decimals: usize) -> String {
     let text = without_negative_zero(value, decimals);
     let zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));

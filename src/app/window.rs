@@ -1,5 +1,6 @@
 //! The window itself: one frame, how it opens, and how it becomes a picture.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui;
@@ -7,6 +8,8 @@ use eframe::egui;
 use super::actions;
 use super::layout::{Layout, Pane, Panes};
 use super::panels;
+use super::persist::Folders;
+use super::persist::keeping::Keeping;
 use super::scene::SceneView;
 use super::state::{Command, Commands, Overlay, State};
 use super::theme;
@@ -18,6 +21,8 @@ use crate::deployment::{Deployment, Sample, Source};
 pub enum Start {
     Sample(Sample),
     Deployments(Vec<(Arc<Deployment>, Source)>),
+    /// Of this file.
+    Session(PathBuf),
 }
 
 /// State, layout and scene; the rest is drawn anew every frame.
@@ -25,15 +30,36 @@ pub struct ResectWindow {
     pub state: State,
     layout: Layout,
     scene: SceneView,
+    /// None of pictures and tests.
+    keeping: Option<(Keeping, egui::Context)>,
 }
 
 impl ResectWindow {
+    /// A window that keeps nothing.
     pub fn new(creation: &eframe::CreationContext<'_>, start: &Start, settings: Settings) -> Self {
-        theme::apply(&creation.egui_ctx);
-        let mut state = State::new(creation.egui_ctx.clone());
+        Self::keeping(creation, start, settings, None)
+    }
+
+    /// A window that begins with what was kept, and keeps what it is told and has open.
+    pub fn keeping(
+        creation: &eframe::CreationContext<'_>,
+        start: &Start,
+        settings: Settings,
+        mut keeping: Option<Keeping>,
+    ) -> Self {
+        let ctx = &creation.egui_ctx;
+        theme::apply(ctx);
+        let mut state = State::new(ctx.clone());
+        let mut layout = Layout::default();
         state.start_settings = settings;
+        let restores = keeping.as_ref().is_some_and(Keeping::has_recovered);
+        if let Some(keeping) = &mut keeping {
+            keeping.begin(ctx, &mut state, &mut layout);
+        }
         match start {
+            Start::Sample(_) if restores => {}
             Start::Sample(sample) => state.open_placeholder(*sample),
+            Start::Session(path) => state.open_session(path.clone()),
             Start::Deployments(deployments) => {
                 for (deployment, source) in deployments {
                     state.add(Arc::clone(deployment), Some(source.clone()));
@@ -41,7 +67,12 @@ impl ResectWindow {
             }
         }
         let scene = SceneView::new(creation.wgpu_render_state.as_ref());
-        Self { state, layout: Layout::default(), scene }
+        let keeping = keeping.map(|keeping| (keeping, ctx.clone()));
+        Self { state, layout, scene, keeping }
+    }
+
+    pub fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// Waits until nothing is under way; for pictures and tests.
@@ -60,6 +91,8 @@ impl ResectWindow {
             Command::ShowPane(pane) => self.layout.show(pane),
             Command::UseLayout(preset) => self.layout = Layout::from(preset),
             Command::ResetLayout => self.layout = Layout::default(),
+            Command::SaveSession => self.state.save_session(self.layout.describe(), false),
+            Command::SaveSessionAs => self.state.save_session(self.layout.describe(), true),
             other => self.state.handle(other, ctx),
         }
     }
@@ -68,7 +101,15 @@ impl ResectWindow {
 impl eframe::App for ResectWindow {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.state.take_replies();
-        self.state.advance(ui.input(|input| input.time));
+        if let Some(description) = self.state.session.take_layout() {
+            let (layout, findings) = Layout::of_description(&description);
+            self.layout = layout;
+            self.state.tell(&findings);
+        }
+        let now_s = ui.input(|input| input.time);
+        if let Some(next_s) = self.state.advance(now_s) {
+            ui.ctx().request_repaint_after_secs((next_s - now_s) as f32);
+        }
         self.state.take_picture(ui.ctx(), self.scene.place());
         let mut commands = Commands::new();
         let dropped = ui.input(|input| {
@@ -78,11 +119,10 @@ impl eframe::App for ResectWindow {
             commands.push(Command::OpenPaths(dropped));
         }
         let ctx = ui.ctx().clone();
-        if self.state.overlay == Overlay::None {
+        if self.state.overlay == Overlay::None && self.state.prompt.is_none() {
             actions::from_keys(&ctx, &self.state, &mut commands);
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
-        panels::notice::ui(ui, &self.state, &mut commands);
         panels::time_bar::ui(ui, &self.state, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
@@ -90,13 +130,17 @@ impl eframe::App for ResectWindow {
                 Panes { state: &self.state, commands: &mut commands, scene: &mut self.scene };
             self.layout.ui(ui, &mut panes);
         });
-        panels::drop_hint::ui(ui);
+        panels::toasts::ui(&ctx, &self.state.toasts, &mut commands);
+        panels::drop_hint::ui(ui, &self.state);
         match &self.state.overlay {
             Overlay::None => {}
             Overlay::Palette(palette) => {
                 panels::command_palette::ui(&ctx, &self.state, palette, &mut commands);
             }
             Overlay::Shortcuts => panels::shortcuts::ui(&ctx, &self.state, &mut commands),
+        }
+        if let Some(prompt) = &self.state.prompt {
+            panels::path_prompt::ui(&ctx, &prompt.shown, &mut commands);
         }
         let hovered_s = self.state.hover_s.take();
         for command in commands {
@@ -110,6 +154,15 @@ impl eframe::App for ResectWindow {
             // To dim the old answer, and to turn the spinner.
             ctx.request_repaint_after(std::time::Duration::from_millis(50));
         }
+        if let Some((keeping, _)) = &mut self.keeping {
+            keeping.frame(&ctx, &mut self.state, &self.layout);
+        }
+    }
+
+    fn on_exit(&mut self) {
+        if let Some((keeping, ctx)) = self.keeping.take() {
+            keeping.finish(&ctx, &self.state, &self.layout);
+        }
     }
 }
 
@@ -119,6 +172,9 @@ impl Panes<'_> {
         match pane {
             Pane::Deployment => panels::deployment::ui(ui, self.state, self.commands),
             Pane::Pipeline => panels::pipeline::ui(ui, self.state, self.commands),
+            Pane::Scene if self.state.open.is_empty() && self.state.opening.is_empty() => {
+                panels::empty_state::ui(ui, &self.state.session.recent, self.commands);
+            }
             Pane::Scene => self.scene.ui(ui, self.state, self.commands),
             Pane::Result => panels::result::ui(ui, self.state, self.commands),
             Pane::Findings => panels::findings::ui(ui, self.state),
@@ -129,7 +185,8 @@ impl Panes<'_> {
             Pane::PriorSearch => plots::prior_search::ui(ui, self.state, self.commands),
             Pane::SideBySide => panels::side_by_side::ui(ui, self.state, self.commands),
             Pane::Studies => panels::studies::ui(ui, self.state, self.commands),
-            Pane::Reading | Pane::Runs => {}
+            Pane::Reading => panels::reading::ui(ui, self.state, self.commands),
+            Pane::Runs => panels::runs::ui(ui, self.state, self.commands),
         }
     }
 }
@@ -140,10 +197,12 @@ pub fn open_window(start: Start) -> eframe::Result {
         let icon = icon.to_rgba8();
         egui::IconData { width: icon.width(), height: icon.height(), rgba: icon.into_raw() }
     });
+    let keeping = Folders::of_user().map(|folders| Keeping::start(&folders));
+    let size = keeping.as_ref().and_then(|keeping| keeping.preferences().window_points);
     let mut viewport = egui::ViewportBuilder::default()
         .with_title("resect")
         .with_app_id("resect")
-        .with_inner_size([1600.0, 1000.0])
+        .with_inner_size(size.unwrap_or([1600.0, 1000.0]))
         .with_min_inner_size([900.0, 600.0])
         .with_drag_and_drop(true);
     if let Some(icon) = icon {
@@ -154,7 +213,7 @@ pub fn open_window(start: Start) -> eframe::Result {
         "resect",
         options,
         Box::new(move |creation| {
-            Ok(Box::new(ResectWindow::new(creation, &start, Settings::default())))
+            Ok(Box::new(ResectWindow::keeping(creation, &start, Settings::default(), keeping)))
         }),
     )
 }

@@ -11,12 +11,15 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui;
 
+use super::file_dialog::Listing;
+use super::persist::hashes::HashCache;
+use super::persist::session::{SavedDeployment, Session, SessionError};
 use super::plots::{PreparedPlots, RawReadings};
 use super::scene::{CloudMaker, Clouds};
 use super::state::PictureTo;
 use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
-use crate::deployment::{Deployment, OpenError, Sorted, Source, sort};
+use crate::deployment::{Deployment, Finding, OpenError, Sorted, Source, sort};
 use crate::experiment::StudyError;
 use crate::progress::Progress;
 
@@ -39,14 +42,19 @@ impl Request {
     }
 }
 
+/// An analysis, and what is drawn of it.
+pub struct Answered {
+    pub analysis: Arc<Analysis>,
+    pub plots: Arc<PreparedPlots>,
+    pub clouds: Clouds,
+}
+
 pub enum Reply {
     Opened(u64, Result<Arc<Deployment>, OpenError>),
     Analysed {
         number: u64,
         id: u64,
-        analysis: Arc<Analysis>,
-        plots: Arc<PreparedPlots>,
-        clouds: Clouds,
+        answered: Answered,
     },
     Studied(u64, Result<Arc<StudyResult>, StudyError>),
     /// The picture of the scene that was asked for.
@@ -63,8 +71,13 @@ pub enum Reply {
     Failed(u64),
     /// The user chose a path in a dialog.
     Picked(PathBuf),
+    /// What is in a folder that the prompt shows.
+    Listed(Listing),
     /// What the paths are that the user dropped or chose.
     Sorted(u64, Sorted),
+    /// A session's file was read: the session and what had to be left out of it.
+    SessionRead(PathBuf, Result<(Box<Session>, Vec<Finding>), SessionError>),
+    SessionSaved(PathBuf, Result<(), String>),
     /// Something that ran beside the worker is done: a line for the user, or why it failed.
     Done(Result<String, String>),
 }
@@ -95,6 +108,16 @@ impl Worker {
     /// Reads a deployment beside the worker; gives the request's number.
     pub fn open(&mut self, source: Source, progress: Arc<Progress>) -> u64 {
         self.numbered(Reply::Opened, move || source.open(&progress).map(Arc::new))
+    }
+
+    /// The same for a deployment of a session: files that changed since are among its findings.
+    pub fn open_again(
+        &mut self,
+        saved: SavedDeployment,
+        cache: Arc<HashCache>,
+        progress: Arc<Progress>,
+    ) -> u64 {
+        self.numbered(Reply::Opened, move || saved.open(&cache, &progress).map(Arc::new))
     }
 
     /// Finds out what paths are, beside the worker; gives the request's number.
@@ -231,13 +254,9 @@ fn reply(request: Request, known: &mut HashMap<u64, Known>) -> Option<Reply> {
             let analysis = known.analyst.run(&settings);
             let clouds = known.clouds.make(known.analyst.deployment(), &analysis);
             let plots = PreparedPlots::of(&analysis, &known.readings);
-            Some(Reply::Analysed {
-                number,
-                id,
-                analysis: Arc::new(analysis),
-                plots: Arc::new(plots),
-                clouds,
-            })
+            let answered =
+                Answered { analysis: Arc::new(analysis), plots: Arc::new(plots), clouds };
+            Some(Reply::Analysed { number, id, answered })
         }
         Request::Forget(id) => {
             known.remove(&id);

@@ -95,11 +95,27 @@ fn difference(
         yaw_rad,
         yaw_sigmas: Some(yaw_sigmas),
         largest_sigmas: axis_sigmas.fold(yaw_sigmas, f64::max),
-        moved_m: (area_m.iter().map(|p| (b.apply(p) - a.apply(p)).norm_squared()).sum::<f64>()
-            / count)
-            .sqrt(),
+        moved_m: apart_m(&a, &b, area_m),
         range_m: area_m.iter().map(Vector3::norm).sum::<f64>() / count,
     })
+}
+
+/// How far apart two transforms put what a station (0 to 2) measured (m, rms). At the station itself they may differ by
+/// far more, or less.
+pub fn moved_m(
+    deployment: &Deployment,
+    station: usize,
+    a: &RigidTransform,
+    b: &RigidTransform,
+) -> f64 {
+    apart_m(a, b, &working_area_m(deployment, station))
+}
+
+/// How far apart two transforms put points (m, rms).
+fn apart_m(a: &RigidTransform, b: &RigidTransform, points_m: &[Vector3<f64>]) -> f64 {
+    let count = points_m.len().max(1) as f64;
+    let squares = points_m.iter().map(|p| (b.apply(p) - a.apply(p)).norm_squared());
+    (squares.sum::<f64>() / count).sqrt()
 }
 
 /// Places of a station's readings, some hundred of them (m, its own frame).

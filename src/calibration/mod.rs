@@ -18,7 +18,7 @@ mod track_clocks;
 pub mod two_point;
 mod verdict;
 
-pub use disagreement::{Disagreement, disagreements};
+pub use disagreement::{Disagreement, disagreements, moved_m};
 pub use method::{Method, Offer};
 pub use settings::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
 pub use targets::Targets;

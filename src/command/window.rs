@@ -6,16 +6,25 @@ use std::sync::Arc;
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
 use crate::app;
-use crate::deployment::{Deployment, Extras, Sample, Source};
+use crate::deployment::{Deployment, Dropped, Extras, Sample, Source, what_is};
 use crate::export::text;
 
 pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
+    let has_display = has_display();
+    // A session is opened by the window, which can leave out what is missing.
+    if let [path] = paths
+        && has_display
+        && what_is(path) == Dropped::Session
+    {
+        let opened = app::open_window(app::Start::Session(path.clone()));
+        return opened.map_err(|error| anyhow::anyhow!("the window did not open ({error})").into());
+    }
     // A path that does not open ends here, on the terminal it came from.
     let deployments = paths
         .iter()
         .map(|path| Ok((load(path, Extras::default())?.0, Source::at(path))))
         .collect::<Result<Vec<(Arc<Deployment>, Source)>, Failure>>()?;
-    if !has_display() {
+    if !has_display {
         return without_display(deployments, "no display");
     }
     let start = if deployments.is_empty() {

@@ -71,6 +71,13 @@ fn part_of(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
+/// The file that a half-written one, left by a program that was killed, was to become.
+pub fn target_of_part(part: &Path) -> Option<PathBuf> {
+    let name = part.file_name()?.to_str()?.strip_prefix('.')?.strip_suffix(".part")?;
+    let (target, _) = name.rsplit_once('.')?;
+    Some(part.with_file_name(target))
+}
+
 /// Makes the new name outlive a power cut, where a folder can be synced; the file itself is there either way.
 fn sync_folder(path: &Path) {
     #[cfg(unix)]
@@ -108,6 +115,13 @@ mod tests {
         write(&file, "two").expect("written");
         assert_eq!(std::fs::read_to_string(&file).expect("there"), "two");
         assert_eq!(names(folder.path()), ["a.toml"]);
+    }
+
+    #[test]
+    fn a_part_tells_what_it_was_to_become() {
+        let file = Path::new("folder/a.b.toml");
+        assert_eq!(target_of_part(&part_of(file)).as_deref(), Some(file));
+        assert_eq!(target_of_part(file), None);
     }
 
     #[test]

@@ -16,6 +16,21 @@ pub fn actions(state: &State) -> Vec<Action> {
             .hint("A file of tracks, with what lies beside it")
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::O),
     ];
+    actions.extend([
+        file("Session", "Open session…", Command::OpenSessionDialog)
+            .hint("Deployments with their settings, view and pinned results"),
+        file("Session", "Save session", Command::SaveSession)
+            .hint("All that is open, with settings, view and pinned results")
+            .ctrl(Key::S),
+        file("Session", "Save session as…", Command::SaveSessionAs)
+            .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::S),
+    ]);
+    if !state.session.missing.is_empty() {
+        let hint = "Those of the session that could not be opened";
+        actions.push(
+            file("Session", "Try missing deployments again", Command::RetryMissing).hint(hint),
+        );
+    }
     for sample in Sample::ALL {
         let name = format!("Sample: {}", sample.title());
         actions.push(file("Samples", &name, Command::OpenSample(sample)));

@@ -22,16 +22,17 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 fn transport(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let playing = state.playback.playing;
-    for (sign, name, command) in [
-        ("⏮", "Step backwards (←)", Command::StepCursor(-1)),
+    for (icon, name, command) in [
+        (Icon::Back, "Step backwards (←)", Command::StepCursor(-1)),
         if playing {
-            ("⏸", "Pause (Space)", Command::TogglePlay)
+            (Icon::Pause, "Pause (Space)", Command::TogglePlay)
         } else {
-            ("▶", "Play (Space)", Command::TogglePlay)
+            (Icon::Play, "Play (Space)", Command::TogglePlay)
         },
-        ("⏭", "Step forwards (→)", Command::StepCursor(1)),
+        (Icon::Forward, "Step forwards (→)", Command::StepCursor(1)),
     ] {
-        let button = ui.add(egui::Button::new(sign).min_size(Vec2::new(24.0, 0.0)));
+        let button = ui.add(egui::Button::new("").min_size(Vec2::new(26.0, 0.0)));
+        paint_icon(ui, button.rect.center(), icon);
         let button = button.on_hover_text(name);
         button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
         if button.clicked() {
@@ -52,6 +53,40 @@ fn transport(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     combo.response.on_hover_text("Seconds of the drive in a second");
     if speed != state.playback.speed {
         commands.push(Command::SetPlaySpeed(speed));
+    }
+}
+
+/// Signs that no font is sure to have.
+#[derive(Clone, Copy)]
+enum Icon {
+    Play,
+    Pause,
+    Back,
+    Forward,
+}
+
+fn paint_icon(ui: &egui::Ui, centre: Pos2, icon: Icon) {
+    let colour = ui.visuals().text_color();
+    let bar = |left: f32| {
+        let rect = Rect::from_min_size(centre + Vec2::new(left, -5.0), Vec2::new(2.5, 10.0));
+        ui.painter().rect_filled(rect, 0.0, colour);
+    };
+    let triangle = |base: f32, tip: f32| {
+        let corners = [(base, -5.0), (tip, 0.0), (base, 5.0)];
+        let corners = corners.map(|(x, y)| centre + Vec2::new(x, y)).to_vec();
+        ui.painter().add(egui::Shape::convex_polygon(corners, colour, Stroke::NONE));
+    };
+    match icon {
+        Icon::Play => triangle(-3.0, 5.0),
+        Icon::Pause => [-4.0, 1.5].into_iter().for_each(bar),
+        Icon::Back => {
+            bar(-5.0);
+            triangle(5.0, -2.0);
+        }
+        Icon::Forward => {
+            triangle(-5.0, 2.0);
+            bar(2.5);
+        }
     }
 }
 

@@ -49,14 +49,21 @@ fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
+/// Panes narrower than this have room for a station's number only (points).
+const NARROW: f32 = 520.0;
+
 /// Stations in their colours, shown or hidden here and in the scene.
 fn station_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut visibility = state.visibility;
-    let dark = ui.visuals().dark_mode;
+    let (dark, narrow) = (ui.visuals().dark_mode, ui.available_width() < NARROW);
     for (station, on) in visibility.stations.iter_mut().enumerate() {
+        let name = format!("station {}", station + 1);
+        let text = if narrow { (station + 1).to_string() } else { name.clone() };
         let colour = theme::readable(palette::STATIONS[station], dark);
-        let name = egui::RichText::new(format!("station {}", station + 1)).color(colour).strong();
-        ui.checkbox(on, name).on_hover_text("Show or hide this station, in the scene too");
+        let switch = ui.checkbox(on, egui::RichText::new(text).color(colour).strong());
+        let role = egui::accesskit::Role::CheckBox;
+        switch.widget_info(|| egui::WidgetInfo::selected(role, true, *on, &name));
+        switch.on_hover_text(format!("Show or hide {name}, in the scene too"));
     }
     if visibility != state.visibility {
         commands.push(Command::Show(visibility));

@@ -3,11 +3,13 @@
 //! The rates stand on a logarithmic axis without their signs: outliers are a hundred times faster than driving, and the
 //! filter asks only how fast.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{self, Rect, RichText, Stroke};
 use egui_plot::{AxisHints, HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
 use super::raw_readings::{Quantity, RawReadings, StationReadings};
-use super::threshold::Threshold;
+use super::threshold::{self, Threshold};
 use super::time_plot::{self, Shown, Times, time_axis};
 use super::{log_axis, station_switches};
 use crate::app::open_deployment::OpenDeployment;
@@ -21,6 +23,8 @@ use crate::pipeline::{PipelineSettings, SampleFate, Thresholds};
 const NUMBERS: f32 = 44.0;
 /// Height of the time axis at the bottom.
 const TIME_AXIS: f32 = 34.0;
+/// Plots narrower than this have no room for how many readings there are (points).
+const NARROW: f32 = 420.0;
 /// A click this near to a dot is meant for it (points).
 const NEAR: f32 = 8.0;
 
@@ -42,9 +46,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 /// Switches, what the marks mean, and a way to switch the filter on.
 fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands) {
-    ui.horizontal(|ui| {
-        ui.add_space(6.0);
+    time_plot::head(ui, |ui| {
         station_switches(ui, state, commands);
+        time_plot::selection(ui, times, commands);
         let mut settings = *state.settings();
         if settings.pipeline.outlier_filter {
             let dark = ui.visuals().dark_mode;
@@ -61,7 +65,7 @@ fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands
                 commands.push(Command::Set(settings));
             }
         }
-        time_plot::selection_or_hint(ui, times, " · drag a line: set τ", commands);
+        time_plot::hint(ui, " · drag a line: set τ");
     });
 }
 
@@ -88,34 +92,27 @@ impl RatePlot<'_> {
         let columns = ui.available_width() as usize;
         let dots = self.dots(&pipeline, bounds, columns);
         let unit = self.quantity.unit();
+        let lowest = self.quantity == Quantity::Zenith;
+        let x_axes = if lowest { vec![time_axis(ui.available_width())] } else { vec![] };
         let plot = Plot::new(("rates", self.open.id, self.quantity.symbol()))
             .height(height)
-            .custom_x_axes(if self.quantity == Quantity::Zenith {
-                vec![time_axis()]
-            } else {
-                vec![]
-            })
+            .custom_x_axes(x_axes)
             .custom_y_axes(vec![
                 AxisHints::new_y()
-                    .formatter(|mark, _| log_axis::number(mark.value))
+                    .formatter(|mark, range| number_inside(mark.value, range))
                     .label_spacing(8.0..=16.0)
                     .min_thickness(NUMBERS),
             ])
             .y_grid_spacer(log_axis::many_decades)
             .label_formatter(move |position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
-                    let rate = log_axis::number(position.y + 1e-9);
-                    let rate = if rate.len() < 4 {
-                        format!("{:.2}", 10_f64.powf(position.y))
-                    } else {
-                        rate
-                    };
+                    let rate = threshold::short(10_f64.powf(position.y));
                     Some(format!("{plot_name}\n{:.2} s\n{rate} {unit}", position.x))
                 }
                 HoverPosition::Elsewhere { .. } => None,
             });
         let name = format!("{} over time", self.quantity.name());
-        let series = series(&dots);
+        let series = series(&dots, self.quantity);
         let shown =
             time_plot::show(ui, &name, &self.times, plot, bounds, commands, move |plot_ui| {
                 for points in series {
@@ -192,42 +189,53 @@ impl RatePlot<'_> {
 
     /// What is plotted, and what the line rejects: that is what it is tuned by.
     fn title(&self, ui: &mut egui::Ui, shown: &Shown, pipeline: &PipelineSettings) {
-        let title = format!("|{}| ({})", self.quantity.name(), self.quantity.unit());
-        let text = match self.rejects(pipeline) {
-            Some(rejects) => format!("{title}   {rejects}"),
-            None => title,
+        let frame = shown.frame();
+        let (name, unit) = (self.quantity.name(), self.quantity.unit());
+        let counts = self.counts(pipeline);
+        let text = match &counts {
+            Some([what, count, all]) if frame.width() > NARROW => {
+                format!("|{name}| ({unit})   {what} {count} of {all}")
+            }
+            Some([what, count, _]) => format!("{name} ({unit}): {what} {count}"),
+            None => format!("|{name}| ({unit})"),
         };
-        let hint = "For stations 1 / 2 / 3. A reading beyond several thresholds counts for the first: \
-                    range, azimuth, zenith. Rates are from one raw reading to the next.";
-        let galley = egui::WidgetText::from(RichText::new(&text).small()).into_galley(
+        let [what, count, all] = counts.unwrap_or_default();
+        let hint = format!(
+            "Stations 1 / 2 / 3: {what} {count} of {all}.\nRates are from one raw reading to the next. A reading \
+             beyond several thresholds counts for the first: range, azimuth, zenith."
+        );
+        let rich = RichText::new(&text).small();
+        let galley = egui::WidgetText::from(rich.clone()).into_galley(
             ui,
             Some(egui::TextWrapMode::Truncate),
-            shown.frame().width() - 8.0,
+            frame.width() - 8.0,
             egui::TextStyle::Small,
         );
-        let rect = Rect::from_min_size(shown.frame().min + egui::vec2(4.0, 2.0), galley.size());
-        let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.8);
+        // At the bottom, where the slowest readings are: nobody looks for those.
+        let corner = frame.left_bottom() + egui::vec2(4.0, -3.0 - galley.size().y);
+        let rect = Rect::from_min_size(corner, galley.size());
+        let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.85);
         ui.painter().rect_filled(rect.expand(2.0), 2.0, ground);
         // In a place of its own: the plots stand under each other as if it were not there.
         let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(rect));
-        inside.add(egui::Label::new(RichText::new(text).small()).truncate()).on_hover_text(hint);
+        inside.add(egui::Label::new(rich).truncate()).on_hover_text(hint);
     }
 
-    /// "rejects 12 / 30 / 9 of 4321 / 4400 / 4391"; while the answer is awaited only how many are above the line.
-    fn rejects(&self, pipeline: &PipelineSettings) -> Option<String> {
+    /// "rejects", "12 / 30 / 9", "4321 / 4400 / 4391"; while the answer is awaited only how many are above the line.
+    fn counts(&self, pipeline: &PipelineSettings) -> Option<[String; 3]> {
         let analysis = self.open.analysis.as_ref().filter(|_| pipeline.outlier_filter)?;
         let stations = &self.readings().stations;
-        let in_a_row = |counts: [usize; 3]| counts.map(|count| count.to_string()).join(" / ");
-        let all = in_a_row(stations.each_ref().map(|own| own.time_s.len()));
-        if self.state.is_stale() {
+        let (what, counts) = if self.state.is_stale() {
             let threshold = self.threshold_value(&pipeline.thresholds);
-            let above =
-                stations.each_ref().map(|own| own.rates[self.quantity as usize].above(threshold));
-            return Some(format!("above the line {} of {all}", in_a_row(above)));
-        }
-        let fate = SampleFate::Rejected(self.quantity.reason());
-        let rejected = std::array::from_fn(|station| analysis.pipeline.count(station, fate));
-        Some(format!("rejects {} of {all}", in_a_row(rejected)))
+            let above = |own: &StationReadings| own.rates[self.quantity as usize].above(threshold);
+            ("above the line", stations.each_ref().map(above))
+        } else {
+            let fate = SampleFate::Rejected(self.quantity.reason());
+            ("rejects", std::array::from_fn(|station| analysis.pipeline.count(station, fate)))
+        };
+        let all = stations.each_ref().map(|own| own.time_s.len());
+        let in_a_row = |counts: [usize; 3]| counts.map(|count| count.to_string()).join(" / ");
+        Some([what.to_owned(), in_a_row(counts), in_a_row(all)])
     }
 
     fn line(&self, ui: &mut egui::Ui, shown: &Shown, commands: &mut Commands) {
@@ -251,14 +259,21 @@ impl RatePlot<'_> {
     }
 }
 
+/// None at the ends, where it would stand on one of the plot above or below.
+fn number_inside(log10: f64, range: &RangeInclusive<f64>) -> String {
+    let margin = 0.08 * (range.end() - range.start());
+    let inside = (range.start() + margin..=range.end() - margin).contains(&log10);
+    if inside { log_axis::number(log10) } else { String::new() }
+}
+
 /// By the thresholds as they are now: the answer may still be on its way.
 fn fate(own: &StationReadings, index: usize, pipeline: &PipelineSettings) -> Option<SampleFate> {
     let rates = pipeline.outlier_filter.then(|| own.rates_at(index))?;
     too_fast(&rates, &pipeline.thresholds).map(SampleFate::Rejected)
 }
 
-/// Dots in the stations' colours, then crosses in those of the fates, over them.
-fn series(dots: &[Dot]) -> Vec<Points<'static>> {
+/// Dots in the stations' colours, over them crosses in those of the fates, small where another rate gave it away.
+fn series(dots: &[Dot], quantity: Quantity) -> Vec<Points<'static>> {
     let mut all = Vec::new();
     let rejected = Quantity::ALL.map(|quantity| Some(SampleFate::Rejected(quantity.reason())));
     for fate in std::iter::once(None).chain(rejected) {
@@ -274,10 +289,12 @@ fn series(dots: &[Dot]) -> Vec<Points<'static>> {
                     .color(theme::rgb(palette::STATIONS[station]))
                     .radius(1.4),
                 Some(fate) => {
+                    let own = fate == SampleFate::Rejected(quantity.reason());
+                    let colour = theme::rgb(palette::fate(fate));
                     Points::new(format!("{name}, {}", fate.label()), PlotPoints::Owned(points))
-                        .color(theme::rgb(palette::fate(fate)))
+                        .color(if own { colour } else { colour.gamma_multiply(0.6) })
                         .shape(MarkerShape::Cross)
-                        .radius(3.5)
+                        .radius(if own { 3.5 } else { 2.0 })
                 }
             });
         }

@@ -94,9 +94,6 @@ pub struct RateSeries {
     sorted: Vec<f64>,
 }
 
-/// Rates below this are drawn there (m/s, °/s): nothing stands stiller.
-const LOWEST: f64 = 1e-4;
-
 impl RawReadings {
     pub fn of(deployment: &Deployment) -> Self {
         let start_s = deployment.start_s().unwrap_or(0.0);
@@ -108,8 +105,9 @@ impl RawReadings {
             let of_each = |share: f64| {
                 stations.iter().filter_map(move |s| s.rates[quantity as usize].quantile(share))
             };
-            // A tenth of the readings say no more than that the vehicle stood.
-            let low = of_each(0.1).fold(paper / 10.0, f64::min).max(LOWEST);
+            // A decade below what is usual; slower ones say no more than that the vehicle stood.
+            let usual = of_each(0.6).fold(f64::INFINITY, f64::min);
+            let low = (usual / 10.0).clamp(paper / 500.0, paper / 10.0);
             let high = of_each(1.0).fold(3.0 * paper, f64::max);
             [low, 1.5 * high]
         });

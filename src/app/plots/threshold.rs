@@ -85,7 +85,7 @@ impl Threshold<'_> {
         let font = egui::TextStyle::Small.resolve(ui.style());
         let galley = ui.painter().layout_no_wrap(self.label(), font, egui::Color32::PLACEHOLDER);
         let left = frame.left_center() + Vec2::new(1.0, 0.0);
-        let longest = frame.width() - galley.size().x - 8.0;
+        let longest = (frame.width() - galley.size().x - 8.0).max(1.0);
         let end = left + Vec2::new((self.value as f32 * points_per_unit).min(longest), 0.0);
         let rect = Rect::from_two_pos(left, end).expand2(Vec2::new(REACH, frame.height() / 2.0));
         let (response, wanted) = self.interact(ui, "bar", rect, end, |at| {
@@ -256,9 +256,11 @@ fn rounded(value: f64) -> f64 {
     if unit < 1.0 { digits / (1.0 / unit).round() } else { digits * unit }
 }
 
-/// With three digits.
-fn short(value: f64) -> String {
+/// With three digits, and four decimals at most.
+pub fn short(value: f64) -> String {
     match value {
+        v if v < 0.0995 => format!("{v:.4}"),
+        v if v < 0.995 => format!("{v:.3}"),
         v if v < 9.995 => format!("{v:.2}"),
         v if v < 99.95 => format!("{v:.1}"),
         v => format!("{v:.0}"),
@@ -276,6 +278,6 @@ mod tests {
         {
             assert_eq!(rounded(value), expected);
         }
-        assert_eq!(["2.00", "12.3", "123"], [2.0, 12.3, 123.4].map(short));
+        assert_eq!(["0.123", "2.00", "12.3", "123"], [0.123, 2.0, 12.3, 123.4].map(short));
     }
 }

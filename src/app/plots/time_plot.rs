@@ -84,9 +84,13 @@ pub fn show<'a>(
     Shown { response, transform: shown.transform, moved_y }
 }
 
+/// Plots narrower than this have no room for a sentence (points).
+const NARROW: f32 = 320.0;
+
 /// The axis that plots over time have at the bottom; of several above each other only the lowest.
-pub fn time_axis<'a>() -> AxisHints<'a> {
-    AxisHints::new_x().label("time since the first measurement (s)").label_spacing(LABELS)
+pub fn time_axis<'a>(width: f32) -> AxisHints<'a> {
+    let text = if width < NARROW { "time (s)" } else { "time since the first measurement (s)" };
+    AxisHints::new_x().label(text).label_spacing(LABELS)
 }
 
 impl Shown {
@@ -149,28 +153,41 @@ impl Shown {
     }
 }
 
+/// The line above a plot. What has no room in it is cut off: it must not make the pane wider.
+pub fn head(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
+    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let left_to_right = egui::Layout::left_to_right(egui::Align::Center);
+    let builder = egui::UiBuilder::new().id_salt("head").max_rect(rect).layout(left_to_right);
+    let mut line = ui.new_child(builder);
+    line.set_clip_rect(rect.expand(2.0).intersect(ui.clip_rect()));
+    line.add_space(6.0);
+    add(&mut line);
+}
+
 /// How to move about, for the line above a plot.
 const HINT: &str =
     "drag: select · scroll: zoom · shift+scroll or right drag: move · double-click: all";
 
-/// At the end of the line above a plot: what is selected and what can be done with it, or how to move about.
-pub fn selection_or_hint(ui: &mut egui::Ui, times: &Times, more: &str, commands: &mut Commands) {
-    if let Some([from_s, to_s]) = times.selection_s {
-        ui.small(format!("{:.1} s selected", to_s - from_s));
-        for (text, name, command) in [
-            ("zoom", "Zoom to the selection", Command::ZoomToSelection),
-            ("clear", "Clear the selection", Command::Select(None)),
-        ] {
-            let button = ui.small_button(text).on_hover_text(name);
-            button.widget_info(|| {
-                egui::WidgetInfo::labeled(egui::accesskit::Role::Button, true, name)
-            });
-            if button.clicked() {
-                commands.push(command);
-            }
+/// In the line above a plot: how much is selected, and what can be done with it.
+pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
+    let Some([from_s, to_s]) = times.selection_s else { return };
+    ui.small(format!("{:.1} s selected", to_s - from_s));
+    for (text, name, command) in [
+        ("zoom", "Zoom to the selection", Command::ZoomToSelection),
+        ("clear", "Clear the selection", Command::Select(None)),
+    ] {
+        let button = ui.small_button(text).on_hover_text(name);
+        let role = egui::accesskit::Role::Button;
+        button.widget_info(|| egui::WidgetInfo::labeled(role, ui.is_enabled(), name));
+        if button.clicked() {
+            commands.push(command);
         }
-    } else {
-        let text = egui::RichText::new(format!("{HINT}{more}")).small().weak();
-        ui.add(egui::Label::new(text).truncate());
     }
+}
+
+/// At the end of the line above a plot, as far as there is room; in full under the pointer.
+pub fn hint(ui: &mut egui::Ui, more: &str) {
+    let text = egui::RichText::new(format!("{HINT}{more}")).small().weak();
+    ui.add(egui::Label::new(text).truncate());
 }

@@ -32,10 +32,10 @@ pub struct SceneView {
     built: Option<Built>,
     coloured: Option<(u64, u64, Colouring)>,
     cursor: Option<(u64, usize)>,
+    place: Rect,
     hover: Option<(u64, usize)>,
     /// What the controls took in the last frame.
     controls_size: Vec2,
-    place: Rect,
 }
 
 #[derive(PartialEq)]
@@ -57,15 +57,20 @@ impl SceneView {
             built: None,
             coloured: None,
             cursor: None,
+            place: Rect::NOTHING,
             hover: None,
             controls_size: Vec2::ZERO,
-            place: Rect::NOTHING,
         }
     }
 
     /// Turns or moves the camera at the next frame.
     pub fn look(&mut self, preset: ViewPreset) {
         self.pending_look = Some(preset);
+    }
+
+    /// Where the scene was drawn last, in the window (points).
+    pub fn place(&self) -> Rect {
+        self.place
     }
 
     /// Glides to a place (m, in station 1's frame), and closer to it if it is far away.
@@ -79,11 +84,6 @@ impl SceneView {
         if let Some(position_m) = reading_m(&open.deployment, analysis, picked) {
             self.fly_to(&position_m);
         }
-    }
-
-    /// Where the scene was drawn last, in the window (points).
-    pub fn place(&self) -> Rect {
-        self.place
     }
 
     pub fn ui(&mut self, ui: &mut egui::Ui, state: &State, commands: &mut Commands) {

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use super::{Palette, Picked, Visibility};
 use crate::analysis::Settings;
+use crate::app::file_dialog::PromptCommand;
 use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
 use crate::app::units::Units;
-use crate::deployment::Sample;
+use crate::deployment::{Sample, Source};
 
 /// What a pane asks for.
 #[derive(Clone, Debug)]
@@ -16,10 +17,20 @@ pub enum Command {
     /// Opens whatever the readers know: tracks, folders, control points, a rig, GNSS, settings, sessions.
     OpenPaths(Vec<PathBuf>),
     OpenSample(Sample),
+    /// Opens what was open before.
+    OpenSource(Source),
     /// Stops reading a deployment, by its request's number.
     CancelOpening(u64),
     OpenFolderDialog,
     OpenFileDialog,
+    /// Something was done in the prompt for a path.
+    Prompt(PromptCommand),
+    OpenSessionDialog,
+    /// Into its file, which is asked for the first time.
+    SaveSession,
+    SaveSessionAs,
+    /// Opens again what the session holds and could not be opened.
+    RetryMissing,
     /// Shows another of the open deployments, by its id.
     Activate(u64),
     Close(u64),
@@ -87,7 +98,9 @@ pub enum Command {
     ShowShortcuts,
     /// Closes the palette or the sheet of shortcuts.
     CloseOverlay,
-    DismissNotice,
+    DismissToast(u64),
+    /// The pointer is on a toast.
+    HoldToast(u64),
 }
 
 pub type Commands = Vec<Command>;

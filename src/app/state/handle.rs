@@ -18,10 +18,14 @@ impl State {
     pub fn handle(&mut self, command: Command, ctx: &egui::Context) {
         match command {
             Command::OpenPaths(paths) => self.look_at(paths),
+            Command::OpenSource(source) => self.open_source(source),
             Command::OpenSample(sample) => self.open_source(Source::sample(sample)),
             Command::CancelOpening(number) => self.cancel_opening(number),
             Command::OpenFolderDialog => self.open_folder_dialog(),
             Command::OpenFileDialog => self.open_file_dialog(),
+            Command::Prompt(command) => self.answer_prompt(command),
+            Command::OpenSessionDialog => self.open_session_dialog(),
+            Command::RetryMissing => self.retry_missing(),
             Command::Activate(id) => {
                 if let Some(index) = self.open.iter().position(|open| open.id == id) {
                     self.active = index;
@@ -117,10 +121,13 @@ impl State {
                 }
             }
             Command::SaveStudyDialog => self.save_study(),
-            Command::DismissNotice => self.notice = None,
+            Command::DismissToast(id) => self.toasts.dismiss(id),
+            Command::HoldToast(id) => self.toasts.hold(id),
             Command::Look(_)
             | Command::ShowPane(_)
             | Command::UseLayout(_)
+            | Command::SaveSession
+            | Command::SaveSessionAs
             | Command::ResetLayout => {}
         }
     }
@@ -170,7 +177,7 @@ impl State {
         }
     }
 
-    fn close(&mut self, id: u64) {
+    pub(super) fn close(&mut self, id: u64) {
         let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
         self.open.remove(index);
         self.worker.forget(id);

@@ -2,6 +2,7 @@
 //!
 //! Panes get the state to read and a list to put [`Command`]s on; [`State::handle`] carries them out between frames.
 
+mod asking;
 mod command;
 mod handle;
 mod opening;
@@ -9,29 +10,37 @@ mod picture;
 mod replies;
 mod results;
 mod saving;
+mod sessions;
 mod timeline;
 mod undo;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui;
+use serde::{Deserialize, Serialize};
 
+pub use asking::OpenPrompt;
 pub use command::{Command, Commands, PictureTo};
 pub use opening::Opening;
 pub use results::{Pin, Results, Run};
+pub use sessions::SessionState;
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
 
+use super::file_dialog;
 use super::open_deployment::OpenDeployment;
 use super::scene::{Colouring, Ruler};
 use super::studies::Studies;
+use super::toasts::Toasts;
 use super::units::Units;
 use super::worker::Worker;
 use crate::analysis::{Analysis, Settings};
 
 /// What the scene and the plots show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Visibility {
     pub stations: [bool; 3],
     pub raw: bool,
@@ -82,13 +91,6 @@ pub struct Palette {
     pub chosen: usize,
 }
 
-/// One line at the top of the window until it is dismissed or replaced.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Notice {
-    Error(String),
-    Done(String),
-}
-
 /// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
 const DIM_AFTER: Duration = Duration::from_millis(80);
 
@@ -112,13 +114,20 @@ pub struct State {
     pub units: Units,
     pub overlay: Overlay,
     pub studies: Studies,
-    pub notice: Option<Notice>,
+    /// The dialog for a path inside the window.
+    pub prompt: Option<OpenPrompt>,
+    /// Whether paths are asked for inside the window: the system has no dialog.
+    pub asks_in_window: bool,
+    /// Where the last path was chosen.
+    last_folder: Option<PathBuf>,
+    pub toasts: Toasts,
     /// Pictures that are compared byte for byte show this instead of the measured time (ms).
     pub fixed_elapsed_ms: Option<f64>,
     /// What is being read.
     pub opening: Vec<Opening>,
     /// Requests that find out what a path is.
     looking: Vec<u64>,
+    pub session: SessionState,
     /// Asked for in the last frame; taken in the next, when the menu that asked for it is gone.
     wanted_picture: Option<PictureTo>,
 }
@@ -141,10 +150,14 @@ impl State {
             units: Units::default(),
             overlay: Overlay::None,
             studies: Studies::default(),
-            notice: None,
+            prompt: None,
+            asks_in_window: !file_dialog::system::is_there(),
+            last_folder: None,
+            toasts: Toasts::default(),
             fixed_elapsed_ms: None,
             opening: Vec::new(),
             looking: Vec::new(),
+            session: SessionState::default(),
             wanted_picture: None,
         }
     }
@@ -168,8 +181,10 @@ impl State {
     /// Whether anything is being opened, calibrated or studied.
     pub fn is_busy(&self) -> bool {
         let analysing = self.open.iter().any(|open| open.analysing.is_some());
+        let listing = self.prompt.as_ref().is_some_and(|prompt| prompt.shown.is_reading());
         !self.opening.is_empty()
             || !self.looking.is_empty()
+            || listing
             || analysing
             || self.studies.running.is_some()
     }
@@ -191,11 +206,12 @@ impl State {
         self.active().map_or(0.0, OpenDeployment::start_s)
     }
 
-    /// Moves what moves by itself on to this time of the window's clock (s).
-    pub fn advance(&mut self, now_s: f64) {
+    /// Moves what moves by itself on to this time of the window's clock (s); gives when something will go next.
+    pub fn advance(&mut self, now_s: f64) -> Option<f64> {
         if let Some(open) = self.open.get_mut(self.active) {
             self.playback.advance(&mut open.timeline, now_s);
         }
+        self.toasts.advance(now_s)
     }
 
     fn analyse(&mut self, index: usize) {

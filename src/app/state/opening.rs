@@ -2,10 +2,13 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
-use super::{Notice, State};
+use super::State;
 use crate::analysis::Settings;
 use crate::app::open_deployment::OpenDeployment;
+use crate::app::persist::hashes::HashCache;
+use crate::app::persist::session::SavedDeployment;
 use crate::deployment::{Deployment, Extras, OpenError, Sample, Sorted, Source};
 use crate::progress::Progress;
 
@@ -13,6 +16,7 @@ use crate::progress::Progress;
 pub struct Opening {
     pub number: u64,
     pub title: String,
+    pub since: Instant,
     /// In bytes.
     pub progress: Arc<Progress>,
     source: Source,
@@ -28,6 +32,8 @@ enum Then {
     Placeholder,
     /// It takes the place of an open one, whose id this is: the same data with further files.
     Replace(u64),
+    /// It is shown as the session has it that is being restored.
+    Restore,
 }
 
 impl State {
@@ -36,13 +42,16 @@ impl State {
         self.add_with(deployment, source, self.start_settings);
     }
 
-    fn add_with(
+    pub(super) fn add_with(
         &mut self,
         deployment: Arc<Deployment>,
         source: Option<Source>,
         settings: Settings,
     ) {
         self.open.retain(|open| !open.placeholder);
+        if let Some(source) = &source {
+            self.session.opened(source);
+        }
         self.newest_id += 1;
         self.open.push(OpenDeployment::new(self.newest_id, deployment, source, settings));
         self.active = self.open.len() - 1;
@@ -63,8 +72,27 @@ impl State {
     fn read(&mut self, source: Source, then: Then) {
         let progress = Arc::new(Progress::default());
         let number = self.worker.open(source.clone(), Arc::clone(&progress));
-        let title = source.title();
-        self.opening.push(Opening { number, title, progress, source, then });
+        let (title, since) = (source.title(), Instant::now());
+        self.opening.push(Opening { number, title, since, progress, source, then });
+    }
+
+    /// Opens a deployment of a session, and finds out which of its files changed since.
+    pub(super) fn read_again(&mut self, saved: &SavedDeployment, cache: Arc<HashCache>) {
+        let progress = Arc::new(Progress::default());
+        let number = self.worker.open_again(saved.clone(), cache, Arc::clone(&progress));
+        let (source, since, then) = (saved.source.clone(), Instant::now(), Then::Restore);
+        self.opening.push(Opening { number, title: source.title(), since, progress, source, then });
+    }
+
+    /// A bug stopped the reading.
+    pub(super) fn opening_failed(&mut self, number: u64) {
+        let failed = |opening: &Opening| opening.number == number;
+        let restoring = |opening: &Opening| failed(opening) && opening.then == Then::Restore;
+        let was_restoring = self.opening.iter().any(restoring);
+        self.opening.retain(|opening| !failed(opening));
+        if was_restoring {
+            self.not_restored("a bug in resect stopped the reading");
+        }
     }
 
     pub(super) fn take_opened(&mut self, number: u64, result: Result<Arc<Deployment>, OpenError>) {
@@ -74,20 +102,27 @@ impl State {
         let Opening { source, then, .. } = self.opening.remove(index);
         let deployment = match result {
             Ok(deployment) => deployment,
+            Err(error) if then == Then::Restore => {
+                self.not_restored(&error.to_string());
+                return;
+            }
             Err(OpenError::Cancelled) => return,
             Err(error) => {
-                self.notice = Some(Notice::Error(error.to_string()));
+                self.toasts.error(&error.to_string());
                 return;
             }
         };
-        self.notice = None;
         match then {
-            Then::Show(settings) => self.add_with(deployment, Some(source), settings),
+            Then::Show(settings) => {
+                self.add_with(deployment, Some(source), settings);
+                self.tell_of_reading(self.active);
+            }
             Then::Placeholder => {
                 self.add(deployment, Some(source));
                 self.open[self.active].placeholder = true;
             }
             Then::Replace(id) => self.replace(id, deployment, source),
+            Then::Restore => self.restored(deployment),
         }
     }
 
@@ -97,6 +132,14 @@ impl State {
         // What is remembered of the old data must not answer for the new.
         self.worker.forget(id);
         self.analyse(index);
+        self.tell_of_reading(index);
+    }
+
+    /// What the readers noticed and the user was not told yet.
+    fn tell_of_reading(&mut self, index: usize) {
+        let Some(open) = self.open.get_mut(index) else { return };
+        let deployment = &open.deployment;
+        self.toasts.findings(&deployment.name, &deployment.findings, &mut open.told);
     }
 
     /// Finds out what paths are, beside the worker: a folder may lie on a slow disk.
@@ -108,8 +151,8 @@ impl State {
     pub(super) fn take_sorted(&mut self, number: u64, sorted: Sorted) {
         self.looking.retain(|looking| *looking != number);
         let Sorted { deployments, extras, sessions, settings, unknown } = sorted;
-        if let Some(line) = unknown.first() {
-            self.notice = Some(Notice::Error(line.clone()));
+        for line in unknown {
+            self.toasts.error(&line);
         }
         if deployments.is_empty() && !extras.is_empty() {
             self.add_files(extras);
@@ -118,11 +161,13 @@ impl State {
                 self.open_source(Source::at(path).with(extras.clone()));
             }
         }
-        _ = sessions;
+        if let Some(path) = sessions.into_iter().next_back() {
+            self.open_session(path);
+        }
         if let Some(path) = settings.last() {
             match read_settings(path) {
                 Ok(settings) => self.take_settings(settings),
-                Err(line) => self.notice = Some(Notice::Error(line)),
+                Err(line) => self.toasts.error(&line),
             }
         }
     }
@@ -131,7 +176,7 @@ impl State {
     fn add_files(&mut self, extras: Extras) {
         let Some(open) = self.active() else {
             let line = "these files describe a deployment, but none is open; open its tracks first";
-            self.notice = Some(Notice::Error(line.to_owned()));
+            self.toasts.error(line);
             return;
         };
         let Some(mut source) = open.source.clone() else { return };

@@ -1,68 +1,48 @@
 //! Dialogs, and what they save.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use super::State;
 use crate::analysis::Analysis;
+use crate::app::file_dialog::{Answer, Question, Wanted};
 use crate::app::worker::Reply;
 use crate::deployment::Deployment;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::export;
 use crate::export::report::{self, Chapter};
 
-/// A dialog that closes before this was never seen.
-const QUICKEST_CANCEL: Duration = Duration::from_millis(300);
-
 impl State {
-    pub(super) fn open_folder_dialog(&self) {
-        let dialog =
-            rfd::AsyncFileDialog::new().set_title("Open a deployment's folder").pick_folder();
-        self.open_picked(dialog);
+    pub(super) fn open_folder_dialog(&mut self) {
+        let wanted = Wanted::ToOpen { folder: true };
+        self.open_picked(Question::new("Open a deployment's folder", wanted));
     }
 
-    pub(super) fn open_file_dialog(&self) {
-        let dialog = rfd::AsyncFileDialog::new()
-            .set_title("Open a deployment's tracks")
-            .add_filter("Tracks (bag, csv)", &["bag", "csv"])
-            .add_filter("All files", &["*"])
-            .pick_file();
-        self.open_picked(dialog);
+    pub(super) fn open_file_dialog(&mut self) {
+        let question =
+            Question::new("Open a deployment's tracks", Wanted::ToOpen { folder: false });
+        self.open_picked(question.kinds(&[("Tracks (bag, csv)", &["bag", "csv"])]));
     }
 
-    fn open_picked(&self, dialog: impl Future<Output = Option<rfd::FileHandle>> + Send + 'static) {
-        self.worker.beside(move || {
-            let asked = Instant::now();
-            match pollster::block_on(dialog) {
-                Some(picked) => Some(Reply::Picked(picked.path().to_owned())),
-                // rfd does not tell a cancelled dialog from one that the system cannot show; nobody cancels this fast.
-                None if asked.elapsed() < QUICKEST_CANCEL => Some(Reply::Done(Err(
-                    "this system shows no file dialog (no desktop portal, no zenity); drop the folder or bag on the \
-                     window, or start with `resect PATH`"
-                        .to_owned(),
-                ))),
-                None => None,
-            }
-        });
+    pub(super) fn open_session_dialog(&mut self) {
+        let question = Question::new("Open a session", Wanted::ToOpen { folder: false });
+        self.open_picked(question.kinds(&[("Sessions (toml)", &["toml"])]));
     }
 
-    /// A dialog for a file named after the deployment.
-    fn save_dialog(
-        &self,
-        title: &str,
-        extension: &str,
-    ) -> impl Future<Output = Option<rfd::FileHandle>> + use<> {
+    fn open_picked(&mut self, question: Question) {
+        let answer = self.ask(question);
+        self.worker.beside(move || answer.wait().map(Reply::Picked));
+    }
+
+    /// Asks for a file named after the deployment.
+    pub(super) fn ask_where(&mut self, title: &str, extension: &str) -> Answer {
         let name = self.active().map_or("resect", |open| open.deployment.name.as_str());
-        rfd::AsyncFileDialog::new()
-            .set_title(title)
-            .set_file_name(format!("{}.{extension}", name.replace('/', "_")))
-            .save_file()
+        self.ask(Question::new_file(title, name, extension))
     }
 
-    pub(super) fn save_recording(&self) {
-        let dialog = self.save_dialog("Save a recording for Rerun", "rrd");
+    pub(super) fn save_recording(&mut self) {
+        let answer = self.ask_where("Save a recording for Rerun", "rrd");
         self.with_analysis(move |deployment, analysis| {
-            let path = pollster::block_on(dialog)?.path().to_owned();
+            let path = answer.wait()?;
             let result = export::rerun::save(&deployment, &analysis, &path)
                 .map(|()| format!("{} written", path.display()))
                 .map_err(|error| error.to_string());
@@ -70,10 +50,10 @@ impl State {
         });
     }
 
-    pub(super) fn save_trajectory(&self) {
-        let dialog = self.save_dialog("Save the vehicle's trajectory (TUM)", "tum");
+    pub(super) fn save_trajectory(&mut self) {
+        let answer = self.ask_where("Save the vehicle's trajectory (TUM)", "tum");
         self.with_analysis(move |deployment, analysis| {
-            let path = pollster::block_on(dialog)?.path().to_owned();
+            let path = answer.wait()?;
             let result = trajectory_text(&deployment, &analysis).and_then(|text| {
                 std::fs::write(&path, text)
                     .map(|()| format!("{} written", path.display()))
@@ -83,10 +63,10 @@ impl State {
         });
     }
 
-    pub(super) fn save_picture(&self, image: Arc<image::RgbaImage>) {
-        let dialog = self.save_dialog("Save the picture of the scene (PNG)", "png");
+    pub(super) fn save_picture(&mut self, image: Arc<image::RgbaImage>) {
+        let answer = self.ask_where("Save the picture of the scene (PNG)", "png");
         self.worker.beside(move || {
-            let path = pollster::block_on(dialog)?.path().to_owned();
+            let path = answer.wait()?;
             let result = image
                 .save_with_format(&path, image::ImageFormat::Png)
                 .map(|()| format!("{} written", path.display()))
@@ -95,10 +75,10 @@ impl State {
         });
     }
 
-    pub(super) fn save_report(&self) {
-        let dialog = self.save_dialog("Save the report (HTML)", "html");
+    pub(super) fn save_report(&mut self) {
+        let answer = self.ask_where("Save the report (HTML)", "html");
         self.with_analysis(move |deployment, analysis| {
-            let path = pollster::block_on(dialog)?.path().to_owned();
+            let path = answer.wait()?;
             let analysis = Box::new(Analysis::clone(&analysis));
             let page = report::page(&[Chapter::Analysed { deployment, analysis }]);
             let result = export::atomic::write(&path, &page)
@@ -108,13 +88,12 @@ impl State {
         });
     }
 
-    pub(super) fn save_study(&self) {
+    pub(super) fn save_study(&mut self) {
         let Some(result) = self.studies.result.clone() else { return };
-        let dialog = rfd::AsyncFileDialog::new()
-            .set_title("Save CSV, SVG and PNG into a folder")
-            .pick_folder();
+        let question = Question::new("Save CSV, SVG and PNG into a folder", Wanted::Folder);
+        let answer = self.ask(question);
         self.worker.beside(move || {
-            let folder = pollster::block_on(dialog)?.path().to_owned();
+            let folder = answer.wait()?;
             let written = export::study::write(result.study(), &folder);
             Some(Reply::Done(
                 written

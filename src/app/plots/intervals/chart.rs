@@ -5,14 +5,15 @@ use egui_plot::{AxisHints, GridMark, Plot};
 
 use super::super::gaps::{Seen, visible};
 use super::super::time_plot::{self, Shown, Times, time_axis};
+use crate::analysis::Analysis;
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::{Command, Commands, Picked, State};
 use crate::app::theme;
 use crate::palette;
-use crate::pipeline::{Interval, OutlierReason, SampleFate};
+use crate::pipeline::{FilteredTrack, Interval, OutlierReason, SampleFate};
 
-/// Space for the rows' names.
-pub const NAMES: f32 = 66.0;
+/// Charts narrower than this have room for the stations' numbers only (points).
+const NARROW: f32 = 320.0;
 /// Rows from the top: stations 1 to 3, and all three.
 const ROWS: usize = 4;
 /// Ticks further apart than this stand alone (points); closer ones are drawn as density, in columns this wide.
@@ -24,17 +25,19 @@ const NEAR: f32 = 6.0;
 pub fn ui(
     ui: &mut egui::Ui,
     open: &OpenDeployment,
+    analysis: &Analysis,
     state: &State,
     times: &Times,
     commands: &mut Commands,
 ) {
+    let width = ui.available_width();
     let plot = Plot::new(("intervals", open.id))
-        .custom_x_axes(vec![time_axis()])
+        .custom_x_axes(vec![time_axis(width)])
         .custom_y_axes(vec![
             AxisHints::new_y()
-                .formatter(|mark, _| name(ROWS as f64 - mark.value))
+                .formatter(move |mark, _| name(ROWS as f64 - mark.value, width))
                 .label_spacing(8.0..=14.0)
-                .min_thickness(NAMES),
+                .min_thickness(names_width(width)),
         ])
         .y_grid_spacer(|_| {
             let middle = |row| GridMark { value: f64::from(row) + 0.5, step_size: 1.0 };
@@ -45,7 +48,8 @@ pub fn ui(
     let name = "readings, silences and intervals over time";
     let bounds = [0.0, ROWS as f64];
     let shown = time_plot::show(ui, name, times, plot, bounds, commands, |_| {});
-    let chart = Chart { open, state, times, shown };
+    let filtered = analysis.pipeline.filtered.as_ref();
+    let chart = Chart { open, state, times, filtered, shown };
     for station in (0..3).filter(|station| state.visibility.stations[*station]) {
         chart.station(ui, station);
     }
@@ -55,10 +59,17 @@ pub fn ui(
     chart.shown.on_click(times, commands, |at| chart.reading_at(at).map(Command::PickInPlot));
 }
 
-fn name(row: f64) -> String {
-    match row as usize {
-        station @ 0..3 => format!("station {}", station + 1),
-        _ => "all three".to_owned(),
+/// Space for the rows' names in a chart of this width (points).
+pub fn names_width(width: f32) -> f32 {
+    if width < NARROW { 26.0 } else { 66.0 }
+}
+
+fn name(row: f64, width: f32) -> String {
+    match (row as usize, width < NARROW) {
+        (station @ 0..3, true) => (station + 1).to_string(),
+        (station @ 0..3, false) => format!("station {}", station + 1),
+        (_, true) => "all".to_owned(),
+        (_, false) => "all three".to_owned(),
     }
 }
 
@@ -66,6 +77,8 @@ struct Chart<'a> {
     open: &'a OpenDeployment,
     state: &'a State,
     times: &'a Times,
+    /// What the outlier filter left of each track.
+    filtered: &'a [FilteredTrack; 3],
     shown: Shown,
 }
 
@@ -106,18 +119,16 @@ impl Chart<'_> {
             label(ui, &painter, rect, &seen);
         }
         if self.ticks_stand_alone(station) {
-            self.ticks(&painter, station);
+            self.ticks(ui, &painter, station);
         } else {
             self.density(&painter, station);
         }
         // What the outlier filter took is often why a station seems silent.
-        let reach = Rangef::new(row.max - 0.3 * row.span(), row.max);
+        let foot = Rangef::new(row.max - 0.3 * row.span(), row.max);
         let rejected_s = &gaps.rejected_s[station];
-        let spans = |t: &f64| Interval { start_s: *t, end_s: *t };
-        let from = rejected_s.partition_point(|t| *t < self.times.window_s[0]);
-        let mut at = from;
+        let mut at = rejected_s.partition_point(|t| *t < self.times.window_s[0]);
         while let Some(time_s) = rejected_s.get(at).filter(|t| **t <= self.times.window_s[1]) {
-            painter.vline(self.shown.x(spans(time_s).start_s), reach, Stroke::new(1.5, silent));
+            painter.vline(self.shown.x(*time_s), foot, Stroke::new(1.5, silent));
             let close_s = time_s + 1.0 / self.points_per_s();
             at = rejected_s.partition_point(|t| *t <= close_s).max(at + 1);
         }
@@ -128,32 +139,32 @@ impl Chart<'_> {
         f64::from(self.shown.frame().width()) > TICKS * readings.len() as f64
     }
 
-    fn ticks(&self, painter: &egui::Painter, station: usize) {
+    fn ticks(&self, ui: &egui::Ui, painter: &egui::Painter, station: usize) {
         let own = &self.open.plots.readings.stations[station];
         let row = self.row(station);
+        let colour = theme::rgb(palette::STATIONS[station]);
         for index in own.within(self.times.window_s) {
             let x = self.shown.x(own.time_s[index]);
-            let colour = theme::rgb(palette::STATIONS[station]);
-            painter.vline(x, row, Stroke::new(1.2, colour));
+            if self.filtered[station].rejected[index].is_none() {
+                painter.vline(x, row, Stroke::new(1.2, colour));
+            }
             if self.open.timeline.picked == Some(Picked { station, index }) {
                 let ring = Rect::from_x_y_ranges(x - 3.0..=x + 3.0, row.expand(1.0));
-                let stroke = Stroke::new(1.5, self.strong());
+                let stroke = Stroke::new(1.5, ui.visuals().strong_text_color());
                 painter.rect_stroke(ring, 2.0, stroke, StrokeKind::Outside);
             }
         }
     }
 
-    fn strong(&self) -> Color32 {
-        self.shown.response.ctx.global_style().visuals.strong_text_color()
-    }
-
-    /// How many readings fall into each column, the darker the more.
+    /// How many readings that the filter kept fall into each column: the more, the stronger.
     fn density(&self, painter: &egui::Painter, station: usize) {
-        let times_s = &self.open.plots.readings.stations[station].time_s;
+        let times_s = &self.filtered[station].time_s;
+        let start_s = self.times.start_s;
         let (frame, row) = (self.shown.frame(), self.row(station));
         let columns = (frame.width() / COLUMN).ceil() as usize;
         let left = |column: usize| frame.left() + column as f32 * COLUMN;
-        let time_at = |x: f32| self.shown.transform.value_from_position(Pos2::new(x, 0.0)).x;
+        let time_at =
+            |x: f32| self.shown.transform.value_from_position(Pos2::new(x, 0.0)).x + start_s;
         let ends: Vec<usize> = (0..=columns)
             .map(|column| times_s.partition_point(|t| *t < time_at(left(column))))
             .collect();

@@ -12,6 +12,9 @@ use crate::app::theme;
 use crate::palette;
 use crate::pipeline::SampleFate;
 
+/// Height of the line above each (points).
+const TITLE: f32 = 16.0;
+
 /// The values of τ_s and τ_l that the user wants.
 pub fn ui(
     ui: &mut egui::Ui,
@@ -22,10 +25,9 @@ pub fn ui(
     ui.spacing_mut().item_spacing.y = 2.0;
     let gaps = &open.plots.gaps;
     let [tau_s, tau_l] = &thresholds.0;
-    // Two titles, two plots.
-    let height = (ui.available_height() / 2.0 - 18.0).max(40.0);
+    let height = (ui.available_height() / 2.0 - TITLE - 4.0).max(40.0);
     let longer = gaps.outages.each_ref().map(|outages| outages.len().to_string()).join(" / ");
-    title(ui, "silences", &format!("{longer} longer than τ_s"));
+    title(ui, &format!("silences > τ_s: {longer}"));
     let stations: Vec<(&LogHistogram, Color32)> = (0..3)
         .filter(|station| state.visibility.stations[*station])
         .map(|station| (&gaps.lengths[station], theme::rgb(palette::STATIONS[station])))
@@ -35,7 +37,8 @@ pub fn ui(
     let wanted_s =
         tau_s.vertical_line(ui, frame, x(&transform, tau_s.value), |x| at(&transform, x));
 
-    title(ui, "intervals", &format!("{} not longer than τ_l", gaps.short.len()));
+    let (short, all) = (gaps.short.len(), gaps.short.len() + gaps.kept.len());
+    title(ui, &format!("intervals ≤ τ_l: {short} of {all}"));
     let kept = theme::rgb(palette::fate(SampleFate::Kept));
     let series = [(&gaps.interval_lengths, kept)];
     let intervals = Distribution { name: "intervals", threshold: tau_l.value, series: &series };
@@ -47,10 +50,10 @@ pub fn ui(
     [wanted_s, wanted_l]
 }
 
-fn title(ui: &mut egui::Ui, what: &str, counts: &str) {
-    ui.horizontal(|ui| {
-        ui.add(egui::Label::new(RichText::new(format!("{what}: {counts}")).small()).truncate());
-    });
+fn title(ui: &mut egui::Ui, text: &str) {
+    let (rect, _) =
+        ui.allocate_exact_size(egui::vec2(ui.available_width(), TITLE), egui::Sense::hover());
+    ui.put(rect, egui::Label::new(RichText::new(text).small()).truncate());
 }
 
 /// Of a length, also one that no axis shows.
@@ -91,8 +94,7 @@ impl Distribution<'_> {
             .height(height)
             .custom_x_axes(vec![
                 AxisHints::new_x()
-                    .label(format!("length of {} (s)", self.name))
-                    .formatter(|mark, _| log_axis::number(mark.value))
+                    .formatter(|mark, _| format!("{} s", log_axis::number(mark.value)))
                     .label_spacing(LABELS),
             ])
             .custom_y_axes(vec![
@@ -141,7 +143,7 @@ fn place(count: usize) -> f64 {
 
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 fn counts(input: GridInput) -> Vec<GridMark> {
-    let mark = |count: usize| GridMark { value: place(count), step_size: 0.7 };
     let shown = |mark: &GridMark| mark.value <= input.bounds.1;
-    [0, 1, 10, 100, 1000, 10_000, 100_000, 1_000_000].map(mark).into_iter().filter(shown).collect()
+    let decades = (0..7).flat_map(|decade| [1, 3].map(|times| times * 10_usize.pow(decade)));
+    decades.map(|count| GridMark { value: place(count), step_size: 0.4 }).filter(shown).collect()
 }

@@ -4,7 +4,7 @@
 mod chart;
 mod distributions;
 
-use eframe::egui::{self, Rect, Sense, Vec2};
+use eframe::egui::{self, Sense, Vec2};
 
 use super::station_switches;
 use super::threshold::Threshold;
@@ -24,13 +24,13 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         return;
     };
     let times = Times::of(open, state);
-    ui.horizontal(|ui| {
-        ui.add_space(6.0);
+    time_plot::head(ui, |ui| {
         station_switches(ui, state, commands);
+        time_plot::selection(ui, &times, commands);
         let (kept, short) = (open.plots.gaps.kept.len(), open.plots.gaps.short.len());
         let kept_s: f64 = analysis.pipeline.kept_intervals.iter().map(Interval::length_s).sum();
         ui.small(format!("{kept} intervals kept ({kept_s:.0} s), {short} too short"));
-        time_plot::selection_or_hint(ui, &times, "", commands);
+        time_plot::hint(ui, "");
     });
     let whole = ui.available_rect_before_wrap();
     let right = (SHARE * whole.width()).clamp(NARROWEST, WIDEST).min(0.5 * whole.width());
@@ -39,7 +39,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut wanted = [None; 2];
     let mut chart = ui.new_child(egui::UiBuilder::new().id_salt("chart").max_rect(left));
     let bars = bars(&mut chart, &times, &thresholds);
-    chart::ui(&mut chart, open, state, &times, commands);
+    chart::ui(&mut chart, open, analysis, state, &times, commands);
     let mut side = ui.new_child(egui::UiBuilder::new().id_salt("side").max_rect(right));
     let lines = distributions::ui(&mut side, open, state, &thresholds);
     for (wanted, (bar, line)) in wanted.iter_mut().zip(bars.into_iter().zip(lines)) {
@@ -88,13 +88,10 @@ fn bars(ui: &mut egui::Ui, times: &Times, thresholds: &GapThresholds) -> [Option
     let size = Vec2::new(ui.available_width(), 14.0);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let width_s = (times.window_s[1] - times.window_s[0]) as f32;
-    let points_per_s = (rect.width() - chart::NAMES) / width_s;
-    let [first, second] = [0.0, 0.45].map(|share| {
-        let left = rect.left() + chart::NAMES + share * (rect.width() - chart::NAMES);
-        Rect::from_x_y_ranges(left..=rect.right(), rect.y_range())
-    });
-    let [tau_s, tau_l] = &thresholds.0;
+    let rect = rect.with_min_x(rect.left() + chart::names_width(rect.width()));
+    let points_per_s = rect.width() / width_s;
     // Each in its half.
-    let first = first.with_max_x(second.left() - 8.0);
+    let (first, second) = rect.split_left_right_at_fraction(0.5);
+    let [tau_s, tau_l] = &thresholds.0;
     [tau_s.bar(ui, first, points_per_s), tau_l.bar(ui, second, points_per_s)]
 }

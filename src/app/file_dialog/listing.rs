@@ -1,0 +1,51 @@
+//! What is in a folder, for the prompt.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use crate::deployment::what_is;
+
+/// Looking into files ends after this long; those left are shown without a word on what they are.
+const LONGEST_LOOK: Duration = Duration::from_secs(2);
+
+/// One line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    pub name: String,
+    pub is_folder: bool,
+    /// What a reader knows it as; empty if none does.
+    pub what: &'static str,
+}
+
+/// A folder's entries, folders first, each sorted by name; or why they cannot be shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Listing {
+    pub folder: PathBuf,
+    pub entries: Result<Vec<Entry>, String>,
+}
+
+impl Listing {
+    /// Reads the folder, and the beginning of every file in it; not for the thread that draws.
+    pub fn read(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), entries: entries(folder) }
+    }
+}
+
+fn entries(folder: &Path) -> Result<Vec<Entry>, String> {
+    let started = Instant::now();
+    let read =
+        std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut entries: Vec<Entry> = read
+        .flatten()
+        .map(|entry| {
+            let path = entry.path();
+            let is_folder = path.is_dir();
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let look = !is_folder && path.is_file() && started.elapsed() < LONGEST_LOOK;
+            let what = if look { what_is(&path).label() } else { "" };
+            Entry { name, is_folder, what }
+        })
+        .collect();
+    entries.sort_by_cached_key(|entry| (!entry.is_folder, entry.name.to_lowercase()));
+    Ok(entries)
+}

@@ -1,0 +1,201 @@
+//! One raw reading, picked in the scene or in a plot: its numbers, what became of it, and why.
+
+use eframe::egui::{self, RichText};
+
+use super::{heading, scrolled};
+use crate::analysis::{Analysis, Settings, changes_in_words, setting_changes};
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::{Command, Commands, Picked, State};
+use crate::app::theme;
+use crate::app::units::{Units, without_negative_zero};
+use crate::deployment::{Severity, pair_label};
+use crate::palette;
+use crate::pipeline::SampleFate;
+use crate::pipeline::explanation::{Explanation, Step, explain};
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    scrolled(ui, |ui| {
+        let Some((open, analysis)) = state.analysed() else {
+            ui.weak("Nothing open.");
+            return;
+        };
+        if state.is_stale() {
+            ui.multiply_opacity(0.45);
+        }
+        let explained = open.timeline.picked.and_then(|picked| {
+            let settings = &analysis.settings.pipeline;
+            explain(&open.deployment, &analysis.pipeline, settings, picked.station, picked.index)
+        });
+        match explained {
+            Some(explained) => show(ui, state, (open, analysis), &explained, commands),
+            None => how_to_pick(ui, analysis, commands),
+        }
+    });
+}
+
+fn how_to_pick(ui: &mut egui::Ui, analysis: &Analysis, commands: &mut Commands) {
+    ui.label(
+        "Click a reading in the scene, or a point in a plot of rates: here stands what became of it, and why.",
+    );
+    let first = (0..3).find_map(|station| {
+        let index = analysis.pipeline.fates[station].each.iter().position(is_rejected)?;
+        Some(Picked { station, index })
+    });
+    let button = egui::Button::new("First rejected reading");
+    let button = ui.add_enabled(first.is_some(), button);
+    if let Some(first) = first
+        && button.on_disabled_hover_text("No reading was rejected").clicked()
+    {
+        commands.push(Command::PickInPlot(first));
+    }
+}
+
+fn show(
+    ui: &mut egui::Ui,
+    state: &State,
+    (open, analysis): (&OpenDeployment, &Analysis),
+    explained: &Explanation,
+    commands: &mut Commands,
+) {
+    let dark = ui.visuals().dark_mode;
+    let Explanation { station, index, fate, .. } = *explained;
+    let count = open.deployment.tracks[station].measurements.len();
+    ui.horizontal_wrapped(|ui| {
+        let colour = theme::readable(palette::STATIONS[station], dark);
+        ui.label(RichText::new(format!("Station {}", station + 1)).strong().color(colour));
+        ui.label(format!("reading {} of {count}", index + 1));
+    });
+    ui.horizontal(|ui| {
+        let (dot, _) = ui.allocate_exact_size(egui::vec2(12.0, 16.0), egui::Sense::hover());
+        ui.painter().circle_filled(dot.center(), 5.0, theme::rgb(palette::fate(fate)));
+        ui.strong(fate.label());
+    });
+    ui.add(egui::Label::new(explained.in_words(open.start_s())).wrap());
+    remedy(ui, state, explained, commands);
+    neighbours(ui, analysis, Picked { station, index }, commands);
+    heading(ui, "As measured");
+    numbers(ui, explained, open.start_s(), state.units);
+    heading(ui, "Change from the reading before");
+    match &explained.step {
+        Some(step) => rates(ui, step),
+        None => {
+            ui.weak("The first of its station: nothing to compare it with.");
+        }
+    }
+    if fate == SampleFate::Kept {
+        heading(ui, "Distance errors here");
+        distance_errors(ui, analysis, explained.reading.time_s);
+    }
+}
+
+/// The least change of a threshold that would let the reading past the module that stopped it.
+fn remedy(ui: &mut egui::Ui, state: &State, explained: &Explanation, commands: &mut Commands) {
+    let Some(pipeline) = explained.remedy() else { return };
+    let settings = Settings { pipeline, ..*state.settings() };
+    let changes = changes_in_words(&setting_changes(state.settings(), &settings));
+    let button = ui.button(format!("Set {changes}")).on_hover_text(
+        "Would let this reading past the module that stopped it. The thresholds hold for all readings, not for this \
+         one alone.",
+    );
+    if button.clicked() {
+        commands.push(Command::Set(settings));
+    }
+}
+
+/// Buttons to the station's other readings.
+fn neighbours(ui: &mut egui::Ui, analysis: &Analysis, at: Picked, commands: &mut Commands) {
+    let (before, from_here) = analysis.pipeline.fates[at.station].each.split_at(at.index);
+    let after = &from_here[1..];
+    let next = at.index + 1;
+    let rejected_before = before.iter().rposition(is_rejected);
+    let rejected_after = after.iter().position(is_rejected).map(|further| next + further);
+    let mut go = |ui: &mut egui::Ui, name: &str, index: Option<usize>| {
+        let button = ui.add_enabled(index.is_some(), egui::Button::new(name));
+        if let Some(index) = index
+            && button.clicked()
+        {
+            commands.push(Command::PickInPlot(Picked { index, ..at }));
+        }
+    };
+    egui::Grid::new("other readings").num_columns(2).spacing([6.0, 4.0]).show(ui, |ui| {
+        go(ui, "Previous reading", at.index.checked_sub(1));
+        go(ui, "Next reading", (!after.is_empty()).then_some(next));
+        ui.end_row();
+        go(ui, "Previous rejected", rejected_before);
+        go(ui, "Next rejected", rejected_after);
+        ui.end_row();
+    });
+}
+
+fn is_rejected(fate: &SampleFate) -> bool {
+    matches!(fate, SampleFate::Rejected(_))
+}
+
+fn numbers(ui: &mut egui::Ui, explained: &Explanation, start_s: f64, units: Units) {
+    let reading = &explained.reading;
+    let [length, angle] = [units.length.name(), units.angle.name()];
+    let gap = |gap_s: Option<f64>| gap_s.map_or("–".to_owned(), |gap_s| format!("{gap_s:.2}"));
+    egui::Grid::new("as measured").num_columns(2).spacing([10.0, 2.0]).striped(true).show(
+        ui,
+        |ui| {
+            for (name, value) in [
+                ("time (s)".to_owned(), format!("{:.2}", reading.time_s - start_s)),
+                (format!("range ({length})"), units.length(reading.range_m)),
+                (format!("azimuth ({angle})"), units.angle(reading.azimuth_rad)),
+                (format!("zenith angle ({angle})"), units.angle(reading.zenith_rad)),
+                ("gap before (s)".to_owned(), gap(explained.gap_before_s)),
+                ("gap after (s)".to_owned(), gap(explained.gap_after_s)),
+            ] {
+                ui.label(name);
+                ui.monospace(format!("{value:>11}"));
+                ui.end_row();
+            }
+        },
+    );
+}
+
+/// Each rate beside its threshold; what exceeds it has a sign.
+fn rates(ui: &mut egui::Ui, step: &Step) {
+    let (colour, _) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
+    egui::Grid::new("rates").num_columns(3).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+        for name in ["rate of", "", "allowed"] {
+            ui.label(name);
+        }
+        ui.end_row();
+        for rate in &step.rates {
+            let unit = rate.unit().replace("deg", "°");
+            ui.label(format!("{} ({unit})", rate.name()));
+            let value = without_negative_zero(rate.value, 2);
+            let text = RichText::new(format!("{value:>8}")).monospace();
+            ui.label(if rate.exceeds() { text.strong().color(colour) } else { text });
+            let allowed = rate.threshold.map_or("filter off".to_owned(), |threshold| {
+                let sign = if rate.exceeds() { "  ✗" } else { "" };
+                format!("{} {threshold}{sign}", rate.threshold_name())
+            });
+            ui.label(allowed);
+            ui.end_row();
+        }
+    });
+}
+
+/// Those of the triplet nearest in time (mm).
+fn distance_errors(ui: &mut egui::Ui, analysis: &Analysis, time_s: f64) {
+    let answer = analysis.answer.as_ref().ok();
+    let errors_mm = answer.zip(analysis.triplets().nearest(time_s)).and_then(|(answer, index)| {
+        let of = |pair: usize| answer.evaluation.distance_errors_mm[pair].get(index).copied();
+        Some([of(0)?, of(1)?, of(2)?])
+    });
+    let Some(errors_mm) = errors_mm else {
+        ui.weak("No triplet near it, or no result.");
+        return;
+    };
+    let dark = ui.visuals().dark_mode;
+    egui::Grid::new("errors").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
+        for (pair, error_mm) in errors_mm.into_iter().enumerate() {
+            let colour = theme::readable(palette::PAIRS[pair], dark);
+            ui.label(RichText::new(format!("prisms {} (mm)", pair_label(pair))).color(colour));
+            ui.monospace(format!("{error_mm:>+8.2}"));
+            ui.end_row();
+        }
+    });
+}

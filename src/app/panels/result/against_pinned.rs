@@ -1,0 +1,162 @@
+//! What changed against a pinned result: transforms, metrics, settings.
+
+use eframe::egui::{self, RichText};
+
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::panels::heading;
+use crate::app::state::{Command, Commands, Pin, State};
+use crate::app::theme;
+use crate::app::units::Units;
+use crate::calibration::moved_m;
+use crate::deployment::{Deployment, Severity};
+use crate::evaluation::Spread;
+use crate::export::difference::{Compared, Deviation, ResultDifference, StationDifference};
+use crate::export::summary::ResultSummary;
+
+/// Beyond this many σ the choice of settings moves the answer more than it should.
+const NOTABLE_SIGMAS: f64 = 3.0;
+
+/// Nothing where nothing is pinned.
+pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
+    let (Some(pin), Some(now)) = (state.compared_with(), &open.summary) else { return };
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        ui.strong(format!("Against pinned {}", pin.name));
+        if ui.small_button(format!("Unpin {}", pin.name)).clicked() {
+            commands.push(Command::Unpin(pin.id));
+        }
+    });
+    if *pin.summary == **now {
+        ui.weak("This is the pinned result.");
+        return;
+    }
+    let difference = ResultDifference::between(&pin.summary, now);
+    if !difference.same_data {
+        let (colour, sign) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
+        let text = format!(
+            "{sign} {} is other data: its stations may have stood elsewhere.",
+            pin.summary.deployment
+        );
+        ui.label(RichText::new(text).color(colour));
+    }
+    verdict_and_settings(ui, &difference);
+    transforms(ui, &difference, (pin, now, &open.deployment), state.units);
+    metrics(ui, &difference);
+}
+
+fn verdict_and_settings(ui: &mut egui::Ui, difference: &ResultDifference) {
+    let Compared { pinned, now } = difference.verdict;
+    if pinned != now {
+        ui.label(format!("verdict {} → {}", pinned.name(), now.name()));
+    }
+    let Compared { pinned, now } = difference.method;
+    if pinned != now {
+        ui.label(format!("method {} → {}", pinned.letter(), now.letter()));
+    }
+    if difference.settings.is_empty() {
+        ui.weak("The settings are the same.");
+    }
+    for change in &difference.settings {
+        ui.label(change.to_string());
+    }
+}
+
+/// Now minus pinned, beside each number how many σ that is.
+fn transforms(
+    ui: &mut egui::Ui,
+    difference: &ResultDifference,
+    (pin, now, deployment): (&Pin, &ResultSummary, &Deployment),
+    units: Units,
+) {
+    let stations = &difference.stations;
+    let length = |m: f64| units.length_difference(m);
+    let angle = |rad: f64| units.angle_difference(rad);
+    egui::Grid::new("against pinned").num_columns(5).spacing([7.0, 3.0]).striped(true).show(
+        ui,
+        |ui| {
+            ui.label("now − pinned");
+            for station in stations {
+                ui.strong(format!("T1{}", station.station));
+                ui.weak("in σ");
+            }
+            ui.end_row();
+            for (axis, name) in ["x (mm)", "y (mm)", "z (mm)"].into_iter().enumerate() {
+                row(ui, name, stations.map(|s| s.translation_m[axis]), length);
+            }
+            row(ui, "distance (mm)", stations.map(|s| s.distance_m), |m| format!("{:.2}", m * 1e3));
+            let small = units.angle.small_name();
+            row(ui, &format!("yaw ({small})"), stations.map(|s| s.yaw_rad), angle);
+            // Of level answers it is the yaw again.
+            if stations.iter().any(tilted) {
+                let whole = stations.map(|s| Deviation { value: s.angle_rad, sigmas: None });
+                row(ui, &format!("whole angle ({small})"), whole, angle);
+            }
+            if difference.same_data {
+                let moved = std::array::from_fn(|k| {
+                    let [before, after] =
+                        [&*pin.summary, now].map(|s| s.stations[k].station1_from_station());
+                    let value = moved_m(deployment, k + 1, &before, &after);
+                    Deviation { value, sigmas: None }
+                });
+                row(ui, "on its track (mm)", moved, |m| format!("{:.2}", m * 1e3));
+            }
+        },
+    );
+    ui.small(if difference.same_data {
+        "σ: of the present result. Both come from the same readings, so below 1 the choice of settings does not matter. \
+         On its track: by how much what the station measured moves (rms)."
+    } else {
+        "σ: of both results together."
+    });
+}
+
+/// Whether the two differ by more than a yaw.
+fn tilted(station: &StationDifference) -> bool {
+    (station.angle_rad - station.yaw_rad.value.abs()).abs() > 1e-7
+}
+
+fn row(ui: &mut egui::Ui, name: &str, deviations: [Deviation; 2], show: impl Fn(f64) -> String) {
+    let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
+    ui.label(name);
+    for Deviation { value, sigmas } in deviations {
+        ui.monospace(format!("{:>8}", show(value)));
+        let text = sigmas.map_or("–".to_owned(), |sigmas| format!("{sigmas:.1}"));
+        let text = RichText::new(format!("{text:>4}")).monospace();
+        let large = sigmas.is_some_and(|sigmas| sigmas > NOTABLE_SIGMAS);
+        ui.label(if large { text.color(notable).strong() } else { text });
+    }
+    ui.end_row();
+}
+
+fn metrics(ui: &mut egui::Ui, difference: &ResultDifference) {
+    heading(ui, "Median / IQR (mm)");
+    egui::Grid::new("metrics against pinned")
+        .num_columns(3)
+        .spacing([10.0, 3.0])
+        .striped(true)
+        .show(ui, |ui| {
+            for name in ["", "pinned", "now"] {
+                ui.label(name);
+            }
+            ui.end_row();
+            let row = |ui: &mut egui::Ui, name: &str, both: &Compared<Option<Spread>>| {
+                ui.label(name);
+                for spread in [&both.pinned, &both.now] {
+                    let text = spread
+                        .as_ref()
+                        .map_or("–".to_owned(), |s| format!("{:.2} / {:.2}", s.median, s.iqr));
+                    ui.monospace(format!("{text:>13}"));
+                }
+                ui.end_row();
+            };
+            row(ui, "inter-prism", &difference.inter_prism_mm);
+            for (file, both) in &difference.control_points_mm {
+                row(ui, file, both);
+            }
+            ui.label("triplets");
+            for count in [difference.triplets.pinned, difference.triplets.now] {
+                ui.monospace(format!("{count:>13}"));
+            }
+            ui.end_row();
+        });
+}

@@ -1,0 +1,34 @@
+//! The transforms for the clipboard, in the forms that other programs take.
+
+use eframe::egui::{self, PopupCloseBehavior, containers::menu};
+
+use crate::app::state::{Command, Commands};
+use crate::calibration::Verdict;
+use crate::export::copy::{self, CopyFormat, Part};
+use crate::export::summary::ResultSummary;
+
+pub fn ui(ui: &mut egui::Ui, summary: &ResultSummary, commands: &mut Commands) {
+    // Choosing which transforms must not close the menu: the form is chosen next.
+    let config = menu::MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    let id = ui.scope_id().with("part to copy");
+    menu::MenuButton::new("Copy…").config(config).ui(ui, |ui| {
+        let mut part: Part = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+        ui.horizontal(|ui| {
+            for choice in Part::ALL {
+                ui.selectable_value(&mut part, choice, choice.title());
+            }
+        });
+        ui.data_mut(|data| data.insert_temp(id, part));
+        ui.separator();
+        for format in CopyFormat::ALL {
+            if ui.button(format.title()).clicked() {
+                commands.push(Command::Copy(copy::text(format, summary, part)));
+                ui.close();
+            }
+        }
+        if summary.verdict != Verdict::Good {
+            ui.separator();
+            ui.small(format!("The copy says that the verdict is {}.", summary.verdict.name()));
+        }
+    });
+}

@@ -1,0 +1,112 @@
+//! What only one method knows: the mirror twin of D, the pairs of A, the frame of B.
+
+use eframe::egui::{self, RichText};
+
+use crate::app::panels::{heading, minima, observability};
+use crate::app::units::Units;
+use crate::calibration::inter_prism::InterPrismDetails;
+use crate::calibration::static_gcp::StaticGcpDetails;
+use crate::calibration::two_point::TwoPointDetails;
+use crate::calibration::{Details, Mirror, ResolvedBy};
+
+pub fn ui(ui: &mut egui::Ui, details: &Details, units: Units) {
+    match details {
+        Details::TwoPoint(details) => two_point(ui, details, units),
+        Details::StaticGcp(details) => static_gcp(ui, details, units),
+        Details::DynamicGcp(_) => {}
+        Details::InterPrism(details) => {
+            mirror(ui, details, units);
+            minima::ui(ui, details);
+            observability::ui(ui, &details.observability);
+        }
+    }
+}
+
+fn mirror(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
+    let Mirror { twin, cost_ratio, resolved_by } = &details.mirror;
+    heading(ui, "Mirror twin");
+    let (Some(twin), Some(ratio)) = (twin, cost_ratio) else {
+        ui.label("No second minimum: pitch and roll rule it out.");
+        return;
+    };
+    let by = match resolved_by {
+        ResolvedBy::Rig => "by the rig's heights",
+        ResolvedBy::ControlPoints => "by control points",
+        ResolvedBy::Cost => "by cost",
+        ResolvedBy::Nothing => "by nothing",
+    };
+    egui::Grid::new("mirror").num_columns(3).spacing([10.0, 2.0]).show(ui, |ui| {
+        ui.label("");
+        ui.label("answer");
+        ui.label("twin");
+        ui.end_row();
+        for station in 1..3 {
+            ui.label(format!("z of T1{} ({})", station + 1, units.length.name()));
+            for basin in [&details.basin, twin] {
+                let z_m = basin.station1_from_station[station].translation_m.z;
+                ui.monospace(format!("{:>8}", units.length(z_m)));
+            }
+            ui.end_row();
+        }
+        ui.label("RMS error (mm)");
+        for basin in [&details.basin, twin] {
+            ui.monospace(format!("{:>8.2}", basin.mean_square_m2.sqrt() * 1e3));
+        }
+        ui.end_row();
+        ui.label("cost ratio");
+        ui.monospace(format!("{:>8.2}", 1.0));
+        ui.monospace(format!("{ratio:>8.2}"));
+        ui.end_row();
+    });
+    ui.label(format!("Told apart {by}."));
+}
+
+/// Every pair of known points, and what the stations make of the points it leaves out.
+fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails, units: Units) {
+    heading(ui, "Pairs of known points");
+    let widest =
+        |values: &[f64]| values.last().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3));
+    egui::Grid::new("pairs").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+        let apart = format!("apart ({})", units.length.name());
+        for (name, hint) in [
+            ("points", "Markers of the two points"),
+            (&apart, "Known distance between them"),
+            (
+                "left out (mm)",
+                "Largest distance between what the stations make of a point left out",
+            ),
+            (
+                "known (mm)",
+                "Largest distance of a point left out to its known position, mean of the stations",
+            ),
+        ] {
+            ui.label(name).on_hover_text(hint);
+        }
+        ui.end_row();
+        for (index, pair) in details.pairs.iter().enumerate() {
+            let name = format!("{}–{}", pair.markers[0], pair.markers[1]);
+            let chosen = index == details.chosen;
+            let cell = |text: String| {
+                let text = RichText::new(text).monospace();
+                if chosen { text.strong() } else { text }
+            };
+            ui.label(cell(name));
+            ui.label(cell(units.length(pair.baseline_m)));
+            ui.label(cell(widest(&pair.left_out_m)));
+            let known =
+                pair.largest_from_known_m().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3));
+            ui.label(cell(known));
+            ui.end_row();
+        }
+    });
+    ui.small("Bold: the pair that the answer comes from.");
+}
+
+fn static_gcp(ui: &mut egui::Ui, details: &StaticGcpDetails, units: Units) {
+    if let Some(world) = &details.world_from_station1 {
+        heading(ui, "Station 1 in the points' frame");
+        let [x, y, z] = <[f64; 3]>::from(world.translation_m).map(|value| units.length(value));
+        ui.monospace(format!("{x}  {y}  {z} {}", units.length.name()));
+        ui.monospace(format!("yaw {}", units.angle_with_unit(world.yaw_rad())));
+    }
+}

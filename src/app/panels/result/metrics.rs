@@ -1,0 +1,46 @@
+//! The paper's two metrics of the answer.
+
+use eframe::egui::{self, RichText};
+
+use crate::app::panels::heading;
+use crate::calibration::Targets;
+use crate::deployment::pair_label;
+use crate::evaluation::{Evaluation, Spread};
+
+/// In mm whatever the units: there is nothing larger to see.
+pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
+    heading(ui, "Metrics (mm)");
+    egui::Grid::new("metrics").num_columns(4).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {
+        ui.label("");
+        ui.label("median");
+        ui.label("IQR");
+        ui.label("n");
+        ui.end_row();
+        let row = |ui: &mut egui::Ui, name: RichText, spread: &Spread| {
+            ui.label(name);
+            ui.monospace(format!("{:>7.2}", spread.median));
+            ui.monospace(format!("{:>7.2}", spread.iqr));
+            ui.monospace(spread.n.to_string());
+            ui.end_row();
+        };
+        // Of one prism, what the distances compare are the stations' versions of it.
+        let (all, each) = match targets {
+            Targets::OnePrism => ("Same prism", "stations"),
+            _ => ("Inter-prism", "prisms"),
+        };
+        if let Some(spread) = &evaluation.inter_prism_mm {
+            row(ui, RichText::new(all).strong(), spread);
+        }
+        for (pair, spread) in evaluation.inter_prism_by_pair_mm.iter().enumerate() {
+            if let Some(spread) = spread {
+                row(ui, RichText::new(format!("   {each} {}", pair_label(pair))), spread);
+            }
+        }
+        for metric in &evaluation.control_points_mm {
+            row(ui, RichText::new(&metric.file), &metric.spread);
+        }
+    });
+    if evaluation.control_points_mm.is_empty() {
+        ui.weak("No control points: no control-point metric.");
+    }
+}

@@ -1,0 +1,117 @@
+//! The answer: verdict first, then the transforms with their σ, what changed against a pinned one, the mirror, and
+//! the metrics.
+
+mod against_pinned;
+mod copy_menu;
+mod methods;
+mod metrics;
+mod transforms;
+
+use eframe::egui::{self, RichText};
+
+use super::{correlations, finding, heading, scrolled};
+use crate::analysis::{Analysis, Answer};
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::{Command, Commands, State};
+use crate::app::theme;
+use crate::calibration::{Calibration, Verdict};
+use crate::deployment::{Finding, Severity};
+use crate::export::summary::ResultSummary;
+use crate::export::text;
+use crate::palette;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    scrolled(ui, |ui| {
+        let Some((open, analysis)) = state.analysed() else {
+            ui.weak("No result yet.");
+            return;
+        };
+        if state.is_stale() {
+            ui.multiply_opacity(0.45);
+        }
+        match &analysis.answer {
+            Ok(answer) => show(ui, state, (open, analysis, answer), commands),
+            Err(error) => {
+                ui.heading("No result");
+                finding(ui, &Finding::problem(error.to_string()));
+            }
+        }
+    });
+}
+
+fn show(
+    ui: &mut egui::Ui,
+    state: &State,
+    (open, analysis, answer): (&OpenDeployment, &Analysis, &Answer),
+    commands: &mut Commands,
+) {
+    let calibration = &answer.calibration;
+    let units = state.units;
+    verdict(ui, calibration);
+    reasons(ui, &calibration.findings);
+    heading(ui, "Transforms into station 1");
+    transforms::table(ui, calibration, units);
+    ui.horizontal(|ui| {
+        if let Some(summary) = &open.summary {
+            copy_menu::ui(ui, summary, commands);
+        }
+        if ui.button("Copy as text").clicked() {
+            commands.push(Command::Copy(text::calibration(&open.deployment, analysis, answer)));
+        }
+        if let Some(summary) = &open.summary {
+            pin(ui, state, summary, commands);
+        }
+    });
+    transforms::matrices(ui, calibration);
+    against_pinned::ui(ui, state, open, commands);
+    methods::ui(ui, &calibration.details, units);
+    if let Some(correlation) = calibration.correlation() {
+        correlations::ui(ui, &correlation);
+    }
+    metrics::ui(ui, &answer.evaluation, analysis.offer.targets);
+}
+
+/// Keeps the result to compare later ones with, unless it is kept already.
+fn pin(ui: &mut egui::Ui, state: &State, summary: &ResultSummary, commands: &mut Commands) {
+    let pinned = state.results.pins.iter().find(|pin| *pin.summary == *summary);
+    let why = pinned.map_or_else(String::new, |pin| format!("Pinned as {}", pin.name));
+    let button = ui
+        .add_enabled(pinned.is_none(), egui::Button::new("Pin"))
+        .on_hover_text("Keep this result, and see later ones against it")
+        .on_disabled_hover_text(why);
+    if button.clicked() {
+        commands.push(Command::Pin);
+    }
+}
+
+/// All that limits the answer, and the first notes; the others on request, so that the numbers stay in sight.
+fn reasons(ui: &mut egui::Ui, findings: &[Finding]) {
+    const NOTES_IN_SIGHT: usize = 4;
+    let (notes, doubts): (Vec<_>, Vec<_>) =
+        findings.iter().partition(|finding| finding.severity == Severity::Note);
+    doubts.into_iter().for_each(|one| finding(ui, one));
+    let (shown, folded) = notes.split_at(notes.len().min(NOTES_IN_SIGHT));
+    shown.iter().for_each(|one| finding(ui, one));
+    if !folded.is_empty() {
+        ui.collapsing(format!("what else was found ({})", folded.len()), |ui| {
+            folded.iter().for_each(|one| finding(ui, one));
+        });
+    }
+}
+
+fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {
+    ui.horizontal(|ui| {
+        badge(ui, calibration.verdict, 15.0);
+        ui.label(format!("{}  {}", calibration.method.letter(), calibration.method.title()));
+    });
+}
+
+/// A verdict on its colour.
+pub fn badge(ui: &mut egui::Ui, verdict: Verdict, size: f32) {
+    let [fill, ink] = palette::verdict(verdict).map(theme::rgb);
+    let margin = egui::Margin::symmetric((0.65 * size) as i8, (0.25 * size) as i8);
+    egui::Frame::new().fill(fill).corner_radius(4.0).inner_margin(margin).show(ui, |ui| {
+        let word = verdict.name().to_uppercase();
+        ui.label(RichText::new(word).color(ink).strong().size(size));
+    });
+}

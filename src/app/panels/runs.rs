@@ -1,0 +1,186 @@
+//! The session's results: those that were pinned, and every run with what it changed.
+
+use eframe::egui::{self, RichText, WidgetInfo};
+
+use super::result::badge;
+use super::{heading, scrolled};
+use crate::analysis::{Settings, changes_in_words, setting_changes};
+use crate::app::state::{Command, Commands, Pin, Run, State};
+use crate::export::summary::ResultSummary;
+
+/// Size of the verdicts' letters in a list.
+const BADGE: f32 = 10.0;
+/// What belongs to a result stands under its name.
+const INDENT: f32 = 20.0;
+/// Width that the time and the button beside a run need (points).
+const RIGHT_OF_A_RUN: f32 = 84.0;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    scrolled(ui, |ui| {
+        heading(ui, "Pinned results");
+        if state.results.pins.is_empty() {
+            ui.weak("None. Pin a result, and later ones are shown against it.");
+        }
+        for pin in &state.results.pins {
+            pinned(ui, pin, commands);
+        }
+        ui.add_space(4.0);
+        heading(ui, "Runs of this session");
+        if state.results.runs.is_empty() {
+            ui.weak("None yet: each change of a setting is one.");
+        }
+        let current = current(state);
+        let several = state.results.runs.windows(2).any(|w| w[0].deployment != w[1].deployment);
+        for (index, run) in state.results.runs.iter().enumerate().rev() {
+            let shown = Shown { current: current == Some(run.id), several };
+            one(ui, state, (index, run), shown, commands);
+        }
+        if !state.results.runs.is_empty() {
+            ui.small(
+                "A click brings a run's settings back. Beside the verdict: median / IQR of the inter-prism metric, and \
+                 the median of the worst control points (mm).",
+            );
+        }
+    });
+}
+
+/// How a run is shown.
+#[derive(Clone, Copy)]
+struct Shown {
+    /// Its settings are the present ones.
+    current: bool,
+    /// There are runs of several deployments, so each names its own.
+    several: bool,
+}
+
+/// The newest run whose settings the active deployment has.
+fn current(state: &State) -> Option<u64> {
+    let active = state.active()?;
+    let is_it = |run: &&Run| run.deployment == active.id && run.settings == active.settings;
+    state.results.runs.iter().rev().find(is_it).map(|run| run.id)
+}
+
+fn pinned(ui: &mut egui::Ui, pin: &Pin, commands: &mut Commands) {
+    let Pin { id, name, summary, shown, .. } = pin;
+    ui.horizontal(|ui| {
+        let mut show = *shown;
+        let text = RichText::new(format!("{name}  {}", summary.deployment)).strong();
+        let switch = ui
+            .add(egui::Checkbox::new(&mut show, text))
+            .on_hover_text("Show its residuals behind the present ones");
+        if switch.changed() {
+            commands.push(Command::ShowPin(*id, show));
+        }
+        right(ui, |ui| {
+            if ui.small_button(format!("Unpin {name}")).clicked() {
+                commands.push(Command::Unpin(*id));
+            }
+        });
+    });
+    ui.horizontal(|ui| {
+        ui.add_space(INDENT);
+        numbers(ui, summary);
+    });
+    let changed = changes_in_words(&setting_changes(&Settings::default(), &summary.settings));
+    let words = if changed.is_empty() { "the paper's settings".to_owned() } else { changed };
+    ui.horizontal(|ui| {
+        ui.add_space(INDENT);
+        ui.add(egui::Label::new(RichText::new(words).small()).wrap());
+    });
+}
+
+/// What the run changed, as a button that brings its settings back; under it what came of it.
+fn one(
+    ui: &mut egui::Ui,
+    state: &State,
+    (index, run): (usize, &Run),
+    Shown { current, several }: Shown,
+    commands: &mut Commands,
+) {
+    let changed = match state.run_change(run) {
+        None => first_in_words(run),
+        Some(words) if words.is_empty() => "no setting changed".to_owned(),
+        Some(words) => words,
+    };
+    let number = index + 1;
+    let verdict = run.result.as_ref().map_or("no result", |summary| summary.verdict.name());
+    ui.horizontal(|ui| {
+        // The words get what the rest of the line leaves.
+        let room = egui::vec2(ui.available_width() - RIGHT_OF_A_RUN, ui.spacing().interact_size.y);
+        let left = egui::Layout::left_to_right(egui::Align::Center);
+        let button = ui.allocate_ui_with_layout(room, left, |ui| {
+            ui.add(egui::Button::selectable(current, format!("{number}  {changed}")).truncate())
+        });
+        let button = button.inner;
+        let name = format!("Run {number}, {verdict}: {changed}");
+        button.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, current, &name));
+        let button = button.on_hover_text(format!("{changed}\nClick: back to these settings"));
+        if button.clicked() && !current {
+            commands.push(Command::RestoreRun(run.id));
+        }
+        right(ui, |ui| {
+            let pin = ui.add_enabled(run.result.is_ok(), egui::Button::new("Pin").small());
+            let name = format!("Pin run {number}");
+            let enabled = run.result.is_ok();
+            pin.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled, &name));
+            let pin = pin
+                .on_hover_text("Show later results against it")
+                .on_disabled_hover_text("There is no result to pin");
+            if pin.clicked() {
+                commands.push(Command::PinRun(run.id));
+            }
+            ui.label(RichText::new(ago(run.at.elapsed().as_secs())).small().weak());
+        });
+    });
+    ui.horizontal(|ui| {
+        ui.add_space(INDENT);
+        match &run.result {
+            Ok(summary) => {
+                numbers(ui, summary);
+                if several {
+                    ui.add(egui::Label::new(RichText::new(&summary.deployment).small()).truncate());
+                }
+            }
+            Err(why) => {
+                ui.add(egui::Label::new(RichText::new(why).small()).truncate()).on_hover_text(why);
+            }
+        }
+    });
+}
+
+fn first_in_words(run: &Run) -> String {
+    let changed = changes_in_words(&setting_changes(&Settings::default(), &run.settings));
+    let name = run.result.as_ref().map_or("opened", |summary| summary.deployment.as_str());
+    if changed.is_empty() { name.to_owned() } else { format!("{name}, {changed}") }
+}
+
+/// Verdict, method and metrics, short enough for a line.
+fn numbers(ui: &mut egui::Ui, summary: &ResultSummary) {
+    badge(ui, summary.verdict, BADGE);
+    ui.label(summary.method.letter().to_string()).on_hover_text(summary.method.title());
+    let spread = |spread: Option<(f64, f64)>| {
+        spread.map_or("–".to_owned(), |(median, iqr)| format!("{median:.2} / {iqr:.2}"))
+    };
+    let inter_prism = spread(summary.inter_prism_mm.map(|s| (s.median, s.iqr)));
+    let name = if summary.one_prism { "same prism" } else { "inter-prism" };
+    ui.small(format!("{name} {inter_prism}")).on_hover_text("Median / IQR (mm)");
+    let worst = summary.worst_control_points();
+    let text = worst.map_or("–".to_owned(), |metric| format!("{:.2}", metric.spread.median));
+    let hint = worst.map_or("No control points".to_owned(), |metric| {
+        format!("Median of {} (mm), the worst of {}", metric.file, summary.control_points_mm.len())
+    });
+    ui.small(format!("points {text}")).on_hover_text(hint);
+}
+
+/// At the right end of a line.
+fn right(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), add);
+}
+
+fn ago(seconds: u64) -> String {
+    match seconds {
+        0..60 => "now".to_owned(),
+        60..3600 => format!("{} min", seconds / 60),
+        _ => format!("{} h", seconds / 3600),
+    }
+}

@@ -1,0 +1,184 @@
+use std::collections::BTreeSet;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::*;
+use crate::app::persist::session::SavedDeployment;
+use crate::deployment::Sample;
+use crate::deployment::Source;
+
+/// Set in a process that this file's tests start, to the folder where it saves until it is killed.
+const CHILD_FOLDER: &str = "RESECT_TEST_SAVING_CHILD";
+
+fn start(folder: &Path) -> (Autosave, Option<Recovered>, Vec<Finding>) {
+    Autosave::start(folder, Arc::default()).expect("a folder")
+}
+
+/// With so many deployments, the last of which is shown.
+fn session(count: usize) -> Session {
+    let saved = |number: usize| SavedDeployment {
+        source: Source::at(format!("/data/deployment {number}")),
+        settings: Default::default(),
+        cursor_s: Some(number as f64),
+        window_s: None,
+        selection_s: None,
+        files: Default::default(),
+    };
+    Session {
+        deployments: (0..count).map(saved).collect(),
+        active: count.saturating_sub(1),
+        ..Session::default()
+    }
+}
+
+fn names(folder: &Path) -> BTreeSet<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    entries
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect()
+}
+
+/// As a crash leaves it: the lock is gone with the process, the file stays.
+fn die(autosave: Autosave) {
+    autosave.writer.finish();
+    drop(autosave);
+}
+
+#[test]
+fn what_a_window_that_died_had_open_comes_back_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut first, recovered, _) = start(folder.path());
+    assert!(recovered.is_none());
+    first.offer(session(2));
+    first.offer(session(3));
+    die(first);
+    let (mut second, recovered, findings) = start(folder.path());
+    assert_eq!(findings, []);
+    let (back, _) = second.take_over(recovered.expect("what was open"));
+    assert_eq!(back, session(3));
+    // Dying again before anything was written loses nothing.
+    die(second);
+    let (mut third, recovered, _) = start(folder.path());
+    let (back, _) = third.take_over(recovered.expect("what was open"));
+    assert_eq!(back, session(3));
+    third.offer(back);
+    third.writer.finish();
+    assert_eq!(names(folder.path()).len(), 2, "its own file and lock, and no other's");
+    third.finish();
+    assert_eq!(names(folder.path()), BTreeSet::new(), "a clean exit leaves nothing");
+    assert!(start(folder.path()).1.is_none());
+}
+
+#[test]
+fn two_windows_at_once_leave_each_other_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut first, ..) = start(folder.path());
+    first.offer(session(1));
+    first.writer.finish();
+    let (mut second, recovered, _) = start(folder.path());
+    assert!(recovered.is_none(), "the first window lives");
+    second.offer(session(2));
+    second.finish();
+    assert_eq!(names(folder.path()).len(), 2);
+    die(first);
+    let (_, recovered, _) = start(folder.path());
+    assert_eq!(recovered.expect("the first window's").session, session(1));
+}
+
+#[test]
+fn an_empty_window_leaves_nothing_to_restore() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, ..) = start(folder.path());
+    window.offer(session(1));
+    window.offer(Session::default());
+    die(window);
+    let (window, recovered, _) = start(folder.path());
+    assert!(recovered.is_none());
+    assert_eq!(names(folder.path()).len(), 1, "only the lock of the new window");
+    window.finish();
+}
+
+#[test]
+fn what_cannot_be_restored_is_kept_aside_and_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("1-2-0.toml"), "resect_session = 1\nactive = [")
+        .expect("written");
+    std::fs::write(folder.path().join("1-3-0.toml"), "resect_session = 9\nresect = \"7.0\"\n")
+        .expect("written");
+    let (window, recovered, findings) = start(folder.path());
+    assert!(recovered.is_none());
+    let said: Vec<String> = findings.iter().map(ToString::to_string).collect();
+    assert_eq!(said.len(), 2, "{said:?}");
+    assert!(said.iter().any(|line| line.contains("1-2-0.toml:2")), "{said:?}");
+    assert!(said.iter().any(|line| line.contains("newer resect (7.0)")), "{said:?}");
+    window.finish();
+    let kept = ["1-2-0.toml.bak", "1-3-0.toml.bak"].map(str::to_owned);
+    assert_eq!(names(folder.path()), BTreeSet::from(kept));
+}
+
+/// Not a test by itself: the process that the next one kills.
+#[test]
+fn child_that_saves_until_it_is_killed() {
+    let Some(folder) = std::env::var_os(CHILD_FOLDER) else { return };
+    let folder = PathBuf::from(folder);
+    let (mut autosave, ..) = start(&folder.join("autosave"));
+    for round in 0.. {
+        let session = session(1 + round % 200);
+        session.save(&folder.join("session.resect.toml"), &HashCache::default()).expect("saved");
+        autosave.offer(session);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_process_damages_neither_session_nor_autosave() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("session.resect.toml");
+    std::fs::create_dir(folder.path().join("autosave")).expect("created");
+    let name = concat!(module_path!(), "::child_that_saves_until_it_is_killed");
+    let name = name.split_once("::").expect("a path").1;
+    let whole = |session: &Session| session.active + 1 == session.deployments.len();
+    for kill in 0..50 {
+        let mut child = Command::new(std::env::current_exe().expect("this program"))
+            .args(["--exact", name])
+            .env(CHILD_FOLDER, folder.path())
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("started");
+        let before = path.metadata().and_then(|metadata| metadata.modified()).ok();
+        let patience = Instant::now();
+        let autosaved =
+            || names(&folder.path().join("autosave")).iter().any(|name| name.ends_with(".toml"));
+        while path.metadata().and_then(|metadata| metadata.modified()).ok() == before
+            || !autosaved()
+        {
+            assert!(patience.elapsed() < Duration::from_secs(30), "the child does not save");
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        std::thread::sleep(Duration::from_micros(311 * kill));
+        // SIGKILL: nothing of the child runs after it.
+        child.kill().expect("killed");
+        child.wait().expect("gone");
+        let (session, findings) = session::load(&path).expect("whole");
+        assert!(whole(&session) && findings.is_empty());
+        let (window, recovered, findings) = start(&folder.path().join("autosave"));
+        assert_eq!(findings, [], "kill {kill}");
+        let recovered = recovered.expect("what was open");
+        assert!(whole(&recovered.session), "kill {kill}");
+        recovered.discard();
+        window.finish();
+    }
+    assert_eq!(names(&folder.path().join("autosave")), BTreeSet::new(), "nothing is left behind");
+}
+
+#[test]
+fn a_sample_is_worth_restoring_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, ..) = start(folder.path());
+    let mut sample = session(1);
+    sample.deployments[0].source = Source::sample(Sample::Hd2Tunnel);
+    window.offer(sample.clone());
+    die(window);
+    let (_, recovered, _) = start(folder.path());
+    assert_eq!(recovered.expect("what was open").session, sample);
+}

@@ -1,0 +1,69 @@
+//! What outlives the window: preferences, sessions, and what was open when the program stopped.
+//!
+//! Plain data and plain functions. [`session`] and [`preferences`] are the files, [`hashes`] tells whether inputs
+//! changed, [`autosave`] keeps the running window's session safe, [`writer`] writes without a frame waiting, and
+//! [`keeping`] is all that a window needs of it.
+
+pub mod autosave;
+pub mod hashes;
+pub mod keeping;
+pub mod preferences;
+pub mod session;
+mod stored;
+mod writer;
+
+use std::path::{Path, PathBuf};
+
+use crate::deployment::Finding;
+
+/// Says where everything is kept instead of in the user's own folders.
+const FOLDER_VARIABLE: &str = "RESECT_CONFIG_DIR";
+
+/// Where resect keeps what is the user's.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Folders {
+    /// Of the preferences.
+    pub config: PathBuf,
+    /// Of the sessions of running windows.
+    pub autosave: PathBuf,
+}
+
+impl Folders {
+    /// The system's folders for this user, or the one that `RESECT_CONFIG_DIR` names; none on a system without a home.
+    pub fn of_user() -> Option<Self> {
+        if let Some(folder) = std::env::var_os(FOLDER_VARIABLE).filter(|name| !name.is_empty()) {
+            return Some(Self::inside(Path::new(&folder)));
+        }
+        let folders = directories::ProjectDirs::from("", "", "resect")?;
+        Some(Self {
+            config: folders.config_dir().to_owned(),
+            autosave: folders.data_local_dir().join("autosave"),
+        })
+    }
+
+    /// All inside one folder.
+    pub fn inside(folder: &Path) -> Self {
+        Self { config: folder.to_owned(), autosave: folder.join("autosave") }
+    }
+}
+
+/// Moves a file that cannot be used out of the way of the one that will be written, and says so.
+fn keep_aside(path: &Path, why: &str) -> Finding {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let free = (1..1000)
+        .map(|number| match number {
+            1 => path.with_file_name(format!("{name}.bak")),
+            _ => path.with_file_name(format!("{name}.{number}.bak")),
+        })
+        .find(|kept| !kept.exists());
+    let moved = free.and_then(|kept| std::fs::rename(path, &kept).ok().map(|()| kept));
+    Finding::warning(match moved {
+        Some(kept) => format!("{why}; it is kept as {}", kept.display()),
+        None => format!("{why}; it could not be moved aside and will be replaced"),
+    })
+}
+
+/// Line of a byte of a text, from 1.
+fn line_of(text: &str, byte: usize) -> usize {
+    1 + text.bytes().take(byte).filter(|byte| *byte == b'\n').count()
+}

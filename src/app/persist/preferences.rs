@@ -1,0 +1,308 @@
+//! Preferences: what a user set for every window. TOML in the system's folder for it.
+
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use eframe::egui::ThemePreference;
+use serde::{Deserialize, Serialize};
+
+use super::stored::Lenient;
+use super::writer::Writer;
+use super::{keep_aside, line_of};
+use crate::app::layout::LayoutDescription;
+use crate::app::units::Units;
+use crate::deployment::{Finding, Source};
+use crate::export::atomic;
+
+/// Version of the format that this program writes.
+const VERSION: u32 = 1;
+const FILE: &str = "preferences.toml";
+/// So many recent deployments are remembered.
+const MOST_RECENT: usize = 12;
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Preferences {
+    pub theme: Theme,
+    pub units: Units,
+    /// None until the user changed it.
+    pub layout: Option<LayoutDescription>,
+    /// Size of the window (points).
+    pub window_points: Option<[f32; 2]>,
+    /// The newest first, none twice.
+    pub recent: Vec<Recent>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Theme {
+    #[default]
+    System,
+    Dark,
+    Light,
+}
+
+impl From<ThemePreference> for Theme {
+    fn from(theme: ThemePreference) -> Self {
+        match theme {
+            ThemePreference::System => Self::System,
+            ThemePreference::Dark => Self::Dark,
+            ThemePreference::Light => Self::Light,
+        }
+    }
+}
+
+impl From<Theme> for ThemePreference {
+    fn from(theme: Theme) -> Self {
+        match theme {
+            Theme::System => Self::System,
+            Theme::Dark => Self::Dark,
+            Theme::Light => Self::Light,
+        }
+    }
+}
+
+/// A deployment that was opened before.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Recent {
+    /// When it was opened (s since 1970).
+    pub opened_unix_s: u64,
+    #[serde(flatten)]
+    pub source: Source,
+}
+
+/// Puts a deployment first among the recent ones; samples are in the menu anyway.
+pub fn remember(recent: &mut Vec<Recent>, source: &Source) {
+    if source.path().is_none() {
+        return;
+    }
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let opened_unix_s = now.map_or(0, |since| since.as_secs());
+    recent.retain(|recent| recent.source.place != source.place);
+    recent.insert(0, Recent { opened_unix_s, source: source.clone() });
+    recent.truncate(MOST_RECENT);
+}
+
+/// As it lies in the file. Parts that cannot be read are left out, the rest stays.
+#[derive(Serialize, Deserialize)]
+struct StoredPreferences {
+    version: u32,
+    #[serde(default)]
+    theme: Lenient<Theme>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    window_points: Option<Lenient<[f32; 2]>>,
+    #[serde(default)]
+    units: Lenient<Units>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    recent: Vec<Lenient<Recent>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    layout: Option<Lenient<LayoutDescription>>,
+}
+
+impl StoredPreferences {
+    fn new(preferences: &Preferences) -> Self {
+        let Preferences { theme, units, layout, window_points, recent } = preferences.clone();
+        Self {
+            version: VERSION,
+            theme: Lenient::Read(theme),
+            window_points: window_points.map(Lenient::Read),
+            units: Lenient::Read(units),
+            recent: recent.into_iter().map(Lenient::Read).collect(),
+            layout: layout.map(Lenient::Read),
+        }
+    }
+
+    fn read(self) -> (Preferences, Vec<Finding>) {
+        let mut findings = Vec::new();
+        let size = |it: Lenient<_>| it.read("preferences: the window's size", &mut findings);
+        let window_points = self
+            .window_points
+            .and_then(size)
+            .filter(|size: &[f32; 2]| size.iter().all(|side| (100.0..=100_000.0).contains(side)));
+        let recent = self.recent.into_iter();
+        let mut recent: Vec<Recent> = recent
+            .filter_map(|it| it.read("preferences: a recent deployment", &mut findings))
+            .collect();
+        recent.truncate(MOST_RECENT);
+        let preferences = Preferences {
+            theme: self.theme.read("preferences: the theme", &mut findings).unwrap_or_default(),
+            units: self.units.read("preferences: the units", &mut findings).unwrap_or_default(),
+            layout: self.layout.and_then(|it| it.read("preferences: the layout", &mut findings)),
+            window_points,
+            recent,
+        };
+        (preferences, findings)
+    }
+}
+
+/// The file of the preferences: read once, written in the background when they are others.
+pub struct PreferencesFile {
+    path: PathBuf,
+    last: Preferences,
+    writer: Writer,
+}
+
+impl PreferencesFile {
+    /// Reads the file of a folder. One that cannot be used is kept aside, never overwritten, and said.
+    pub fn open(folder: &Path) -> (Self, Preferences, Vec<Finding>) {
+        let path = folder.join(FILE);
+        let (preferences, findings) = read(&path);
+        let file =
+            Self { path, last: preferences.clone(), writer: Writer::start("resect preferences") };
+        (file, preferences, findings)
+    }
+
+    /// Has them written where they are others than last time. Cheap: to be called whenever something may have changed.
+    pub fn keep(&mut self, preferences: &Preferences) {
+        if *preferences == self.last {
+            return;
+        }
+        self.last = preferences.clone();
+        let (path, preferences) = (self.path.clone(), preferences.clone());
+        self.writer.write(move || {
+            let text = toml::to_string(&StoredPreferences::new(&preferences))
+                .map_err(|error| format!("preferences cannot be kept as text: {error}"))?;
+            if let Some(folder) = path.parent() {
+                std::fs::create_dir_all(folder).map_err(|error| {
+                    format!("{}: {error}; preferences are not kept", folder.display())
+                })?;
+            }
+            atomic::write(&path, text).map_err(|error| error.to_string())
+        });
+    }
+
+    /// Why they could not be written, once.
+    pub fn take_error(&self) -> Option<String> {
+        self.writer.take_error()
+    }
+
+    /// Waits until they are written; dropping the file does, too.
+    pub fn finish(&self) {
+        self.writer.finish();
+    }
+}
+
+fn read(path: &Path) -> (Preferences, Vec<Finding>) {
+    let text = match std::fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Default::default(),
+        Err(error) => {
+            let why =
+                format!("{}: {error}; resect starts with its own preferences", path.display());
+            return (Preferences::default(), vec![keep_aside(path, &why)]);
+        }
+    };
+    match toml::from_str::<StoredPreferences>(&text) {
+        Ok(stored) if stored.version > VERSION => {
+            // What it means is known only in part: that much is used, and the file stays whole.
+            let why = format!("{}: written by a newer resect", path.display());
+            let (preferences, mut findings) = stored.read();
+            findings.push(keep_aside(path, &why));
+            (preferences, findings)
+        }
+        Ok(stored) => {
+            let (preferences, mut findings) = stored.read();
+            if !findings.is_empty() {
+                let why = format!("{}: cannot be read as a whole", path.display());
+                findings.push(keep_aside(path, &why));
+            }
+            (preferences, findings)
+        }
+        Err(error) => {
+            let line = error.span().map_or(1, |span| line_of(&text, span.start));
+            let what = error.message().lines().next().unwrap_or_default();
+            let why = format!(
+                "{}:{line}: {what}; resect starts with its own preferences",
+                path.display()
+            );
+            (Preferences::default(), vec![keep_aside(path, &why)])
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::layout::{Layout, LayoutPreset};
+    use crate::app::units::LengthUnit;
+    use crate::deployment::Sample;
+
+    fn changed() -> Preferences {
+        let mut preferences = Preferences {
+            theme: Theme::Light,
+            units: Units { length: LengthUnit::Millimetre, ..Units::default() },
+            layout: Some(Layout::from(LayoutPreset::Tune).describe()),
+            window_points: Some([1200.0, 800.0]),
+            recent: Vec::new(),
+        };
+        remember(&mut preferences.recent, &Source::at("/data/one"));
+        preferences
+    }
+
+    fn written(folder: &Path, preferences: &Preferences) -> String {
+        let (mut file, ..) = PreferencesFile::open(folder);
+        file.keep(preferences);
+        file.finish();
+        assert_eq!(file.take_error(), None);
+        std::fs::read_to_string(folder.join(FILE)).expect("written")
+    }
+
+    #[test]
+    fn what_was_set_is_there_the_next_time_and_written_only_when_it_is_another() {
+        let top = tempfile::tempdir().expect("a folder");
+        let folder = &top.path().join("not/there/yet");
+        let (mut file, preferences, findings) = PreferencesFile::open(folder);
+        assert_eq!((&preferences, findings), (&Preferences::default(), vec![]));
+        file.keep(&preferences);
+        drop(file);
+        assert!(!folder.exists(), "nothing was changed, nothing is written");
+        let preferences = changed();
+        written(folder, &preferences);
+        let (mut file, again, findings) = PreferencesFile::open(folder);
+        assert_eq!((&again, findings), (&preferences, vec![]));
+        std::fs::remove_file(folder.join(FILE)).expect("there");
+        file.keep(&again);
+        file.finish();
+        assert!(!folder.join(FILE).exists());
+    }
+
+    #[test]
+    fn recent_deployments_are_the_newest_first_each_once_and_not_too_many() {
+        let mut preferences = Preferences::default();
+        for number in 0..20 {
+            remember(&mut preferences.recent, &Source::at(format!("/data/{number}")));
+        }
+        remember(&mut preferences.recent, &Source::sample(Sample::Warthog));
+        remember(&mut preferences.recent, &Source::at("/data/15"));
+        let titles: Vec<String> = preferences.recent.iter().map(|r| r.source.title()).collect();
+        assert_eq!(titles.len(), MOST_RECENT);
+        assert_eq!(titles[..4], ["15", "19", "18", "17"]);
+        assert_eq!(titles.iter().filter(|title| *title == "15").count(), 1);
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_read_is_kept_aside_and_said() {
+        let top = tempfile::tempdir().expect("a folder");
+        let folder = top.path();
+        let good = written(folder, &changed());
+        let newer = good.replacen("version = 1", "version = 2", 1);
+        let odd = good.replacen("\"light\"", "\"sepia\"", 1);
+        // What of it can be used is used.
+        for (text, said, theme, recent) in [
+            ("version = 1\ntheme = [", ":2: ", Theme::System, 0),
+            (newer.as_str(), "newer resect", Theme::Light, 1),
+            (odd.as_str(), "the theme", Theme::System, 1),
+            ("\u{0}\u{1}", "starts with its own", Theme::System, 0),
+        ] {
+            std::fs::write(folder.join(FILE), text).expect("written");
+            let (file, preferences, findings) = PreferencesFile::open(folder);
+            let lines: Vec<String> = findings.iter().map(ToString::to_string).collect();
+            assert!(lines.iter().any(|line| line.contains(said)), "{lines:?}");
+            let kept = lines.iter().find_map(|line| line.split_once("kept as ")).expect("kept").1;
+            assert_eq!(std::fs::read_to_string(kept).expect("there"), text);
+            assert_eq!((preferences.theme, preferences.recent.len()), (theme, recent), "{text}");
+            drop(file);
+        }
+        let backups = std::fs::read_dir(folder).expect("a folder").count();
+        assert_eq!(backups, 4, "each is kept");
+    }
+}

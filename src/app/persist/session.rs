@@ -1,0 +1,188 @@
+//! A session: everything that is open, and how it is looked at. Plain data, kept as versioned TOML.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use serde::{Deserialize, Serialize};
+
+use super::hashes::{FileMark, HashCache, used_files};
+use super::{line_of, stored};
+use crate::analysis::Settings;
+use crate::app::layout::LayoutDescription;
+use crate::app::scene::Colouring;
+use crate::app::state::Visibility;
+use crate::app::units::Units;
+use crate::deployment::{Deployment, Finding, OpenError, Source};
+use crate::export::atomic::{self, WriteError};
+use crate::export::summary::ResultSummary;
+use crate::progress::Progress;
+
+/// Ending of a session's file name.
+pub const EXTENSION: &str = "resect.toml";
+
+#[derive(Debug, thiserror::Error)]
+pub enum SessionError {
+    #[error("{}: {error}; check the path and its permissions", path.display())]
+    Read { path: PathBuf, error: std::io::Error },
+    #[error("{}:{line}: {what}; put the line right, or take an older copy of the session", path.display())]
+    Line { path: PathBuf, line: usize, what: String },
+    #[error("{}: {what}; put it right in the file, or take an older copy of the session", path.display())]
+    Content { path: PathBuf, what: String },
+    #[error("{}: written by a newer resect ({by}), in a format this one does not know; update resect", path.display())]
+    Newer { path: PathBuf, by: String },
+    #[error(
+        "the session cannot be kept as text: {0}; rename files and folders whose names are not UTF-8"
+    )]
+    Text(String),
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// Everything that is open, and how it is looked at. Paths are absolute.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Session {
+    pub deployments: Vec<SavedDeployment>,
+    /// Index of the deployment that is shown.
+    pub active: usize,
+    pub view: SavedView,
+    pub layout: Option<LayoutDescription>,
+    pub pins: Vec<SavedPin>,
+}
+
+/// One deployment of a session: where it comes from, what is set, where one looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedDeployment {
+    pub source: Source,
+    pub settings: Settings,
+    /// Times in s of the stations' clock.
+    pub cursor_s: Option<f64>,
+    pub window_s: Option<[f64; 2]>,
+    pub selection_s: Option<[f64; 2]>,
+    pub files: Files,
+}
+
+/// The files that a deployment was read from, found and hashed once and only when a session is written.
+#[derive(Clone, Debug, Default)]
+pub struct Files {
+    /// What was read, until it is hashed; none of samples, and of files as a session remembers them.
+    read: Option<(Source, Arc<Deployment>)>,
+    marks: Arc<OnceLock<Vec<FileMark>>>,
+}
+
+impl PartialEq for Files {
+    /// Whether they are hashed yet does not matter.
+    fn eq(&self, other: &Self) -> bool {
+        match (self.marks.get(), other.marks.get()) {
+            (Some(mine), Some(others)) => mine == others,
+            _ => true,
+        }
+    }
+}
+
+impl Files {
+    /// Of a deployment that was just read.
+    pub fn of(source: Option<&Source>, deployment: &Arc<Deployment>) -> Self {
+        let source = source.filter(|source| source.path().is_some()).cloned();
+        let read = source.map(|source| (source, Arc::clone(deployment)));
+        Self { read, marks: Arc::default() }
+    }
+
+    /// As a session remembers them.
+    pub fn marked(marks: Vec<FileMark>) -> Self {
+        Self { read: None, marks: Arc::new(OnceLock::from(marks)) }
+    }
+
+    /// Hashes them the first time; not on the window's thread. What cannot be read is left out.
+    pub fn marks(&self, cache: &HashCache) -> &[FileMark] {
+        self.marks.get_or_init(|| {
+            let used = self.read.iter().flat_map(|(source, read)| used_files(source, read));
+            used.filter_map(|path| cache.mark(&path).ok()).collect()
+        })
+    }
+}
+
+impl SavedDeployment {
+    /// Reads it again. What is not as it was comes first among its findings.
+    pub fn open(&self, cache: &HashCache, progress: &Progress) -> Result<Deployment, OpenError> {
+        let mut deployment = self.source.open(progress)?;
+        let changed = cache.changed(self.files.marks(cache));
+        deployment.findings.splice(0..0, changed);
+        Ok(deployment)
+    }
+}
+
+/// How the scene and the numbers are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SavedView {
+    pub colouring: Colouring,
+    pub units: Units,
+    pub visibility: Visibility,
+}
+
+/// A pinned result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedPin {
+    pub name: String,
+    #[serde(default = "yes")]
+    pub shown: bool,
+    pub result: ResultSummary,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Session {
+    /// Whether there is nothing that anyone would miss.
+    pub fn is_empty(&self) -> bool {
+        self.deployments.is_empty() && self.pins.is_empty()
+    }
+
+    /// The text of a session file in this folder: paths below it are relative, so that both can be moved together.
+    pub fn text(&self, folder: &Path, cache: &HashCache) -> Result<String, SessionError> {
+        toml::to_string(&stored::StoredSession::new(self, folder, cache))
+            .map_err(|error| SessionError::Text(error.to_string()))
+    }
+
+    /// Writes the file, or leaves the old one as it is. Hashes what is not hashed yet: not on the window's thread.
+    pub fn save(&self, path: &Path, cache: &HashCache) -> Result<(), SessionError> {
+        let text = self.text(&folder_of(path), cache)?;
+        Ok(atomic::write(path, text)?)
+    }
+}
+
+/// A session and what had to be left out of it, or why there is none: what, where, remedy.
+pub fn load(path: &Path) -> Result<(Session, Vec<Finding>), SessionError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| SessionError::Read { path: path.to_owned(), error })?;
+    let version: stored::Version = parse(path, &text)?;
+    if version.resect_session > stored::VERSION {
+        return Err(SessionError::Newer { path: path.to_owned(), by: version.resect });
+    }
+    let session: stored::StoredSession = parse(path, &text)?;
+    session
+        .read(&folder_of(path))
+        .map_err(|what| SessionError::Content { path: path.to_owned(), what })
+}
+
+fn parse<T: for<'a> Deserialize<'a>>(path: &Path, text: &str) -> Result<T, SessionError> {
+    toml::from_str(text).map_err(|error| {
+        let line = error.span().map_or(1, |span| line_of(text, span.start));
+        // The message is one line for one line on the screen.
+        let what = error.message().lines().collect::<Vec<_>>().join(", ");
+        SessionError::Line { path: path.to_owned(), line, what }
+    })
+}
+
+/// The folder of a file, absolute where it can be told.
+fn folder_of(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    folder.canonicalize().unwrap_or(folder)
+}
+
+#[cfg(test)]
+#[path = "session_tests.rs"]
+mod tests;

@@ -1,0 +1,177 @@
+//! How a session lies in its file. Reading loses as little as it can: a view or a layout that is off is replaced and
+//! said, only what is open must be right.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::hashes::{FileMark, HashCache};
+use super::session::{Files, SavedDeployment, SavedPin, SavedView, Session};
+use crate::analysis::Settings;
+use crate::app::layout::LayoutDescription;
+use crate::deployment::{Extras, Finding, Place, Source};
+
+/// Version of the format that this program writes.
+pub const VERSION: u32 = 1;
+
+/// What every version of the format begins with.
+#[derive(Deserialize)]
+pub struct Version {
+    pub resect_session: u32,
+    #[serde(default)]
+    pub resect: String,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredSession {
+    /// The format's version; [`crate::deployment::SESSION_KEY`], by which a session is known.
+    resect_session: u32,
+    /// The program's version.
+    #[serde(default)]
+    resect: String,
+    #[serde(default)]
+    active: usize,
+    #[serde(default)]
+    view: Lenient<SavedView>,
+    #[serde(default, rename = "deployment", skip_serializing_if = "Vec::is_empty")]
+    deployments: Vec<StoredDeployment>,
+    #[serde(default, rename = "pin", skip_serializing_if = "Vec::is_empty")]
+    pins: Vec<Lenient<SavedPin>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    layout: Option<Lenient<LayoutDescription>>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct StoredDeployment {
+    #[serde(flatten)]
+    source: Source,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cursor_s: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    window_s: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    selection_s: Option<[f64; 2]>,
+    #[serde(default)]
+    settings: Settings,
+    #[serde(default, rename = "file", skip_serializing_if = "Vec::is_empty")]
+    files: Vec<FileMark>,
+}
+
+/// A part that may be unreadable without the rest being lost.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Lenient<T> {
+    Read(T),
+    Unreadable(toml::Value),
+}
+
+impl<T: Default> Default for Lenient<T> {
+    fn default() -> Self {
+        Self::Read(T::default())
+    }
+}
+
+impl<T> Lenient<T> {
+    pub fn read(self, what: &str, findings: &mut Vec<Finding>) -> Option<T> {
+        match self {
+            Self::Read(value) => Some(value),
+            Self::Unreadable(_) => {
+                let line = format!("{what} is in a form that this resect does not know; left out");
+                findings.push(Finding::warning(line));
+                None
+            }
+        }
+    }
+}
+
+impl StoredSession {
+    pub fn new(session: &Session, folder: &Path, cache: &HashCache) -> Self {
+        let deployment = |saved: &SavedDeployment| StoredDeployment {
+            source: with_paths(&saved.source, |path| relative(path, folder)),
+            cursor_s: saved.cursor_s,
+            window_s: saved.window_s,
+            selection_s: saved.selection_s,
+            settings: saved.settings,
+            files: saved
+                .files
+                .marks(cache)
+                .iter()
+                .map(|mark| FileMark { path: relative(&mark.path, folder), ..mark.clone() })
+                .collect(),
+        };
+        Self {
+            resect_session: VERSION,
+            resect: env!("CARGO_PKG_VERSION").to_owned(),
+            active: session.active,
+            view: Lenient::Read(session.view),
+            deployments: session.deployments.iter().map(deployment).collect(),
+            pins: session.pins.iter().cloned().map(Lenient::Read).collect(),
+            layout: session.layout.clone().map(Lenient::Read),
+        }
+    }
+
+    /// The session with absolute paths, or what of it makes no sense.
+    pub fn read(self, folder: &Path) -> Result<(Session, Vec<Finding>), String> {
+        let mut findings = Vec::new();
+        for stored in &self.deployments {
+            stored
+                .settings
+                .check()
+                .map_err(|what| format!("settings of {}: {what}", stored.source.title()))?;
+        }
+        let deployment = |stored: StoredDeployment| SavedDeployment {
+            source: with_paths(&stored.source, |path| folder.join(path)),
+            settings: stored.settings,
+            cursor_s: stored.cursor_s,
+            window_s: stored.window_s,
+            selection_s: stored.selection_s,
+            files: Files::marked(
+                stored
+                    .files
+                    .into_iter()
+                    .map(|mark| FileMark { path: folder.join(&mark.path), ..mark })
+                    .collect(),
+            ),
+        };
+        let deployments: Vec<_> = self.deployments.into_iter().map(deployment).collect();
+        let pins = self.pins.into_iter();
+        let session = Session {
+            active: self.active.min(deployments.len().saturating_sub(1)),
+            deployments,
+            view: self.view.read("the session's view", &mut findings).unwrap_or_default(),
+            layout: self.layout.and_then(|it| it.read("the session's layout", &mut findings)),
+            pins: pins.filter_map(|pin| pin.read("a pinned result", &mut findings)).collect(),
+        };
+        Ok((session, findings))
+    }
+}
+
+/// With another path for each of a source's.
+fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
+    let all = |paths: &[PathBuf]| paths.iter().map(|path| change(path)).collect();
+    let extras = &source.extras;
+    Source {
+        place: match &source.place {
+            Place::Path(path) => Place::Path(change(path)),
+            Place::Sample(sample) => Place::Sample(*sample),
+        },
+        extras: Extras {
+            rig: extras.rig.as_deref().map(&change),
+            gcp: all(&extras.gcp),
+            gcp_instead: extras.gcp_instead,
+            gnss: all(&extras.gnss),
+        },
+    }
+}
+
+/// From this folder on where the path is below it, else absolute.
+fn relative(path: &Path, folder: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let absolute = absolute.canonicalize().unwrap_or(absolute);
+    match absolute.strip_prefix(folder) {
+        Ok(below) if below.as_os_str().is_empty() => PathBuf::from("."),
+        Ok(below) => below.to_owned(),
+        Err(_) => absolute,
+    }
+}

@@ -1,0 +1,61 @@
+//! Asking for a path, by the system's dialog or in the window.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Sender, channel};
+
+use super::State;
+use crate::app::file_dialog::{
+    Answer, Listing, PathPrompt, PromptCommand, PromptStep, Question, system,
+};
+use crate::app::worker::Reply;
+
+/// The dialog inside the window, and who waits for its answer.
+pub struct OpenPrompt {
+    pub shown: PathPrompt,
+    answer: Sender<PathBuf>,
+}
+
+impl State {
+    /// Asks for a path. A prompt that is still open is cancelled.
+    pub(super) fn ask(&mut self, question: Question) -> Answer {
+        if !self.asks_in_window {
+            return Answer::OfSystem(system::ask(&question));
+        }
+        let (answer, receiver) = channel();
+        let folder = self.last_folder.clone().or_else(|| std::env::current_dir().ok());
+        let recent: Vec<PathBuf> = self
+            .session
+            .recent
+            .iter()
+            .filter_map(|it| Some(it.source.path()?.to_owned()))
+            .collect();
+        let (shown, step) = PathPrompt::new(question, folder.unwrap_or_default(), &recent);
+        self.prompt = Some(OpenPrompt { shown, answer });
+        self.follow(step);
+        Answer::OfWindow(receiver)
+    }
+
+    pub(super) fn answer_prompt(&mut self, command: PromptCommand) {
+        if let Some(prompt) = &mut self.prompt {
+            let step = prompt.shown.handle(command);
+            self.follow(step);
+        }
+    }
+
+    fn follow(&mut self, step: PromptStep) {
+        match step {
+            PromptStep::Stay => {}
+            PromptStep::Read(folder) => {
+                self.worker.beside(move || Some(Reply::Listed(Listing::read(&folder))));
+            }
+            PromptStep::Chosen(path) => {
+                if let Some(prompt) = self.prompt.take() {
+                    self.last_folder = Some(prompt.shown.folder().to_owned());
+                    // Whoever asked may have gone.
+                    prompt.answer.send(path).ok();
+                }
+            }
+            PromptStep::Cancelled => self.prompt = None,
+        }
+    }
+}

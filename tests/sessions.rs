@@ -1,0 +1,165 @@
+//! The window through crashes and session files: what was open comes back, and nothing of it is lost.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use eframe::egui::Vec2;
+use egui_kittest::Harness;
+use resect::analysis::Settings;
+use resect::app::persist::hashes::HashCache;
+use resect::app::persist::keeping::Keeping;
+use resect::app::persist::{Folders, session};
+use resect::app::{
+    Colouring, Command, LayoutPreset, Pane, ResectWindow, Start, offscreen_renderer,
+};
+use resect::deployment::Sample;
+use resect::simulation::{Preset, simulate, write_folder};
+
+/// A window that keeps what it has in this folder, or keeps nothing.
+fn window(start: &Start, kept_in: Option<&Path>) -> Harness<'static, ResectWindow> {
+    let start = start.clone();
+    let keeping = kept_in.map(|folder| Keeping::start(&Folders::inside(folder)));
+    let mut harness = Harness::builder()
+        .with_size(Vec2::new(1100.0, 700.0))
+        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
+        .build_eframe(move |creation| {
+            ResectWindow::keeping(creation, &start, Settings::default(), keeping)
+        });
+    settle(&mut harness);
+    harness
+}
+
+fn settle(harness: &mut Harness<'_, ResectWindow>) {
+    for _ in 0..3 {
+        harness.run_steps(2);
+        harness.state_mut().settle();
+    }
+    harness.run_steps(2);
+}
+
+fn send(harness: &mut Harness<'_, ResectWindow>, command: Command) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(command, &ctx);
+    settle(harness);
+}
+
+/// A simulated deployment in a folder of its own.
+fn data(folder: &Path, name: &str) -> PathBuf {
+    let path = folder.join(name);
+    write_folder(&simulate(Preset::FigureEight, 1), &path).expect("written");
+    path
+}
+
+fn names(harness: &Harness<'_, ResectWindow>) -> Vec<String> {
+    harness.state().state.open.iter().map(|open| open.deployment.name.clone()).collect()
+}
+
+/// Two deployments, the first of which is shown, tuned, pinned and looked at.
+fn prepare(harness: &mut Harness<'_, ResectWindow>, path: &Path) -> Settings {
+    send(harness, Command::OpenPaths(vec![path.to_owned()]));
+    send(harness, Command::OpenSample(Sample::Hd2Tunnel));
+    let first = harness.state().state.open[0].id;
+    send(harness, Command::Activate(first));
+    let mut settings = Settings::default();
+    settings.pipeline.thresholds.tau_s_seconds = 1.5;
+    send(harness, Command::Set(settings));
+    send(harness, Command::Pin);
+    send(harness, Command::Colour(Colouring::Speed));
+    send(harness, Command::UseLayout(LayoutPreset::Tune));
+    settings
+}
+
+fn assert_is_back(harness: &Harness<'_, ResectWindow>, expected: &[String], settings: Settings) {
+    let state = &harness.state().state;
+    assert_eq!(names(harness), expected);
+    assert_eq!(state.active().map(|open| open.id), Some(state.open[0].id), "the first is shown");
+    assert_eq!(state.open[0].settings, settings);
+    assert_eq!(state.open[1].settings, Settings::default());
+    assert!(state.open.iter().all(|open| open.summary.is_some()), "all are calibrated");
+    assert_eq!(state.results.pins.len(), 1);
+    assert_eq!(state.results.pins[0].summary.settings, settings);
+    assert_eq!(state.colouring, Colouring::Speed);
+    let now = harness.state().layout();
+    assert!(now.holds(Pane::Rates) && !now.holds(Pane::SideBySide), "the layout for tuning");
+}
+
+#[test]
+fn what_was_open_comes_back_after_a_crash_and_not_after_a_clean_exit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let kept = Some(folder.path());
+    let path = data(folder.path(), "figure-eight");
+    let sample = Start::Sample(Sample::Warthog);
+    let mut harness = window(&sample, kept);
+    let settings = prepare(&mut harness, &path);
+    let expected = names(&harness);
+    std::thread::sleep(Duration::from_secs_f64(3.2));
+    harness.run_steps(1);
+    // Dropped without its exit being told, as by a crash.
+    drop(harness);
+
+    let mut harness = window(&sample, kept);
+    assert_is_back(&harness, &expected, settings);
+    let toasts = harness.state().state.toasts.shown();
+    assert!(toasts.iter().any(|toast| toast.text.contains("restored")), "{toasts:?}");
+    let recent = &harness.state().state.session.recent;
+    assert_eq!(recent.len(), 1);
+    eframe::App::on_exit(harness.state_mut());
+    drop(harness);
+    let left = std::fs::read_dir(folder.path().join("autosave")).expect("a folder").count();
+    assert_eq!(left, 0);
+
+    let harness = window(&sample, kept);
+    assert_eq!(harness.state().state.open.len(), 1, "only the sample");
+    assert_eq!(harness.state().state.session.recent.len(), 1, "preferences stay");
+    assert!(!harness.state().layout().holds(Pane::SideBySide), "the layout stays");
+}
+
+#[test]
+fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = data(folder.path(), "figure-eight");
+    let file = folder.path().join("a.resect.toml");
+    let mut harness = window(&Start::Sample(Sample::Warthog), None);
+    let settings = prepare(&mut harness, &path);
+    let expected = names(&harness);
+    let save = |harness: &Harness<'_, ResectWindow>| {
+        let layout = harness.state().layout().describe();
+        harness.state().state.session(layout).save(&file, &HashCache::default()).expect("saved");
+    };
+    save(&harness);
+    let start = Start::Session(file.clone());
+    let harness = window(&start, None);
+    assert_is_back(&harness, &expected, settings);
+    drop(harness);
+
+    // A changed file is named among the findings.
+    let tracks = path.join("inter_prism.csv");
+    let text = std::fs::read_to_string(&tracks).expect("simulated");
+    let shorter = text.trim_end().rsplit_once('\n').expect("lines").0;
+    std::fs::write(&tracks, shorter).expect("written");
+    let harness = window(&start, None);
+    let findings = &harness.state().state.open[0].deployment.findings;
+    assert!(findings[0].message.contains("inter_prism.csv: changed"), "{findings:?}");
+    drop(harness);
+
+    // A deployment that is not there stays in the session, through a save, until it is there again.
+    let away = folder.path().join("away");
+    std::fs::rename(&path, &away).expect("moved");
+    let harness = window(&start, None);
+    assert_eq!(names(&harness), expected[1..]);
+    let state = &harness.state().state;
+    let stays = |(text, remedy): (&str, &str)| (text.to_owned() + remedy).contains("stays in the");
+    assert!(state.toasts.errors().any(stays));
+    assert_eq!(state.session.missing.len(), 1);
+    save(&harness);
+    drop(harness);
+    let (saved, _) = session::load(&file).expect("whole");
+    assert_eq!(saved.deployments.len(), 2);
+    std::fs::rename(&away, &path).expect("moved");
+    let mut harness = window(&start, None);
+    assert_eq!(names(&harness).len(), 2);
+    let back = harness.state().state.open.iter().find(|open| open.settings == settings);
+    assert!(back.is_some(), "with its settings");
+    send(&mut harness, Command::RetryMissing);
+    assert_eq!(names(&harness).len(), 2, "nothing is missing any more");
+}

@@ -1,0 +1,228 @@
+//! The workspace driven by the names of its widgets: what a user does, and what must come of it.
+
+mod common;
+
+use eframe::egui::{self, Key, Modifiers, Theme, Vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use resect::analysis::Settings;
+use resect::app::{Overlay, ResectWindow, Start, offscreen_renderer};
+use resect::deployment::Sample;
+
+const LARGE: Vec2 = Vec2::new(1600.0, 1000.0);
+
+fn window() -> Harness<'static, ResectWindow> {
+    let mut harness = Harness::builder()
+        .with_size(LARGE)
+        .with_theme(Theme::Dark)
+        .with_render_cursor(false)
+        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
+        .build_eframe(|creation| {
+            ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
+        });
+    settle(&mut harness);
+    harness
+}
+
+/// Lets commands reach the worker, its answers come back, and the panes be drawn with them.
+fn settle(harness: &mut Harness<'_, ResectWindow>) {
+    for _ in 0..2 {
+        harness.run_steps(2);
+        harness.state_mut().settle();
+    }
+    harness.run_steps(3);
+}
+
+fn settings(harness: &Harness<'_, ResectWindow>) -> Settings {
+    *harness.state().state.settings()
+}
+
+fn cursor_s(harness: &Harness<'_, ResectWindow>) -> f64 {
+    let open = harness.state().state.active().expect("open");
+    open.timeline.cursor_s.expect("a cursor") - open.start_s()
+}
+
+fn press(harness: &mut Harness<'_, ResectWindow>, modifiers: Modifiers, key: Key) {
+    harness.key_press_modifiers(modifiers, key);
+    settle(harness);
+}
+
+#[test]
+fn every_setting_can_be_taken_back_and_done_again() {
+    let mut harness = window();
+    let at_first = settings(&harness);
+    harness.get_by_label("1  Outlier filter").click();
+    settle(&mut harness);
+    harness.get_by_label("B  static control points").click();
+    settle(&mut harness);
+    let changed = settings(&harness);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(settings(&harness).calibration, at_first.calibration);
+    assert!(!settings(&harness).pipeline.outlier_filter);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(settings(&harness), at_first);
+    // The answer shown is that of the settings shown.
+    let (_, analysis) = harness.state().state.analysed().expect("an answer");
+    assert_eq!(analysis.settings, at_first);
+    for _ in 0..2 {
+        press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    }
+    assert_eq!(settings(&harness), changed);
+}
+
+#[test]
+fn a_drag_of_a_slider_is_one_step() {
+    let mut harness = window();
+    let at_first = settings(&harness);
+    let slider = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "τ_l  length").rect();
+    harness.hover_at(slider.center());
+    harness.run_steps(1);
+    harness.drag_at(slider.center());
+    for step in 1..=8 {
+        harness.hover_at(slider.center() + Vec2::new(4.0 * step as f32, 0.0));
+        harness.run_steps(2);
+    }
+    harness.drop_at(slider.center() + Vec2::new(32.0, 0.0));
+    settle(&mut harness);
+    assert!(settings(&harness).pipeline.thresholds.tau_l_seconds > 6.5);
+    let step = harness.state().state.undo.undo_name();
+    assert!(step.starts_with("Undo τ_l 6 → "), "{step}");
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(settings(&harness), at_first);
+}
+
+#[test]
+fn the_palette_does_what_is_typed() {
+    let mut harness = window();
+    press(&mut harness, Modifiers::COMMAND, Key::P);
+    assert!(matches!(harness.state().state.overlay, Overlay::Palette(_)));
+    harness.event(egui::Event::Text("method b".to_owned()));
+    harness.run_steps(2);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    assert_eq!(harness.state().state.overlay, Overlay::None);
+    let (_, analysis) = harness.state().state.analysed().expect("an answer");
+    let method = analysis.answer.as_ref().expect("an answer").calibration.method;
+    assert_eq!(method, resect::calibration::Method::StaticGcp);
+    // Escape closes it and does nothing.
+    let before = settings(&harness);
+    press(&mut harness, Modifiers::COMMAND, Key::P);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert_eq!((&harness.state().state.overlay, settings(&harness)), (&Overlay::None, before));
+}
+
+#[test]
+fn the_palette_is_walked_with_the_arrows() {
+    let mut harness = window();
+    press(&mut harness, Modifiers::COMMAND, Key::P);
+    harness.event(egui::Event::Text("sample".to_owned()));
+    harness.run_steps(2);
+    press(&mut harness, Modifiers::NONE, Key::ArrowDown);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    let name = harness.state().state.active().expect("open").deployment.name.clone();
+    assert_eq!(name, "hd2-tunnel (simulated)");
+}
+
+#[test]
+fn the_sheet_of_shortcuts_opens_by_its_key_and_names_them() {
+    let mut harness = window();
+    press(&mut harness, Modifiers::NONE, Key::Questionmark);
+    assert_eq!(harness.state().state.overlay, Overlay::Shortcuts);
+    assert!(harness.query_by_label("Ctrl+P").is_some());
+    harness.get_by_label("Close").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().state.overlay, Overlay::None);
+}
+
+#[test]
+fn keys_move_through_time_unless_a_widget_has_them() {
+    let mut harness = window();
+    let before = cursor_s(&harness);
+    press(&mut harness, Modifiers::NONE, Key::ArrowRight);
+    assert!((cursor_s(&harness) - before - 0.1).abs() < 1e-6);
+    press(&mut harness, Modifiers::SHIFT, Key::ArrowLeft);
+    assert!((cursor_s(&harness) - before + 0.9).abs() < 1e-6);
+    press(&mut harness, Modifiers::NONE, Key::Home);
+    assert_eq!(cursor_s(&harness), 0.0);
+    // A slider with the focus keeps the arrows.
+    harness.get_by_role_and_label(egui::accesskit::Role::Slider, "τ_s  gap").focus();
+    harness.run_steps(2);
+    press(&mut harness, Modifiers::NONE, Key::ArrowRight);
+    assert_eq!(cursor_s(&harness), 0.0);
+    assert_ne!(settings(&harness).pipeline.thresholds.tau_s_seconds, 1.0);
+}
+
+#[test]
+fn playing_moves_the_cursor_at_the_chosen_speed() {
+    let mut harness = window();
+    press(&mut harness, Modifiers::NONE, Key::Home);
+    harness.get_by_label("Play (Space)").click();
+    harness.run_steps(2);
+    let (from_s, at) = (cursor_s(&harness), harness.ctx.input(|input| input.time));
+    harness.run_steps(20);
+    let (to_s, then) = (cursor_s(&harness), harness.ctx.input(|input| input.time));
+    let speed = (to_s - from_s) / (then - at);
+    assert!((speed - 4.0).abs() < 0.3, "{speed}");
+    harness.get_by_label("Pause (Space)").click();
+    harness.run_steps(3);
+    let rest_s = cursor_s(&harness);
+    harness.run_steps(10);
+    assert_eq!(cursor_s(&harness), rest_s);
+}
+
+#[test]
+fn the_strip_of_time_scrubs() {
+    let mut harness = window();
+    let strip = harness.get_by_label("Time cursor").rect();
+    for (share, expected) in [(0.25, 0.25), (0.8, 0.8)] {
+        let at = strip.left_center() + Vec2::new(share * strip.width(), 0.0);
+        harness.hover_at(at);
+        harness.run_steps(1);
+        harness.drag_at(at);
+        harness.run_steps(1);
+        harness.drop_at(at);
+        settle(&mut harness);
+        let whole_s = harness.state().state.active().expect("open").timeline.whole_s;
+        let got = cursor_s(&harness) / (whole_s[1] - whole_s[0]);
+        assert!((got - expected).abs() < 0.01, "{got}");
+    }
+}
+
+#[test]
+fn the_scene_is_copied_as_a_picture_of_its_own_size() {
+    let mut harness = window();
+    press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
+    let mut copied = None;
+    for _ in 0..6 {
+        harness.run_steps(1);
+        let commands = &harness.output().platform_output.commands;
+        copied = copied.or(commands.iter().find_map(|command| match command {
+            egui::OutputCommand::CopyImage(image) => Some(image.size),
+            _ => None,
+        }));
+    }
+    let scene = harness.get_by_label("Scene").rect();
+    let [width, height] = copied.expect("a picture was copied");
+    assert!((width as f32 - scene.width()).abs() <= 1.0, "{width} {scene:?}");
+    assert!((height as f32 - scene.height()).abs() <= 1.0, "{height} {scene:?}");
+}
+
+#[test]
+fn runs_are_remembered_and_one_can_be_gone_back_to() {
+    let mut harness = window();
+    let at_first = settings(&harness);
+    harness.get_by_label("1  Outlier filter").click();
+    settle(&mut harness);
+    harness.get_by_label("3  Interval filter").click();
+    settle(&mut harness);
+    let results = &harness.state().state.results;
+    assert_eq!(results.runs.len(), 3);
+    let changes: Vec<_> =
+        results.runs.iter().map(|run| harness.state().state.run_change(run)).collect();
+    assert_eq!(changes[0], None);
+    assert_eq!(changes[2].as_deref(), Some("interval filter on → off"));
+    let first = results.runs[0].id;
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(resect::app::Command::RestoreRun(first), &ctx);
+    settle(&mut harness);
+    assert_eq!(settings(&harness), at_first);
+}
