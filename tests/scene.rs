@@ -99,7 +99,8 @@ fn what_is_not_shown_is_not_under_the_pointer() {
     // Of tracks alone a click moves the cursor, and picks nothing.
     visibility.tracks = true;
     send(&mut harness, Command::Show(visibility));
-    let (at, hovered_s) = find(&mut harness, 260.0, timeline(&harness).cursor_s);
+    let before_s = timeline(&harness).cursor_s;
+    let (at, hovered_s) = find(&mut harness, 260.0, before_s);
     click(&mut harness, at);
     assert_eq!(timeline(&harness).picked, None);
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
