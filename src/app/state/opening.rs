@@ -110,7 +110,9 @@ impl State {
                 return;
             }
         };
-        self.notice = None;
+        if then != Then::Restore {
+            self.notice = None;
+        }
         match then {
             Then::Show(settings) => self.add_with(deployment, Some(source), settings),
             Then::Placeholder => {
