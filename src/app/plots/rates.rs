@@ -3,6 +3,8 @@
 //! The rates stand on a logarithmic axis without their signs: outliers are a hundred times faster than driving, and the
 //! filter asks only how fast.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{self, Rect, RichText, Stroke};
 use egui_plot::{AxisHints, HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
@@ -97,7 +99,7 @@ impl RatePlot<'_> {
             .custom_x_axes(x_axes)
             .custom_y_axes(vec![
                 AxisHints::new_y()
-                    .formatter(|mark, _| log_axis::number(mark.value))
+                    .formatter(|mark, range| number_inside(mark.value, range))
                     .label_spacing(8.0..=16.0)
                     .min_thickness(NUMBERS),
             ])
@@ -255,6 +257,13 @@ impl RatePlot<'_> {
             commands.push(Command::Set(settings));
         }
     }
+}
+
+/// None at the ends, where it would stand on one of the plot above or below.
+fn number_inside(log10: f64, range: &RangeInclusive<f64>) -> String {
+    let margin = 0.08 * (range.end() - range.start());
+    let inside = (range.start() + margin..=range.end() - margin).contains(&log10);
+    if inside { log_axis::number(log10) } else { String::new() }
 }
 
 /// By the thresholds as they are now: the answer may still be on its way.
