@@ -3,6 +3,8 @@
 //! The rates stand on a logarithmic axis without their signs: outliers are a hundred times faster than driving, and the
 //! filter asks only how fast.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{self, Rect, RichText, Stroke};
 use egui_plot::{AxisHints, HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
@@ -87,8 +89,9 @@ impl RatePlot<'_> {
     fn show(&self, ui: &mut egui::Ui, height: f32, commands: &mut Commands) {
         let pipeline = self.state.settings().pipeline;
         let bounds = self.bounds(&pipeline.thresholds);
-        let columns = ui.available_width() as usize;
-        let dots = self.dots(&pipeline, bounds, columns);
+        // Of each run a plot draws three dots.
+        let runs = (0.7 * ui.available_width()) as usize;
+        let dots = self.dots(&pipeline, bounds, runs);
         let unit = self.quantity.unit();
         let lowest = self.quantity == Quantity::Zenith;
         let x_axes = if lowest { vec![time_axis(ui.available_width())] } else { vec![] };
@@ -97,7 +100,7 @@ impl RatePlot<'_> {
             .custom_x_axes(x_axes)
             .custom_y_axes(vec![
                 AxisHints::new_y()
-                    .formatter(|mark, _| log_axis::number(mark.value))
+                    .formatter(|mark, range| number_inside(mark.value, range))
                     .label_spacing(8.0..=16.0)
                     .min_thickness(NUMBERS),
             ])
@@ -145,7 +148,7 @@ impl RatePlot<'_> {
     }
 
     /// At most a few for each column of the screen; the fastest and the slowest are among them.
-    fn dots(&self, pipeline: &PipelineSettings, bounds: [f64; 2], columns: usize) -> Vec<Dot> {
+    fn dots(&self, pipeline: &PipelineSettings, bounds: [f64; 2], runs: usize) -> Vec<Dot> {
         let mut dots = Vec::new();
         for (station, own) in self.readings().stations.iter().enumerate() {
             if !self.state.visibility.stations[station] {
@@ -155,7 +158,7 @@ impl RatePlot<'_> {
             // The first reading has no rate.
             let part = part.start.max(1)..part.end.max(1);
             let series = &own.rates[self.quantity as usize];
-            for index in series.pyramid.visible(part, columns) {
+            for index in series.pyramid.visible(part, runs) {
                 dots.push(Dot {
                     picked: Picked { station, index },
                     at: self.place(own, index, bounds),
@@ -255,6 +258,13 @@ impl RatePlot<'_> {
             commands.push(Command::Set(settings));
         }
     }
+}
+
+/// None at the ends, where it would stand on one of the plot above or below.
+fn number_inside(log10: f64, range: &RangeInclusive<f64>) -> String {
+    let margin = 0.08 * (range.end() - range.start());
+    let inside = (range.start() + margin..=range.end() - margin).contains(&log10);
+    if inside { log_axis::number(log10) } else { String::new() }
 }
 
 /// By the thresholds as they are now: the answer may still be on its way.

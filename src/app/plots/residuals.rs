@@ -1,7 +1,7 @@
 //! Distance errors over time, one colour a pair, with the kept intervals behind and the time cursor.
 
 use eframe::egui;
-use egui_plot::{FilledArea, HoverPosition, Plot, PlotPoints, PlotUi, Points, Span};
+use egui_plot::{FilledArea, HoverPosition, MarkerShape, Plot, PlotPoints, PlotUi, Points, Span};
 
 use super::navigation::Moved;
 use super::prepared::{Band, PreparedPlots};
@@ -9,13 +9,13 @@ use super::time_plot::{self, Times, time_axis};
 use super::{answer, gaps, pair_switches, round_marks};
 use crate::analysis::{Analysis, Answer};
 use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Commands, State, Visibility};
+use crate::app::state::{Commands, Pin, State, Visibility};
 use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;
 
-/// Twice as many dots a pair are all drawn, also where the plot is narrow: of a cloud the eye wants more than the edges.
-const LEAST_RUNS: usize = 2000;
+/// Three times as many dots a pair are all drawn, also where the plot is narrow: of a cloud the eye wants more than the edges.
+const LEAST_RUNS: usize = 1300;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, analysis, answer)) = answer(state) else {
@@ -32,6 +32,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let shown_mm = chosen_mm.unwrap_or(open.plots.range_mm);
     time_plot::head(ui, |ui| {
         pair_switches(ui, state, commands);
+        for (pin, shape) in pinned(open, state) {
+            let text = format!("{} {}", sign(shape), pin.name);
+            ui.small(text).on_hover_text("A pinned result, behind the present one");
+        }
         time_plot::selection(ui, &times, commands);
         let text = caption(open, analysis, answer, shown_mm);
         ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
@@ -50,6 +54,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let (plots, visibility) = (&open.plots, &state.visibility);
     let columns = ui.available_width() as usize;
     let shade = ui_shade(ui.visuals().dark_mode);
+    let pinned = pinned(open, state);
     let name = "distance errors over time";
     let shown = time_plot::show(ui, name, &times, plot, shown_mm, commands, |plot_ui| {
         let s_per_column = (times.window_s[1] - times.window_s[0]) / columns.max(1) as f64;
@@ -57,6 +62,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             plot_ui.span(Span::new("", seen.span.start_s..=seen.span.end_s).fill(shade));
         }
         add_bands(plot_ui, plots, visibility);
+        for (pin, shape) in pinned {
+            add_pinned(plot_ui, pin, shape, visibility, &times, columns);
+        }
         add_dots(plot_ui, plots, visibility, &times, columns);
     });
     shown.paint_times(ui, &times);
@@ -96,6 +104,50 @@ fn add_dots(
             Points::new(format!("prisms {}", pair_label(pair)), PlotPoints::Owned(dots))
                 .color(theme::rgb(palette::PAIRS[pair]))
                 .radius(1.4),
+        );
+    }
+}
+
+/// How pinned results are told apart, beside their names.
+const SHAPES: [MarkerShape; 4] =
+    [MarkerShape::Circle, MarkerShape::Square, MarkerShape::Diamond, MarkerShape::Up];
+
+fn sign(shape: MarkerShape) -> &'static str {
+    match shape {
+        MarkerShape::Square => "□",
+        MarkerShape::Diamond => "◇",
+        MarkerShape::Up => "△",
+        _ => "○",
+    }
+}
+
+/// Pinned results that are to be seen behind this deployment's: those of the same data.
+fn pinned<'a>(open: &OpenDeployment, state: &'a State) -> Vec<(&'a Pin, MarkerShape)> {
+    let Some(now) = &open.summary else { return Vec::new() };
+    let pins = state.results.pins.iter().filter(|pin| pin.shown && pin.plots.is_some());
+    let same = pins.filter(|pin| pin.summary.has_same_data(now));
+    same.zip(SHAPES.into_iter().cycle()).collect()
+}
+
+/// Hollow and faint.
+fn add_pinned(
+    plot_ui: &mut PlotUi<'_>,
+    pin: &Pin,
+    shape: MarkerShape,
+    visibility: &Visibility,
+    times: &Times,
+    columns: usize,
+) {
+    let Some(plots) = &pin.plots else { return };
+    for pair in (0..3).filter(|pair| visibility.pairs[*pair]) {
+        let dots = plots.residuals[pair].visible(times.window_s, columns);
+        let name = format!("prisms {}, {} (pinned)", pair_label(pair), pin.name);
+        plot_ui.points(
+            Points::new(name, PlotPoints::Owned(dots))
+                .color(theme::rgb(palette::PAIRS[pair]).gamma_multiply(0.5))
+                .shape(shape)
+                .filled(false)
+                .radius(2.6),
         );
     }
 }

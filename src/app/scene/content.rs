@@ -101,6 +101,11 @@ pub struct SceneContent {
     pub tracks_shown: [bool; 3],
     /// What stands out (s since the first measurement).
     pub selection_s: Option<[f32; 2]>,
+    /// The same in the stations' clock.
+    selected_s: Option<[f64; 2]>,
+    /// The vehicle along its way.
+    poses: Vec<Pose>,
+    pub along: Layer,
     /// Changes with the analysis and the visibility.
     pub data: Layer,
     /// The prism triangle at the time cursor.
@@ -172,6 +177,16 @@ impl SceneContent {
         self.colours_version += 1;
     }
 
+    /// Makes the readings, tracks and poses of a span of time stand out (s, in the stations' clock).
+    pub fn set_selection(&mut self, selected_s: Option<[f64; 2]>, start_s: f64) {
+        self.selection_s = selected_s.map(|span_s| span_s.map(|t| (t - start_s) as f32));
+        if self.selected_s != selected_s {
+            self.selected_s = selected_s;
+            self.along.clear();
+            overlays::add_poses(&mut self.along.lines, &self.poses, selected_s);
+        }
+    }
+
     /// Rebuilds everything but readings and tracks, from which it asks for some.
     pub fn rebuild(
         &mut self,
@@ -202,9 +217,10 @@ impl SceneContent {
             }
             self.add_station(station, &transform);
         }
-        if visibility.poses {
-            overlays::add_poses(&mut self.data.lines, deployment, analysis);
-        }
+        self.poses =
+            if visibility.poses { overlays::poses_along(deployment, analysis) } else { Vec::new() };
+        self.along.clear();
+        overlays::add_poses(&mut self.along.lines, &self.poses, self.selected_s);
         self.add_what_is_known(analysis, visibility);
         // The last of equals was placed first while there were only control points and stations.
         self.labels.sort_by_key(|label| label.rank);

@@ -42,10 +42,6 @@ impl SceneView {
                 }
             }
         }
-        let typing = ui.ctx().egui_wants_keyboard_input() && !response.has_focus();
-        if !typing && ui.input(|i| i.modifiers.is_none() && i.key_pressed(Key::F)) {
-            self.pending_look = Some(ViewPreset::Fit);
-        }
         if response.double_clicked() {
             self.pending_look = Some(ViewPreset::Fit);
         }

@@ -30,6 +30,26 @@ impl Placer {
         Some(place)
     }
 
+    /// Leaves a square around a point free.
+    pub fn keep_free(&mut self, at: Pos2, half: f32) {
+        self.taken.push(Rect::from_center_size(at, Vec2::splat(2.0 * half)));
+    }
+
+    /// A place near a point, for what is larger than a name.
+    pub fn near(&mut self, at: Pos2, size: Vec2) -> Option<Rect> {
+        let area = self.area;
+        let places = [16.0, 36.0, 70.0].into_iter().flat_map(|away| {
+            [
+                (Align2::LEFT_CENTER, Vec2::new(away, 0.0)),
+                (Align2::RIGHT_CENTER, Vec2::new(-away, 0.0)),
+                (Align2::CENTER_BOTTOM, Vec2::new(0.0, -away)),
+                (Align2::CENTER_TOP, Vec2::new(0.0, away)),
+            ]
+            .map(|(align, offset)| inside(align.anchor_size(at + offset, size), area))
+        });
+        self.place(places)
+    }
+
     /// A place beside a point, moved so that nothing is cut off.
     pub fn beside(&mut self, at: Pos2, size: Vec2) -> Option<Rect> {
         if !self.area.contains(at) {

@@ -34,12 +34,18 @@ fn poses(deployment: &Deployment, analysis: &Analysis, instants: &[usize]) -> Ve
         .map_or(Vec::new(), |(trajectory, _)| trajectory.poses)
 }
 
-/// Adds the vehicle's axes at even steps along the way.
-pub fn add_poses(lines: &mut Vec<LineVertex>, deployment: &Deployment, analysis: &Analysis) {
+/// The vehicle's poses at even steps along the way.
+pub fn poses_along(deployment: &Deployment, analysis: &Analysis) -> Vec<Pose> {
     let count = analysis.triplets().len();
     let instants: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POSES).max(1)).collect();
-    for pose in poses(deployment, analysis, &instants) {
-        add_axes(lines, &pose, POSE_AXIS_M, 1.2, 170);
+    poses(deployment, analysis, &instants)
+}
+
+/// Adds the axes of poses along the way; outside of what is selected they are faint.
+pub fn add_poses(lines: &mut Vec<LineVertex>, poses: &[Pose], selection_s: Option<[f64; 2]>) {
+    for pose in poses {
+        let selected = selection_s.is_none_or(|[a, b]| (a..=b).contains(&pose.time_s));
+        add_axes(lines, pose, POSE_AXIS_M, 1.2, if selected { 170 } else { 30 });
     }
 }
 

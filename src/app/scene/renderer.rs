@@ -12,7 +12,7 @@ use nalgebra::Matrix4;
 
 use super::Camera;
 use super::buffers::{CloudBuffers, LayerBuffers};
-use super::content::SceneContent;
+use super::content::{Layer, SceneContent};
 use super::pipelines::{COLOUR, DEPTH, Pipelines, SAMPLES};
 use crate::geometry::RigidTransform;
 
@@ -39,8 +39,8 @@ pub struct SceneRenderer {
     bind_group: wgpu::BindGroup,
     raw: CloudBuffers,
     tracks: CloudBuffers,
-    /// Data, hover, cursor, ruler, in the order they are drawn.
-    layers: [LayerBuffers; 4],
+    /// Those of [`layers`].
+    layers: [LayerBuffers; 5],
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -49,7 +49,7 @@ pub struct SceneRenderer {
 #[derive(PartialEq)]
 struct Drawn {
     uniforms: Uniforms,
-    versions: [u64; 6],
+    versions: [u64; 7],
     shown: [[bool; 3]; 2],
 }
 
@@ -122,16 +122,13 @@ impl SceneRenderer {
         let size = [pixels(size_points.x), pixels(size_points.y)];
         self.ensure_target(size);
         self.upload(content);
+        let mut versions = [content.clouds_version, content.colours_version, 0, 0, 0, 0, 0];
+        for (version, layer) in versions[2..].iter_mut().zip(layers(content)) {
+            *version = layer.version;
+        }
         let wanted = Drawn {
             uniforms: uniforms(content, camera, size, pixels_per_point, background),
-            versions: [
-                content.clouds_version,
-                content.colours_version,
-                content.data.version,
-                content.hover.version,
-                content.cursor.version,
-                content.ruler.version,
-            ],
+            versions,
             shown: [content.raw_shown, content.tracks_shown],
         };
         let target = self.target.as_ref().expect("just ensured");
@@ -155,8 +152,7 @@ impl SceneRenderer {
             let cloud = (&**cloud, content.clouds_version);
             buffers.upload(device, queue, cloud, (colours, content.colours_version));
         }
-        let layers = [&content.data, &content.hover, &content.cursor, &content.ruler];
-        for (buffers, layer) in self.layers.iter_mut().zip(layers) {
+        for (buffers, layer) in self.layers.iter_mut().zip(layers(content)) {
             buffers.upload(device, queue, layer);
         }
     }
@@ -241,6 +237,11 @@ impl SceneRenderer {
         self.target = Some(Target { size, multisampled, resolved, depth, shown });
         self.drawn = None;
     }
+}
+
+/// In the order they are drawn.
+fn layers(content: &SceneContent) -> [&Layer; 5] {
+    [&content.along, &content.data, &content.hover, &content.cursor, &content.ruler]
 }
 
 fn uniforms(

@@ -112,7 +112,7 @@ impl SceneView {
             let eye_m = self.camera.eye_m();
             labels::paint(&painter, &projection, &eye_m, &self.content, &mut placer, dark);
             self.paint_picked(&painter, &projection, open, analysis, dark);
-            self.show_hovered(ui, &response, &projection, open, analysis, commands);
+            self.show_hovered(ui, &response, &projection, state, commands);
             self.click(&response, &projection, state, commands);
         }
         if response.has_focus() {
@@ -156,9 +156,7 @@ impl SceneView {
             self.content.colour(&open.deployment, analysis, state.colouring);
             self.coloured = wanted;
         }
-        let start_s = open.start_s();
-        self.content.selection_s =
-            open.timeline.selection_s.map(|span_s| span_s.map(|t| (t - start_s) as f32));
+        self.content.set_selection(open.timeline.selection_s, open.start_s());
         let instant = |time_s: Option<f64>| time_s.and_then(|t| analysis.triplets().nearest(t));
         let colour = theme::cursor(dark);
         let at = instant(open.timeline.cursor_s);
@@ -246,14 +244,20 @@ impl SceneView {
         dark: bool,
     ) {
         let inter_prism_m = open.deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
-        let Some(text) = self.content.ruler_text(&state.ruler, inter_prism_m, projection) else {
+        let Some(text) =
+            self.content.ruler_text(&state.ruler, inter_prism_m, projection, state.units)
+        else {
             return;
         };
         let colour = theme::rgb(theme::cursor(dark));
         let font = FontId::proportional(12.0);
         let galley = painter.layout_no_wrap(text.lines.join("\n"), font, colour);
         let size = galley.size() + Vec2::splat(8.0);
-        if let Some(place) = placer.beside(text.at, size) {
+        // Neither on the ends nor on the line between them.
+        for at in text.ends.into_iter().flatten().chain([text.at]) {
+            placer.keep_free(at, 9.0);
+        }
+        if let Some(place) = placer.near(text.at, size) {
             labels::ground(painter, place, dark);
             painter.galley(place.min + Vec2::splat(4.0), galley, colour);
         }
@@ -281,10 +285,10 @@ impl SceneView {
         ui: &egui::Ui,
         response: &egui::Response,
         projection: &Projection,
-        open: &OpenDeployment,
-        analysis: &Analysis,
+        state: &State,
         commands: &mut Commands,
     ) {
+        let Some((open, analysis)) = state.analysed() else { return };
         // While the camera is turned nothing is meant.
         let Some(pointer) = response.hover_pos().filter(|_| !response.dragged()) else { return };
         let Some(under) = UnderPointer::find(&self.content, projection, pointer) else { return };
@@ -295,7 +299,7 @@ impl SceneView {
         if let Some(at) = position_m.and_then(|p| projection.visible(&p)) {
             under_pointer::ring(&painter, at, HOVERED_RING, dark);
         }
-        let lines = under_pointer::reading_lines(open, analysis, picked);
+        let lines = under_pointer::reading_lines(open, analysis, picked, state.units);
         under_pointer::tooltip(&painter, projection.rect, pointer, &lines, dark);
     }
 }

@@ -1,0 +1,228 @@
+//! The scene, driven by mouse and keyboard.
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Key, Modifiers, Pos2, Vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use resect::analysis::Settings;
+use resect::app::{
+    Colouring, Command, Picked, ResectWindow, Ruler, RulerEnd, Start, Timeline, ViewPreset,
+    offscreen_renderer,
+};
+use resect::deployment::Sample;
+
+/// Somewhere in the scene where nothing is.
+const EMPTY: Pos2 = Pos2::new(560.0, 430.0);
+
+/// The window with the Warthog sample, calibrated.
+fn window() -> Harness<'static, ResectWindow> {
+    let mut harness = Harness::builder()
+        .with_size(Vec2::new(1600.0, 1000.0))
+        .with_render_cursor(false)
+        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
+        .build_eframe(|creation| {
+            ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
+        });
+    for _ in 0..2 {
+        harness.run_steps(2);
+        harness.state_mut().settle();
+    }
+    harness.run_steps(3);
+    harness
+}
+
+fn send(harness: &mut Harness<'_, ResectWindow>, command: Command) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(command, &ctx);
+    harness.run_steps(2);
+}
+
+fn timeline(harness: &Harness<'_, ResectWindow>) -> Timeline {
+    harness.state().state.active().expect("open").timeline
+}
+
+fn click(harness: &mut Harness<'_, ResectWindow>, at: Pos2) {
+    harness.hover_at(at);
+    harness.run_steps(1);
+    harness.drag_at(at);
+    harness.run_steps(1);
+    harness.drop_at(at);
+    harness.run_steps(2);
+}
+
+/// The first place along a row of the scene where something is under the pointer, other than at some time.
+fn find(harness: &mut Harness<'_, ResectWindow>, row: f32, not_s: Option<f64>) -> (Pos2, f64) {
+    for x in (700..1210).step_by(4) {
+        let at = Pos2::new(x as f32, row);
+        harness.hover_at(at);
+        harness.run_steps(2);
+        let hovered_s = harness.state().state.hover_s;
+        if let Some(time_s) = hovered_s.filter(|time_s| Some(*time_s) != not_s) {
+            return (at, time_s);
+        }
+    }
+    panic!("nothing under the pointer at {row}");
+}
+
+/// Pixels of the scene that differ.
+fn differing(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
+    (a.enumerate_pixels())
+        .filter(|(x, y, _)| (300..1210).contains(x) && (250..630).contains(y))
+        .filter(|(x, y, pixel)| b.get_pixel(*x, *y) != *pixel)
+        .count()
+}
+
+#[test]
+fn a_click_on_a_reading_picks_it_and_one_beside_everything_lets_go() {
+    let mut harness = window();
+    let (at, hovered_s) = find(&mut harness, 320.0, None);
+    click(&mut harness, at);
+    let picked = timeline(&harness).picked.expect("a reading");
+    let deployment = harness.state().state.active().expect("open").deployment.clone();
+    assert_eq!(picked.time_s(&deployment), Some(hovered_s));
+    assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
+    click(&mut harness, EMPTY);
+    assert_eq!(timeline(&harness).picked, None);
+    assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
+}
+
+#[test]
+fn what_is_not_shown_is_not_under_the_pointer() {
+    let mut harness = window();
+    let (at, _) = find(&mut harness, 320.0, None);
+    let mut visibility = harness.state().state.visibility;
+    (visibility.raw, visibility.tracks) = (false, false);
+    send(&mut harness, Command::Show(visibility));
+    harness.hover_at(at);
+    harness.run_steps(2);
+    assert_eq!(harness.state().state.hover_s, None);
+    // Of tracks alone a click moves the cursor, and picks nothing.
+    visibility.tracks = true;
+    send(&mut harness, Command::Show(visibility));
+    let before_s = timeline(&harness).cursor_s;
+    let (at, hovered_s) = find(&mut harness, 260.0, before_s);
+    click(&mut harness, at);
+    assert_eq!(timeline(&harness).picked, None);
+    assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
+}
+
+#[test]
+fn each_colouring_is_another_picture_and_a_selection_dims_the_rest() {
+    let mut harness = window();
+    let mut pictures = vec![harness.render().expect("a picture")];
+    for colouring in Colouring::ALL.into_iter().skip(1) {
+        send(&mut harness, Command::Colour(colouring));
+        pictures.push(harness.render().expect("a picture"));
+    }
+    for (index, one) in pictures.iter().enumerate() {
+        for other in &pictures[..index] {
+            assert!(differing(one, other) > 1000, "{index}: {}", differing(one, other));
+        }
+    }
+    let [start_s, end_s] = timeline(&harness).whole_s;
+    let third_s = (end_s - start_s) / 3.0;
+    send(&mut harness, Command::Select(Some([start_s + third_s, end_s - third_s])));
+    let selected = harness.render().expect("a picture");
+    assert!(differing(&selected, &pictures[5]) > 1000);
+    send(&mut harness, Command::Select(None));
+    assert_eq!(differing(&harness.render().expect("a picture"), &pictures[5]), 0);
+}
+
+#[test]
+fn the_colouring_is_chosen_in_the_scene() {
+    let mut harness = window();
+    harness.get_by_role_and_label(Role::ComboBox, "Colour by").click();
+    harness.run_steps(3);
+    harness.get_by_label("Residual").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().state.colouring, Colouring::Residual);
+}
+
+#[test]
+fn keys_turn_the_scene_that_has_the_focus_and_leave_time_alone() {
+    let mut harness = window();
+    click(&mut harness, EMPTY);
+    let cursor_s = timeline(&harness).cursor_s;
+    let mut last = harness.render().expect("a picture");
+    for (modifiers, key) in [
+        (Modifiers::NONE, Key::ArrowLeft),
+        (Modifiers::NONE, Key::ArrowUp),
+        (Modifiers::SHIFT, Key::ArrowRight),
+        (Modifiers::NONE, Key::Plus),
+        (Modifiers::NONE, Key::Minus),
+    ] {
+        harness.key_press_modifiers(modifiers, key);
+        harness.run_steps(2);
+        let next = harness.render().expect("a picture");
+        assert!(differing(&last, &next) > 500, "{key:?}");
+        last = next;
+    }
+    assert_eq!(timeline(&harness).cursor_s, cursor_s);
+}
+
+#[test]
+fn stations_can_be_stood_at() {
+    let mut harness = window();
+    let before = harness.render().expect("a picture");
+    for name in ["From station 1", "From station 2", "From station 3", "Front", "Side", "Top"] {
+        harness.get_by_label(name).click();
+        harness.run_steps(3);
+        assert!(differing(&before, &harness.render().expect("a picture")) > 1000, "{name}");
+    }
+    send(&mut harness, Command::Look(ViewPreset::Top));
+}
+
+#[test]
+fn the_camera_flies_to_what_is_picked_in_a_plot() {
+    let mut harness = window();
+    let before = harness.render().expect("a picture");
+    send(&mut harness, Command::PickInPlot(Picked { station: 1, index: 300 }));
+    harness.run_steps(4);
+    let near = harness.render().expect("a picture");
+    assert!(differing(&before, &near) > 1000);
+    // It has arrived, and asks for no more frames.
+    harness.run_steps(2);
+    assert_eq!(differing(&near, &harness.render().expect("a picture")), 0);
+}
+
+#[test]
+fn the_ruler_snaps_to_what_is_clicked_and_esc_clears_it() {
+    let mut harness = window();
+    harness.get_by_label("Ruler").click();
+    harness.run_steps(2);
+    assert!(harness.state().state.ruler.active);
+    let (first, first_s) = find(&mut harness, 320.0, None);
+    click(&mut harness, first);
+    let (second, _) = find(&mut harness, 285.0, Some(first_s));
+    click(&mut harness, second);
+    click(&mut harness, EMPTY);
+    let ends = harness.state().state.ruler.ends.clone();
+    assert_eq!(ends.len(), 2, "{ends:?}");
+    assert!((ends[0].position_m - ends[1].position_m).norm() > 1.0);
+    assert!(ends[0].what.contains("reading") && !ends[1].what.is_empty(), "{ends:?}");
+    // Nothing was picked, and the cursor stayed.
+    assert_eq!(timeline(&harness).picked, None);
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    let ruler = &harness.state().state.ruler;
+    assert!(ruler.active && ruler.ends.is_empty());
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    assert!(!harness.state().state.ruler.active);
+}
+
+#[test]
+fn a_ruler_between_prisms_goes_with_the_cursor() {
+    let mut harness = window();
+    let end = |prism: usize| RulerEnd {
+        position_m: Default::default(),
+        what: format!("prism {}", prism + 1),
+        prism: Some(prism),
+    };
+    let ruler = Ruler { active: true, ends: vec![end(0), end(1)] };
+    send(&mut harness, Command::Measure(ruler));
+    let here = harness.render().expect("a picture");
+    let [start_s, _] = timeline(&harness).whole_s;
+    send(&mut harness, Command::MoveCursor(start_s + 20.0));
+    assert!(differing(&here, &harness.render().expect("a picture")) > 300);
+}
