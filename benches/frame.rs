@@ -42,7 +42,7 @@ impl Window {
     fn new(deployment: Arc<Deployment>) -> Self {
         let ctx = egui::Context::default();
         let mut state = State::new(ctx.clone());
-        state.add(deployment);
+        state.add(deployment, None);
         state.settle();
         let setup = egui_kittest::wgpu::default_wgpu_setup();
         let render_state = egui_kittest::wgpu::create_render_state(setup, Default::default());

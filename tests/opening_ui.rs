@@ -7,12 +7,12 @@ mod common;
 use std::path::Path;
 
 use common::sample_folder;
-use eframe::egui::{Event, Key, Modifiers, Theme, Vec2};
+use eframe::egui::{Event, HoveredFile, Key, Modifiers, Theme, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use resect::analysis::Settings;
 use resect::app::{Command, ResectWindow, Start, offscreen_renderer};
-use resect::deployment::Sample;
+use resect::deployment::{Sample, Source};
 
 const THEMES: [(Theme, &str); 2] = [(Theme::Dark, "dark"), (Theme::Light, "light")];
 
@@ -160,4 +160,77 @@ fn escape_cancels_and_a_wrong_path_is_said() {
     picture(&mut harness, "prompt-wrong-dark");
     press(&mut harness, Key::Escape);
     assert!(harness.state().state.prompt.is_none());
+}
+
+#[test]
+fn who_has_nothing_open_is_told_what_to_do() {
+    for (theme, name) in THEMES {
+        let mut harness = window(theme);
+        let id = harness.state().state.open[0].id;
+        send(&mut harness, Command::Close(id));
+        // Opened and closed again, it is among the recent ones.
+        send(&mut harness, Command::OpenSource(Source::at(sample_folder("warthog"))));
+        let id = harness.state().state.open[0].id;
+        send(&mut harness, Command::Close(id));
+        picture(&mut harness, &format!("empty-{name}"));
+        harness.get_by_label("Open file…");
+        harness.get_by_label("warthog").click();
+        settle(&mut harness);
+        assert_eq!(active(&harness), "warthog (simulated)");
+        let id = harness.state().state.open[0].id;
+        send(&mut harness, Command::Close(id));
+        harness.get_by_label("Try HD2 in a tunnel").click();
+        settle(&mut harness);
+        assert_eq!(active(&harness), "hd2-tunnel (simulated)");
+    }
+}
+
+#[test]
+fn warnings_are_told_once_and_errors_until_they_are_dismissed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let tracks = std::fs::read_to_string(sample_folder("warthog").join("inter_prism.csv"));
+    let tracks = tracks.expect("readable") + "0,1,10,0.1,1.5\n0,7,10,0.1,1.5\n";
+    std::fs::write(folder.path().join("day 1.csv"), tracks).expect("written");
+    let broken = folder.path().join("broken.csv");
+    std::fs::write(&broken, "timestamp;id;distance;ha;va\n0;1;10;0.1;1.5\n").expect("written");
+    for (theme, name) in THEMES {
+        let mut harness = window(theme);
+        send(&mut harness, Command::OpenPaths(vec![folder.path().join("day 1.csv")]));
+        send(&mut harness, Command::OpenPaths(vec![broken.clone()]));
+        let done = "warthog.tum written";
+        harness.state_mut().state.toasts.done(done);
+        harness.run_steps(2);
+        picture(&mut harness, &format!("toasts-{name}"));
+        let texts = |harness: &Harness<'_, ResectWindow>| -> Vec<String> {
+            harness.state().state.toasts.shown().iter().map(|toast| toast.text.clone()).collect()
+        };
+        assert_eq!(texts(&harness).len(), 3, "{:?}", texts(&harness));
+        assert!(texts(&harness)[0].contains("warnings about day 1"), "{:?}", texts(&harness));
+        harness.get_by_label("Show findings").click();
+        settle(&mut harness);
+        assert_eq!(texts(&harness).len(), 2);
+        // Half a minute later only the error is left.
+        harness.run_steps(120);
+        assert_eq!(texts(&harness).len(), 1);
+        harness.get_by_label("Dismiss").click();
+        harness.run_steps(2);
+        assert!(texts(&harness).is_empty());
+    }
+}
+
+#[test]
+fn a_hovering_file_says_what_it_would_do() {
+    let path = sample_folder("warthog").join("GCP_raw_1.txt");
+    let mut harness = window(Theme::Dark);
+    let hovered = HoveredFile { path: Some(path.clone()), ..HoveredFile::default() };
+    harness.input_mut().hovered_files.push(hovered);
+    harness.run_steps(1);
+    picture(&mut harness, "hovering-dark");
+    harness.input_mut().hovered_files.clear();
+    // Dropped, it is used with what is open.
+    let before = harness.state().state.active().expect("open").deployment.control_points.len();
+    send(&mut harness, Command::OpenPaths(vec![path]));
+    let deployment = harness.state().state.active().expect("open").deployment.clone();
+    assert_eq!(harness.state().state.open.len(), 1);
+    assert_eq!(deployment.control_points.len(), before + 1);
 }

@@ -1,8 +1,6 @@
 //! Results in the window, driven by the names of the widgets: copying, pinning, the history of runs, and the reading
 //! that was picked.
 
-mod common;
-
 use eframe::egui::{OutputCommand, Theme, Vec2, accesskit::Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -13,6 +11,7 @@ use resect::app::{
 use resect::calibration::Loss;
 use resect::deployment::Sample;
 use resect::pipeline::{OutlierReason, SampleFate};
+use resect::simulation::{Preset, simulate};
 
 const SIZE: Vec2 = Vec2::new(1600.0, 1000.0);
 
@@ -184,6 +183,29 @@ fn the_history_names_what_changed_and_brings_it_back() {
         click(&mut harness, "Unpin A");
         assert_eq!(shown(&harness), [true]);
     }
+}
+
+#[test]
+fn another_deployment_and_a_doubtful_answer_are_named_as_such() {
+    let mut harness = window(SIZE, Theme::Dark);
+    // A change makes the sample the user's own; untouched it would give way.
+    set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
+    click(&mut harness, "Pin");
+    let deployment = simulate(Preset::StraightLine, 1).deployment().expect("valid");
+    harness.state_mut().state.add(deployment.into(), None);
+    settle(&mut harness);
+    assert!(harness.query_by_label_contains("is other data").is_some());
+    assert!(harness.query_by_label("verdict good → degenerate").is_some());
+    let text = copy(&mut harness, "x y z qx qy qz qw");
+    assert!(text.contains("WARNING: verdict DEGENERATE"), "{text}");
+    picture(&mut harness, "other-data-dark");
+    // Runs of several deployments name their own.
+    send(&mut harness, Command::ShowPane(Pane::Runs));
+    picture(&mut harness, "runs-several-dark");
+    let first = harness.get_by_role_and_label(Role::Button, "Run 1, good: warthog (simulated)");
+    first.click();
+    settle(&mut harness);
+    assert_eq!(harness.state().state.settings().pipeline.rate_hz, 10.0);
 }
 
 /// The first reading with this fate.

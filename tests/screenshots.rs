@@ -9,7 +9,7 @@ use eframe::egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use resect::analysis::Settings;
-use resect::app::{Command, Notice, Pane, ResectWindow, Start, StudyKind, offscreen_renderer};
+use resect::app::{Command, Pane, ResectWindow, Start, StudyKind, offscreen_renderer};
 use resect::calibration::Method;
 use resect::deployment::Sample;
 use resect::simulation::{Preset, simulate};
@@ -106,15 +106,14 @@ fn an_error_is_shown_and_what_was_open_stays() {
         let ctx = harness.ctx.clone();
         harness.state_mut().send(Command::OpenPaths(vec![file.clone()]), &ctx);
         settle(&mut harness);
-        let Some(Notice::Error(line)) = harness.state().state.notice.clone() else {
-            panic!("no error shown");
-        };
-        assert!(line.contains("broken.csv:1") && line.contains("semicolons"), "{line}");
+        let (text, remedy) = harness.state().state.toasts.errors().next().expect("an error");
+        assert!(text.contains("broken.csv:1") && text.contains("semicolons"), "{text}");
+        assert_eq!(remedy, "save the table with commas");
         assert_eq!(triplets(&harness), before);
         snapshot(&mut harness, name);
         harness.get_by_label("Dismiss").click();
         settle(&mut harness);
-        assert!(harness.state().state.notice.is_none());
+        assert!(harness.state().state.toasts.shown().is_empty());
         results.extend_harness(&mut harness);
     }
 }
@@ -304,7 +303,7 @@ fn a_study_can_be_cancelled() {
     settle(&mut harness);
     let studies = &harness.state().state.studies;
     assert!(studies.running.is_none() && studies.result.is_none());
-    assert!(harness.state().state.notice.is_none());
+    assert!(harness.state().state.toasts.shown().is_empty());
 }
 
 #[test]

@@ -10,7 +10,7 @@ use resect::app::persist::hashes::HashCache;
 use resect::app::persist::keeping::Keeping;
 use resect::app::persist::{Folders, session};
 use resect::app::{
-    Colouring, Command, LayoutPreset, Notice, Pane, ResectWindow, Start, offscreen_renderer,
+    Colouring, Command, LayoutPreset, Pane, ResectWindow, Start, offscreen_renderer,
 };
 use resect::deployment::Sample;
 use resect::simulation::{Preset, simulate, write_folder};
@@ -99,8 +99,8 @@ fn what_was_open_comes_back_after_a_crash_and_not_after_a_clean_exit() {
 
     let mut harness = window(&sample, kept);
     assert_is_back(&harness, &expected, settings);
-    let notice = harness.state().state.notice.clone();
-    assert!(matches!(&notice, Some(Notice::Done(line)) if line.contains("restored")), "{notice:?}");
+    let toasts = harness.state().state.toasts.shown();
+    assert!(toasts.iter().any(|toast| toast.text.contains("restored")), "{toasts:?}");
     let recent = &harness.state().state.session.recent;
     assert_eq!(recent.len(), 1);
     eframe::App::on_exit(harness.state_mut());
@@ -148,7 +148,8 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     let harness = window(&start, None);
     assert_eq!(names(&harness), expected[1..]);
     let state = &harness.state().state;
-    assert!(matches!(&state.notice, Some(Notice::Error(line)) if line.contains("stays in the")));
+    let stays = |(text, remedy): (&str, &str)| (text.to_owned() + remedy).contains("stays in the");
+    assert!(state.toasts.errors().any(stays));
     assert_eq!(state.session.missing.len(), 1);
     save(&harness);
     drop(harness);

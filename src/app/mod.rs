@@ -15,6 +15,7 @@ mod scene;
 mod state;
 mod studies;
 mod theme;
+pub mod toasts;
 mod units;
 mod window;
 mod worker;
@@ -23,8 +24,7 @@ pub use layout::{Layout, LayoutDescription, LayoutPreset, Pane};
 pub use open_deployment::OpenDeployment;
 pub use scene::{Colouring, Ruler, RulerEnd, SceneView, ViewPreset};
 pub use state::{
-    Command, Notice, Overlay, Picked, PictureTo, Pin, Playback, Results, Run, State, Timeline,
-    Visibility,
+    Command, Overlay, Picked, PictureTo, Pin, Playback, Results, Run, State, Timeline, Visibility,
 };
 pub use studies::{StudyKind, StudyOptions, StudyResult};
 pub use units::{AngleUnit, LengthUnit, Units};

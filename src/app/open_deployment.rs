@@ -1,5 +1,6 @@
 //! One of the deployments that are open: its data, its settings, its newest answer.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -36,6 +37,8 @@ pub struct OpenDeployment {
     pub timeline: Timeline,
     /// Opened by the program itself, and never touched: gives way to the first that the user opens.
     pub placeholder: bool,
+    /// Findings that the user was told, numbers left out.
+    pub told: BTreeSet<String>,
     /// Number of the newest request, and since when an answer is awaited.
     pub analysing: Option<(u64, Instant)>,
 }
@@ -64,6 +67,7 @@ impl OpenDeployment {
             analysis_run: 0,
             timeline,
             placeholder: false,
+            told: BTreeSet::new(),
             analysing: None,
         }
     }

@@ -106,7 +106,10 @@ impl eframe::App for ResectWindow {
             self.layout = layout;
             self.state.tell(&findings);
         }
-        self.state.advance(ui.input(|input| input.time));
+        let now_s = ui.input(|input| input.time);
+        if let Some(next_s) = self.state.advance(now_s) {
+            ui.ctx().request_repaint_after_secs((next_s - now_s) as f32);
+        }
         self.state.take_picture(ui.ctx(), self.scene.place());
         let mut commands = Commands::new();
         let dropped = ui.input(|input| {
@@ -120,7 +123,6 @@ impl eframe::App for ResectWindow {
             actions::from_keys(&ctx, &self.state, &mut commands);
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
-        panels::notice::ui(ui, &self.state, &mut commands);
         panels::time_bar::ui(ui, &self.state, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
@@ -128,7 +130,8 @@ impl eframe::App for ResectWindow {
                 Panes { state: &self.state, commands: &mut commands, scene: &mut self.scene };
             self.layout.ui(ui, &mut panes);
         });
-        panels::drop_hint::ui(ui);
+        panels::toasts::ui(&ctx, &self.state.toasts, &mut commands);
+        panels::drop_hint::ui(ui, &self.state);
         match &self.state.overlay {
             Overlay::None => {}
             Overlay::Palette(palette) => {
@@ -169,6 +172,9 @@ impl Panes<'_> {
         match pane {
             Pane::Deployment => panels::deployment::ui(ui, self.state, self.commands),
             Pane::Pipeline => panels::pipeline::ui(ui, self.state, self.commands),
+            Pane::Scene if self.state.open.is_empty() && self.state.opening.is_empty() => {
+                panels::empty_state::ui(ui, &self.state.session.recent, self.commands);
+            }
             Pane::Scene => self.scene.ui(ui, self.state, self.commands),
             Pane::Result => panels::result::ui(ui, self.state, self.commands),
             Pane::Findings => panels::findings::ui(ui, self.state),

@@ -186,11 +186,21 @@ mod tests {
         }
     }
 
+    /// The same, with all σ twice as large.
+    fn less_certain(mut summary: ResultSummary) -> ResultSummary {
+        for station in &mut summary.stations {
+            station.sigma = station.sigma.map(|sigma| sigma.map(|s| 2.0 * s));
+        }
+        summary.covariance = summary.covariance.map(|rows| rows.map(|row| row.map(|c| 4.0 * c)));
+        summary
+    }
+
     #[test]
     fn the_same_data_is_counted_in_sigmas_of_the_current_answer() {
         let mut now = summary(10.003, 0.5 + 2e-5, 0.0);
         now.settings.pipeline.rate_hz = 5.0;
-        let difference = ResultDifference::between(&summary(10.0, 0.5, 0.0), &now);
+        let pinned = less_certain(summary(10.0, 0.5, 0.0));
+        let difference = ResultDifference::between(&pinned, &now);
         assert!(difference.same_data);
         for station in &difference.stations {
             let [x, y, _] = station.translation_m;
@@ -209,12 +219,16 @@ mod tests {
 
     #[test]
     fn other_data_is_independent() {
-        let mut pinned = summary(10.0, 0.5, 0.0);
+        let mut pinned = less_certain(summary(10.0, 0.5, 0.0));
         pinned.readings[1] = 99;
         let difference = ResultDifference::between(&pinned, &summary(10.003, 0.5, 0.0));
         assert!(!difference.same_data);
-        let sigmas = difference.stations[0].distance_m.sigmas.expect("σ");
-        assert_relative_eq!(sigmas, 3.0 / 2_f64.sqrt(), epsilon = 1e-9);
+        for deviation in
+            [difference.stations[0].distance_m, difference.stations[1].translation_m[0]]
+        {
+            let sigmas = deviation.sigmas.expect("σ");
+            assert_relative_eq!(sigmas, 3.0 / 5_f64.sqrt(), epsilon = 1e-9);
+        }
     }
 
     #[test]

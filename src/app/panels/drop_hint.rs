@@ -1,21 +1,119 @@
-//! What a file that hovers over the window would do.
+//! What the files that hover over the window would do.
+
+use std::path::PathBuf;
 
 use eframe::egui::{self, Align2, Color32, FontId};
 
-pub fn ui(ui: &egui::Ui) {
-    if ui.input(|i| i.raw.hovered_files.is_empty()) {
+use crate::app::state::State;
+use crate::deployment::{Sorted, sort};
+
+pub fn ui(ui: &egui::Ui, state: &State) {
+    let paths: Vec<PathBuf> = ui.input(|input| {
+        input.raw.hovered_files.iter().filter_map(|file| file.path.clone()).collect()
+    });
+    if ui.input(|input| input.raw.hovered_files.is_empty()) {
         return;
     }
     let ctx = ui.ctx();
     let painter = ctx
         .layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop hint")));
     let rect = ctx.content_rect();
-    painter.rect_filled(rect, 0.0, Color32::from_black_alpha(170));
-    painter.text(
-        rect.center(),
-        Align2::CENTER_CENTER,
-        "Drop a deployment's folder, a ROS 1 bag or a polar CSV to open it",
-        FontId::proportional(20.0),
+    painter.rect_filled(rect, 0.0, Color32::from_black_alpha(190));
+    let active = state.active().map(|open| open.deployment.name.as_str());
+    let text = match &*sorted(ctx, &paths) {
+        // Some systems tell what it is only when it is dropped.
+        sorted if *sorted == Sorted::default() => GENERAL.to_owned(),
+        sorted => in_words(sorted, active),
+    };
+    let galley = painter.layout(
+        text,
+        FontId::proportional(18.0),
         Color32::WHITE,
+        (rect.width() - 80.0).max(200.0),
     );
+    let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+    painter.galley(place.min, galley, Color32::WHITE);
+}
+
+const GENERAL: &str = "Drop a deployment's folder, a ROS 1 bag or a polar CSV to open it;\n\
+    control points, a rig, GNSS or settings to use them with the one that is open;\n\
+    a session to go on with it";
+
+/// What the paths are. Looked at once, not in every frame.
+fn sorted(ctx: &egui::Context, paths: &[PathBuf]) -> std::sync::Arc<Sorted> {
+    type Known = Option<(Vec<PathBuf>, std::sync::Arc<Sorted>)>;
+    let id = egui::Id::unique("what hovers");
+    let known = ctx.data(|data| data.get_temp::<Known>(id)).flatten();
+    if let Some((same, sorted)) = known
+        && same == paths
+    {
+        return sorted;
+    }
+    let sorted = std::sync::Arc::new(sort(paths.iter().map(PathBuf::as_path)));
+    ctx.data_mut(|data| data.insert_temp::<Known>(id, Some((paths.to_vec(), sorted.clone()))));
+    sorted
+}
+
+/// One line for each thing that would be done. `active`: the name of the deployment that is open.
+fn in_words(sorted: &Sorted, active: Option<&str>) -> String {
+    let name = |path: &PathBuf| {
+        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    };
+    let names = |paths: &[PathBuf]| paths.iter().map(name).collect::<Vec<_>>().join(", ");
+    let mut lines = Vec::new();
+    for path in &sorted.deployments {
+        lines.push(format!("Open {}", name(path)));
+    }
+    let whose = match (sorted.deployments.is_empty(), active) {
+        (false, _) => "it".to_owned(),
+        (true, Some(active)) => active.to_owned(),
+        (true, None) => "a deployment (open its tracks first)".to_owned(),
+    };
+    let extras = &sorted.extras;
+    if !extras.gcp.is_empty() {
+        lines.push(format!("Add the control points {} to {whose}", names(&extras.gcp)));
+    }
+    if let Some(rig) = &extras.rig {
+        lines.push(format!("Use the rig {} for {whose}", name(rig)));
+    }
+    if !extras.gnss.is_empty() {
+        lines.push(format!("Use the GNSS solutions {} for {whose}", names(&extras.gnss)));
+    }
+    for path in &sorted.settings {
+        lines.push(format!("Use the settings of {}", name(path)));
+    }
+    for path in &sorted.sessions {
+        lines.push(format!("Go on with the session {}", name(path)));
+    }
+    for why in &sorted.unknown {
+        lines.push(format!("Nothing to do with {why}"));
+    }
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deployment::Extras;
+
+    #[test]
+    fn each_file_has_its_line() {
+        let extras = Extras {
+            rig: Some("/d/rig.csv".into()),
+            gcp: vec!["/d/a.txt".into(), "/d/b.txt".into()],
+            ..Extras::default()
+        };
+        let mut sorted = Sorted { extras, ..Sorted::default() };
+        assert_eq!(
+            in_words(&sorted, Some("day 1")),
+            "Add the control points a.txt, b.txt to day 1\nUse the rig rig.csv for day 1"
+        );
+        sorted.deployments.push("/d/day 2".into());
+        sorted.unknown.push("notes.txt: not recognised".to_owned());
+        assert_eq!(
+            in_words(&sorted, Some("day 1")),
+            "Open day 2\nAdd the control points a.txt, b.txt to it\nUse the rig rig.csv for it\n\
+             Nothing to do with notes.txt: not recognised"
+        );
+    }
 }

@@ -4,12 +4,13 @@ pub mod command_palette;
 pub mod correlations;
 pub mod deployment;
 pub mod drop_hint;
+pub mod empty_state;
 pub mod findings;
 pub mod minima;
-pub mod notice;
 pub mod observability;
 pub mod path_prompt;
 pub mod pipeline;
+pub mod progress;
 pub mod reading;
 pub mod result;
 pub mod runs;
@@ -17,12 +18,16 @@ pub mod shortcuts;
 pub mod side_by_side;
 pub mod studies;
 pub mod time_bar;
+pub mod toasts;
 pub mod top_bar;
 
 use eframe::egui;
 
 use crate::app::theme;
 use crate::deployment::Finding;
+
+/// What takes less is not worth a word.
+const SHORTEST_WAIT: std::time::Duration = std::time::Duration::from_millis(250);
 
 /// A pane's content with a margin, scrolling where it does not fit.
 fn scrolled(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {

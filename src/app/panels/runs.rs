@@ -30,8 +30,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.weak("None yet: each change of a setting is one.");
         }
         let current = current(state);
+        let several = state.results.runs.windows(2).any(|w| w[0].deployment != w[1].deployment);
         for (index, run) in state.results.runs.iter().enumerate().rev() {
-            one(ui, state, (index, run), current == Some(run.id), commands);
+            let shown = Shown { current: current == Some(run.id), several };
+            one(ui, state, (index, run), shown, commands);
         }
         if !state.results.runs.is_empty() {
             ui.small(
@@ -40,6 +42,15 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             );
         }
     });
+}
+
+/// How a run is shown.
+#[derive(Clone, Copy)]
+struct Shown {
+    /// Its settings are the present ones.
+    current: bool,
+    /// There are runs of several deployments, so each names its own.
+    several: bool,
 }
 
 /// The newest run whose settings the active deployment has.
@@ -83,7 +94,7 @@ fn one(
     ui: &mut egui::Ui,
     state: &State,
     (index, run): (usize, &Run),
-    current: bool,
+    Shown { current, several }: Shown,
     commands: &mut Commands,
 ) {
     let changed = match state.run_change(run) {
@@ -124,7 +135,12 @@ fn one(
     ui.horizontal(|ui| {
         ui.add_space(INDENT);
         match &run.result {
-            Ok(summary) => numbers(ui, summary),
+            Ok(summary) => {
+                numbers(ui, summary);
+                if several {
+                    ui.add(egui::Label::new(RichText::new(&summary.deployment).small()).truncate());
+                }
+            }
             Err(why) => {
                 ui.add(egui::Label::new(RichText::new(why).small()).truncate()).on_hover_text(why);
             }

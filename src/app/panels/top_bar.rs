@@ -30,6 +30,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 if state.is_busy() {
                     ui.add(egui::Spinner::new().size(14.0));
                 }
+                super::progress::ui(ui, state, commands);
                 if let Some(elapsed_ms) = state.elapsed_ms() {
                     ui.label(format!("{elapsed_ms:.1} ms"))
                         .on_hover_text("From the settings to the new residuals, in the background");

@@ -12,7 +12,7 @@ use super::autosave::{Autosave, Recovered};
 use super::hashes::HashCache;
 use super::preferences::{Preferences, PreferencesFile};
 use crate::app::layout::Layout;
-use crate::app::state::{Notice, State};
+use crate::app::state::State;
 use crate::deployment::Finding;
 
 /// How often the window is looked at for changes.
@@ -74,8 +74,7 @@ impl Keeping {
         }
         if let (Some(autosave), Some(recovered)) = (&mut self.autosave, self.recovered.take()) {
             let when = recovered.saved.map(ago).unwrap_or_default();
-            state.notice =
-                Some(Notice::Done(format!("restored what was open when resect stopped{when}")));
+            state.toasts.done(format!("restored what was open when resect stopped{when}"));
             let (session, found) = autosave.take_over(recovered);
             findings.extend(found);
             state.restore(session);
@@ -94,7 +93,7 @@ impl Keeping {
         self.look(ctx, state, layout);
         let autosave = self.autosave.as_ref().and_then(Autosave::take_error);
         if let Some(line) = autosave.or(self.file.take_error()) {
-            state.notice = Some(Notice::Error(line));
+            state.toasts.error(&line);
         }
     }
 

@@ -104,7 +104,7 @@ fn used_files_are_those_that_were_read() {
         for place in ["data", "data/a.csv"] {
             let source = Source::at(folder.path().join(place)).with(extras.clone());
             let deployment = source.open(&Progress::default()).expect("opens");
-            let mut used = super::super::hashes::used_files(&source, &deployment);
+            let mut used = used_files(&source, &deployment);
             used.sort();
             let expected = ["data/a.csv", "rig/d.txt"].map(|name| folder.path().join(name));
             assert_eq!(used, expected, "{rig}, {place}: {:?}", deployment.ingredients);

@@ -107,7 +107,7 @@ impl Colours {
                     |interval: Option<u32>| interval.map_or(palette::NO_VALUE, palette::interval);
                 let mut colours = Self::by_group(
                     analysis,
-                    |station, index, _| (of(owners[station][index]), false),
+                    |station, index, _| (of(owners[station].get(index).copied().flatten()), false),
                     |_, index| palette::interval(analysis.triplets().interval[index]),
                 );
                 colours.some_without_value = owners.iter().flatten().any(Option::is_none);

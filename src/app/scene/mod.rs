@@ -34,7 +34,6 @@ mod ruler;
 mod station_uncertainty;
 mod under_pointer;
 mod view;
-mod words;
 
 pub use camera::{Camera, ViewPreset};
 pub use cloud::{CloudMaker, Clouds};

@@ -4,11 +4,12 @@ use eframe::egui::{self, Align2, FontId, Painter, Pos2, Rect, Stroke, Vec2};
 use nalgebra::Vector3;
 
 use super::projection::Projection;
-use super::{SceneContent, labels, words};
+use super::{SceneContent, labels};
 use crate::analysis::Analysis;
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::units::Units;
 use crate::evaluation::trajectory::Pose;
 
 /// Wanted length of the bar that says how long a metre is (points).
@@ -23,7 +24,7 @@ pub fn paint_cursor(
 ) -> Option<Rect> {
     let (open, analysis) = state.analysed()?;
     let dark = ui.visuals().dark_mode;
-    let mut lines = cursor_lines(open, analysis, content)?;
+    let mut lines = cursor_lines(open, analysis, content, state.units)?;
     if state.ruler.active {
         lines.push(match &state.ruler.ends[..] {
             [] => "ruler: click its first end".to_owned(),
@@ -46,6 +47,7 @@ fn cursor_lines(
     open: &OpenDeployment,
     analysis: &Analysis,
     content: &SceneContent,
+    units: Units,
 ) -> Option<Vec<String>> {
     let since_s = open.timeline.cursor_s? - open.start_s();
     let time = format!("{since_s:.2} s");
@@ -53,30 +55,30 @@ fn cursor_lines(
         return Some(vec![format!("{time}  no triplet here")]);
     };
     let Some(pose) = &content.pose else {
-        return Some(vec![format!("{time}  prism 1 {}", position(&prisms_m[0]))]);
+        return Some(vec![format!("{time}  prism 1 {}", position(&prisms_m[0], units))]);
     };
     // Without a σ of the interpolation, that of one pose is a guess from three distances.
     let sigma = analysis.triplets().sigma_m.as_ref().map(|_| pose.sigma());
-    let mut lines = vec![format!("{time}  {}", position(&pose.position_m)), attitude(pose)];
+    let mut lines =
+        vec![format!("{time}  {}", position(&pose.position_m, units)), attitude(pose, units)];
     if let Some(sigma) = sigma {
-        lines[0] += &format!("  σ {:.1} mm", 1e3 * sigma.position_m);
-        lines[1] += &format!("  σ {}", words::angle(sigma.orientation_rad));
+        let [position_m, orientation_rad] = [sigma.position_m, sigma.orientation_rad].map(Some);
+        lines[0] += &format!("  ± {} mm", units.length_sigma(position_m));
+        let small = units.angle.small_name();
+        lines[1] += &format!("  ± {} {small}", units.angle_sigma(orientation_rad));
     }
     Some(lines)
 }
 
-fn position(p: &Vector3<f64>) -> String {
-    format!("x {}  y {}  z {}", words::length(p.x), words::length(p.y), words::length(p.z))
+fn position(p: &Vector3<f64>, units: Units) -> String {
+    let [x, y, z] = [p.x, p.y, p.z].map(|coordinate| units.length(coordinate));
+    format!("x {x}  y {y}  z {z} {}", units.length.name())
 }
 
-fn attitude(pose: &Pose) -> String {
+fn attitude(pose: &Pose, units: Units) -> String {
     let (roll, pitch, yaw) = pose.orientation.euler_angles();
-    format!(
-        "heading {}  roll {}  pitch {}",
-        words::angle(yaw),
-        words::angle(roll),
-        words::angle(pitch)
-    )
+    let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| units.angle(angle));
+    format!("heading {yaw}  roll {roll}  pitch {pitch} {}", units.angle.name())
 }
 
 /// Paints a bar of a round length and what the grid is, in the lower right corner; gives the place they take.

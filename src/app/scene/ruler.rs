@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::content::{LineVertex, PointVertex, SceneContent, WORLD, f32s, opaque};
 use super::projection::Projection;
-use super::words;
+use crate::app::units::Units;
 use crate::deployment::{PAIRS, pair_label};
 use crate::palette::Rgb;
 use eframe::egui::Pos2;
@@ -57,11 +57,12 @@ impl Ruler {
         &self,
         prisms_m: Option<&[Vector3<f64>; 3]>,
         inter_prism_m: Option<&[f64; 3]>,
+        units: Units,
     ) -> Vec<String> {
         let [from_m, to_m] = self.ends_m(prisms_m)[..] else { return Vec::new() };
         let apart_m = to_m - from_m;
         let distance_m = apart_m.norm();
-        let mut first = words::length(distance_m);
+        let mut first = units.length_with_unit(distance_m);
         let pair = match (self.ends[0].prism, self.ends[1].prism) {
             (Some(a), Some(b)) => PAIRS.iter().position(|pair| *pair == (a.min(b), a.max(b))),
             _ => None,
@@ -70,13 +71,13 @@ impl Ruler {
             first = format!("prisms {}: {first}", pair_label(pair));
             if let Some(known_m) = inter_prism_m.map(|all| all[pair]) {
                 let off_mm = 1e3 * (distance_m - known_m);
-                first += &format!(", rig {}, {}", words::length(known_m), words::signed_mm(off_mm));
+                first += &format!(", rig {}, {off_mm:+.1} mm", units.length_with_unit(known_m));
             }
         }
         let second = format!(
             "horizontal {}, height {}",
-            words::length(apart_m.xy().norm()),
-            words::signed_length(apart_m.z)
+            units.length_with_unit(apart_m.xy().norm()),
+            if apart_m.z < 0.0 { "" } else { "+" }.to_owned() + &units.length_with_unit(apart_m.z)
         );
         vec![first, second]
     }
@@ -123,10 +124,11 @@ impl SceneContent {
         ruler: &Ruler,
         inter_prism_m: Option<&[f64; 3]>,
         projection: &Projection,
+        units: Units,
     ) -> Option<RulerText> {
         let [from_m, to_m] = ruler.ends_m(self.prisms_m.as_ref())[..] else { return None };
         let at = projection.screen(&((from_m + to_m) / 2.0).cast::<f32>())?;
-        Some(RulerText { at, lines: ruler.lines(self.prisms_m.as_ref(), inter_prism_m) })
+        Some(RulerText { at, lines: ruler.lines(self.prisms_m.as_ref(), inter_prism_m, units) })
     }
 
     /// The prism, station or control point at a place on the screen.
@@ -159,21 +161,25 @@ mod tests {
 
     #[test]
     fn it_says_distance_parts_and_for_two_prisms_what_the_rig_says() {
+        let units = Units::default();
         let ruler = Ruler { active: true, ends: Vec::new() };
         let ruler = ruler.with(end([1.0, 2.0, 3.0], None));
-        assert!(ruler.lines(None, None).is_empty());
+        assert!(ruler.lines(None, None, units).is_empty());
         let ruler = ruler.with(end([4.0, 6.0, 1.0], None));
-        assert_eq!(ruler.lines(None, None), ["5.3852 m", "horizontal 5.0000 m, height −2.0000 m"]);
+        assert_eq!(
+            ruler.lines(None, None, units),
+            ["5.3852 m", "horizontal 5.0000 m, height -2.0000 m"]
+        );
         // The ends were set when the prisms were elsewhere; they go with them.
         let prisms = [[0.0; 3], [0.9031, 0.0, 0.0], [0.0, 0.5, 0.0]].map(Vector3::from);
         let ruler = Ruler::default().with(end([7.0; 3], Some(1))).with(end([9.0; 3], Some(0)));
         assert_eq!(
-            ruler.lines(Some(&prisms), Some(&[0.9021, 0.5, 1.0]))[0],
+            ruler.lines(Some(&prisms), Some(&[0.9021, 0.5, 1.0]), units)[0],
             "prisms 1–2: 0.9031 m, rig 0.9021 m, +1.0 mm"
         );
         // Twice the same prism is no pair.
         let ruler = Ruler::default().with(end([7.0; 3], Some(1))).with(end([9.0; 3], Some(1)));
-        assert_eq!(ruler.lines(Some(&prisms), Some(&[1.0; 3]))[0], "0.0000 m");
+        assert_eq!(ruler.lines(Some(&prisms), Some(&[1.0; 3]), units)[0], "0.0000 m");
     }
 
     #[test]

@@ -10,11 +10,11 @@ use super::labels;
 use super::pick::Hit;
 use super::projection::Projection;
 use super::ruler::RulerEnd;
-use super::words;
 use crate::analysis::Analysis;
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::Picked;
 use crate::app::theme;
+use crate::app::units::Units;
 
 /// The pointer is on a reading within so many points on the screen, and on a track within more.
 const READING_REACH: f32 = 7.0;
@@ -99,7 +99,12 @@ impl UnderPointer {
 }
 
 /// What is said about a reading, in lines.
-pub fn reading_lines(open: &OpenDeployment, analysis: &Analysis, picked: Picked) -> Vec<String> {
+pub fn reading_lines(
+    open: &OpenDeployment,
+    analysis: &Analysis,
+    picked: Picked,
+    units: Units,
+) -> Vec<String> {
     let track = &open.deployment.tracks[picked.station];
     let fate = analysis.pipeline.fates[picked.station].each.get(picked.index);
     let (Some(m), Some(fate)) = (track.measurements.get(picked.index), fate) else {
@@ -113,9 +118,9 @@ pub fn reading_lines(open: &OpenDeployment, analysis: &Analysis, picked: Picked)
         ),
         format!(
             "range {}  azimuth {}  zenith {}",
-            words::length(m.range_m),
-            words::angle(m.azimuth_rad),
-            words::angle(m.zenith_rad)
+            units.length_with_unit(m.range_m),
+            units.angle_with_unit(m.azimuth_rad),
+            units.angle_with_unit(m.zenith_rad)
         ),
         fate.label().to_owned(),
     ]

@@ -112,7 +112,7 @@ impl SceneView {
             let eye_m = self.camera.eye_m();
             labels::paint(&painter, &projection, &eye_m, &self.content, &mut placer, dark);
             self.paint_picked(&painter, &projection, open, analysis, dark);
-            self.show_hovered(ui, &response, &projection, open, analysis, commands);
+            self.show_hovered(ui, &response, &projection, state, commands);
             self.click(&response, &projection, state, commands);
         }
         if response.has_focus() {
@@ -246,7 +246,9 @@ impl SceneView {
         dark: bool,
     ) {
         let inter_prism_m = open.deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
-        let Some(text) = self.content.ruler_text(&state.ruler, inter_prism_m, projection) else {
+        let Some(text) =
+            self.content.ruler_text(&state.ruler, inter_prism_m, projection, state.units)
+        else {
             return;
         };
         let colour = theme::rgb(theme::cursor(dark));
@@ -281,10 +283,10 @@ impl SceneView {
         ui: &egui::Ui,
         response: &egui::Response,
         projection: &Projection,
-        open: &OpenDeployment,
-        analysis: &Analysis,
+        state: &State,
         commands: &mut Commands,
     ) {
+        let Some((open, analysis)) = state.analysed() else { return };
         // While the camera is turned nothing is meant.
         let Some(pointer) = response.hover_pos().filter(|_| !response.dragged()) else { return };
         let Some(under) = UnderPointer::find(&self.content, projection, pointer) else { return };
@@ -295,7 +297,7 @@ impl SceneView {
         if let Some(at) = position_m.and_then(|p| projection.visible(&p)) {
             under_pointer::ring(&painter, at, HOVERED_RING, dark);
         }
-        let lines = under_pointer::reading_lines(open, analysis, picked);
+        let lines = under_pointer::reading_lines(open, analysis, picked, state.units);
         under_pointer::tooltip(&painter, projection.rect, pointer, &lines, dark);
     }
 }

@@ -23,7 +23,13 @@ impl State {
         }
         let (answer, receiver) = channel();
         let folder = self.last_folder.clone().or_else(|| std::env::current_dir().ok());
-        let (shown, step) = PathPrompt::new(question, folder.unwrap_or_default(), &[]);
+        let recent: Vec<PathBuf> = self
+            .session
+            .recent
+            .iter()
+            .filter_map(|it| Some(it.source.path()?.to_owned()))
+            .collect();
+        let (shown, step) = PathPrompt::new(question, folder.unwrap_or_default(), &recent);
         self.prompt = Some(OpenPrompt { shown, answer });
         self.follow(step);
         Answer::OfWindow(receiver)

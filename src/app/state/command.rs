@@ -9,7 +9,7 @@ use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
 use crate::app::units::Units;
-use crate::deployment::Sample;
+use crate::deployment::{Sample, Source};
 
 /// What a pane asks for.
 #[derive(Clone, Debug)]
@@ -17,6 +17,8 @@ pub enum Command {
     /// Opens whatever the readers know: tracks, folders, control points, a rig, GNSS, settings, sessions.
     OpenPaths(Vec<PathBuf>),
     OpenSample(Sample),
+    /// Opens what was open before.
+    OpenSource(Source),
     /// Stops reading a deployment, by its request's number.
     CancelOpening(u64),
     OpenFolderDialog,
@@ -96,7 +98,9 @@ pub enum Command {
     ShowShortcuts,
     /// Closes the palette or the sheet of shortcuts.
     CloseOverlay,
-    DismissNotice,
+    DismissToast(u64),
+    /// The pointer is on a toast.
+    HoldToast(u64),
 }
 
 pub type Commands = Vec<Command>;

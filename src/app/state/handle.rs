@@ -18,6 +18,7 @@ impl State {
     pub fn handle(&mut self, command: Command, ctx: &egui::Context) {
         match command {
             Command::OpenPaths(paths) => self.look_at(paths),
+            Command::OpenSource(source) => self.open_source(source),
             Command::OpenSample(sample) => self.open_source(Source::sample(sample)),
             Command::CancelOpening(number) => self.cancel_opening(number),
             Command::OpenFolderDialog => self.open_folder_dialog(),
@@ -120,7 +121,8 @@ impl State {
                 }
             }
             Command::SaveStudyDialog => self.save_study(),
-            Command::DismissNotice => self.notice = None,
+            Command::DismissToast(id) => self.toasts.dismiss(id),
+            Command::HoldToast(id) => self.toasts.hold(id),
             Command::Look(_)
             | Command::ShowPane(_)
             | Command::UseLayout(_)

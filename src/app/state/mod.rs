@@ -33,6 +33,7 @@ use super::file_dialog;
 use super::open_deployment::OpenDeployment;
 use super::scene::{Colouring, Ruler};
 use super::studies::Studies;
+use super::toasts::Toasts;
 use super::units::Units;
 use super::worker::Worker;
 use crate::analysis::{Analysis, Settings};
@@ -90,13 +91,6 @@ pub struct Palette {
     pub chosen: usize,
 }
 
-/// One line at the top of the window until it is dismissed or replaced.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Notice {
-    Error(String),
-    Done(String),
-}
-
 /// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
 const DIM_AFTER: Duration = Duration::from_millis(80);
 
@@ -126,7 +120,7 @@ pub struct State {
     pub asks_in_window: bool,
     /// Where the last path was chosen.
     last_folder: Option<PathBuf>,
-    pub notice: Option<Notice>,
+    pub toasts: Toasts,
     /// Pictures that are compared byte for byte show this instead of the measured time (ms).
     pub fixed_elapsed_ms: Option<f64>,
     /// What is being read.
@@ -159,7 +153,7 @@ impl State {
             prompt: None,
             asks_in_window: !file_dialog::system::is_there(),
             last_folder: None,
-            notice: None,
+            toasts: Toasts::default(),
             fixed_elapsed_ms: None,
             opening: Vec::new(),
             looking: Vec::new(),
@@ -212,11 +206,12 @@ impl State {
         self.active().map_or(0.0, OpenDeployment::start_s)
     }
 
-    /// Moves what moves by itself on to this time of the window's clock (s).
-    pub fn advance(&mut self, now_s: f64) {
+    /// Moves what moves by itself on to this time of the window's clock (s); gives when something will go next.
+    pub fn advance(&mut self, now_s: f64) -> Option<f64> {
         if let Some(open) = self.open.get_mut(self.active) {
             self.playback.advance(&mut open.timeline, now_s);
         }
+        self.toasts.advance(now_s)
     }
 
     fn analyse(&mut self, index: usize) {

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
-use super::{Notice, State};
+use super::State;
 use crate::analysis::Settings;
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::persist::hashes::HashCache;
@@ -15,6 +16,7 @@ use crate::progress::Progress;
 pub struct Opening {
     pub number: u64,
     pub title: String,
+    pub since: Instant,
     /// In bytes.
     pub progress: Arc<Progress>,
     source: Source,
@@ -70,16 +72,16 @@ impl State {
     fn read(&mut self, source: Source, then: Then) {
         let progress = Arc::new(Progress::default());
         let number = self.worker.open(source.clone(), Arc::clone(&progress));
-        let title = source.title();
-        self.opening.push(Opening { number, title, progress, source, then });
+        let (title, since) = (source.title(), Instant::now());
+        self.opening.push(Opening { number, title, since, progress, source, then });
     }
 
     /// Opens a deployment of a session, and finds out which of its files changed since.
     pub(super) fn read_again(&mut self, saved: &SavedDeployment, cache: Arc<HashCache>) {
         let progress = Arc::new(Progress::default());
         let number = self.worker.open_again(saved.clone(), cache, Arc::clone(&progress));
-        let (source, then) = (saved.source.clone(), Then::Restore);
-        self.opening.push(Opening { number, title: source.title(), progress, source, then });
+        let (source, since, then) = (saved.source.clone(), Instant::now(), Then::Restore);
+        self.opening.push(Opening { number, title: source.title(), since, progress, source, then });
     }
 
     /// A bug stopped the reading.
@@ -106,13 +108,15 @@ impl State {
             }
             Err(OpenError::Cancelled) => return,
             Err(error) => {
-                self.notice = Some(Notice::Error(error.to_string()));
+                self.toasts.error(&error.to_string());
                 return;
             }
         };
-        self.notice = None;
         match then {
-            Then::Show(settings) => self.add_with(deployment, Some(source), settings),
+            Then::Show(settings) => {
+                self.add_with(deployment, Some(source), settings);
+                self.tell_of_reading(self.active);
+            }
             Then::Placeholder => {
                 self.add(deployment, Some(source));
                 self.open[self.active].placeholder = true;
@@ -128,6 +132,14 @@ impl State {
         // What is remembered of the old data must not answer for the new.
         self.worker.forget(id);
         self.analyse(index);
+        self.tell_of_reading(index);
+    }
+
+    /// What the readers noticed and the user was not told yet.
+    fn tell_of_reading(&mut self, index: usize) {
+        let Some(open) = self.open.get_mut(index) else { return };
+        let deployment = &open.deployment;
+        self.toasts.findings(&deployment.name, &deployment.findings, &mut open.told);
     }
 
     /// Finds out what paths are, beside the worker: a folder may lie on a slow disk.
@@ -139,8 +151,8 @@ impl State {
     pub(super) fn take_sorted(&mut self, number: u64, sorted: Sorted) {
         self.looking.retain(|looking| *looking != number);
         let Sorted { deployments, extras, sessions, settings, unknown } = sorted;
-        if let Some(line) = unknown.first() {
-            self.notice = Some(Notice::Error(line.clone()));
+        for line in unknown {
+            self.toasts.error(&line);
         }
         if deployments.is_empty() && !extras.is_empty() {
             self.add_files(extras);
@@ -155,7 +167,7 @@ impl State {
         if let Some(path) = settings.last() {
             match read_settings(path) {
                 Ok(settings) => self.take_settings(settings),
-                Err(line) => self.notice = Some(Notice::Error(line)),
+                Err(line) => self.toasts.error(&line),
             }
         }
     }
@@ -164,7 +176,7 @@ impl State {
     fn add_files(&mut self, extras: Extras) {
         let Some(open) = self.active() else {
             let line = "these files describe a deployment, but none is open; open its tracks first";
-            self.notice = Some(Notice::Error(line.to_owned()));
+            self.toasts.error(line);
             return;
         };
         let Some(mut source) = open.source.clone() else { return };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use eframe::egui;
 
-use super::{Notice, PictureTo, State};
+use super::{PictureTo, State};
 use crate::app::worker::Reply;
 
 impl State {
@@ -24,7 +24,7 @@ impl State {
         match to {
             PictureTo::Clipboard => {
                 self.worker.ctx().copy_image(image);
-                self.notice = Some(Notice::Done("picture of the scene copied".to_owned()));
+                self.toasts.done("picture of the scene copied");
             }
             PictureTo::File => {
                 let bytes = image.pixels.iter().flat_map(egui::Color32::to_srgba_unmultiplied);

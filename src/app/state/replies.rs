@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{Notice, State};
-use crate::app::worker::Reply;
+use super::State;
+use crate::app::toasts::new_findings;
+use crate::app::worker::{Answered, Reply};
 use crate::experiment::StudyError;
 
 impl State {
@@ -27,14 +28,7 @@ impl State {
     fn take(&mut self, reply: Reply) {
         match reply {
             Reply::Opened(number, result) => self.take_opened(number, result),
-            Reply::Analysed { number, id, answered } => {
-                let analysis = Arc::clone(&answered.analysis);
-                if let Some(open) = self.open.iter_mut().find(|open| open.id == id)
-                    && open.take(number, answered)
-                {
-                    self.remember_run(id, &analysis);
-                }
-            }
+            Reply::Analysed { number, id, answered } => self.take_analysed(number, id, answered),
             Reply::Studied(number, result) => {
                 if self.studies.running.as_ref().is_none_or(|(running, _)| *running != number) {
                     return;
@@ -43,7 +37,7 @@ impl State {
                 match result {
                     Ok(result) => self.studies.result = Some(result),
                     Err(StudyError::Cancelled) => {}
-                    Err(error) => self.notice = Some(Notice::Error(error.to_string())),
+                    Err(error) => self.toasts.error(&error.to_string()),
                 }
             }
             Reply::Pictured { to, image } => self.take_pictured(to, image),
@@ -59,9 +53,9 @@ impl State {
                     open.analysing = open.analysing.filter(|(newest, _)| *newest != number);
                 }
                 self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);
-                self.notice = Some(Notice::Error(
-                    "a bug in resect stopped the calculation; please report it with the data and the settings".to_owned(),
-                ));
+                self.toasts.error(
+                    "a bug in resect stopped the calculation; please report it with the data and the settings",
+                );
             }
             Reply::Listed(listing) => {
                 if let Some(prompt) = &mut self.prompt {
@@ -72,8 +66,27 @@ impl State {
             Reply::Sorted(number, sorted) => self.take_sorted(number, sorted),
             Reply::SessionRead(path, result) => self.take_session(path, result),
             Reply::SessionSaved(path, result) => self.take_session_saved(path, result),
-            Reply::Done(Ok(line)) => self.notice = Some(Notice::Done(line)),
-            Reply::Done(Err(line)) => self.notice = Some(Notice::Error(line)),
+            Reply::Done(Ok(line)) => self.toasts.done(line),
+            Reply::Done(Err(line)) => self.toasts.error(&line),
         }
+    }
+
+    fn take_analysed(&mut self, number: u64, id: u64, answered: Answered) {
+        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        let analysis = Arc::clone(&answered.analysis);
+        let first = open.analysis.is_none();
+        if !open.take(number, answered) {
+            return;
+        }
+        if let Ok(answer) = &analysis.answer {
+            let findings = &answer.calibration.findings;
+            if first {
+                // The result's pane tells them; news is what a change of the settings brings.
+                new_findings(findings, &mut open.told);
+            } else {
+                self.toasts.findings(&open.deployment.name, findings, &mut open.told);
+            }
+        }
+        self.remember_run(id, &analysis);
     }
 }

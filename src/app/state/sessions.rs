@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::{Notice, State};
+use super::State;
 use crate::app::layout::LayoutDescription;
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::persist::hashes::HashCache;
@@ -135,7 +135,7 @@ impl State {
                 self.tell(&findings);
                 self.restore(*session);
             }
-            Err(error) => self.notice = Some(Notice::Error(error.to_string())),
+            Err(error) => self.toasts.error(&error.to_string()),
         }
     }
 
@@ -157,12 +157,12 @@ impl State {
     }
 
     pub(super) fn take_session_saved(&mut self, path: PathBuf, result: Result<(), String>) {
-        self.notice = Some(match result {
-            Ok(()) => Notice::Done(format!("session saved to {}", path.display())),
-            Err(line) => Notice::Error(line),
-        });
-        if matches!(self.notice, Some(Notice::Done(_))) {
-            self.session.path = Some(path);
+        match result {
+            Ok(()) => {
+                self.toasts.done(format!("session saved to {}", path.display()));
+                self.session.path = Some(path);
+            }
+            Err(line) => self.toasts.error(&line),
         }
     }
 
@@ -206,7 +206,7 @@ impl State {
     /// A deployment of the session cannot be opened; it stays in it.
     pub(super) fn not_restored(&mut self, why: &str) {
         let Some((saved, _)) = self.session.restoring.take() else { return };
-        self.notice = Some(Notice::Error(format!("{why} (it stays in the session)")));
+        self.toasts.error(&format!("{why} (it stays in the session)"));
         self.session.missing.push((saved, why.to_owned()));
         self.restore_next();
     }
@@ -220,9 +220,8 @@ impl State {
 
     /// Says what was found on the way, where that is anything.
     pub fn tell(&mut self, findings: &[Finding]) {
-        let lines: Vec<&str> = findings.iter().map(|finding| finding.message.as_str()).collect();
-        if !lines.is_empty() {
-            self.notice = Some(Notice::Error(lines.join("; ")));
+        for finding in findings {
+            self.toasts.warning(&finding.message);
         }
     }
 }

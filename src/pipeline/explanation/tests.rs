@@ -177,56 +177,6 @@ fn what_is_not_there_is_not_explained() {
     assert!(explain(&deployment, &output, &settings, 3, 0).is_none());
 }
 
-/// Whatever its fate, the explanation of a reading says the same, and its reasons hold.
-#[test]
-fn every_explanation_of_a_sample_agrees_with_the_fate() {
-    let deployment = Sample::Warthog.open().expect("built in");
-    let settings = PipelineSettings::default();
-    let output = pipeline::run(&deployment, &settings);
-    let mut counts = [0; 4];
-    for station in 0..3 {
-        for (index, fate) in output.fates[station].each.iter().enumerate() {
-            let explanation =
-                explain(&deployment, &output, &settings, station, index).expect("a reading");
-            let words = explanation.in_words(deployment.start_s().expect("not empty"));
-            let over = explanation.step.iter().flat_map(|s| s.rates).find(Rate::exceeds);
-            let time_s = explanation.reading.time_s;
-            match (fate, &explanation.place) {
-                (SampleFate::Rejected(reason), Place::Rejected) => {
-                    counts[0] += 1;
-                    assert_eq!(over.map(|rate| rate.of), Some(*reason));
-                    assert!(words.starts_with("Rejected by"), "{words}");
-                }
-                (SampleFate::InNoInterval, Place::InNone(silences)) => {
-                    counts[1] += 1;
-                    assert!(!silences.is_empty() && words.starts_with("In no interval"), "{words}");
-                    let inside = |i: &Interval| (i.start_s..=i.end_s).contains(&time_s);
-                    assert!(!output.intervals.iter().any(inside));
-                    for silence in silences {
-                        assert!(silence.length_s().is_none_or(|length_s| length_s > 1.0));
-                    }
-                }
-                (SampleFate::IntervalTooShort, Place::In { interval, kept: None, .. }) => {
-                    counts[2] += 1;
-                    assert!(interval.length_s() <= 6.0 && words.contains("τ_l"), "{words}");
-                }
-                (SampleFate::Kept, Place::In { interval, kept: Some(number), beside }) => {
-                    counts[3] += 1;
-                    assert_eq!(*interval, output.kept_intervals[*number]);
-                    let inside = (interval.start_s..=interval.end_s).contains(&time_s);
-                    assert_eq!(*beside, !inside);
-                }
-                (fate, place) => panic!("{fate:?} {place:?}"),
-            }
-            assert_eq!(over.is_some(), matches!(fate, SampleFate::Rejected(_)));
-        }
-    }
-    // All four kinds are in the sample, and every reading has one.
-    assert!(counts.iter().all(|count| *count > 0), "{counts:?}");
-    let readings: usize = deployment.tracks.iter().map(|track| track.measurements.len()).sum();
-    assert_eq!(counts.iter().sum::<usize>(), readings);
-}
-
 /// One remedy after the other leads to a reading that is kept, or to a gap that should stay open.
 #[test]
 fn remedies_keep_what_they_promise() {

@@ -1,0 +1,91 @@
+//! What the scene's pane shows while nothing is open: what the program is, and what to do first.
+
+use eframe::egui::{self, RichText};
+
+use crate::app::persist::preferences::Recent;
+use crate::app::state::{Command, Commands};
+use crate::deployment::Sample;
+
+const WIDTH: f32 = 460.0;
+const MOST_RECENT: usize = 5;
+
+const STEPS: [(&str, &str); 3] = [
+    (
+        "Open a deployment",
+        "its folder, a ROS 1 bag or a CSV of polar measurements (timestamp, id, distance, ha, va); control points, rig and \
+         GNSS beside it are found by what is in them",
+    ),
+    (
+        "Look and tune",
+        "the scene and the plots show what becomes of every reading; each filter on the left is a switch and a few sliders",
+    ),
+    (
+        "Read the verdict",
+        "on the right: good, weak, ambiguous or degenerate, why, and the transforms with their uncertainty",
+    ),
+];
+
+/// `recent`: what was open before, the newest first.
+pub fn ui(ui: &mut egui::Ui, recent: &[Recent], commands: &mut Commands) {
+    egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let width = WIDTH.min(ui.available_width() - 24.0);
+        let margin = ((ui.available_width() - width) / 2.0).max(12.0);
+        ui.add_space((ui.available_height() / 10.0).clamp(8.0, 60.0));
+        let column = egui::Margin { left: margin as i8, ..egui::Margin::ZERO };
+        // A margin is a small number; the rest is space.
+        let left = margin - f32::from(column.left);
+        ui.horizontal_top(|ui| {
+            ui.add_space(left);
+            egui::Frame::new().inner_margin(column).show(ui, |ui| {
+                ui.vertical(|ui| {
+                    ui.set_width(width);
+                    content(ui, recent, commands);
+                });
+            });
+        });
+    });
+}
+
+fn content(ui: &mut egui::Ui, recent: &[Recent], commands: &mut Commands) {
+    ui.heading("resect");
+    ui.label(
+        "Finds where three robotic total stations stood to each other, and says how far the answer can be trusted.",
+    );
+    ui.add_space(10.0);
+    for (number, (what, how)) in STEPS.iter().enumerate() {
+        ui.label(RichText::new(format!("{}  {what}", number + 1)).strong());
+        ui.indent(number, |ui| ui.label(*how));
+        ui.add_space(2.0);
+    }
+    ui.add_space(8.0);
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Open folder…").clicked() {
+            commands.push(Command::OpenFolderDialog);
+        }
+        if ui.button("Open file…").clicked() {
+            commands.push(Command::OpenFileDialog);
+        }
+        ui.label("or drop files anywhere on the window");
+    });
+    ui.add_space(10.0);
+    ui.strong("No data at hand?");
+    ui.horizontal_wrapped(|ui| {
+        for sample in Sample::ALL {
+            let button = ui.button(format!("Try {}", sample.title()));
+            if button.on_hover_text("A simulated deployment, part of the program").clicked() {
+                commands.push(Command::OpenSample(sample));
+            }
+        }
+    });
+    if recent.is_empty() {
+        return;
+    }
+    ui.add_space(10.0);
+    ui.strong("Open before");
+    for Recent { source, .. } in recent.iter().take(MOST_RECENT) {
+        let where_it_is = source.path().map_or(String::new(), |path| path.display().to_string());
+        if ui.link(source.title()).on_hover_text(where_it_is).clicked() {
+            commands.push(Command::OpenSource(source.clone()));
+        }
+    }
+}
