@@ -53,7 +53,7 @@ fn open(harness: &mut Window, deployment: Deployment) {
     settle(harness);
 }
 
-/// The plots' part of the window, twice as large.
+/// The plots' part of the window, twice as large, in `target/tmp`.
 fn save(harness: &mut Window, name: &str) {
     let picture = harness.render().expect("a picture");
     let (width, height) = picture.dimensions();
@@ -63,7 +63,7 @@ fn save(harness: &mut Window, name: &str) {
         image::imageops::crop_imm(&picture, left, top, right - left, height - top).to_image();
     let (width, height) = part.dimensions();
     let part = image::imageops::resize(&part, 2 * width, 2 * height, image::imageops::Nearest);
-    let folder = Path::new("/tmp/wt/plots-pictures");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     part.save(folder.join(format!("{name}.png"))).expect("written");
 }
 
