@@ -141,7 +141,7 @@ impl PathPrompt {
     }
 
     fn type_text(&mut self, text: String) -> PromptStep {
-        self.text = text;
+        self.text = from_the_last_start(text);
         self.chosen = None;
         let folder = self.typed_folder();
         if folder == self.folder || !folder.is_dir() {
@@ -268,6 +268,16 @@ fn with_separator(folder: &Path) -> String {
 
 fn home() -> Option<PathBuf> {
     directories::BaseDirs::new().map(|folders| folders.home_dir().to_owned())
+}
+
+/// A path typed behind the one that stands there begins anew at its own `/` or `~/`.
+fn from_the_last_start(text: String) -> String {
+    let starts = text.match_indices("//").map(|(at, _)| at + 1);
+    let homes = text.match_indices("/~/").map(|(at, _)| at + 1);
+    match starts.chain(homes).max() {
+        Some(at) if !cfg!(windows) => text[at..].to_owned(),
+        _ => text,
+    }
 }
 
 #[cfg(test)]
