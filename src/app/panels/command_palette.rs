@@ -31,10 +31,7 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
         let field = egui::TextEdit::singleline(&mut edited.query)
             .hint_text("What do you want to do?")
             .desired_width(f32::INFINITY);
-        let field = ui.add(field);
-        field.widget_info(|| {
-            egui::WidgetInfo::text_edit(true, &palette.query, &palette.query, "Command")
-        });
+        let field = ui.add(field).accessible_name("Command");
         field.request_focus();
         if field.changed() {
             edited.chosen = 0;

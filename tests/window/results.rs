@@ -1,68 +1,17 @@
 //! Results in the window, driven by the names of the widgets: copying, pinning, the history of runs, and the reading
 //! that was picked.
 
-use eframe::egui::{OutputCommand, Theme, Vec2, accesskit::Role};
-use egui_kittest::Harness;
+use eframe::egui::{OutputCommand, Theme, accesskit::Role};
 use egui_kittest::kittest::{NodeT, Queryable};
-use resect::analysis::Settings;
-use resect::app::{
-    AngleUnit, Command, LengthUnit, Pane, Picked, ResectWindow, Start, Units, offscreen_renderer,
-};
+use resect::app::{AngleUnit, Command, LengthUnit, Pane, Picked, Units};
 use resect::calibration::Loss;
-use resect::deployment::Sample;
 use resect::pipeline::{OutlierReason, SampleFate};
 use resect::simulation::{Preset, simulate};
 
-const SIZE: Vec2 = Vec2::new(1600.0, 1000.0);
-
-fn window(size: Vec2, theme: Theme) -> Harness<'static, ResectWindow> {
-    let mut harness = Harness::builder()
-        .with_size(size)
-        .with_theme(theme)
-        .with_render_cursor(false)
-        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
-        .build_eframe(|creation| {
-            ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
-        });
-    harness.state_mut().state.fixed_elapsed_ms = Some(1.0);
-    settle(&mut harness);
-    harness
-}
-
-fn settle(harness: &mut Harness<'_, ResectWindow>) {
-    for _ in 0..2 {
-        harness.run_steps(2);
-        harness.state_mut().state.settle();
-    }
-    harness.run_steps(3);
-}
-
-fn send(harness: &mut Harness<'_, ResectWindow>, command: Command) {
-    let ctx = harness.ctx.clone();
-    harness.state_mut().send(command, &ctx);
-    settle(harness);
-}
-
-fn click(harness: &mut Harness<'_, ResectWindow>, name: &str) {
-    harness.get_by_label(name).click();
-    settle(harness);
-}
-
-fn set(harness: &mut Harness<'_, ResectWindow>, change: impl FnOnce(&mut Settings)) {
-    let mut settings = *harness.state().state.settings();
-    change(&mut settings);
-    send(harness, Command::Set(settings));
-}
-
-/// Saves what is shown, to be looked at, where RESECT_PICTURES names a folder.
-fn picture(harness: &mut Harness<'_, ResectWindow>, name: &str) {
-    let Some(folder) = std::env::var_os("RESECT_PICTURES") else { return };
-    let image = harness.render().expect("a picture");
-    image.save(std::path::Path::new(&folder).join(format!("{name}.png"))).expect("writable");
-}
+use crate::harness::{LARGE, SMALL, Window, click, open, send, set, settle, snapshot, window};
 
 /// Clicks an entry of the Copy menu and gives what reached the clipboard.
-fn copy(harness: &mut Harness<'_, ResectWindow>, entry: &str) -> String {
+fn copy(harness: &mut Window, entry: &str) -> String {
     harness.get_by_label("Copy…").click();
     harness.run_steps(3);
     harness.get_by_label(entry).click();
@@ -78,7 +27,7 @@ fn copy(harness: &mut Harness<'_, ResectWindow>, entry: &str) -> String {
 
 #[test]
 fn the_copy_menu_gives_each_form() {
-    let mut harness = window(SIZE, Theme::Dark);
+    let mut harness = window(LARGE, Theme::Dark);
     let toml: toml::Table = copy(&mut harness, "TOML").parse().expect("TOML");
     assert_eq!(toml["transforms"].as_array().map(Vec::len), Some(2));
     let json: serde_json::Value = serde_json::from_str(&copy(&mut harness, "JSON")).expect("JSON");
@@ -93,7 +42,6 @@ fn the_copy_menu_gives_each_form() {
     harness.run_steps(3);
     harness.get_by_role_and_label(Role::Button, "T13").click();
     harness.run_steps(3);
-    picture(&mut harness, "copy-menu");
     harness.get_by_label("4×4 matrix").click();
     harness.run_steps(3);
     let ros = copy(&mut harness, "ROS 1 static_transform_publisher");
@@ -103,8 +51,8 @@ fn the_copy_menu_gives_each_form() {
 #[test]
 fn a_pinned_result_is_what_later_ones_are_seen_against() {
     for (size, theme, name) in [
-        (SIZE, Theme::Dark, "against-pinned-dark"),
-        (Vec2::new(1100.0, 700.0), Theme::Light, "against-pinned-small-light"),
+        (LARGE, Theme::Dark, "against-pinned-dark"),
+        (SMALL, Theme::Light, "against-pinned-small-light"),
     ] {
         let mut harness = window(size, theme);
         assert!(harness.query_by_label("Against pinned A").is_none());
@@ -120,7 +68,7 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
         assert!(harness.query_by_label("This is the pinned result.").is_none());
         assert!(harness.query_by_label("loss squared → Cauchy").is_some());
         assert!(harness.query_by_label("τ_a 1 → 0.5 °/s").is_some());
-        picture(&mut harness, name);
+        snapshot(&mut harness, name);
 
         click(&mut harness, "Unpin A");
         assert!(harness.state().state.results.pins.is_empty());
@@ -130,7 +78,7 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
 
 #[test]
 fn the_result_follows_the_units() {
-    let mut harness = window(SIZE, Theme::Dark);
+    let mut harness = window(LARGE, Theme::Dark);
     assert!(harness.query_by_label("yaw (rad)").is_some());
     let units = Units { length: LengthUnit::Millimetre, angle: AngleUnit::Gon };
     send(&mut harness, Command::SetUnits(units));
@@ -141,15 +89,14 @@ fn the_result_follows_the_units() {
     assert!(harness.query_all_by_label(&x).next().is_some(), "{x}");
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
     send(&mut harness, Command::ShowPane(Pane::Result));
-    picture(&mut harness, "gon");
+    snapshot(&mut harness, "gon");
 }
 
 #[test]
 fn the_history_names_what_changed_and_brings_it_back() {
-    for (size, theme, name) in [
-        (SIZE, Theme::Dark, "runs-dark"),
-        (Vec2::new(1100.0, 700.0), Theme::Light, "runs-small-light"),
-    ] {
+    for (size, theme, name) in
+        [(LARGE, Theme::Dark, "runs-dark"), (SMALL, Theme::Light, "runs-small-light")]
+    {
         let mut harness = window(size, theme);
         set(&mut harness, |s| s.pipeline.thresholds.tau_l_seconds = 20.0);
         set(&mut harness, |s| s.calibration.loss = Loss::Huber);
@@ -161,7 +108,7 @@ fn the_history_names_what_changed_and_brings_it_back() {
         let names: Vec<_> =
             harness.state().state.results.pins.iter().map(|pin| pin.name.clone()).collect();
         assert_eq!(names, ["A", "B"]);
-        picture(&mut harness, name);
+        snapshot(&mut harness, name);
 
         let run = harness.get_by_role_and_label(Role::Button, "Run 2, good: τ_l 6 → 20 s");
         // By the keyboard, as by the mouse.
@@ -174,7 +121,7 @@ fn the_history_names_what_changed_and_brings_it_back() {
         assert_eq!(settings.calibration.loss, Loss::Squared);
         assert!(settings.pipeline.outlier_filter);
 
-        let shown = |harness: &Harness<'_, ResectWindow>| {
+        let shown = |harness: &Window| {
             harness.state().state.results.pins.iter().map(|pin| pin.shown).collect::<Vec<_>>()
         };
         harness.get_by_label("A  warthog (simulated)").click();
@@ -187,21 +134,19 @@ fn the_history_names_what_changed_and_brings_it_back() {
 
 #[test]
 fn another_deployment_and_a_doubtful_answer_are_named_as_such() {
-    let mut harness = window(SIZE, Theme::Dark);
+    let mut harness = window(LARGE, Theme::Dark);
     // A change makes the sample the user's own; untouched it would give way.
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
     click(&mut harness, "Pin");
     let deployment = simulate(Preset::StraightLine, 1).deployment().expect("valid");
-    harness.state_mut().state.add(deployment.into(), None);
-    settle(&mut harness);
+    open(&mut harness, deployment);
     assert!(harness.query_by_label_contains("is other data").is_some());
     assert!(harness.query_by_label("verdict good → degenerate").is_some());
     let text = copy(&mut harness, "x y z qx qy qz qw");
     assert!(text.contains("WARNING: verdict DEGENERATE"), "{text}");
-    picture(&mut harness, "other-data-dark");
+    snapshot(&mut harness, "other-data-dark");
     // Runs of several deployments name their own.
     send(&mut harness, Command::ShowPane(Pane::Runs));
-    picture(&mut harness, "runs-several-dark");
     let first = harness.get_by_role_and_label(Role::Button, "Run 1, good: warthog (simulated)");
     first.click();
     settle(&mut harness);
@@ -209,7 +154,7 @@ fn another_deployment_and_a_doubtful_answer_are_named_as_such() {
 }
 
 /// The first reading with this fate.
-fn find(harness: &Harness<'_, ResectWindow>, wanted: SampleFate) -> Picked {
+fn find(harness: &Window, wanted: SampleFate) -> Picked {
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     (0..3)
         .find_map(|station| {
@@ -222,11 +167,10 @@ fn find(harness: &Harness<'_, ResectWindow>, wanted: SampleFate) -> Picked {
 
 #[test]
 fn the_picked_reading_is_explained_and_can_be_let_in() {
-    let mut harness = window(SIZE, Theme::Dark);
+    let mut harness = window(LARGE, Theme::Dark);
     send(&mut harness, Command::ShowPane(Pane::Reading));
-    picture(&mut harness, "reading-none");
     click(&mut harness, "First rejected reading");
-    let picked = |harness: &Harness<'_, ResectWindow>| {
+    let picked = |harness: &Window| {
         harness.state().state.active().and_then(|open| open.timeline.picked).expect("picked")
     };
     let first = picked(&harness);
@@ -242,7 +186,7 @@ fn the_picked_reading_is_explained_and_can_be_let_in() {
     let azimuth = find(&harness, SampleFate::Rejected(OutlierReason::Azimuth));
     send(&mut harness, Command::PickInPlot(azimuth));
     assert!(harness.query_by_label_contains("Rejected by the azimuth rate").is_some());
-    picture(&mut harness, "reading-rejected-dark");
+    snapshot(&mut harness, "reading-rejected-dark");
     let remedy = harness.get_by_label_contains("Set τ_a");
     assert!(remedy.accesskit_node().role() == Role::Button);
     remedy.click();
@@ -253,10 +197,9 @@ fn the_picked_reading_is_explained_and_can_be_let_in() {
 
 #[test]
 fn every_fate_has_its_explanation_in_the_pane() {
-    for (size, theme, name) in [
-        (SIZE, Theme::Light, "reading-light"),
-        (Vec2::new(1100.0, 700.0), Theme::Dark, "reading-small-dark"),
-    ] {
+    for (size, theme, name) in
+        [(LARGE, Theme::Light, "reading-light"), (SMALL, Theme::Dark, "reading-small-dark")]
+    {
         let mut harness = window(size, theme);
         send(&mut harness, Command::ShowPane(Pane::Reading));
         for (fate, words) in [
@@ -267,7 +210,7 @@ fn every_fate_has_its_explanation_in_the_pane() {
             let picked = find(&harness, fate);
             send(&mut harness, Command::PickInScene(picked));
             assert!(harness.query_by_label_contains(words).is_some(), "{words}");
-            picture(&mut harness, &format!("{name}-{}", fate.label().replace(' ', "-")));
+            snapshot(&mut harness, &format!("{name}-{}", fate.label().replace(' ', "-")));
         }
     }
 }

@@ -1,47 +1,20 @@
 //! The scene, driven by mouse and keyboard.
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, Vec2};
-use egui_kittest::Harness;
+use eframe::egui::{Key, Modifiers, Pos2, Theme};
 use egui_kittest::kittest::Queryable;
-use resect::analysis::Settings;
-use resect::app::{
-    Colouring, Command, Picked, ResectWindow, Ruler, RulerEnd, Start, Timeline, ViewPreset,
-    offscreen_renderer,
-};
-use resect::deployment::Sample;
+use resect::app::{Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset};
+
+use crate::harness::{LARGE, Window, send, window};
 
 /// Somewhere in the scene where nothing is.
 const EMPTY: Pos2 = Pos2::new(560.0, 430.0);
 
-/// The window with the Warthog sample, calibrated.
-fn window() -> Harness<'static, ResectWindow> {
-    let mut harness = Harness::builder()
-        .with_size(Vec2::new(1600.0, 1000.0))
-        .with_render_cursor(false)
-        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
-        .build_eframe(|creation| {
-            ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
-        });
-    for _ in 0..2 {
-        harness.run_steps(2);
-        harness.state_mut().settle();
-    }
-    harness.run_steps(3);
-    harness
-}
-
-fn send(harness: &mut Harness<'_, ResectWindow>, command: Command) {
-    let ctx = harness.ctx.clone();
-    harness.state_mut().send(command, &ctx);
-    harness.run_steps(2);
-}
-
-fn timeline(harness: &Harness<'_, ResectWindow>) -> Timeline {
+fn timeline(harness: &Window) -> Timeline {
     harness.state().state.active().expect("open").timeline
 }
 
-fn click(harness: &mut Harness<'_, ResectWindow>, at: Pos2) {
+fn click_at(harness: &mut Window, at: Pos2) {
     harness.hover_at(at);
     harness.run_steps(1);
     harness.drag_at(at);
@@ -51,7 +24,7 @@ fn click(harness: &mut Harness<'_, ResectWindow>, at: Pos2) {
 }
 
 /// The first place along a row of the scene where something is under the pointer, other than at some time.
-fn find(harness: &mut Harness<'_, ResectWindow>, row: f32, not_s: Option<f64>) -> (Pos2, f64) {
+fn find(harness: &mut Window, row: f32, not_s: Option<f64>) -> (Pos2, f64) {
     for x in (700..1210).step_by(4) {
         let at = Pos2::new(x as f32, row);
         harness.hover_at(at);
@@ -74,21 +47,21 @@ fn differing(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
 
 #[test]
 fn a_click_on_a_reading_picks_it_and_one_beside_everything_lets_go() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let (at, hovered_s) = find(&mut harness, 320.0, None);
-    click(&mut harness, at);
+    click_at(&mut harness, at);
     let picked = timeline(&harness).picked.expect("a reading");
     let deployment = harness.state().state.active().expect("open").deployment.clone();
     assert_eq!(picked.time_s(&deployment), Some(hovered_s));
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
-    click(&mut harness, EMPTY);
+    click_at(&mut harness, EMPTY);
     assert_eq!(timeline(&harness).picked, None);
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
 }
 
 #[test]
 fn what_is_not_shown_is_not_under_the_pointer() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let (at, _) = find(&mut harness, 320.0, None);
     let mut visibility = harness.state().state.visibility;
     (visibility.raw, visibility.tracks) = (false, false);
@@ -101,14 +74,14 @@ fn what_is_not_shown_is_not_under_the_pointer() {
     send(&mut harness, Command::Show(visibility));
     let before_s = timeline(&harness).cursor_s;
     let (at, hovered_s) = find(&mut harness, 260.0, before_s);
-    click(&mut harness, at);
+    click_at(&mut harness, at);
     assert_eq!(timeline(&harness).picked, None);
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
 }
 
 #[test]
 fn each_colouring_is_another_picture_and_a_selection_dims_the_rest() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let mut pictures = vec![harness.render().expect("a picture")];
     for colouring in Colouring::ALL.into_iter().skip(1) {
         send(&mut harness, Command::Colour(colouring));
@@ -130,7 +103,7 @@ fn each_colouring_is_another_picture_and_a_selection_dims_the_rest() {
 
 #[test]
 fn the_colouring_is_chosen_in_the_scene() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     harness.get_by_role_and_label(Role::ComboBox, "Colour by").click();
     harness.run_steps(3);
     harness.get_by_label("Residual").click();
@@ -140,8 +113,8 @@ fn the_colouring_is_chosen_in_the_scene() {
 
 #[test]
 fn keys_turn_the_scene_that_has_the_focus_and_leave_time_alone() {
-    let mut harness = window();
-    click(&mut harness, EMPTY);
+    let mut harness = window(LARGE, Theme::Dark);
+    click_at(&mut harness, EMPTY);
     let cursor_s = timeline(&harness).cursor_s;
     let mut last = harness.render().expect("a picture");
     for (modifiers, key) in [
@@ -162,7 +135,7 @@ fn keys_turn_the_scene_that_has_the_focus_and_leave_time_alone() {
 
 #[test]
 fn stations_can_be_stood_at() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let before = harness.render().expect("a picture");
     for name in ["From station 1", "From station 2", "From station 3", "Front", "Side", "Top"] {
         harness.get_by_label(name).click();
@@ -174,7 +147,7 @@ fn stations_can_be_stood_at() {
 
 #[test]
 fn the_camera_flies_to_what_is_picked_in_a_plot() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let before = harness.render().expect("a picture");
     send(&mut harness, Command::PickInPlot(Picked { station: 1, index: 300 }));
     harness.run_steps(4);
@@ -187,15 +160,15 @@ fn the_camera_flies_to_what_is_picked_in_a_plot() {
 
 #[test]
 fn the_ruler_snaps_to_what_is_clicked_and_esc_clears_it() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     harness.get_by_label("Ruler").click();
     harness.run_steps(2);
     assert!(harness.state().state.ruler.active);
     let (first, first_s) = find(&mut harness, 320.0, None);
-    click(&mut harness, first);
+    click_at(&mut harness, first);
     let (second, _) = find(&mut harness, 285.0, Some(first_s));
-    click(&mut harness, second);
-    click(&mut harness, EMPTY);
+    click_at(&mut harness, second);
+    click_at(&mut harness, EMPTY);
     let ends = harness.state().state.ruler.ends.clone();
     assert_eq!(ends.len(), 2, "{ends:?}");
     assert!((ends[0].position_m - ends[1].position_m).norm() > 1.0);
@@ -213,7 +186,7 @@ fn the_ruler_snaps_to_what_is_clicked_and_esc_clears_it() {
 
 #[test]
 fn a_ruler_between_prisms_goes_with_the_cursor() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let end = |prism: usize| RulerEnd {
         position_m: Default::default(),
         what: format!("prism {}", prism + 1),

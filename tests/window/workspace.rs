@@ -1,55 +1,19 @@
 //! The workspace driven by the names of its widgets: what a user does, and what must come of it.
 
-mod common;
-
 use eframe::egui::{self, Key, Modifiers, Theme, Vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use resect::analysis::Settings;
-use resect::app::{Overlay, ResectWindow, Start, offscreen_renderer};
-use resect::deployment::Sample;
+use resect::app::{Command, Overlay};
 
-const LARGE: Vec2 = Vec2::new(1600.0, 1000.0);
+use crate::harness::{LARGE, Window, press, send, settings, settle, window};
 
-fn window() -> Harness<'static, ResectWindow> {
-    let mut harness = Harness::builder()
-        .with_size(LARGE)
-        .with_theme(Theme::Dark)
-        .with_render_cursor(false)
-        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
-        .build_eframe(|creation| {
-            ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
-        });
-    settle(&mut harness);
-    harness
-}
-
-/// Lets commands reach the worker, its answers come back, and the panes be drawn with them.
-fn settle(harness: &mut Harness<'_, ResectWindow>) {
-    for _ in 0..2 {
-        harness.run_steps(2);
-        harness.state_mut().settle();
-    }
-    harness.run_steps(3);
-}
-
-fn settings(harness: &Harness<'_, ResectWindow>) -> Settings {
-    *harness.state().state.settings()
-}
-
-fn cursor_s(harness: &Harness<'_, ResectWindow>) -> f64 {
+fn cursor_s(harness: &Window) -> f64 {
     let open = harness.state().state.active().expect("open");
     open.timeline.cursor_s.expect("a cursor") - open.start_s()
 }
 
-fn press(harness: &mut Harness<'_, ResectWindow>, modifiers: Modifiers, key: Key) {
-    harness.key_press_modifiers(modifiers, key);
-    settle(harness);
-}
-
 #[test]
 fn every_setting_can_be_taken_back_and_done_again() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let at_first = settings(&harness);
     harness.get_by_label("1  Outlier filter").click();
     settle(&mut harness);
@@ -72,7 +36,7 @@ fn every_setting_can_be_taken_back_and_done_again() {
 
 #[test]
 fn a_drag_of_a_slider_is_one_step() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let at_first = settings(&harness);
     let slider = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "τ_l  length").rect();
     harness.hover_at(slider.center());
@@ -93,7 +57,7 @@ fn a_drag_of_a_slider_is_one_step() {
 
 #[test]
 fn the_palette_does_what_is_typed() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     press(&mut harness, Modifiers::COMMAND, Key::P);
     assert!(matches!(harness.state().state.overlay, Overlay::Palette(_)));
     harness.event(egui::Event::Text("method b".to_owned()));
@@ -112,7 +76,7 @@ fn the_palette_does_what_is_typed() {
 
 #[test]
 fn the_palette_is_walked_with_the_arrows() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     press(&mut harness, Modifiers::COMMAND, Key::P);
     harness.event(egui::Event::Text("sample".to_owned()));
     harness.run_steps(2);
@@ -124,7 +88,7 @@ fn the_palette_is_walked_with_the_arrows() {
 
 #[test]
 fn the_sheet_of_shortcuts_opens_by_its_key_and_names_them() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     press(&mut harness, Modifiers::NONE, Key::Questionmark);
     assert_eq!(harness.state().state.overlay, Overlay::Shortcuts);
     assert!(harness.query_by_label("Ctrl+P").is_some());
@@ -135,7 +99,7 @@ fn the_sheet_of_shortcuts_opens_by_its_key_and_names_them() {
 
 #[test]
 fn keys_move_through_time_unless_a_widget_has_them() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let before = cursor_s(&harness);
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
     assert!((cursor_s(&harness) - before - 0.1).abs() < 1e-6);
@@ -153,7 +117,7 @@ fn keys_move_through_time_unless_a_widget_has_them() {
 
 #[test]
 fn playing_moves_the_cursor_at_the_chosen_speed() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     press(&mut harness, Modifiers::NONE, Key::Home);
     harness.get_by_label("Play (Space)").click();
     harness.run_steps(2);
@@ -171,7 +135,7 @@ fn playing_moves_the_cursor_at_the_chosen_speed() {
 
 #[test]
 fn the_strip_of_time_scrubs() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let strip = harness.get_by_label("Time cursor").rect();
     for (share, expected) in [(0.25, 0.25), (0.8, 0.8)] {
         let at = strip.left_center() + Vec2::new(share * strip.width(), 0.0);
@@ -189,7 +153,7 @@ fn the_strip_of_time_scrubs() {
 
 #[test]
 fn the_scene_is_copied_as_a_picture_of_its_own_size() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     let mut copied = None;
     for _ in 0..6 {
@@ -200,7 +164,7 @@ fn the_scene_is_copied_as_a_picture_of_its_own_size() {
             _ => None,
         }));
     }
-    let scene = harness.get_by_label("Scene").rect();
+    let scene = harness.get_by_role_and_label(egui::accesskit::Role::Image, "Scene").rect();
     let [width, height] = copied.expect("a picture was copied");
     assert!((width as f32 - scene.width()).abs() <= 1.0, "{width} {scene:?}");
     assert!((height as f32 - scene.height()).abs() <= 1.0, "{height} {scene:?}");
@@ -208,7 +172,7 @@ fn the_scene_is_copied_as_a_picture_of_its_own_size() {
 
 #[test]
 fn runs_are_remembered_and_one_can_be_gone_back_to() {
-    let mut harness = window();
+    let mut harness = window(LARGE, Theme::Dark);
     let at_first = settings(&harness);
     harness.get_by_label("1  Outlier filter").click();
     settle(&mut harness);
@@ -221,8 +185,6 @@ fn runs_are_remembered_and_one_can_be_gone_back_to() {
     assert_eq!(changes[0], None);
     assert_eq!(changes[2].as_deref(), Some("interval filter on → off"));
     let first = results.runs[0].id;
-    let ctx = harness.ctx.clone();
-    harness.state_mut().send(resect::app::Command::RestoreRun(first), &ctx);
-    settle(&mut harness);
+    send(&mut harness, Command::RestoreRun(first));
     assert_eq!(settings(&harness), at_first);
 }

@@ -1,61 +1,18 @@
-//! The window as pictures, and driven by the names of its widgets.
-//!
-//! References are in `screenshots/`; Mesa's software Vulkan is the one rasteriser. After an intended change run
-//! `UPDATE_SNAPSHOTS=1 cargo test --test screenshots` and look at the new pictures before committing them.
-
-mod common;
+//! The window as pictures.
 
 use eframe::egui::{Theme, Vec2};
+use egui_kittest::SnapshotResults;
 use egui_kittest::kittest::Queryable;
-use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use resect::analysis::Settings;
-use resect::app::{Command, Pane, ResectWindow, Start, StudyKind, offscreen_renderer};
+use resect::app::{Command, Pane, StudyKind};
 use resect::calibration::Method;
 use resect::deployment::Sample;
 use resect::simulation::{Preset, simulate};
 
-const LARGE: Vec2 = Vec2::new(1600.0, 1000.0);
-const SMALL: Vec2 = Vec2::new(1100.0, 700.0);
+use crate::common;
+use crate::harness::{LARGE, SMALL, Window, set, settle, snapshot, triplets, window};
 
-/// The window with the Warthog sample, calibrated.
-fn window(size: Vec2, theme: Theme) -> Harness<'static, ResectWindow> {
-    let mut harness = Harness::builder()
-        .with_size(size)
-        .with_theme(theme)
-        .with_render_cursor(false)
-        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
-        .build_eframe(|creation| {
-            ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
-        });
-    harness.state_mut().state.fixed_elapsed_ms = Some(1.0);
-    settle(&mut harness);
-    harness
-}
-
-/// Lets commands reach the worker, its answers come back, and the panes be drawn with them.
-fn settle(harness: &mut Harness<'_, ResectWindow>) {
-    for _ in 0..2 {
-        harness.run_steps(2);
-        harness.state_mut().settle();
-    }
-    harness.run_steps(3);
-}
-
-#[track_caller]
-fn snapshot(harness: &mut Harness<'_, ResectWindow>, name: &str) {
-    // Away from everything that shows something under the pointer.
-    harness.hover_at(eframe::egui::Pos2::new(700.0, 4.0));
-    harness.run_steps(2);
-    // A few pixels on the edge of a disc may round differently with another version of Mesa.
-    let options = SnapshotOptions::new().output_path("screenshots").max_failed_pixels(60);
-    harness.snapshot_options(name, &options);
-}
-
-fn triplets(harness: &Harness<'_, ResectWindow>) -> usize {
-    harness.state().state.analysed().map_or(0, |(_, a)| a.pipeline.triplets.len())
-}
-
-fn cursor_s(harness: &Harness<'_, ResectWindow>) -> f64 {
+fn cursor_s(harness: &Window) -> f64 {
     harness.state().state.active().and_then(|open| open.timeline.cursor_s).expect("a cursor")
 }
 
@@ -235,22 +192,13 @@ fn hiding_a_station_takes_it_out_of_the_scene_and_back() {
     assert_eq!(differ(&shown, &again), 0);
 }
 
-fn open_sample(harness: &mut Harness<'_, ResectWindow>, sample: Sample) {
+fn open_sample(harness: &mut Window, sample: Sample) {
     let ctx = harness.ctx.clone();
     harness.state_mut().send(Command::OpenSample(sample), &ctx);
     settle(harness);
 }
 
-/// Changes settings of the active deployment as a pane would.
-fn set(harness: &mut Harness<'_, ResectWindow>, change: impl FnOnce(&mut Settings)) {
-    let mut settings = *harness.state().state.settings();
-    change(&mut settings);
-    let ctx = harness.ctx.clone();
-    harness.state_mut().send(Command::Set(settings), &ctx);
-    settle(harness);
-}
-
-fn show(harness: &mut Harness<'_, ResectWindow>, pane: Pane) {
+fn show(harness: &mut Window, pane: Pane) {
     let ctx = harness.ctx.clone();
     harness.state_mut().send(Command::ShowPane(pane), &ctx);
     settle(harness);

@@ -1,101 +1,24 @@
 //! The plots over time, driven by the names of their widgets.
 
-mod common;
-
-use std::path::Path;
-
 use eframe::egui::{
     self, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Theme, TouchPhase, Vec2,
 };
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use resect::analysis::Settings;
-use resect::app::{Command, OpenDeployment, Pane, ResectWindow, Start, offscreen_renderer};
-use resect::deployment::{Deployment, Sample};
+use resect::app::{Command, Pane};
+use resect::deployment::Sample;
 use resect::pipeline::{OutlierReason, SampleFate, Thresholds};
 
-const LARGE: Vec2 = Vec2::new(1600.0, 1000.0);
-const SMALL: Vec2 = Vec2::new(1100.0, 700.0);
+use crate::harness::{LARGE, Window, open, send, settle, shown, triplets};
 
-type Window = Harness<'static, ResectWindow>;
-
+/// With a pane in front.
 fn window(size: Vec2, theme: Theme, pane: Pane) -> Window {
-    let mut harness = Harness::builder()
-        .with_size(size)
-        .with_theme(theme)
-        .with_render_cursor(false)
-        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
-        .build_eframe(|creation| {
-            ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
-        });
-    settle(&mut harness);
+    let mut harness = crate::harness::window(size, theme);
     send(&mut harness, Command::ShowPane(pane));
     harness
 }
 
-/// Lets commands reach the worker, its answers come back, and the panes be drawn with them.
-fn settle(harness: &mut Window) {
-    for _ in 0..2 {
-        harness.run_steps(2);
-        harness.state_mut().settle();
-    }
-    harness.run_steps(3);
-}
-
-fn send(harness: &mut Window, command: Command) {
-    let ctx = harness.ctx.clone();
-    harness.state_mut().send(command, &ctx);
-    settle(harness);
-}
-
-fn open(harness: &mut Window, deployment: Deployment) {
-    harness.state_mut().state.add(deployment.into(), None);
-    settle(harness);
-}
-
-/// The plots' part of the window, twice as large, in `target/tmp`.
-fn save(harness: &mut Window, name: &str) {
-    let picture = harness.render().expect("a picture");
-    let (width, height) = picture.dimensions();
-    let [left, right] = if width > 1200 { [286, 910] } else { [286, 750] };
-    let top = (0.66 * f64::from(height)) as u32;
-    let part =
-        image::imageops::crop_imm(&picture, left, top, right - left, height - top).to_image();
-    let (width, height) = part.dimensions();
-    let part = image::imageops::resize(&part, 2 * width, 2 * height, image::imageops::Nearest);
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    part.save(folder.join(format!("{name}.png"))).expect("written");
-}
-
-#[test]
-#[ignore = "pictures to look at"]
-fn pictures() {
-    for (size, theme, name) in
-        [(LARGE, Theme::Dark, "large-dark"), (SMALL, Theme::Light, "small-light")]
-    {
-        for (pane, pane_name) in
-            [(Pane::Rates, "rates"), (Pane::Intervals, "intervals"), (Pane::Residuals, "residuals")]
-        {
-            let mut harness = window(size, theme, pane);
-            save(&mut harness, &format!("{pane_name}-{name}"));
-            if let Some(folder) = common::field_data("2022-07-11-2") {
-                open(&mut harness, resect::deployment::open(&folder).expect("field data"));
-                save(&mut harness, &format!("{pane_name}-field-{name}"));
-            }
-        }
-    }
-}
-
-fn shown(harness: &Window) -> &OpenDeployment {
-    harness.state().state.active().expect("open")
-}
-
 fn thresholds(harness: &Window) -> Thresholds {
     harness.state().state.settings().pipeline.thresholds
-}
-
-fn triplets(harness: &Window) -> usize {
-    harness.state().state.analysed().map_or(0, |(_, a)| a.pipeline.triplets.len())
 }
 
 /// The window of time, since the first measurement.
@@ -413,7 +336,5 @@ fn frames_with_a_million_readings() {
         harness.run_steps(20);
         eprintln!("{pane:?}: {:.1} ms a frame", started.elapsed().as_secs_f64() * 50.0);
     }
-    save(&mut harness, "million-intervals");
     send(&mut harness, Command::ShowPane(Pane::Rates));
-    save(&mut harness, "million-rates");
 }

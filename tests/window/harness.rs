@@ -1,0 +1,93 @@
+//! A window without a screen, and what a user does to it.
+//!
+//! Reference pictures are in `screenshots/`; Mesa's software Vulkan is the one rasteriser. After an intended change run
+//! `UPDATE_SNAPSHOTS=1 cargo test --test window` and look at the new pictures before committing them.
+
+use eframe::egui::{Key, Modifiers, Pos2, Theme, Vec2};
+use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, SnapshotOptions};
+use resect::analysis::Settings;
+use resect::app::{Command, OpenDeployment, ResectWindow, Start, offscreen_renderer};
+use resect::deployment::{Deployment, Sample};
+
+pub const LARGE: Vec2 = Vec2::new(1600.0, 1000.0);
+pub const SMALL: Vec2 = Vec2::new(1100.0, 700.0);
+
+pub type Window = Harness<'static, ResectWindow>;
+
+/// The window with the Warthog sample, calibrated. It asks for paths by itself.
+pub fn window(size: Vec2, theme: Theme) -> Window {
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_theme(theme)
+        .with_render_cursor(false)
+        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
+        .build_eframe(|creation| {
+            ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
+        });
+    harness.state_mut().state.fixed_elapsed_ms = Some(1.0);
+    harness.state_mut().state.asks_in_window = true;
+    settle(&mut harness);
+    harness
+}
+
+/// Lets commands reach the worker, its answers come back, and the panes be drawn with them.
+pub fn settle(harness: &mut Window) {
+    for _ in 0..2 {
+        harness.run_steps(2);
+        harness.state_mut().settle();
+    }
+    harness.run_steps(3);
+}
+
+/// Carries out a command as a pane would.
+pub fn send(harness: &mut Window, command: Command) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(command, &ctx);
+    settle(harness);
+}
+
+/// Changes settings of the active deployment as a pane would.
+pub fn set(harness: &mut Window, change: impl FnOnce(&mut Settings)) {
+    let mut settings = settings(harness);
+    change(&mut settings);
+    send(harness, Command::Set(settings));
+}
+
+pub fn open(harness: &mut Window, deployment: Deployment) {
+    harness.state_mut().state.add(deployment.into(), None);
+    settle(harness);
+}
+
+pub fn click(harness: &mut Window, name: &str) {
+    harness.get_by_label(name).click();
+    settle(harness);
+}
+
+pub fn press(harness: &mut Window, modifiers: Modifiers, key: Key) {
+    harness.key_press_modifiers(modifiers, key);
+    settle(harness);
+}
+
+pub fn settings(harness: &Window) -> Settings {
+    *harness.state().state.settings()
+}
+
+pub fn shown(harness: &Window) -> &OpenDeployment {
+    harness.state().state.active().expect("open")
+}
+
+pub fn triplets(harness: &Window) -> usize {
+    harness.state().state.analysed().map_or(0, |(_, a)| a.pipeline.triplets.len())
+}
+
+/// Compares the window with its picture in `screenshots/`.
+#[track_caller]
+pub fn snapshot(harness: &mut Window, name: &str) {
+    // Away from everything that shows something under the pointer.
+    harness.hover_at(Pos2::new(700.0, 4.0));
+    harness.run_steps(2);
+    // A few pixels on the edge of a disc may round differently with another version of Mesa.
+    let options = SnapshotOptions::new().output_path("screenshots").max_failed_pixels(60);
+    harness.snapshot_options(name, &options);
+}

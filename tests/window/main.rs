@@ -1,0 +1,16 @@
+//! The window, driven by the names of its widgets and compared with pictures: one binary, because linking it takes
+//! longer than most of its tests.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod harness;
+mod naming;
+mod opening;
+mod panes;
+mod plots;
+mod results;
+mod scene;
+mod screenshots;
+mod sessions;
+mod workspace;

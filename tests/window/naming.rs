@@ -1,0 +1,70 @@
+//! Everything that can be used has a name that a screen reader can say, and can be reached with Tab.
+
+use eframe::egui::accesskit::{Action, Node, Role};
+use eframe::egui::{Key, Modifiers, Theme};
+use egui_kittest::kittest::{NodeT, Queryable};
+use resect::app::{Command, LayoutPreset, Pane};
+
+use crate::harness::{LARGE, Window, press, send, window};
+
+/// Roles and places of what can be clicked or moved and has no name.
+fn nameless(harness: &Window) -> Vec<String> {
+    fn visit<'a>(node: &egui_kittest::Node<'a>, into: &mut Vec<String>) {
+        let known = node.accesskit_node();
+        let data: &Node = known.data();
+        let used = data.supports_action(Action::Click) || data.supports_action(Action::Increment);
+        // A scroll area moves with the wheel and with what has the focus in it.
+        let is_widget = used && !matches!(known.role(), Role::ScrollView | Role::GenericContainer);
+        let named = known.label().is_some_and(|name| !name.trim().is_empty());
+        if is_widget && !named && !known.is_hidden() {
+            into.push(format!("{:?} at {:?}", known.role(), node.rect()));
+        }
+        for child in node.children() {
+            visit(&child, into);
+        }
+    }
+    let mut found = Vec::new();
+    visit(&harness.root(), &mut found);
+    found
+}
+
+#[test]
+fn whatever_can_be_used_has_a_name() {
+    let mut harness = window(LARGE, Theme::Dark);
+    for preset in LayoutPreset::ALL {
+        send(&mut harness, Command::UseLayout(preset));
+        assert_eq!(nameless(&harness), [""; 0], "{preset:?}");
+    }
+    send(&mut harness, Command::ResetLayout);
+    for pane in Pane::ALL {
+        send(&mut harness, Command::ShowPane(pane));
+        assert_eq!(nameless(&harness), [""; 0], "{pane:?}");
+    }
+    for overlay in [Command::ShowPalette, Command::ShowShortcuts, Command::OpenFileDialog] {
+        send(&mut harness, overlay.clone());
+        assert_eq!(nameless(&harness), [""; 0], "{overlay:?}");
+        press(&mut harness, Modifiers::NONE, Key::Escape);
+    }
+}
+
+/// From widget to widget until the first comes again: the scene, a threshold, a plot and a button of the result must be
+/// among them.
+#[test]
+fn tab_reaches_the_widgets() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let mut reached: Vec<String> = Vec::new();
+    for _ in 0..200 {
+        harness.key_press(Key::Tab);
+        harness.run_steps(2);
+        let focused = harness.get_all_by(NodeT::is_focused).next();
+        let name = focused.and_then(|node| node.accesskit_node().label()).unwrap_or_default();
+        if reached.first() == Some(&name) && reached.len() > 20 {
+            break;
+        }
+        reached.push(name);
+    }
+    for wanted in ["Scene", "τ_r  range", "Pin", "Time cursor", "Play (Space)", "Colour by", "File"]
+    {
+        assert!(reached.iter().any(|name| name == wanted), "{wanted} in {reached:?}");
+    }
+}

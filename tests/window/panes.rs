@@ -1,0 +1,132 @@
+//! Each pane in its main states, dark and light.
+
+use eframe::egui::{Event, Key, Modifiers, Theme, Vec2};
+use egui_kittest::SnapshotResults;
+use resect::app::{
+    Colouring, Command, LayoutPreset, Pane, Picked, PictureTo, Ruler, RulerEnd, ViewPreset,
+};
+use resect::pipeline::{OutlierReason, SampleFate};
+
+use crate::harness::{LARGE, SMALL, Window, press, send, set, settle, snapshot, window};
+
+const THEMES: [(Theme, &str); 2] = [(Theme::Dark, "dark"), (Theme::Light, "light")];
+
+/// Draws a state in both themes.
+fn both(name: &str, size: Vec2, prepare: impl Fn(&mut Window)) {
+    let mut results = SnapshotResults::new();
+    for (theme, suffix) in THEMES {
+        let mut harness = window(size, theme);
+        prepare(&mut harness);
+        snapshot(&mut harness, &format!("{name}-{suffix}"));
+        results.extend_harness(&mut harness);
+    }
+}
+
+/// The first reading that was rejected for its azimuth rate.
+fn rejected(harness: &Window) -> Picked {
+    let (_, analysis) = harness.state().state.analysed().expect("an answer");
+    let wanted = SampleFate::Rejected(OutlierReason::Azimuth);
+    let find = |station: usize| {
+        let each = &analysis.pipeline.fates[station].each;
+        each.iter().position(|fate| *fate == wanted).map(|index| Picked { station, index })
+    };
+    (0..3).find_map(find).expect("the sample has outliers")
+}
+
+#[test]
+fn inspect_explains_the_picked_reading() {
+    both("inspect", LARGE, |harness| {
+        send(harness, Command::UseLayout(LayoutPreset::Inspect));
+        let picked = rejected(harness);
+        send(harness, Command::PickInScene(picked));
+    });
+}
+
+#[test]
+fn tune_has_rates_and_intervals_with_a_part_of_them_selected() {
+    both("tune", LARGE, |harness| {
+        send(harness, Command::UseLayout(LayoutPreset::Tune));
+        let start_s = crate::harness::shown(harness).start_s();
+        send(harness, Command::ShowTimes([start_s + 60.0, start_s + 300.0]));
+        send(harness, Command::Select(Some([start_s + 120.0, start_s + 180.0])));
+    });
+    let mut harness = window(SMALL, Theme::Light);
+    send(&mut harness, Command::UseLayout(LayoutPreset::Tune));
+    snapshot(&mut harness, "tune-small-light");
+}
+
+#[test]
+fn compare_has_deployments_runs_and_what_is_pinned() {
+    both("compare", LARGE, |harness| {
+        send(harness, Command::UseLayout(LayoutPreset::Compare));
+        send(harness, Command::Pin);
+        set(harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 15.0);
+    });
+    let mut harness = window(SMALL, Theme::Dark);
+    send(&mut harness, Command::UseLayout(LayoutPreset::Compare));
+    snapshot(&mut harness, "compare-small-dark");
+}
+
+#[test]
+fn findings_are_listed() {
+    both("findings", SMALL, |harness| {
+        set(harness, |settings| settings.pipeline.outlier_filter = false);
+        send(harness, Command::ShowPane(Pane::Findings));
+    });
+}
+
+#[test]
+fn the_scene_measures_and_colours_by_numbers() {
+    both("scene-residual", SMALL, |harness| {
+        send(harness, Command::Colour(Colouring::Residual));
+        let (_, analysis) = harness.state().state.analysed().expect("an answer");
+        let at = &analysis.triplets().points_m[0];
+        let end = |index: usize| RulerEnd {
+            position_m: at[index],
+            what: "track 1".to_owned(),
+            prism: None,
+        };
+        let ends = vec![end(0), end(at.len() / 3)];
+        send(harness, Command::Measure(Ruler { active: true, ends }));
+        send(harness, Command::Look(ViewPreset::Top));
+    });
+}
+
+#[test]
+fn the_palette_and_the_sheet_of_shortcuts() {
+    both("palette", SMALL, |harness| {
+        press(harness, Modifiers::COMMAND, Key::P);
+        harness.event(Event::Text("lay".to_owned()));
+        settle(harness);
+    });
+    both("shortcuts", SMALL, |harness| press(harness, Modifiers::NONE, Key::Questionmark));
+}
+
+#[test]
+fn paths_are_asked_for_in_the_window() {
+    // A place whose name is the same everywhere.
+    let folder = std::path::Path::new("/tmp/resect prompt test");
+    std::fs::create_dir_all(folder.join("2024-05-03")).expect("writable");
+    let tracks = "timestamp,id,distance,ha,va\n1,1,2,3,1.5\n";
+    std::fs::write(folder.join("tracks.csv"), tracks).expect("writable");
+    std::fs::write(folder.join("notes.txt"), "it rained\n").expect("writable");
+    both("prompt", SMALL, |harness| {
+        send(harness, Command::OpenFileDialog);
+        press(harness, Modifiers::COMMAND, Key::A);
+        harness.event(Event::Text(format!("{}/", folder.display())));
+        settle(harness);
+    });
+}
+
+#[test]
+fn a_picture_of_the_scene_has_no_buttons() {
+    let mut harness = window(SMALL, Theme::Dark);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(Command::ScenePicture(PictureTo::Clipboard), &ctx);
+    harness.run_steps(1);
+    assert!(harness.state().state.picturing);
+    use egui_kittest::kittest::Queryable;
+    assert!(harness.query_by_label("Colour by").is_none());
+    harness.run_steps(1);
+    assert!(harness.query_by_label("Colour by").is_some());
+}
