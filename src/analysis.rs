@@ -17,6 +17,7 @@ use crate::deployment::format::deployment_toml::parse_toml;
 use crate::deployment::{Deployment, OpenError};
 use crate::evaluation::{self, Evaluation};
 use crate::pipeline::{PipelineOutput, PipelineSettings, StagedPipeline, Triplets};
+use crate::progress::{Cancelled, Progress};
 
 /// Everything a user can set; a `--config` file and the window's sliders are this.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -96,13 +97,29 @@ impl Analyst {
     }
 
     pub fn run(&mut self, settings: &Settings) -> Analysis {
+        self.run_while(settings, &Progress::default()).expect("nobody else can cancel it")
+    }
+
+    /// The same until `progress` is cancelled. What the pipeline found by then is remembered.
+    pub fn run_while(
+        &mut self,
+        settings: &Settings,
+        progress: &Progress,
+    ) -> Result<Analysis, Cancelled> {
         let started = Instant::now();
         let pipeline = self.pipeline.run(&self.deployment, &settings.pipeline);
         let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
         let triplets = &pipeline.triplets;
         let offer = Offer::of(&self.deployment, triplets);
-        let calibration =
-            calibration::solve(&self.deployment, triplets, &settings.calibration, &offer);
+        progress.check()?;
+        let calibration = calibration::solve_while(
+            &self.deployment,
+            triplets,
+            &settings.calibration,
+            &offer,
+            progress,
+        );
+        progress.check()?;
         let started = Instant::now();
         let answer = calibration.map(|calibration| {
             let (corrected, evaluation) = evaluation::evaluate_answer(
@@ -115,6 +132,6 @@ impl Analyst {
             Arc::new(Answer { calibration, evaluation, triplets })
         });
         let evaluation_ms = started.elapsed().as_secs_f64() * 1e3;
-        Analysis { settings: *settings, pipeline, offer, answer, pipeline_ms, evaluation_ms }
+        Ok(Analysis { settings: *settings, pipeline, offer, answer, pipeline_ms, evaluation_ms })
     }
 }

@@ -85,7 +85,7 @@ fn a_deployment_is_opened_by_typing_its_path() {
         assert!(harness.query_by_label("warthog/").is_none());
         // The one folder that is left is entered, and then taken.
         press(&mut harness, Key::Enter);
-        harness.get_by_label_contains("inter_prism.csv");
+        harness.get_by_label("inter_prism.csv deployment");
         picture(&mut harness, &format!("prompt-files-{name}"));
         press(&mut harness, Key::Enter);
         settle(&mut harness);

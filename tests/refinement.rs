@@ -2,12 +2,16 @@
 
 mod common;
 
+use std::sync::Arc;
+use std::time::Instant;
+
 use common::{analyse, answer, field_data, normalised, rms_by_component};
-use resect::analysis::{Analysis, Settings};
+use resect::analysis::{Analysis, Analyst, Settings};
 use resect::calibration::inter_prism::Refinement;
 use resect::calibration::{CalibrationSettings, Estimated, Loss, Verdict};
 use resect::deployment::open;
-use resect::simulation::{ARCSECOND_RAD, Preset, SystematicErrors, simulate_scenario};
+use resect::progress::{Cancelled, Progress};
+use resect::simulation::{ARCSECOND_RAD, Preset, SystematicErrors, simulate, simulate_scenario};
 
 fn settings(loss: Loss, estimate: Estimated) -> Settings {
     let mut settings = Settings::default();
@@ -235,4 +239,28 @@ fn on_intervals_left_out_of_the_fit_the_robust_estimate_is_better_too() {
     let plain = error_mm(&CalibrationSettings::default());
     let robust = error_mm(&CalibrationSettings::robust());
     assert!(robust < 0.95 * plain, "robust {robust:.2}, plain {plain:.2} mm");
+}
+
+#[test]
+fn an_analysis_that_nobody_wants_any_more_stops() {
+    let deployment = Arc::new(simulate(Preset::Warthog, 1).deployment().expect("valid"));
+    let settings = Settings { calibration: CalibrationSettings::robust(), ..Settings::default() };
+    let mut analyst = Analyst::new(Arc::clone(&deployment));
+    // The pipeline's stages are remembered, so that what is stopped below is the refinement.
+    let started = Instant::now();
+    let whole = analyst.run(&settings);
+    let whole_s = started.elapsed().as_secs_f64();
+    assert!(whole.answer.expect("an answer").calibration.inter_prism().is_some());
+    let progress = Progress::default();
+    let (result, stopped_s) = std::thread::scope(|scope| {
+        let running = scope.spawn(|| {
+            let started = Instant::now();
+            (analyst.run_while(&settings, &progress), started.elapsed().as_secs_f64())
+        });
+        std::thread::sleep(std::time::Duration::from_secs_f64(0.2 * whole_s));
+        progress.cancel();
+        running.join().expect("no panic")
+    });
+    assert_eq!(result.err(), Some(Cancelled));
+    assert!(stopped_s < 0.8 * whole_s, "{stopped_s} s of {whole_s} s");
 }

@@ -155,8 +155,8 @@ mod tests {
         assert_eq!(words(|s| s.pipeline.thresholds.tau_r_m_per_s = 1.5), "τ_r 2 → 1.5 m/s");
         assert_eq!(words(|s| s.pipeline.outlier_filter = false), "outlier filter on → off");
         assert_eq!(words(|s| s.calibration.loss = Loss::Cauchy), "loss squared → Cauchy");
-        // 0.0007 m in mm is 0.7000000000000001 in floating point.
-        assert_eq!(words(|s| s.calibration.inter_prism_sigma_m = 7e-4), "σ distances 1 → 0.7 mm");
+        // 0.0041 m in mm is 4.1000000000000005 in floating point.
+        assert_eq!(words(|s| s.calibration.inter_prism_sigma_m = 0.0041), "σ distances 1 → 4.1 mm");
         assert_eq!(
             words(|s| s.calibration.method = Some(Method::StaticGcp)),
             "method automatic → B (static control points)"

@@ -29,6 +29,8 @@ enum Request {
         id: u64,
         deployment: Arc<Deployment>,
         settings: Settings,
+        /// Cancelled once a newer request has overtaken this one.
+        progress: Arc<Progress>,
     },
     /// The deployment with this id was closed.
     Forget(u64),
@@ -89,6 +91,8 @@ pub struct Worker {
     reply_to: Sender<Reply>,
     ctx: egui::Context,
     newest: u64,
+    /// Of the newest analysis of each deployment.
+    analysing: HashMap<u64, Arc<Progress>>,
 }
 
 impl Worker {
@@ -102,7 +106,7 @@ impl Worker {
             .name("resect worker".to_owned())
             .spawn(move || work(&inbox, &outbox, &repaint))
             .expect("a thread can be started");
-        Self { requests, replies, reply_to, ctx, newest: 0 }
+        Self { requests, replies, reply_to, ctx, newest: 0, analysing: HashMap::new() }
     }
 
     /// Reads a deployment beside the worker; gives the request's number.
@@ -127,11 +131,19 @@ impl Worker {
 
     /// Asks for an analysis; gives the request's number.
     pub fn analyse(&mut self, id: u64, deployment: Arc<Deployment>, settings: Settings) -> u64 {
-        self.send(|number| Request::Analyse { number, id, deployment, settings })
+        let progress = Arc::new(Progress::default());
+        // One that is under way stops: nobody wants its answer any more.
+        if let Some(overtaken) = self.analysing.insert(id, Arc::clone(&progress)) {
+            overtaken.cancel();
+        }
+        self.send(|number| Request::Analyse { number, id, deployment, settings, progress })
     }
 
     /// Lets go of what is remembered of a deployment.
     pub fn forget(&mut self, id: u64) {
+        if let Some(unwanted) = self.analysing.remove(&id) {
+            unwanted.cancel();
+        }
         self.requests.send(Request::Forget(id)).ok();
     }
 
@@ -245,13 +257,13 @@ fn without_overtaken(waiting: Vec<Request>) -> Vec<Request> {
 
 fn reply(request: Request, known: &mut HashMap<u64, Known>) -> Option<Reply> {
     match request {
-        Request::Analyse { number, id, deployment, settings } => {
+        Request::Analyse { number, id, deployment, settings, progress } => {
             let known = known.entry(id).or_insert_with(|| Known {
                 readings: Arc::new(RawReadings::of(&deployment)),
                 clouds: CloudMaker::default(),
                 analyst: Analyst::new(deployment),
             });
-            let analysis = known.analyst.run(&settings);
+            let analysis = known.analyst.run_while(&settings, &progress).ok()?;
             let clouds = known.clouds.make(known.analyst.deployment(), &analysis);
             let plots = PreparedPlots::of(&analysis, &known.readings);
             let answered =
@@ -278,6 +290,7 @@ mod tests {
             id,
             deployment: Arc::clone(&deployment),
             settings: Settings::default(),
+            progress: Arc::default(),
         };
         let waiting =
             vec![analyse(1, 7), Request::Forget(2), analyse(3, 7), analyse(4, 8), analyse(5, 7)];

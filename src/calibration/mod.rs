@@ -29,6 +29,7 @@ use nalgebra::{SMatrix, Vector3};
 use crate::deployment::{Deployment, Finding};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
+use crate::progress::{Cancelled, Progress};
 
 /// Why there is no answer at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -52,6 +53,15 @@ pub enum CalibrationError {
         .method.letter(), .method.name()
     )]
     PointsOnALine { deployment: String, method: Method },
+    /// By who asked for it: not to be shown as an error.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl From<Cancelled> for CalibrationError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 impl CalibrationError {
@@ -216,12 +226,23 @@ pub fn solve(
     settings: &CalibrationSettings,
     offer: &Offer,
 ) -> Result<Calibration, CalibrationError> {
+    solve_while(deployment, triplets, settings, offer, &Progress::default())
+}
+
+/// The same until `progress` is cancelled, which ends it with [`CalibrationError::Cancelled`].
+pub fn solve_while(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
     let method = settings.method.unwrap_or_else(|| offer.default_method());
     let mut calibration = match method {
         Method::TwoPoint => two_point::solve(deployment, triplets, offer),
         Method::StaticGcp => static_gcp::solve(deployment, triplets, settings, offer),
         Method::DynamicGcp => dynamic_gcp::solve(deployment, triplets, settings, offer),
-        Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer),
+        Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer, progress),
     }?;
     if method == Method::InterPrism {
         contradicted_by_control_points(&mut calibration, deployment, settings, offer);

@@ -35,7 +35,7 @@ impl Dropped {
     /// In a word or two.
     pub fn label(&self) -> &'static str {
         match self {
-            Self::Deployment => "tracks",
+            Self::Deployment => "deployment",
             Self::ControlPoints => "control points",
             Self::Rig => "rig",
             Self::Gnss => "GNSS",

@@ -175,6 +175,8 @@ mod tests {
             assert!(whole.tilt_rad() > 1e-7, "the sample's control points are noisy");
             let off = kept.station1_from_station().matrix() - whole.matrix();
             assert!(off.norm() < 1e-12, "{off}");
+            // Of its two quaternions the one that everybody writes, also where the yaw is beyond 90 degrees.
+            assert!(kept.quaternion_xyzw[3] >= 0.0, "{:?}", kept.quaternion_xyzw);
         }
     }
 }

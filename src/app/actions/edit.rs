@@ -18,6 +18,13 @@ pub fn actions(state: &State) -> Vec<Action> {
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
             .possible(state.undo.next_redo().is_some()),
     ];
+    let answered = state.active().is_some_and(|open| open.summary.is_some());
+    actions.push(
+        Action::new(Menu::Edit, "Result", "Pin the result", Command::Pin)
+            .hint("Later results are seen against it")
+            .key(Key::P)
+            .possible(answered),
+    );
     let now = state.settings();
     let setting = |section, name: &str, on: bool, change: &dyn Fn(&mut Settings)| {
         let mut settings = *now;

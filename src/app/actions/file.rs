@@ -5,6 +5,7 @@ use eframe::egui::{Key, Modifiers};
 use super::{Action, Menu};
 use crate::app::state::{Command, PictureTo, State};
 use crate::deployment::Sample;
+use crate::export::copy::{self, CopyFormat, Part};
 
 pub fn actions(state: &State) -> Vec<Action> {
     let file = |section, name: &str, command| Action::new(Menu::File, section, name, command);
@@ -31,6 +32,12 @@ pub fn actions(state: &State) -> Vec<Action> {
             file("Session", "Try missing deployments again", Command::RetryMissing).hint(hint),
         );
     }
+    for recent in &state.session.recent {
+        let name = format!("Open {}", recent.source.title());
+        if !actions.iter().any(|action: &Action| action.name == name) {
+            actions.push(file("Recent", &name, Command::OpenSource(recent.source.clone())));
+        }
+    }
     for sample in Sample::ALL {
         let name = format!("Sample: {}", sample.title());
         actions.push(file("Samples", &name, Command::OpenSample(sample)));
@@ -44,10 +51,17 @@ pub fn actions(state: &State) -> Vec<Action> {
 
 pub fn exports(state: &State) -> Vec<Action> {
     let there = state.analysed().is_some();
+    let summary = state.active().and_then(|open| open.summary.clone());
+    let copies = CopyFormat::ALL.into_iter().map(|format| {
+        let text = summary.as_ref().map(|summary| copy::text(format, summary, Part::Both));
+        let command = Command::Copy(text.unwrap_or_default());
+        let name = format!("Copy as {}", format.title());
+        Action::new(Menu::Export, "Copy both transforms", name, command).possible(summary.is_some())
+    });
     let export = |section, name: &str, command| {
         Action::new(Menu::Export, section, name, command).possible(there)
     };
-    vec![
+    let mut actions = vec![
         export("Picture", "Picture of the scene…", Command::ScenePicture(PictureTo::File))
             .hint("As it is shown, with legend and labels (PNG)")
             .ctrl(Key::E),
@@ -59,5 +73,7 @@ pub fn exports(state: &State) -> Vec<Action> {
             .hint("The vehicle's poses in six degrees of freedom"),
         export("Rerun", "Open in Rerun", Command::OpenInRerun),
         export("Rerun", "Recording for Rerun (.rrd)…", Command::SaveRecordingDialog),
-    ]
+    ];
+    actions.extend(copies);
+    actions
 }

@@ -4,7 +4,7 @@ use eframe::egui::Key;
 
 use super::{Action, Menu};
 use crate::app::layout::{LayoutPreset, Pane};
-use crate::app::scene::{Ruler, ViewPreset};
+use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::state::{Command, State};
 
 pub fn actions(state: &State) -> Vec<Action> {
@@ -16,12 +16,23 @@ pub fn actions(state: &State) -> Vec<Action> {
             .hint("Show everything in the scene")
             .key(Key::F),
         view("Scene", "Top", Command::Look(ViewPreset::Top)).key(Key::T),
+        view("Scene", "Front", Command::Look(ViewPreset::Front)).key(Key::R),
         view("Scene", "Side", Command::Look(ViewPreset::Side)).key(Key::S),
         view("Scene", "Ruler", Command::Measure(ruler))
             .hint("Measure between two points of the scene")
             .key(Key::M)
             .on(measuring),
     ];
+    for station in 0..3 {
+        let name = format!("From station {}", station + 1);
+        let keys = [Key::Num1, Key::Num2, Key::Num3];
+        let look = Command::Look(ViewPreset::Station(station));
+        actions.push(view("Scene", &name, look).key(keys[station]));
+    }
+    actions.extend(Colouring::ALL.into_iter().map(|colouring| {
+        let name = format!("Colour by {}", colouring.title().to_lowercase());
+        view("Colours", &name, Command::Colour(colouring)).on(state.colouring == colouring)
+    }));
     actions.extend(
         Pane::ALL.into_iter().map(|pane| view("Panes", pane.title(), Command::ShowPane(pane))),
     );

@@ -141,7 +141,7 @@ impl PathPrompt {
     }
 
     fn type_text(&mut self, text: String) -> PromptStep {
-        self.text = text;
+        self.text = from_the_last_start(text);
         self.chosen = None;
         let folder = self.typed_folder();
         if folder == self.folder || !folder.is_dir() {
@@ -270,6 +270,16 @@ fn home() -> Option<PathBuf> {
     directories::BaseDirs::new().map(|folders| folders.home_dir().to_owned())
 }
 
+/// A path typed behind the one that stands there begins anew at its own `/` or `~/`.
+fn from_the_last_start(text: String) -> String {
+    let starts = text.match_indices("//").map(|(at, _)| at + 1);
+    let homes = text.match_indices("/~/").map(|(at, _)| at + 1);
+    match starts.chain(homes).max() {
+        Some(at) if !cfg!(windows) => text[at..].to_owned(),
+        _ => text,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -325,10 +335,10 @@ mod tests {
     #[test]
     fn folders_come_first_and_files_say_what_they_are() {
         let mut desk = Desk::new(Wanted::ToOpen { folder: true });
-        assert_eq!(desk.names(), [("day 1", ""), ("notes.txt", ""), ("tracks.csv", "tracks")]);
+        assert_eq!(desk.names(), [("day 1", ""), ("notes.txt", ""), ("tracks.csv", "deployment")]);
         let text = desk.prompt.text.clone();
         desk.handle(PromptCommand::Type(format!("{text}TRACK")));
-        assert_eq!(desk.names(), [("tracks.csv", "tracks")]);
+        assert_eq!(desk.names(), [("tracks.csv", "deployment")]);
         // What is left is what is meant.
         let tracks = desk.path("field/tracks.csv");
         assert_eq!(desk.handle(PromptCommand::Accept), PromptStep::Chosen(tracks));

@@ -30,7 +30,9 @@ impl Need {
             (LinearDir::Horizontal, Pane::Deployment | Pane::Pipeline | Pane::Reading) => {
                 fixed(LEFT_POINTS)
             }
-            (LinearDir::Horizontal, Pane::Result | Pane::Runs) => fixed(RIGHT_POINTS),
+            (LinearDir::Horizontal, Pane::Result | Pane::Runs | Pane::Findings) => {
+                fixed(RIGHT_POINTS)
+            }
             (LinearDir::Vertical, Pane::Deployment) => fixed(DEPLOYMENT_POINTS),
             _ => Self::ANY,
         }

@@ -53,7 +53,7 @@ impl LayoutPreset {
             Self::Tune => row([
                 (0.2, column([(0.3, tabs(&[Deployment])), (0.7, tabs(&[Pipeline]))])),
                 (
-                    0.54,
+                    0.6,
                     column([
                         (0.4, tabs(&[Scene])),
                         (0.36, tabs(&[Rates])),
@@ -61,7 +61,7 @@ impl LayoutPreset {
                     ]),
                 ),
                 (
-                    0.46,
+                    0.4,
                     column([
                         (0.58, tabs(&[Result, Runs, Findings])),
                         (0.42, tabs(&[Residuals, Histogram, PriorSearch])),
@@ -73,7 +73,10 @@ impl LayoutPreset {
                     0.7,
                     column([
                         (0.56, tabs(&[SideBySide, Studies])),
-                        (0.44, row([(0.5, tabs(&[Scene])), (0.5, tabs(&[Residuals, Histogram]))])),
+                        (
+                            0.44,
+                            row([(0.55, tabs(&[Scene])), (0.45, tabs(&[Residuals, Histogram]))]),
+                        ),
                     ]),
                 ),
                 (0.3, column([(0.6, tabs(&[Result, Findings])), (0.4, tabs(&[Runs, Deployment]))])),

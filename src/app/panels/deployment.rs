@@ -13,6 +13,7 @@ use crate::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
+        missing(ui, state, commands);
         let Some(open) = state.active() else {
             ui.label("Open a folder with a deployment, or start with a sample:");
             for sample in Sample::ALL {
@@ -76,6 +77,9 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let close = ui
                 .add(egui::Button::new("×").small().frame(false))
                 .on_hover_text(format!("Close {name}"));
+            close.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Close {name}"))
+            });
             if close.clicked() {
                 commands.push(Command::Close(open.id));
             }
@@ -84,6 +88,28 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 commands.push(Command::Activate(open.id));
             }
         });
+    }
+}
+
+/// Those of the session that could not be opened: they stay in it until the user takes them out.
+fn missing(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    for (index, (saved, why)) in state.session.missing.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let name = saved.source.title();
+            let out = format!("Take {name} out of the session");
+            let button = ui.add(egui::Button::new("×").small().frame(false)).on_hover_text(&out);
+            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &out));
+            if button.clicked() {
+                commands.push(Command::ForgetMissing(index));
+            }
+            let (colour, sign) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
+            ui.label(egui::RichText::new(sign).color(colour));
+            let text = egui::RichText::new(format!("{name}: missing")).weak();
+            ui.add(egui::Label::new(text).truncate()).on_hover_text(why);
+        });
+    }
+    if !state.session.missing.is_empty() && ui.button("Try missing deployments again").clicked() {
+        commands.push(Command::RetryMissing);
     }
 }
 

@@ -12,16 +12,16 @@ const MOST_RECENT: usize = 5;
 const STEPS: [(&str, &str); 3] = [
     (
         "Open a deployment",
-        "its folder, a ROS 1 bag or a CSV of polar measurements (timestamp, id, distance, ha, va); control points, rig and \
-         GNSS beside it are found by what is in them",
+        "Its folder, a ROS 1 bag or a CSV of polar measurements (timestamp, id, distance, ha, va). Control points, rig and \
+         GNSS beside it are found by what is in them.",
     ),
     (
         "Look and tune",
-        "the scene and the plots show what becomes of every reading; each filter on the left is a switch and a few sliders",
+        "The scene and the plots show what becomes of every reading. Each filter on the left is a switch and a few sliders.",
     ),
     (
         "Read the verdict",
-        "on the right: good, weak, ambiguous or degenerate, why, and the transforms with their uncertainty",
+        "On the right: good, weak, ambiguous or degenerate, why, and the transforms with their uncertainty.",
     ),
 ];
 

@@ -2,9 +2,10 @@
 
 use eframe::egui;
 
+use crate::app::units::Units;
 use crate::calibration::inter_prism::InterPrismDetails;
 
-pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails) {
+pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
     let title = format!("minima ({})", details.basins.len());
     egui::CollapsingHeader::new(title).id_salt("minima").show(ui, |ui| {
         egui::Grid::new("minima").num_columns(4).spacing([10.0, 2.0]).striped(true).show(
@@ -17,8 +18,9 @@ pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails) {
                 for basin in &details.basins {
                     let [_, t12, t13] = &basin.station1_from_station;
                     let lines = [("T12", t12), ("T13", t13)].map(|(name, t)| {
-                        let [x, y, z] = t.translation_m.into();
-                        format!("{name}  {x:.4}  {y:.4}  {z:.4} m, yaw {:.5} rad", t.yaw_rad)
+                        let [x, y, z] = <[f64; 3]>::from(t.translation_m).map(|m| units.length(m));
+                        let (length, yaw) = (units.length.name(), units.angle_with_unit(t.yaw_rad));
+                        format!("{name}  {x}  {y}  {z} {length}, yaw {yaw}")
                     });
                     ui.label(details.role(basin)).on_hover_text(lines.join("\n"));
                     ui.monospace(format!("{:>8.2}", basin.mean_square_m2.sqrt() * 1e3));

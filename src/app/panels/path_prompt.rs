@@ -177,10 +177,12 @@ fn row(
     } else {
         RichText::new(&entry.name)
     };
-    let button = egui::Button::selectable(chosen, name)
-        .right_text(RichText::new(entry.what).weak())
+    let mut button = egui::Button::selectable(chosen, name)
         .min_size(egui::vec2(ui.available_width(), height))
         .truncate();
+    if !entry.what.is_empty() {
+        button = button.right_text(RichText::new(entry.what).weak());
+    }
     let response = ui.add(button);
     let enter = response.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     if response.double_clicked() || enter {

@@ -15,6 +15,7 @@ const MOUSE: [(&str, &[(&str, &str)]); 2] = [
             ("wheel", "zoom to the pointer"),
             ("click", "pick a reading, or move the time cursor"),
             ("double-click", "show everything"),
+            ("arrows, + −", "turn and zoom, when the scene has the focus"),
         ],
     ),
     (
@@ -27,6 +28,7 @@ const MOUSE: [(&str, &[(&str, &str)]); 2] = [
             ("double-click", "show all times"),
             ("drag a τ line", "set the threshold"),
             ("right click on a τ", "the paper's value"),
+            ("+ −, Page Up, Page Down", "zoom and move, when a plot has the focus"),
         ],
     ),
 ];

@@ -9,7 +9,6 @@ use crate::app::theme;
 use crate::calibration::Calibration;
 use crate::deployment::Severity;
 use crate::evaluation::Spread;
-use crate::export::text::sigma_text;
 use crate::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -25,7 +24,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 .min_col_width(120.0)
                 .striped(true)
                 .show(ui, |ui| rows(ui, state, commands));
-            ui.small("± one standard deviation in mm and mrad");
+            let small = state.units.angle.small_name();
+            ui.small(format!("± one standard deviation in mm and {small}"));
             give_all(ui, state, commands);
         });
     });
@@ -60,18 +60,23 @@ fn rows(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             cell.on_hover_text(format!("{}, the worst of {}", worst.file, files.len()));
         }
     });
+    let units = state.units;
     for station in 1..3 {
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            row(ui, state, &format!("{name} of T1{} (m)", station + 1), |ui, calibration, _| {
-                let value = calibration.station1_from_station[station].translation_m[axis];
-                let sigma = calibration.sigma.map(|s| s[station - 1].translation_m[axis]);
-                ui.monospace(plus_minus(value, sigma, 4, 1));
+            let name = format!("{name} of T1{} ({})", station + 1, units.length.name());
+            row(ui, state, &name, |ui, calibration, _| {
+                let value_m = calibration.station1_from_station[station].translation_m[axis];
+                let sigma_m = calibration.sigma.map(|s| s[station - 1].translation_m[axis]);
+                let (value, sigma) = (units.length(value_m), units.length_sigma(sigma_m));
+                ui.monospace(format!("{value:>9} ± {sigma}"));
             });
         }
-        row(ui, state, &format!("yaw of T1{} (rad)", station + 1), |ui, calibration, _| {
-            let value = calibration.station1_from_station[station].yaw_rad();
-            let sigma = calibration.sigma.map(|s| s[station - 1].yaw_rad);
-            ui.monospace(plus_minus(value, sigma, 5, 3));
+        let name = format!("yaw of T1{} ({})", station + 1, units.angle.name());
+        row(ui, state, &name, |ui, calibration, _| {
+            let value_rad = calibration.station1_from_station[station].yaw_rad();
+            let sigma_rad = calibration.sigma.map(|s| s[station - 1].yaw_rad);
+            let (value, sigma) = (units.angle(value_rad), units.angle_sigma(sigma_rad));
+            ui.monospace(format!("{value:>9} ± {sigma}"));
         });
     }
     ui.label("triplets");
@@ -120,10 +125,6 @@ fn newest(open: &OpenDeployment) -> Option<Result<&Answer, String>> {
 fn spread(ui: &mut egui::Ui, spread: Option<&Spread>) -> egui::Response {
     let text = spread.map_or("–".to_owned(), |s| format!("{:.2} / {:.2}", s.median, s.iqr));
     ui.monospace(text)
-}
-
-fn plus_minus(value: f64, sigma: Option<f64>, digits: usize, sigma_digits: usize) -> String {
-    format!("{value:>9.digits$} ± {}", sigma_text(sigma, sigma_digits))
 }
 
 fn give_all(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {

@@ -9,6 +9,8 @@ use crate::deployment::Severity;
 
 const WIDTH: f32 = 360.0;
 const MARGIN: f32 = 12.0;
+/// The bar of time stays in sight below them.
+const BOTTOM: f32 = 34.0;
 
 pub fn ui(ctx: &egui::Context, toasts: &Toasts, commands: &mut Commands) {
     if toasts.shown().is_empty() {
@@ -16,7 +18,7 @@ pub fn ui(ctx: &egui::Context, toasts: &Toasts, commands: &mut Commands) {
     }
     egui::Area::new(egui::Id::unique("toasts"))
         .order(egui::Order::Middle)
-        .anchor(egui::Align2::RIGHT_BOTTOM, [-MARGIN, -MARGIN])
+        .anchor(egui::Align2::RIGHT_BOTTOM, [-MARGIN, -BOTTOM])
         .show(ctx, |ui| {
             ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 2.0 * MARGIN));
             for toast in toasts.shown() {

@@ -26,6 +26,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 Some(open) => ui.label(&open.deployment.name),
                 None => ui.weak("nothing open: choose File, or drop a folder or bag here"),
             };
+            if let Some(path) = &state.session.path {
+                let file = path.file_name().unwrap_or_default().to_string_lossy();
+                ui.weak(file).on_hover_text(format!("The session's file: {}", path.display()));
+            }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if state.is_busy() {
                     ui.add(egui::Spinner::new().size(14.0));

@@ -176,8 +176,11 @@ fn newest_left(folder: &Path) -> (Option<Recovered>, Vec<Finding>) {
             }
             Err(error) => {
                 let why = format!("what was open when resect stopped cannot be restored: {error}");
-                findings.push(keep_aside(path, &why));
-                file.remove();
+                let (moved, finding) = keep_aside(path, &why);
+                findings.push(finding);
+                if moved {
+                    file.remove();
+                }
             }
         }
     }

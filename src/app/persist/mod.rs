@@ -47,8 +47,9 @@ impl Folders {
     }
 }
 
-/// Moves a file that cannot be used out of the way of the one that will be written, and says so.
-fn keep_aside(path: &Path, why: &str) -> Finding {
+/// Moves a file that cannot be used out of the way of the one that will be written; whether it could, and what to
+/// say. One that stays where it is must not be written over.
+fn keep_aside(path: &Path, why: &str) -> (bool, Finding) {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let free = (1..1000)
         .map(|number| match number {
@@ -57,10 +58,11 @@ fn keep_aside(path: &Path, why: &str) -> Finding {
         })
         .find(|kept| !kept.exists());
     let moved = free.and_then(|kept| std::fs::rename(path, &kept).ok().map(|()| kept));
-    Finding::warning(match moved {
+    let line = match &moved {
         Some(kept) => format!("{why}; it is kept as {}", kept.display()),
-        None => format!("{why}; it could not be moved aside and will be replaced"),
-    })
+        None => format!("{why}; it could not be moved aside and stays as it is"),
+    };
+    (moved.is_some(), Finding::warning(line))
 }
 
 /// Line of a byte of a text, from 1.

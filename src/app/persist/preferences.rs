@@ -137,6 +137,8 @@ impl StoredPreferences {
 /// The file of the preferences: read once, written in the background when they are others.
 pub struct PreferencesFile {
     path: PathBuf,
+    /// Not where a file lies that cannot be read and could not be moved aside.
+    may_write: bool,
     last: Preferences,
     writer: Writer,
 }
@@ -145,15 +147,15 @@ impl PreferencesFile {
     /// Reads the file of a folder. One that cannot be used is kept aside, never overwritten, and said.
     pub fn open(folder: &Path) -> (Self, Preferences, Vec<Finding>) {
         let path = folder.join(FILE);
-        let (preferences, findings) = read(&path);
-        let file =
-            Self { path, last: preferences.clone(), writer: Writer::start("resect preferences") };
+        let (preferences, findings, may_write) = read(&path);
+        let writer = Writer::start("resect preferences");
+        let file = Self { path, may_write, last: preferences.clone(), writer };
         (file, preferences, findings)
     }
 
     /// Has them written where they are others than last time. Cheap: to be called whenever something may have changed.
     pub fn keep(&mut self, preferences: &Preferences) {
-        if *preferences == self.last {
+        if !self.may_write || *preferences == self.last {
             return;
         }
         self.last = preferences.clone();
@@ -181,42 +183,41 @@ impl PreferencesFile {
     }
 }
 
-fn read(path: &Path) -> (Preferences, Vec<Finding>) {
-    let text = match std::fs::read_to_string(path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Default::default(),
+/// The preferences, what is to be said of them, and whether the file may be written over.
+fn read(path: &Path) -> (Preferences, Vec<Finding>, bool) {
+    let place = path.display();
+    let (preferences, mut findings, wrong) = match std::fs::read_to_string(path) {
+        Ok(text) => match toml::from_str::<StoredPreferences>(&text) {
+            Ok(stored) => {
+                // Of a newer version only a part is known: that much is used, and the file stays whole.
+                let newer = stored.version > VERSION;
+                let (preferences, findings) = stored.read();
+                let wrong = match newer {
+                    true => Some(format!("{place}: written by a newer resect")),
+                    false if findings.is_empty() => None,
+                    false => Some(format!("{place}: cannot be read as a whole")),
+                };
+                (preferences, findings, wrong)
+            }
+            Err(error) => {
+                let line = error.span().map_or(1, |span| line_of(&text, span.start));
+                let what = error.message().lines().next().unwrap_or_default();
+                let why = format!("{place}:{line}: {what}; resect starts with its own preferences");
+                (Preferences::default(), Vec::new(), Some(why))
+            }
+        },
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            (Preferences::default(), Vec::new(), None)
+        }
         Err(error) => {
-            let why =
-                format!("{}: {error}; resect starts with its own preferences", path.display());
-            return (Preferences::default(), vec![keep_aside(path, &why)]);
+            let why = format!("{place}: {error}; resect starts with its own preferences");
+            (Preferences::default(), Vec::new(), Some(why))
         }
     };
-    match toml::from_str::<StoredPreferences>(&text) {
-        Ok(stored) if stored.version > VERSION => {
-            // What it means is known only in part: that much is used, and the file stays whole.
-            let why = format!("{}: written by a newer resect", path.display());
-            let (preferences, mut findings) = stored.read();
-            findings.push(keep_aside(path, &why));
-            (preferences, findings)
-        }
-        Ok(stored) => {
-            let (preferences, mut findings) = stored.read();
-            if !findings.is_empty() {
-                let why = format!("{}: cannot be read as a whole", path.display());
-                findings.push(keep_aside(path, &why));
-            }
-            (preferences, findings)
-        }
-        Err(error) => {
-            let line = error.span().map_or(1, |span| line_of(&text, span.start));
-            let what = error.message().lines().next().unwrap_or_default();
-            let why = format!(
-                "{}:{line}: {what}; resect starts with its own preferences",
-                path.display()
-            );
-            (Preferences::default(), vec![keep_aside(path, &why)])
-        }
-    }
+    let Some(why) = wrong else { return (preferences, findings, true) };
+    let (moved, finding) = keep_aside(path, &why);
+    findings.push(finding);
+    (preferences, findings, moved)
 }
 
 #[cfg(test)]

@@ -89,8 +89,9 @@ impl RatePlot<'_> {
     fn show(&self, ui: &mut egui::Ui, height: f32, commands: &mut Commands) {
         let pipeline = self.state.settings().pipeline;
         let bounds = self.bounds(&pipeline.thresholds);
-        let columns = ui.available_width() as usize;
-        let dots = self.dots(&pipeline, bounds, columns);
+        // Of each run a plot draws three dots.
+        let runs = (0.7 * ui.available_width()) as usize;
+        let dots = self.dots(&pipeline, bounds, runs);
         let unit = self.quantity.unit();
         let lowest = self.quantity == Quantity::Zenith;
         let x_axes = if lowest { vec![time_axis(ui.available_width())] } else { vec![] };
@@ -147,7 +148,7 @@ impl RatePlot<'_> {
     }
 
     /// At most a few for each column of the screen; the fastest and the slowest are among them.
-    fn dots(&self, pipeline: &PipelineSettings, bounds: [f64; 2], columns: usize) -> Vec<Dot> {
+    fn dots(&self, pipeline: &PipelineSettings, bounds: [f64; 2], runs: usize) -> Vec<Dot> {
         let mut dots = Vec::new();
         for (station, own) in self.readings().stations.iter().enumerate() {
             if !self.state.visibility.stations[station] {
@@ -157,7 +158,7 @@ impl RatePlot<'_> {
             // The first reading has no rate.
             let part = part.start.max(1)..part.end.max(1);
             let series = &own.rates[self.quantity as usize];
-            for index in series.pyramid.visible(part, columns) {
+            for index in series.pyramid.visible(part, runs) {
                 dots.push(Dot {
                     picked: Picked { station, index },
                     at: self.place(own, index, bounds),

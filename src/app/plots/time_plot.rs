@@ -1,7 +1,7 @@
 //! What all plots over time share: one window of time, one cursor, one selection, and one way to move about.
 
 use eframe::egui::{self, Pos2, Rect, Stroke};
-use egui_plot::{AxisHints, Plot, PlotTransform, PlotUi};
+use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform, PlotUi};
 
 use super::navigation::{self, Moved};
 use super::{LABELS, round_marks};
@@ -57,7 +57,7 @@ pub fn show<'a>(
 ) -> Shown {
     let [from_s, to_s] = times.window_s;
     let shown = plot
-        .x_grid_spacer(round_marks)
+        .x_grid_spacer(time_marks)
         // Moving about is the same in all plots over time, and not egui_plot's.
         .allow_zoom(false)
         .allow_scroll(false)
@@ -91,6 +91,13 @@ const NARROW: f32 = 320.0;
 pub fn time_axis<'a>(width: f32) -> AxisHints<'a> {
     let text = if width < NARROW { "time (s)" } else { "time since the first measurement (s)" };
     AxisHints::new_x().label(text).label_spacing(LABELS)
+}
+
+/// Round times, further apart where their numbers are long.
+#[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
+fn time_marks(input: GridInput) -> Vec<GridMark> {
+    let wider = if input.bounds.1 < 1e4 { 1.0 } else { 1.6 };
+    round_marks(GridInput { base_step_size: wider * input.base_step_size, ..input })
 }
 
 impl Shown {

@@ -100,7 +100,10 @@ impl SceneView {
         self.paint_picture(ui, &painter, rect);
         let projection = Projection::new(&self.camera, rect);
         if let Some((open, analysis)) = state.analysed() {
-            let mut taken = vec![controls::ui(ui, rect, &mut self.controls_size, state, commands)];
+            let mut taken = Vec::new();
+            if !state.picturing {
+                taken.push(controls::ui(ui, rect, &mut self.controls_size, state, commands));
+            }
             taken.extend(legend::paint(ui, rect, state, &self.content));
             let cursor = readout::paint_cursor(ui, rect, state, &self.content);
             taken.extend(cursor);

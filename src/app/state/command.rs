@@ -31,6 +31,8 @@ pub enum Command {
     SaveSessionAs,
     /// Opens again what the session holds and could not be opened.
     RetryMissing,
+    /// Takes a deployment that could not be opened out of the session, by its place among those.
+    ForgetMissing(usize),
     /// Shows another of the open deployments, by its id.
     Activate(u64),
     Close(u64),

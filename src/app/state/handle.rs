@@ -26,6 +26,11 @@ impl State {
             Command::Prompt(command) => self.answer_prompt(command),
             Command::OpenSessionDialog => self.open_session_dialog(),
             Command::RetryMissing => self.retry_missing(),
+            Command::ForgetMissing(index) => {
+                if index < self.session.missing.len() {
+                    self.session.missing.remove(index);
+                }
+            }
             Command::Activate(id) => {
                 if let Some(index) = self.open.iter().position(|open| open.id == id) {
                     self.active = index;

@@ -130,6 +130,8 @@ pub struct State {
     pub session: SessionState,
     /// Asked for in the last frame; taken in the next, when the menu that asked for it is gone.
     wanted_picture: Option<PictureTo>,
+    /// Whether this frame becomes a picture: controls are not part of it.
+    pub picturing: bool,
 }
 
 impl State {
@@ -159,6 +161,7 @@ impl State {
             looking: Vec::new(),
             session: SessionState::default(),
             wanted_picture: None,
+            picturing: false,
         }
     }
 

@@ -84,6 +84,15 @@ impl State {
         self.opening.push(Opening { number, title: source.title(), since, progress, source, then });
     }
 
+    /// What a session has opened until now is no longer wanted.
+    pub(super) fn give_up_restoring(&mut self) {
+        let (restoring, others) = std::mem::take(&mut self.opening)
+            .into_iter()
+            .partition::<Vec<_>, _>(|opening| opening.then == Then::Restore);
+        restoring.iter().for_each(|opening| opening.progress.cancel());
+        self.opening = others;
+    }
+
     /// A bug stopped the reading.
     pub(super) fn opening_failed(&mut self, number: u64) {
         let failed = |opening: &Opening| opening.number == number;
@@ -136,7 +145,7 @@ impl State {
     }
 
     /// What the readers noticed and the user was not told yet.
-    fn tell_of_reading(&mut self, index: usize) {
+    pub(super) fn tell_of_reading(&mut self, index: usize) {
         let Some(open) = self.open.get_mut(index) else { return };
         let deployment = &open.deployment;
         self.toasts.findings(&deployment.name, &deployment.findings, &mut open.told);

@@ -10,6 +10,7 @@ use crate::app::worker::Reply;
 impl State {
     /// Asks the window system for its pixels in the part of the window where the scene is (points).
     pub fn take_picture(&mut self, ctx: &egui::Context, scene: egui::Rect) {
+        self.picturing = self.wanted_picture.is_some();
         let Some(to) = self.wanted_picture.take() else { return };
         let reply = self.worker.reply();
         let pixels_per_point = ctx.pixels_per_point();

@@ -131,6 +131,8 @@ impl State {
                 self.results.pins.clear();
                 self.session.missing.clear();
                 self.session.waiting.clear();
+                self.session.restoring = None;
+                self.give_up_restoring();
                 self.session.path = Some(path);
                 self.tell(&findings);
                 self.restore(*session);
@@ -196,6 +198,7 @@ impl State {
                 self.session.shown = Some(open.id);
             }
         }
+        self.tell_of_reading(self.open.len() - 1);
         let shown = self.session.shown;
         if let Some(index) = self.open.iter().position(|open| Some(open.id) == shown) {
             self.active = index;

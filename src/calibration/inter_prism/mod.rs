@@ -57,6 +57,7 @@ use super::{
 use crate::deployment::{Deployment, Finding, PAIRS};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
+use crate::progress::Progress;
 
 /// Eight unknowns, three residuals a triplet: below this there is nothing to average.
 const FEWEST_TRIPLETS: usize = 10;
@@ -101,12 +102,13 @@ impl InterPrismDetails {
     }
 }
 
-/// Calibrates by the inter-prism distances.
+/// Calibrates by the inter-prism distances, unless `progress` is cancelled on the way.
 pub fn solve(
     deployment: &Deployment,
     triplets: &Triplets,
     settings: &CalibrationSettings,
     offer: &Offer,
+    progress: &Progress,
 ) -> Result<Calibration, CalibrationError> {
     let name = || deployment.name.clone();
     if triplets.is_empty() {
@@ -128,6 +130,7 @@ pub fn solve(
         published::solve(deployment, triplets, rig.inter_prism_m, settings.prior)
     };
     let mut published = solve_published(triplets);
+    progress.check()?;
     // A robust loss is for errors like noise with long tails; what cannot be right at all must not lead it astray.
     let mut used = Cow::Borrowed(triplets);
     for _ in 0..if settings.loss == Loss::Squared { 0 } else { MOST_SCREENINGS } {
@@ -170,9 +173,10 @@ pub fn solve(
     let refinement = (settings.refines() && uncertainty.covariance.is_some())
         .then(|| {
             let plain = &choice.answer.station1_from_station;
-            refinement::refine(triplets, plain, &rig.inter_prism_m, settings)
+            refinement::refine(triplets, plain, &rig.inter_prism_m, settings, progress)
         })
         .flatten();
+    progress.check()?;
     let plain = choice.answer.station1_from_station.map(RigidTransform::from);
     let (station1_from_station, sigma, covariance) = match &refinement {
         Some(refined) => {

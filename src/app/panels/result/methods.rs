@@ -16,7 +16,7 @@ pub fn ui(ui: &mut egui::Ui, details: &Details, units: Units) {
         Details::DynamicGcp(_) => {}
         Details::InterPrism(details) => {
             mirror(ui, details, units);
-            minima::ui(ui, details);
+            minima::ui(ui, details, units);
             observability::ui(ui, &details.observability);
         }
     }

@@ -188,7 +188,11 @@ impl Chart<'_> {
         }
         let short = theme::rgb(palette::fate(SampleFate::IntervalTooShort));
         for seen in self.visible(&gaps.short) {
-            let rect = self.rect(row, &seen.span);
+            let mut rect = self.rect(row, &seen.span);
+            if seen.count > 1 {
+                // Some between kept ones: they must not hide those.
+                rect.min.y = rect.max.y - 0.3 * rect.height();
+            }
             hatch(&painter.with_clip_rect(rect.intersect(painter.clip_rect())), rect, short);
             painter.rect_stroke(rect, 0.0, Stroke::new(1.0, short), StrokeKind::Inside);
             label(ui, &painter, rect, &seen);

@@ -24,6 +24,7 @@ use self::noise::{Noise, loss_scale};
 use crate::calibration::{CalibrationSettings, Estimated, Loss, TransformSigma, time_blocks};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
+use crate::progress::Progress;
 
 type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
@@ -121,20 +122,23 @@ impl Refinement {
     }
 }
 
-/// Refines `plain`, the answer of the published method. `None` when the data leaves a direction free.
+/// Refines `plain`, the answer of the published method. `None` when the data leaves a direction free, or nobody waits for
+/// it any more.
 pub fn refine(
     triplets: &Triplets,
     plain: &[LevelTransform; 3],
     inter_prism_m: &[f64; 3],
     settings: &CalibrationSettings,
+    progress: &Progress,
 ) -> Option<Refinement> {
     let data = MovingTriplets::all(triplets);
     let start = start(plain, inter_prism_m);
     let estimated = estimated(settings);
     let precision = precisions(settings);
     if settings.continuous_time {
+        let loss = settings.loss;
         let found =
-            continuous_time::estimate(triplets, &start, &estimated, &precision, settings.loss)?;
+            continuous_time::estimate(triplets, &start, &estimated, &precision, loss, progress)?;
         let sums = Sums {
             hessian: found.information,
             middle: found.information,
@@ -156,6 +160,7 @@ pub fn refine(
     let mut scale = None;
     let mut converged = false;
     for iteration in 0..MOST_REWEIGHTINGS + MOST_NEWTON_STEPS {
+        progress.check().ok()?;
         let settled = iteration >= MOST_REWEIGHTINGS;
         if !settled {
             scale = loss_scale(&data, &state, &noise, settings.loss);

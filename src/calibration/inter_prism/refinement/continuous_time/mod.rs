@@ -20,6 +20,7 @@ use super::{Estimate, INSTRUMENT, Matrix, reduced, robust_weight, step};
 use crate::calibration::Loss;
 use crate::calibration::time_blocks::BLOCK_SECONDS;
 use crate::pipeline::Triplets;
+use crate::progress::Progress;
 
 /// Noise levels and weights settle within this many steps; then they are held, and what is left is nearly linear.
 const SETTLING_STEPS: usize = 14;
@@ -62,13 +63,15 @@ pub struct ClockJump {
     pub by_s: Estimate,
 }
 
-/// `None` without readings, or where they leave the motion free.
+/// `None` without readings, or where they leave the motion free. Each iteration takes up to a second for hours of
+/// data, so that between them `progress` is asked whether anyone still waits; if not, the answer is `None` as well.
 pub fn estimate(
     triplets: &Triplets,
     start: &State,
     places: &[usize],
     precision: &State,
     loss: Loss,
+    progress: &Progress,
 ) -> Option<Found> {
     let drive = Drive::new(triplets)?;
     let mut at =
@@ -76,6 +79,7 @@ pub fn estimate(
     let mut by = Weighing { noise: FIRST_NOISE, loss, redundancy: 0.5, held: None };
     let mut converged = false;
     for iteration in 0..MOST_STEPS {
+        progress.check().ok()?;
         if iteration == SETTLING_STEPS {
             by.held = Some(weights(&drive, &at, &by));
         }
