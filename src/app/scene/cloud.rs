@@ -83,7 +83,7 @@ pub struct CloudMaker {
 }
 
 impl CloudMaker {
-    /// Half a second of work at a million readings, most of it the first time: not for the thread that draws.
+    /// Turns and sorts every reading the first time: not for the thread that draws.
     pub fn make(&mut self, deployment: &Deployment, analysis: &Analysis) -> Clouds {
         let raw = self.raw.get_or_insert_with(|| Arc::new(Cloud::of_readings(deployment)));
         let triplets = analysis.triplets();
