@@ -5,7 +5,7 @@
 
 use eframe::egui::{Key, Modifiers, Pos2, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use egui_kittest::{Harness, SnapshotOptions};
+use egui_kittest::{Harness, SnapshotOptions, image_snapshot_options};
 use resect::analysis::Settings;
 use resect::app::{Command, OpenDeployment, ResectWindow, Start, offscreen_renderer};
 use resect::deployment::{Deployment, Sample};
@@ -89,5 +89,7 @@ pub fn snapshot(harness: &mut Window, name: &str) {
     harness.run_steps(2);
     // A few pixels on the edge of a disc may round differently with another version of Mesa.
     let options = SnapshotOptions::new().output_path("screenshots").max_failed_pixels(60);
-    harness.snapshot_options(name, &options);
+    let picture = harness.render().expect("a picture");
+    // At once, and not when the harness is dropped: a test may have several.
+    image_snapshot_options(&picture, name, &options);
 }

@@ -13,8 +13,9 @@ fn nameless(harness: &Window) -> Vec<String> {
         let known = node.accesskit_node();
         let data: &Node = known.data();
         let used = data.supports_action(Action::Click) || data.supports_action(Action::Increment);
-        // A scroll area moves with the wheel and with what has the focus in it.
-        let is_widget = used && !matches!(known.role(), Role::ScrollView | Role::GenericContainer);
+        // Text, the ground of a pane and what moves a pane's edges say nothing by themselves.
+        let passive = [Role::Label, Role::ScrollBar, Role::ScrollView, Role::Unknown];
+        let is_widget = used && !passive.contains(&known.role());
         let named = known.label().is_some_and(|name| !name.trim().is_empty());
         if is_widget && !named && !known.is_hidden() {
             into.push(format!("{:?} at {:?}", known.role(), node.rect()));
@@ -56,8 +57,9 @@ fn tab_reaches_the_widgets() {
     for _ in 0..200 {
         harness.key_press(Key::Tab);
         harness.run_steps(2);
-        let focused = harness.get_all_by(NodeT::is_focused).next();
-        let name = focused.and_then(|node| node.accesskit_node().label()).unwrap_or_default();
+        let focused = harness.query_all_by(|node| node.is_focused() && node.label().is_some());
+        let name = focused.last().and_then(|node| node.accesskit_node().label());
+        let name = name.unwrap_or_default();
         if reached.first() == Some(&name) && reached.len() > 20 {
             break;
         }

@@ -1,7 +1,6 @@
 //! The window as pictures.
 
 use eframe::egui::{Theme, Vec2};
-use egui_kittest::SnapshotResults;
 use egui_kittest::kittest::Queryable;
 use resect::analysis::Settings;
 use resect::app::{Command, Pane, StudyKind};
@@ -18,7 +17,6 @@ fn cursor_s(harness: &Window) -> f64 {
 
 #[test]
 fn the_window_after_opening_the_sample() {
-    let mut results = SnapshotResults::new();
     for (size, theme, name) in [
         (LARGE, Theme::Dark, "sample-dark"),
         (LARGE, Theme::Light, "sample-light"),
@@ -27,13 +25,11 @@ fn the_window_after_opening_the_sample() {
     ] {
         let mut harness = window(size, theme);
         snapshot(&mut harness, name);
-        results.extend_harness(&mut harness);
     }
 }
 
 #[test]
 fn switching_the_outlier_filter_off_lets_more_through() {
-    let mut results = SnapshotResults::new();
     for (theme, name) in
         [(Theme::Dark, "no-outlier-filter-dark"), (Theme::Light, "no-outlier-filter-light")]
     {
@@ -47,7 +43,6 @@ fn switching_the_outlier_filter_off_lets_more_through() {
         harness.get_by_label("Reset to the paper's values").click();
         settle(&mut harness);
         assert_eq!(triplets(&harness), before);
-        results.extend_harness(&mut harness);
     }
 }
 
@@ -56,7 +51,6 @@ fn an_error_is_shown_and_what_was_open_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("broken.csv");
     std::fs::write(&file, "timestamp;id;distance;ha;va\n0;1;10;0.1;1.5\n").expect("writable");
-    let mut results = SnapshotResults::new();
     for (theme, name) in [(Theme::Dark, "error-dark"), (Theme::Light, "error-light")] {
         let mut harness = window(SMALL, theme);
         let before = triplets(&harness);
@@ -71,7 +65,6 @@ fn an_error_is_shown_and_what_was_open_stays() {
         harness.get_by_label("Dismiss").click();
         settle(&mut harness);
         assert!(harness.state().state.toasts.shown().is_empty());
-        results.extend_harness(&mut harness);
     }
 }
 
@@ -206,7 +199,6 @@ fn show(harness: &mut Window, pane: Pane) {
 
 #[test]
 fn a_comparison_is_run_and_drawn() {
-    let mut results = SnapshotResults::new();
     for (size, theme, name) in [
         (LARGE, Theme::Dark, "studies-dark"),
         (LARGE, Theme::Light, "studies-light"),
@@ -220,7 +212,6 @@ fn a_comparison_is_run_and_drawn() {
         let result = harness.state().state.studies.result.clone().expect("it ran");
         assert_eq!(result.study().groups.len(), 4);
         snapshot(&mut harness, name);
-        results.extend_harness(&mut harness);
     }
 }
 
@@ -256,7 +247,6 @@ fn a_study_can_be_cancelled() {
 
 #[test]
 fn each_open_deployment_keeps_its_settings() {
-    let mut results = SnapshotResults::new();
     for (size, theme, name) in [
         (LARGE, Theme::Dark, "side-by-side-dark"),
         (SMALL, Theme::Light, "side-by-side-small-light"),
@@ -277,7 +267,6 @@ fn each_open_deployment_keeps_its_settings() {
         harness.get_by_label("Give all the active one's settings").click();
         settle(&mut harness);
         assert!(harness.state().state.open.iter().all(|open| open.settings == settings));
-        results.extend_harness(&mut harness);
     }
 }
 
@@ -298,7 +287,6 @@ fn the_sample_gives_way_to_what_the_user_opens() {
 
 #[test]
 fn the_search_of_the_prior_is_shown() {
-    let mut results = SnapshotResults::new();
     for (theme, name) in [(Theme::Dark, "prior-search-dark"), (Theme::Light, "prior-search-light")]
     {
         let mut harness = window(LARGE, theme);
@@ -309,13 +297,11 @@ fn the_search_of_the_prior_is_shown() {
         let answer = analysis.answer.as_ref().expect("an answer");
         assert!(answer.calibration.inter_prism().expect("method D").prior_search.is_some());
         snapshot(&mut harness, name);
-        results.extend_harness(&mut harness);
     }
 }
 
 #[test]
 fn the_motion_model_shows_its_uncertainty() {
-    let mut results = SnapshotResults::new();
     for (size, theme, name) in [
         (LARGE, Theme::Dark, "motion-model-dark"),
         (SMALL, Theme::Light, "motion-model-small-light"),
@@ -327,13 +313,11 @@ fn the_motion_model_shows_its_uncertainty() {
         assert!(analysis.pipeline.triplets.sigma_m.is_some());
         assert!(open.plots.bands.iter().all(|bands| !bands.is_empty()));
         snapshot(&mut harness, name);
-        results.extend_harness(&mut harness);
     }
 }
 
 #[test]
 fn only_the_methods_that_the_data_allows_can_be_chosen() {
-    let mut results = SnapshotResults::new();
     for (theme, name) in [(Theme::Dark, "single-prism-dark"), (Theme::Light, "two-point-light")] {
         let mut harness = window(LARGE, theme);
         if theme == Theme::Dark {
@@ -359,14 +343,12 @@ fn only_the_methods_that_the_data_allows_can_be_chosen() {
         settle(&mut harness);
         let (_, analysis) = harness.state().state.analysed().expect("an answer");
         assert_eq!(analysis.answer.as_ref().expect("an answer").calibration.method, expected);
-        results.extend_harness(&mut harness);
     }
 }
 
 /// Tall enough for the whole result: what the drive holds, and how the errors go together.
 #[test]
 fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
-    let mut results = SnapshotResults::new();
     for (preset, theme, size, name) in [
         (Preset::LShape, Theme::Dark, Vec2::new(1600.0, 1450.0), "l-shape-dark"),
         (Preset::StraightLine, Theme::Light, SMALL, "straight-line-small-light"),
@@ -393,6 +375,5 @@ fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
             .filter(|(x, y, pixel)| scene(*x, *y) && hidden.get_pixel(*x, *y) != *pixel)
             .count();
         assert!(differ > 100, "{differ}");
-        results.extend_harness(&mut harness);
     }
 }

@@ -154,7 +154,7 @@ fn the_strip_of_time_scrubs() {
 #[test]
 fn the_scene_is_copied_as_a_picture_of_its_own_size() {
     let mut harness = window(LARGE, Theme::Dark);
-    press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     let mut copied = None;
     for _ in 0..6 {
         harness.run_steps(1);

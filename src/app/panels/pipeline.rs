@@ -17,10 +17,6 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let mut settings = *state.settings();
         let counts =
             state.analysed().map(|(open, analysis)| Counts::of(&open.deployment, analysis));
-        modules(ui, &mut settings, counts.as_ref());
-        let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
-        calibration(ui, &mut settings.calibration, offer);
-        ui.add_space(4.0);
         let paper = settings == Settings::default();
         if ui
             .add_enabled(!paper, egui::Button::new("Reset to the paper's values"))
@@ -29,6 +25,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         {
             settings = Settings::default();
         }
+        modules(ui, &mut settings, counts.as_ref());
+        let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
+        calibration(ui, &mut settings.calibration, offer);
         if settings != *state.settings() {
             commands.push(Command::Set(settings));
         }
