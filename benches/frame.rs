@@ -1,5 +1,5 @@
-//! What the scene costs the window's thread in a frame with a million readings, while the camera orbits and while the
-//! time cursor moves, and in the one frame in which colours change.
+//! What a frame costs the window's thread with a million readings: the scene while the camera orbits, while the time
+//! cursor moves and in the one frame in which colours change, and the whole window with each plot over time in front.
 //!
 //! The time is what the thread spent on a processor, as Linux counts it; elsewhere it is the clock's. Without a GPU
 //! the driver draws on the same processors in threads of its own, for a second and more: that is not the scene's cost.
@@ -11,7 +11,10 @@ use std::time::{Duration, Instant};
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use eframe::egui::{self, Event, Modifiers, PointerButton, Pos2, RawInput, Rect};
 use eframe::egui_wgpu::wgpu;
-use resect::app::{Colouring, Command, SceneView, State};
+use resect::analysis::Settings;
+use resect::app::{
+    Colouring, Command, Pane, ResectWindow, SceneView, Start, State, offscreen_renderer,
+};
 use resect::deployment::Deployment;
 use resect::simulation::{Preset, simulate_scenario};
 
@@ -102,14 +105,14 @@ fn thread_time(start: Instant) -> Duration {
         .map_or_else(|| start.elapsed(), Duration::from_nanos)
 }
 
-fn benchmarks(criterion: &mut Criterion) {
+fn scene(criterion: &mut Criterion) {
     let deployment = deployment();
     eprintln!("{} readings", readings(&deployment));
     let mut window = Window::new(deployment);
     let (_, analysis) = window.state.analysed().expect("analysed");
     let times_s = analysis.triplets().time_s.clone();
     eprintln!("{} triplets", times_s.len());
-    let mut group = criterion.benchmark_group("frame");
+    let mut group = criterion.benchmark_group("scene");
     // Few frames: Criterion does not see that the driver may need a second for each.
     group.sampling_mode(SamplingMode::Flat).sample_size(10);
     group.warm_up_time(Duration::from_millis(5)).measurement_time(Duration::from_millis(40));
@@ -145,5 +148,45 @@ fn benchmarks(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, benchmarks);
+/// The whole window: menus, panes, scene. What the test harness keeps for screen readers is counted with it.
+fn whole_window(criterion: &mut Criterion) {
+    let mut harness = egui_kittest::Harness::builder()
+        .with_size(egui::Vec2::new(1600.0, 1000.0))
+        .renderer(offscreen_renderer().expect("a graphics driver"))
+        .build_eframe(|creation| {
+            let start = Start::Deployments(Vec::new());
+            ResectWindow::new(creation, &start, Settings::default())
+        });
+    harness.state_mut().state.add(deployment(), None);
+    harness.state_mut().settle();
+    harness.run_steps(5);
+    let (_, analysis) = harness.state().state.analysed().expect("analysed");
+    let times_s = analysis.triplets().time_s.clone();
+    let (ctx, start) = (harness.ctx.clone(), Instant::now());
+    let mut group = criterion.benchmark_group("window");
+    group.sampling_mode(SamplingMode::Flat).sample_size(10);
+    group.warm_up_time(Duration::from_millis(5)).measurement_time(Duration::from_millis(40));
+    for pane in [Pane::Residuals, Pane::Rates, Pane::Intervals] {
+        harness.state_mut().send(Command::ShowPane(pane), &ctx);
+        harness.run_steps(3);
+        let mut number = 0..;
+        group.bench_function(format!("cursor-{pane:?}").to_lowercase(), |b| {
+            b.iter_custom(|frames| {
+                let step = |i: usize| {
+                    // The driver's threads share the processors; give them time to draw.
+                    std::thread::sleep(Duration::from_millis(300));
+                    let command = Command::MoveCursor(times_s[(i * 37) % times_s.len()]);
+                    let before = thread_time(start);
+                    harness.state_mut().send(command, &ctx);
+                    harness.step();
+                    thread_time(start) - before
+                };
+                number.by_ref().take(frames as usize).map(step).sum()
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, scene, whole_window);
 criterion_main!(benches);

@@ -5,7 +5,6 @@ use eframe::egui::{
 };
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane};
-use resect::deployment::Sample;
 use resect::pipeline::{OutlierReason, SampleFate, Thresholds};
 
 use crate::harness::{LARGE, Window, open, send, settle, shown, triplets};
@@ -306,35 +305,4 @@ fn pinned_results_stand_behind_the_present_one() {
     assert!(harness.query_by_label(&format!("○ {}", pin.name)).is_none());
     let without = coloured(&mut harness);
     assert!(with > without + 200, "{with} {without}");
-}
-
-/// Printed, not asserted: machines differ.
-#[test]
-#[ignore = "a measurement"]
-fn frames_with_a_million_readings() {
-    let sample = Sample::Warthog.open().expect("built in");
-    let mut deployment = sample.clone();
-    let length_s = sample.end_s().expect("data") - sample.start_s().expect("data") + 1.0;
-    for (track, own) in deployment.tracks.iter_mut().zip(&sample.tracks) {
-        for round in 1..330 {
-            track.measurements.extend(own.measurements.iter().map(|m| {
-                resect::deployment::Measurement {
-                    time_s: m.time_s + f64::from(round) * length_s,
-                    ..*m
-                }
-            }));
-        }
-    }
-    let mut harness = window(LARGE, Theme::Dark, Pane::Studies);
-    let started = std::time::Instant::now();
-    open(&mut harness, deployment);
-    eprintln!("opened and analysed in {:.1} s", started.elapsed().as_secs_f64());
-    send(&mut harness, Command::ShowPane(Pane::Studies));
-    for pane in [Pane::PriorSearch, Pane::Residuals, Pane::Rates, Pane::Intervals] {
-        send(&mut harness, Command::ShowPane(pane));
-        let started = std::time::Instant::now();
-        harness.run_steps(20);
-        eprintln!("{pane:?}: {:.1} ms a frame", started.elapsed().as_secs_f64() * 50.0);
-    }
-    send(&mut harness, Command::ShowPane(Pane::Rates));
 }

@@ -8,19 +8,14 @@ use crate::app::state::{Command, Commands, State, Visibility};
 use crate::app::theme;
 use crate::calibration::Calibration;
 use crate::calibration::inter_prism::observability::Hold;
-use crate::deployment::{Sample, Severity, pair_label};
+use crate::deployment::{Severity, pair_label};
 use crate::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
         missing(ui, state, commands);
         let Some(open) = state.active() else {
-            ui.label("Open a folder with a deployment, or start with a sample:");
-            for sample in Sample::ALL {
-                if ui.button(sample.title()).clicked() {
-                    commands.push(Command::OpenSample(sample));
-                }
-            }
+            ui.weak("Nothing open.");
             return;
         };
         list(ui, state, commands);

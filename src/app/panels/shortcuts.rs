@@ -33,9 +33,13 @@ const MOUSE: [(&str, &[(&str, &str)]); 2] = [
     ),
 ];
 
+const WIDTH: f32 = 920.0;
+
 pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let modal = egui::Modal::new(egui::Id::unique("shortcuts"));
     let response = modal.show(ctx, |ui| {
+        // As wide as it wants to be, where there is room.
+        ui.set_min_width(WIDTH.min(ctx.content_rect().width() - 60.0));
         ui.horizontal(|ui| {
             ui.heading("Keyboard and mouse");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
