@@ -8,17 +8,15 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, SamplingMode, criterion_group, criterion_main};
+use eframe::App;
 use eframe::egui::{self, Event, Modifiers, PointerButton, Pos2, RawInput, Rect};
-use eframe::egui_wgpu::wgpu;
+use eframe::egui_wgpu::{RenderState, wgpu};
 use resect::analysis::Settings;
-use resect::app::{
-    Colouring, Command, Pane, ResectWindow, SceneView, Start, State, offscreen_renderer,
-};
+use resect::app::{Colouring, Command, Pane, ResectWindow, SceneView, Start, State};
 use resect::deployment::Deployment;
 use resect::simulation::{Preset, simulate_scenario};
-
-const SIZE: egui::Vec2 = egui::Vec2::new(1000.0, 700.0);
 
 /// A drive so long that the three stations read a million times.
 fn deployment() -> Arc<Deployment> {
@@ -32,67 +30,55 @@ fn readings(deployment: &Deployment) -> usize {
     deployment.tracks.iter().map(|track| track.measurements.len()).sum()
 }
 
-/// The scene in a window of its own.
-struct Window {
+/// Shows frames and counts what they cost.
+struct Frames {
     ctx: egui::Context,
-    state: State,
-    scene: SceneView,
     device: wgpu::Device,
+    size: egui::Vec2,
     start: Instant,
     time_s: f64,
 }
 
-impl Window {
-    fn new(deployment: Arc<Deployment>) -> Self {
-        let ctx = egui::Context::default();
-        let mut state = State::new(ctx.clone());
-        state.add(deployment, None);
-        state.settle();
-        let setup = egui_kittest::wgpu::default_wgpu_setup();
-        let render_state = egui_kittest::wgpu::create_render_state(setup, Default::default());
-        let scene = SceneView::new(Some(&render_state));
-        let device = render_state.device;
-        let mut window = Self { ctx, state, scene, time_s: 0.0, device, start: Instant::now() };
-        for _ in 0..5 {
-            window.frame(None, Vec::new());
-        }
-        window
+impl Frames {
+    fn new(ctx: &egui::Context, device: &wgpu::Device, size: egui::Vec2) -> Self {
+        let (ctx, device) = (ctx.clone(), device.clone());
+        Self { ctx, device, size, start: Instant::now(), time_s: 0.0 }
     }
 
-    /// Carries out a command and shows a frame; gives what both cost.
-    fn frame(&mut self, command: Option<Command>, events: Vec<Event>) -> Duration {
+    /// Does something and shows a frame; gives what both cost, up to the triangles that the GPU gets.
+    fn frame(&mut self, events: Vec<Event>, mut show: impl FnMut(&mut egui::Ui)) -> Duration {
         // As a window does that shows one picture after the other.
         self.device.poll(wgpu::PollType::wait_indefinitely()).expect("drawn");
         self.time_s += 1.0 / 60.0;
         let input = RawInput {
-            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, SIZE)),
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
             time: Some(self.time_s),
             events,
             ..Default::default()
         };
         let before = thread_time(self.start);
-        if let Some(command) = command {
-            self.state.handle(command, &self.ctx);
-        }
-        let (state, scene) = (&self.state, &mut self.scene);
-        let mut commands = Vec::new();
-        let mut output = self.ctx.run_ui(input, |ui| scene.ui(ui, state, &mut commands));
-        for command in commands {
-            self.state.handle(command, &self.ctx);
-        }
+        let mut output = self.ctx.run_ui(input, &mut show);
+        let shapes = std::mem::take(&mut output.shapes);
+        black_box(self.ctx.tessellate(shapes, output.pixels_per_point));
         let took = thread_time(self.start) - before;
         // Fonts, which nobody draws here.
         output.textures_delta.clear();
         black_box(output);
         took
     }
+}
 
-    fn press(&mut self, pressed: bool) {
-        let (pos, modifiers) = (Pos2::new(500.0, 600.0), Modifiers::NONE);
-        let button = PointerButton::Primary;
-        let press = Event::PointerButton { pos, button, pressed, modifiers };
-        self.frame(None, vec![Event::PointerMoved(pos), press]);
-    }
+/// A button pressed or released over the scene.
+fn press(pressed: bool) -> Vec<Event> {
+    let (pos, modifiers) = (Pos2::new(500.0, 500.0), Modifiers::NONE);
+    let button = PointerButton::Primary;
+    vec![Event::PointerMoved(pos), Event::PointerButton { pos, button, pressed, modifiers }]
+}
+
+/// The pointer to and fro, and never at rest.
+fn drag(i: usize) -> Vec<Event> {
+    let x = 500.0 + 200.0 * (0.05 * i as f32).sin();
+    vec![Event::PointerMoved(Pos2::new(x, 400.0))]
 }
 
 /// What this thread has spent on a processor.
@@ -105,88 +91,111 @@ fn thread_time(start: Instant) -> Duration {
         .map_or_else(|| start.elapsed(), Duration::from_nanos)
 }
 
-fn scene(criterion: &mut Criterion) {
-    let deployment = deployment();
-    eprintln!("{} readings", readings(&deployment));
-    let mut window = Window::new(deployment);
-    let (_, analysis) = window.state.analysed().expect("analysed");
-    let times_s = analysis.triplets().time_s.clone();
-    eprintln!("{} triplets", times_s.len());
-    let mut group = criterion.benchmark_group("scene");
+fn configure<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a, WallTime> {
+    let mut group = criterion.benchmark_group(name);
     // Few frames: Criterion does not see that the driver may need a second for each.
     group.sampling_mode(SamplingMode::Flat).sample_size(10);
     group.warm_up_time(Duration::from_millis(5)).measurement_time(Duration::from_millis(40));
-    let mut bench = |name: &str, frame: &mut dyn FnMut(usize) -> Duration| {
-        // Goes on from one batch to the next: a frame like the one before it would cost nothing.
-        let mut number = 0..;
-        group.bench_function(name, |b| {
-            b.iter_custom(|frames| number.by_ref().take(frames as usize).map(&mut *frame).sum());
-        });
-    };
+    group
+}
 
-    window.press(true);
-    bench("orbit", &mut |i| {
-        // To and fro, and never a rest.
-        let x = 500.0 + 200.0 * (0.05 * i as f32).sin();
-        window.frame(None, vec![Event::PointerMoved(Pos2::new(x, 500.0))])
+/// Goes on from one batch to the next: a frame like the one before it would cost nothing.
+fn bench(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    name: &str,
+    mut frame: impl FnMut(usize) -> Duration,
+) {
+    let mut number = 0..;
+    group.bench_function(name, |b| {
+        b.iter_custom(|frames| number.by_ref().take(frames as usize).map(&mut frame).sum());
     });
-    window.press(false);
-    bench("cursor", &mut |i| {
-        let time_s = times_s[(i * 37) % times_s.len()];
-        window.frame(Some(Command::MoveCursor(time_s)), Vec::new())
+}
+
+fn render_state() -> RenderState {
+    let setup = egui_kittest::wgpu::default_wgpu_setup();
+    egui_kittest::wgpu::create_render_state(setup, Default::default())
+}
+
+/// The scene in a window of its own.
+fn scene(criterion: &mut Criterion) {
+    let deployment = deployment();
+    eprintln!("{} readings", readings(&deployment));
+    let (ctx, render_state) = (egui::Context::default(), render_state());
+    let mut state = State::new(ctx.clone());
+    state.add(deployment, None);
+    state.settle();
+    let (_, analysis) = state.analysed().expect("analysed");
+    let times_s = analysis.triplets().time_s.clone();
+    eprintln!("{} triplets", times_s.len());
+    let mut scene = SceneView::new(Some(&render_state));
+    let mut frames = Frames::new(&ctx, &render_state.device, egui::Vec2::new(1000.0, 700.0));
+    let mut frame = |command: Option<Command>, events: Vec<Event>| {
+        let mut commands: Vec<Command> = command.into_iter().collect();
+        frames.frame(events, |ui| {
+            commands.drain(..).for_each(|command| state.handle(command, ui.ctx()));
+            scene.ui(ui, &state, &mut commands);
+        })
+    };
+    for _ in 0..5 {
+        frame(None, Vec::new());
+    }
+    let mut group = configure(criterion, "scene");
+    frame(None, press(true));
+    bench(&mut group, "orbit", |i| frame(None, drag(i)));
+    frame(None, press(false));
+    bench(&mut group, "cursor", |i| {
+        frame(Some(Command::MoveCursor(times_s[(i * 37) % times_s.len()])), Vec::new())
     });
-    bench("hover", &mut |i| {
+    bench(&mut group, "hover", |i| {
         let at = Pos2::new((i * 7 % 900) as f32 + 50.0, (i * 3 % 600) as f32 + 50.0);
-        window.frame(None, vec![Event::PointerMoved(at)])
+        frame(None, vec![Event::PointerMoved(at)])
     });
     for colouring in [Colouring::Fate, Colouring::Residual, Colouring::Interval] {
-        bench(&format!("colour-by-{}", colouring.title().to_lowercase()), &mut |i| {
+        bench(&mut group, &format!("colour-by-{}", colouring.title().to_lowercase()), |i| {
             let other = if i % 2 == 0 { colouring } else { Colouring::Station };
-            window.frame(Some(Command::Colour(other)), Vec::new())
+            frame(Some(Command::Colour(other)), Vec::new())
         });
     }
     group.finish();
 }
 
-/// The whole window: menus, panes, scene. What the test harness keeps for screen readers is counted with it.
-fn whole_window(criterion: &mut Criterion) {
-    let mut harness = egui_kittest::Harness::builder()
-        .with_size(egui::Vec2::new(1600.0, 1000.0))
-        .renderer(offscreen_renderer().expect("a graphics driver"))
-        .build_eframe(|creation| {
-            let start = Start::Deployments(Vec::new());
-            ResectWindow::new(creation, &start, Settings::default())
-        });
-    harness.state_mut().state.add(deployment(), None);
-    harness.state_mut().settle();
-    harness.run_steps(5);
-    let (_, analysis) = harness.state().state.analysed().expect("analysed");
+/// All panes of the first layout, with each plot over time in front.
+fn window(criterion: &mut Criterion) {
+    let (ctx, render_state) = (egui::Context::default(), render_state());
+    let mut creation = eframe::CreationContext::_new_kittest(ctx.clone());
+    creation.wgpu_render_state = Some(render_state.clone());
+    let start = Start::Deployments(Vec::new());
+    let mut window = ResectWindow::new(&creation, &start, Settings::default());
+    window.state.add(deployment(), None);
+    window.settle();
+    let (_, analysis) = window.state.analysed().expect("analysed");
     let times_s = analysis.triplets().time_s.clone();
-    let (ctx, start) = (harness.ctx.clone(), Instant::now());
-    let mut group = criterion.benchmark_group("window");
-    group.sampling_mode(SamplingMode::Flat).sample_size(10);
-    group.warm_up_time(Duration::from_millis(5)).measurement_time(Duration::from_millis(40));
+    let mut frames = Frames::new(&ctx, &render_state.device, egui::Vec2::new(1600.0, 1000.0));
+    let mut eframe = eframe::Frame::_new_kittest();
+    let mut frame = |command: Option<Command>, events: Vec<Event>| {
+        let mut command = command;
+        frames.frame(events, |ui| {
+            if let Some(command) = command.take() {
+                window.send(command, ui.ctx());
+            }
+            window.ui(ui, &mut eframe);
+        })
+    };
+    let mut group = configure(criterion, "window");
     for pane in [Pane::Residuals, Pane::Rates, Pane::Intervals] {
-        harness.state_mut().send(Command::ShowPane(pane), &ctx);
-        harness.run_steps(3);
-        let mut number = 0..;
-        group.bench_function(format!("cursor-{pane:?}").to_lowercase(), |b| {
-            b.iter_custom(|frames| {
-                let step = |i: usize| {
-                    // The driver's threads share the processors; give them time to draw.
-                    std::thread::sleep(Duration::from_millis(300));
-                    let command = Command::MoveCursor(times_s[(i * 37) % times_s.len()]);
-                    let before = thread_time(start);
-                    harness.state_mut().send(command, &ctx);
-                    harness.step();
-                    thread_time(start) - before
-                };
-                number.by_ref().take(frames as usize).map(step).sum()
-            });
+        for _ in 0..5 {
+            frame(Some(Command::ShowPane(pane)), Vec::new());
+        }
+        let name = format!("{pane:?}").to_lowercase();
+        frame(None, press(true));
+        bench(&mut group, &format!("orbit-{name}"), |i| frame(None, drag(i)));
+        frame(None, press(false));
+        bench(&mut group, &format!("cursor-{name}"), |i| {
+            frame(Some(Command::MoveCursor(times_s[(i * 37) % times_s.len()])), Vec::new())
         });
     }
     group.finish();
 }
 
-criterion_group!(benches, scene, whole_window);
+criterion_group!(benches, scene, window);
 criterion_main!(benches);

@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane};
 use resect::pipeline::{OutlierReason, SampleFate, Thresholds};
 
-use crate::harness::{LARGE, Window, open, send, settle, shown, triplets};
+use crate::harness::{LARGE, Window, send, settle, shown, triplets};
 
 /// With a pane in front.
 fn window(size: Vec2, theme: Theme, pane: Pane) -> Window {
