@@ -37,7 +37,7 @@
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |
 //! | [`font`] | the one font | |
 //! | [`export`] | JSON, text, CSV, TUM, HTML, SVG, PNG, Rerun | a writer |
-//! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `layout.rs` |
+//! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `layout/pane.rs` and `window.rs`; an entry of a menu: a line in `actions/` |
 //! | [`command`] | the command line; prints | a subcommand: a file |
 //!
 //! # Conventions

@@ -5,7 +5,7 @@ use eframe::egui::{Key, Modifiers};
 use super::{Action, Menu};
 use crate::app::state::{Command, PictureTo, State};
 use crate::deployment::Sample;
-use crate::export::copy::{self, CopyFormat, Part};
+use crate::export::copy::{CopyFormat, Part};
 
 pub fn actions(state: &State) -> Vec<Action> {
     let file = |section, name: &str, command| Action::new(Menu::File, section, name, command);
@@ -51,12 +51,11 @@ pub fn actions(state: &State) -> Vec<Action> {
 
 pub fn exports(state: &State) -> Vec<Action> {
     let there = state.analysed().is_some();
-    let summary = state.active().and_then(|open| open.summary.clone());
+    let answered = state.active().is_some_and(|open| open.summary.is_some());
     let copies = CopyFormat::ALL.into_iter().map(|format| {
-        let text = summary.as_ref().map(|summary| copy::text(format, summary, Part::Both));
-        let command = Command::Copy(text.unwrap_or_default());
         let name = format!("Copy as {}", format.title());
-        Action::new(Menu::Export, "Copy both transforms", name, command).possible(summary.is_some())
+        let command = Command::CopyTransforms(format, Part::Both);
+        Action::new(Menu::Export, "Copy both transforms", name, command).possible(answered)
     });
     let export = |section, name: &str, command| {
         Action::new(Menu::Export, section, name, command).possible(there)

@@ -111,6 +111,10 @@ pub fn all(state: &State) -> Vec<Action> {
 
 /// What the keys of this frame ask for. Keys without Ctrl are left to a widget that has the focus.
 pub fn from_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    let pressed = |event: &egui::Event| matches!(event, egui::Event::Key { pressed: true, .. });
+    if !ctx.input(|input| input.events.iter().any(pressed)) {
+        return;
+    }
     let focused = ctx.memory(|memory| memory.focused().is_some());
     let typing = ctx.text_edit_focused();
     let mut keyed: Vec<(KeyboardShortcut, Command)> = all(state)

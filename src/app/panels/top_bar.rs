@@ -11,9 +11,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         egui::MenuBar::new().ui(ui, |ui| {
             ui.strong("resect");
             ui.separator();
-            let actions = actions::all(state);
             for menu in Menu::ALL {
                 ui.menu_button(menu.title(), |ui| {
+                    let actions = actions::all(state);
                     let entries = actions.iter().filter(|action| action.menu == menu);
                     show_menu(ui, entries, commands);
                     if menu == Menu::View {

@@ -90,7 +90,7 @@ impl RatePlot<'_> {
         let pipeline = self.state.settings().pipeline;
         let bounds = self.bounds(&pipeline.thresholds);
         // Of each run a plot draws three dots.
-        let runs = (0.7 * ui.available_width()) as usize;
+        let runs = (0.5 * ui.available_width()) as usize;
         let dots = self.dots(&pipeline, bounds, runs);
         let unit = self.quantity.unit();
         let lowest = self.quantity == Quantity::Zenith;

@@ -10,6 +10,7 @@ use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
 use crate::app::units::Units;
 use crate::deployment::{Sample, Source};
+use crate::export::copy::{CopyFormat, Part};
 
 /// What a pane asks for.
 #[derive(Clone, Debug)]
@@ -80,6 +81,8 @@ pub enum Command {
     ScenePicture(PictureTo),
 
     Copy(String),
+    /// Of the active deployment's answer.
+    CopyTransforms(CopyFormat, Part),
     OpenInRerun,
     SaveRecordingDialog,
     SaveTrajectoryDialog,

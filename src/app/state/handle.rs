@@ -108,6 +108,11 @@ impl State {
                 ctx.request_repaint();
             }
             Command::Copy(text) => ctx.copy_text(text),
+            Command::CopyTransforms(format, part) => {
+                if let Some(summary) = self.active().and_then(|open| open.summary.as_ref()) {
+                    ctx.copy_text(export::copy::text(format, summary, part));
+                }
+            }
             Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
                 let result = export::rerun::open_viewer(&deployment, &analysis)
                     .map(|()| "shown in the Rerun viewer".to_owned())

@@ -4,7 +4,7 @@ use eframe::egui::{self, PopupCloseBehavior, containers::menu};
 
 use crate::app::state::{Command, Commands};
 use crate::calibration::Verdict;
-use crate::export::copy::{self, CopyFormat, Part};
+use crate::export::copy::{CopyFormat, Part};
 use crate::export::summary::ResultSummary;
 
 pub fn ui(ui: &mut egui::Ui, summary: &ResultSummary, commands: &mut Commands) {
@@ -22,7 +22,7 @@ pub fn ui(ui: &mut egui::Ui, summary: &ResultSummary, commands: &mut Commands) {
         ui.separator();
         for format in CopyFormat::ALL {
             if ui.button(format.title()).clicked() {
-                commands.push(Command::Copy(copy::text(format, summary, part)));
+                commands.push(Command::CopyTransforms(format, part));
                 ui.close();
             }
         }
