@@ -79,6 +79,13 @@ impl OpenDeployment {
         if old.whole_s == self.timeline.whole_s {
             self.timeline = old;
         }
+        let readings = |of: &Deployment| of.tracks.each_ref().map(|track| track.measurements.len());
+        if readings(&self.deployment) != readings(&deployment) {
+            // The old answer counts readings that are others now.
+            (self.analysis, self.summary) = (None, None);
+            (self.plots, self.clouds) = (Arc::default(), Clouds::default());
+            self.timeline.picked = None;
+        }
         self.files = Files::of(Some(&source), &deployment);
         self.deployment = deployment;
         self.source = Some(source);

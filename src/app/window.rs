@@ -89,6 +89,10 @@ impl ResectWindow {
                 self.state.handle(command, ctx);
             }
             Command::ShowPane(pane) => self.layout.show(pane),
+            Command::ScenePicture(_) => {
+                self.layout.show(Pane::Scene);
+                self.state.handle(command, ctx);
+            }
             Command::UseLayout(preset) => self.layout = Layout::from(preset),
             Command::ResetLayout => self.layout = Layout::default(),
             Command::SaveSession => self.state.save_session(self.layout.describe(), false),
@@ -110,7 +114,7 @@ impl eframe::App for ResectWindow {
         if let Some(next_s) = self.state.advance(now_s) {
             ui.ctx().request_repaint_after_secs((next_s - now_s) as f32);
         }
-        self.state.take_picture(ui.ctx(), self.scene.place());
+        self.state.begin_picture();
         let mut commands = Commands::new();
         let dropped = ui.input(|input| {
             input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
@@ -130,7 +134,9 @@ impl eframe::App for ResectWindow {
                 Panes { state: &self.state, commands: &mut commands, scene: &mut self.scene };
             self.layout.ui(ui, &mut panes);
         });
-        panels::toasts::ui(&ctx, &self.state.toasts, &mut commands);
+        if !self.state.picturing {
+            panels::toasts::ui(&ctx, &self.state.toasts, &mut commands);
+        }
         panels::drop_hint::ui(ui, &self.state);
         match &self.state.overlay {
             Overlay::None => {}
@@ -142,6 +148,8 @@ impl eframe::App for ResectWindow {
         if let Some(prompt) = &self.state.prompt {
             panels::path_prompt::ui(&ctx, &prompt.shown, &mut commands);
         }
+        let scene = self.scene.take_place();
+        self.state.take_picture(&ctx, scene);
         let hovered_s = self.state.hover_s.take();
         for command in commands {
             self.send(command, &ctx);

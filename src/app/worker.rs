@@ -163,10 +163,7 @@ impl Worker {
     ) -> u64 {
         self.newest += 1;
         let number = self.newest;
-        self.beside(move || {
-            let result = std::panic::catch_unwind(AssertUnwindSafe(run));
-            Some(result.map_or(Reply::Failed(number), |result| reply(number, result)))
-        });
+        self.beside_as(number, move || Some(reply(number, run())));
         number
     }
 
@@ -192,9 +189,15 @@ impl Worker {
 
     /// Runs something beside the worker (a dialog, an export) and repaints when it is done.
     pub fn beside(&self, job: impl FnOnce() -> Option<Reply> + Send + 'static) {
+        // No request has this number.
+        self.beside_as(0, job);
+    }
+
+    fn beside_as(&self, number: u64, job: impl FnOnce() -> Option<Reply> + Send + 'static) {
         let reply = self.reply();
         std::thread::spawn(move || {
-            if let Some(done) = job() {
+            let done = std::panic::catch_unwind(AssertUnwindSafe(job));
+            if let Some(done) = done.unwrap_or(Some(Reply::Failed(number))) {
                 reply(done);
             }
         });

@@ -22,7 +22,7 @@ pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
     // A path that does not open ends here, on the terminal it came from.
     let deployments = paths
         .iter()
-        .map(|path| Ok((load(path, Extras::default())?.0, Source::at(path))))
+        .map(|path| Ok((load(path, Extras::default())?.0, Source::at(std::path::absolute(path)?))))
         .collect::<Result<Vec<(Arc<Deployment>, Source)>, Failure>>()?;
     if !has_display {
         return without_display(deployments, "no display");

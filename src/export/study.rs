@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use super::atomic;
 use super::box_chart;
 use super::svg::{Colours, PictureError, to_png, to_svg};
 use super::text::sigma_text;
@@ -210,7 +211,7 @@ pub fn write(study: &Study, folder: &Path) -> Result<Vec<PathBuf>, StudyFileErro
     let mut written = Vec::new();
     for (extension, bytes) in files {
         let path = folder.join(format!("{}.{extension}", study.name));
-        std::fs::write(&path, bytes).map_err(io(&path))?;
+        atomic::write(&path, bytes).map_err(|error| io(&path)(error.error))?;
         written.push(path);
     }
     Ok(written)

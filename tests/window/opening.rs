@@ -172,3 +172,21 @@ fn a_hovering_file_says_what_it_would_do() {
     assert_eq!(harness.state().state.open.len(), 1);
     assert_eq!(deployment.control_points.len(), before + 1);
 }
+
+#[test]
+fn files_that_are_added_one_after_the_other_are_all_kept() {
+    let mut harness = window(SIZE, Theme::Dark);
+    let folder = tempfile::tempdir().expect("a folder");
+    let add = |harness: &mut Window, name: &str| {
+        let path = folder.path().join(name);
+        std::fs::copy(sample_folder("warthog").join("GCP_raw_1.txt"), &path).expect("copied");
+        let ctx = harness.ctx.clone();
+        harness.state_mut().send(Command::OpenPaths(vec![path]), &ctx);
+    };
+    let before = shown(&harness).deployment.control_points.len();
+    add(&mut harness, "more 1.txt");
+    add(&mut harness, "more 2.txt");
+    settle(&mut harness);
+    assert_eq!(shown(&harness).deployment.control_points.len(), before + 2);
+    assert_eq!(harness.state().state.open.len(), 1);
+}

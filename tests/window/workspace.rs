@@ -2,9 +2,9 @@
 
 use eframe::egui::{self, Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Overlay};
+use resect::app::{Command, Overlay, Ruler, RulerEnd};
 
-use crate::harness::{LARGE, Window, press, send, settings, settle, window};
+use crate::harness::{LARGE, Window, press, send, set, settings, settle, window};
 
 fn cursor_s(harness: &Window) -> f64 {
     let open = harness.state().state.active().expect("open");
@@ -187,4 +187,49 @@ fn runs_are_remembered_and_one_can_be_gone_back_to() {
     let first = results.runs[0].id;
     send(&mut harness, Command::RestoreRun(first));
     assert_eq!(settings(&harness), at_first);
+}
+
+#[test]
+fn what_was_measured_in_one_deployment_is_not_shown_in_another() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let end = |z: f64, prism| RulerEnd {
+        position_m: nalgebra::Vector3::new(0.0, 0.0, z),
+        what: String::new(),
+        prism,
+    };
+    let measure = |harness: &mut Window| {
+        let ends = vec![end(1.0, None), end(2.0, Some(0))];
+        send(harness, Command::Measure(Ruler { active: true, ends }));
+    };
+    measure(&mut harness);
+    // Another answer puts everything but the prisms elsewhere.
+    set(&mut harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 12.0);
+    let kept: Vec<_> = harness.state().state.ruler.ends.iter().map(|end| end.prism).collect();
+    assert_eq!(kept, [Some(0)]);
+    measure(&mut harness);
+    send(&mut harness, Command::OpenSample(resect::deployment::Sample::Hd2Tunnel));
+    assert!(harness.state().state.ruler.ends.is_empty());
+}
+
+#[test]
+fn settings_without_a_deployment_are_those_of_the_next() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let id = harness.state().state.open[0].id;
+    send(&mut harness, Command::Close(id));
+    set(&mut harness, |settings| settings.pipeline.thresholds.tau_s_seconds = 1.7);
+    send(&mut harness, Command::OpenSample(resect::deployment::Sample::Hd2Tunnel));
+    let (_, analysis) = harness.state().state.analysed().expect("an answer");
+    assert_eq!(analysis.settings.pipeline.thresholds.tau_s_seconds, 1.7);
+}
+
+#[test]
+fn a_picture_brings_the_scene_to_the_front() {
+    let mut harness = window(LARGE, Theme::Dark);
+    send(&mut harness, Command::ShowPane(resect::app::Pane::Studies));
+    let scene = |harness: &Window| {
+        harness.query_by_role_and_label(egui::accesskit::Role::Image, "Scene").is_some()
+    };
+    assert!(!scene(&harness));
+    send(&mut harness, Command::ScenePicture(resect::app::PictureTo::Clipboard));
+    assert!(scene(&harness));
 }

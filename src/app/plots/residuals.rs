@@ -15,7 +15,7 @@ use crate::deployment::pair_label;
 use crate::palette;
 
 /// Three times as many dots a pair are all drawn, also where the plot is narrow: of a cloud the eye wants more than the edges.
-const LEAST_RUNS: usize = 800;
+const LEAST_RUNS: usize = 1050;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, analysis, answer)) = answer(state) else {

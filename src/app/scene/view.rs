@@ -32,7 +32,7 @@ pub struct SceneView {
     built: Option<Built>,
     coloured: Option<(u64, u64, Colouring)>,
     cursor: Option<(u64, usize)>,
-    place: Rect,
+    place: Option<Rect>,
     hover: Option<(u64, usize)>,
     /// What the controls took in the last frame.
     controls_size: Vec2,
@@ -57,7 +57,7 @@ impl SceneView {
             built: None,
             coloured: None,
             cursor: None,
-            place: Rect::NOTHING,
+            place: None,
             hover: None,
             controls_size: Vec2::ZERO,
         }
@@ -68,9 +68,9 @@ impl SceneView {
         self.pending_look = Some(preset);
     }
 
-    /// Where the scene was drawn last, in the window (points).
-    pub fn place(&self) -> Rect {
-        self.place
+    /// Where the scene was drawn since this was asked last, in the window (points).
+    pub fn take_place(&mut self) -> Option<Rect> {
+        self.place.take()
     }
 
     /// Glides to a place (m, in station 1's frame), and closer to it if it is far away.
@@ -88,11 +88,11 @@ impl SceneView {
 
     pub fn ui(&mut self, ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let rect = ui.available_rect_before_wrap();
-        self.place = rect;
+        self.place = Some(rect);
         let id = ui.scope_id().with("scene");
         let response = ui.interact(rect, id, Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Scene"));
-        self.refresh(ui, state, commands);
+        self.refresh(ui, state);
         self.move_camera(ui, &response, rect);
         self.take_keys(ui, &response, rect, state, commands);
         self.look_and_fly(ui, rect, state);
@@ -125,7 +125,7 @@ impl SceneView {
     }
 
     /// Rebuilds what the state has changed.
-    fn refresh(&mut self, ui: &egui::Ui, state: &State, commands: &mut Commands) {
+    fn refresh(&mut self, ui: &egui::Ui, state: &State) {
         let dark = ui.visuals().dark_mode;
         let Some((open, analysis)) = state.analysed() else {
             if self.built.take().is_some() {
@@ -143,11 +143,6 @@ impl SceneView {
             if before != Some(open.id) {
                 self.pending_look = Some(ViewPreset::Fit);
                 self.flight = None;
-                // What was measured is of another deployment.
-                if before.is_some() && !state.ruler.ends.is_empty() {
-                    let ends = Vec::new();
-                    commands.push(Command::Measure(super::Ruler { ends, ..state.ruler }));
-                }
             }
             self.content.set_clouds(&open.clouds);
             let grid = theme::scene_grid(dark).to_array();

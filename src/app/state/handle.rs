@@ -33,19 +33,17 @@ impl State {
             }
             Command::Activate(id) => {
                 if let Some(index) = self.open.iter().position(|open| open.id == id) {
-                    self.active = index;
-                    self.playback.playing = false;
+                    self.show(index);
                 }
             }
             Command::Close(id) => self.close(id),
 
             Command::Set(settings) => {
-                let active = self.active().map(|open| open.id);
-                self.change(active.as_slice(), settings, ctx);
+                self.change_active(settings, Moment::now(ctx));
             }
             Command::SetAll => {
                 let ids: Vec<u64> = self.open.iter().map(|open| open.id).collect();
-                self.change(&ids, *self.settings(), ctx);
+                self.change(&ids, *self.settings(), Moment::now(ctx));
             }
             Command::Undo => {
                 let step = self.undo.undo().cloned();
@@ -66,8 +64,7 @@ impl State {
             }
             Command::RestoreRun(id) => {
                 if let Some(settings) = self.results.run(id).map(|run| run.settings) {
-                    let active = self.active().map(|open| open.id);
-                    self.change(active.as_slice(), settings, ctx);
+                    self.change_active(settings, Moment::now(ctx));
                 }
             }
 
@@ -142,21 +139,23 @@ impl State {
         }
     }
 
+    /// Shows an open deployment. What was played or measured in another means nothing in it.
+    pub(super) fn show(&mut self, index: usize) {
+        self.active = index;
+        self.playback.playing = false;
+        self.ruler.ends.clear();
+    }
+
+    /// Gives the active deployment new settings; without one, the next that is opened.
+    pub(super) fn change_active(&mut self, settings: Settings, moment: Moment) {
+        match self.active().map(|open| open.id) {
+            Some(id) => self.change(&[id], settings, moment),
+            None => self.start_settings = settings,
+        }
+    }
+
     /// Gives deployments new settings as one step that can be undone.
-    fn change(&mut self, ids: &[u64], settings: Settings, ctx: &egui::Context) {
-        let moment = ctx.input(|input| Moment {
-            now_s: input.time,
-            pressed_s: input.pointer.press_start_time().filter(|_| input.pointer.any_down()),
-        });
-        self.change_at(ids, settings, moment);
-    }
-
-    /// The same, as a step that no other continues.
-    pub(super) fn change_at_once(&mut self, ids: &[u64], settings: Settings) {
-        self.change_at(ids, settings, Moment { now_s: f64::NEG_INFINITY, pressed_s: None });
-    }
-
-    fn change_at(&mut self, ids: &[u64], settings: Settings, moment: Moment) {
+    fn change(&mut self, ids: &[u64], settings: Settings, moment: Moment) {
         let changes: Vec<Change> = ids
             .iter()
             .filter_map(|&id| {
@@ -193,8 +192,10 @@ impl State {
         self.worker.forget(id);
         self.undo.forget(id);
         // The one shown stays shown; of a closed one, its neighbour.
-        if index < self.active || self.active == self.open.len() {
-            self.active = self.active.saturating_sub(1);
+        if index == self.active {
+            self.show(index.min(self.open.len().saturating_sub(1)));
+        } else if index < self.active {
+            self.active -= 1;
         }
     }
 

@@ -194,8 +194,12 @@ impl State {
 
     /// Whether the answer shown is old enough to be dimmed.
     pub fn is_stale(&self) -> bool {
-        let since = self.active().and_then(|open| open.analysing);
-        since.is_some_and(|(_, since)| since.elapsed() > DIM_AFTER)
+        let Some(open) = self.active() else { return false };
+        match open.analysing {
+            Some((_, since)) => since.elapsed() > DIM_AFTER,
+            // A calculation that failed leaves the answer of other settings.
+            None => open.analysis.as_ref().is_some_and(|a| a.settings != open.settings),
+        }
     }
 
     /// How long the answer took (ms), once there is one.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::State;
+use super::undo::Moment;
 use crate::analysis::Settings;
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::persist::hashes::HashCache;
@@ -48,14 +49,18 @@ impl State {
         source: Option<Source>,
         settings: Settings,
     ) {
-        self.open.retain(|open| !open.placeholder);
+        let placeholders = self.open.iter().filter(|open| open.placeholder).map(|open| open.id);
+        for id in placeholders.collect::<Vec<_>>() {
+            self.close(id);
+        }
         if let Some(source) = &source {
             self.session.opened(source);
         }
         self.newest_id += 1;
         self.open.push(OpenDeployment::new(self.newest_id, deployment, source, settings));
-        self.active = self.open.len() - 1;
-        self.analyse(self.active);
+        let index = self.open.len() - 1;
+        self.show(index);
+        self.analyse(index);
         self.draw_pins();
     }
 
@@ -126,6 +131,8 @@ impl State {
                 self.add_with(deployment, Some(source), settings);
                 self.tell_of_reading(self.active);
             }
+            // What the user opened meanwhile has no need of it.
+            Then::Placeholder if !self.open.is_empty() => {}
             Then::Placeholder => {
                 self.add(deployment, Some(source));
                 self.open[self.active].placeholder = true;
@@ -175,7 +182,7 @@ impl State {
         }
         if let Some(path) = settings.last() {
             match read_settings(path) {
-                Ok(settings) => self.take_settings(settings),
+                Ok(settings) => self.change_active(settings, Moment::NEVER),
                 Err(line) => self.toasts.error(&line),
             }
         }
@@ -188,17 +195,23 @@ impl State {
             self.toasts.error(line);
             return;
         };
-        let Some(mut source) = open.source.clone() else { return };
         let id = open.id;
+        // Files that are still being added are not forgotten: they are read again with these.
+        let pending = self.opening.iter().rposition(|opening| opening.then == Then::Replace(id));
+        let source = match pending {
+            Some(index) => {
+                let pending = self.opening.remove(index);
+                pending.progress.cancel();
+                Some(pending.source)
+            }
+            None => open.source.clone(),
+        };
+        let Some(mut source) = source else {
+            self.toasts.error("what is open came from no file; save it, open that, and add to it");
+            return;
+        };
         source.extras.add(extras);
         self.read(source, Then::Replace(id));
-    }
-
-    fn take_settings(&mut self, settings: Settings) {
-        match self.active().map(|open| open.id) {
-            Some(id) => self.change_at_once(&[id], settings),
-            None => self.start_settings = settings,
-        }
     }
 
     /// Stops reading a deployment, by its request's number.

@@ -1,17 +1,26 @@
 //! The scene as a picture, with what is written over it: the window's own pixels, cut to the pane.
 
-use std::sync::Arc;
-
 use eframe::egui;
 
 use super::{PictureTo, State};
 use crate::app::worker::Reply;
 
 impl State {
-    /// Asks the window system for its pixels in the part of the window where the scene is (points).
-    pub fn take_picture(&mut self, ctx: &egui::Context, scene: egui::Rect) {
+    /// To be called before a frame is drawn: from now on it is known whether it becomes a picture.
+    pub fn begin_picture(&mut self) {
         self.picturing = self.wanted_picture.is_some();
+    }
+
+    /// Asks the window system for its pixels in the part of the window where the scene was drawn in this frame (points).
+    pub fn take_picture(&mut self, ctx: &egui::Context, scene: Option<egui::Rect>) {
+        if !self.picturing {
+            return;
+        }
         let Some(to) = self.wanted_picture.take() else { return };
+        let Some(scene) = scene else {
+            self.toasts.error("the scene is not shown; bring its pane to the front");
+            return;
+        };
         let reply = self.worker.reply();
         let pixels_per_point = ctx.pixels_per_point();
         ctx.request_screenshot(move |window| {
@@ -31,7 +40,7 @@ impl State {
                 let bytes = image.pixels.iter().flat_map(egui::Color32::to_srgba_unmultiplied);
                 let [width, height] = image.size.map(|side| side as u32);
                 if let Some(image) = image::RgbaImage::from_raw(width, height, bytes.collect()) {
-                    self.save_picture(Arc::new(image));
+                    self.save_picture(image);
                 }
             }
         }

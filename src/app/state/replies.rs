@@ -6,6 +6,7 @@ use super::State;
 use crate::app::toasts::new_findings;
 use crate::app::worker::{Answered, Reply};
 use crate::experiment::StudyError;
+use crate::export::summary::ResultSummary;
 
 impl State {
     /// Takes in what the worker has done since the last frame.
@@ -72,9 +73,11 @@ impl State {
     }
 
     fn take_analysed(&mut self, number: u64, id: u64, answered: Answered) {
+        let shown = self.active().map(|open| open.id);
         let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
         let analysis = Arc::clone(&answered.analysis);
         let first = open.analysis.is_none();
+        let before = open.summary.clone();
         if !open.take(number, answered) {
             return;
         }
@@ -86,6 +89,11 @@ impl State {
             } else {
                 self.toasts.findings(&open.deployment.name, findings, &mut open.told);
             }
+        }
+        let stations = |summary: &Option<Arc<ResultSummary>>| summary.as_ref().map(|s| s.stations);
+        if stations(&before) != stations(&open.summary) && Some(id) == shown {
+            // Prisms are found anew; everything else stands elsewhere now.
+            self.ruler.ends.retain(|end| end.prism.is_some());
         }
         self.remember_run(id, &analysis);
     }

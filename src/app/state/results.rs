@@ -22,6 +22,8 @@ pub struct Pin {
     pub shown: bool,
     /// Its residuals; `None` until they are computed, or when its deployment is not open.
     pub plots: Option<Arc<PreparedPlots>>,
+    /// Whether they are being computed.
+    drawing: bool,
 }
 
 /// What one change of the settings led to.
@@ -65,7 +67,7 @@ impl Results {
         let taken = |name: &str| self.pins.iter().any(|pin| pin.name == name);
         let letters = ('A'..='Z').map(String::from).find(|name| !taken(name));
         let name = letters.unwrap_or_else(|| id.to_string());
-        self.pins.push(Pin { id, name, summary, shown: true, plots });
+        self.pins.push(Pin { id, name, summary, shown: true, plots, drawing: false });
         id
     }
 }
@@ -125,19 +127,34 @@ impl State {
         }
     }
 
-    /// Has the residuals of pinned results computed where they are missing and the data is open.
-    pub(super) fn draw_pins(&self) {
-        for pin in self.results.pins.iter().filter(|pin| pin.plots.is_none()) {
-            let same = |open: &&super::OpenDeployment| pin.summary.is_of(&open.deployment);
-            let Some(open) = self.open.iter().find(same) else { continue };
-            let (id, settings) = (pin.id, pin.summary.settings);
+    /// Has the residuals of pinned results computed where they are missing and the data is open: those of a deployment
+    /// one after the other, which shares what their settings share.
+    pub(super) fn draw_pins(&mut self) {
+        for open in &self.open {
+            let missing = |pin: &&mut Pin| {
+                pin.plots.is_none() && !pin.drawing && pin.summary.is_of(&open.deployment)
+            };
+            let wanted: Vec<(u64, Settings)> = (self.results.pins.iter_mut().filter(missing))
+                .map(|pin| {
+                    pin.drawing = true;
+                    (pin.id, pin.summary.settings)
+                })
+                .collect();
+            if wanted.is_empty() {
+                continue;
+            }
             let deployment = Arc::clone(&open.deployment);
             let readings = open.analysis.is_some().then(|| Arc::clone(&open.plots.readings));
+            let reply = self.worker.reply();
             self.worker.beside(move || {
                 let readings = readings.unwrap_or_else(|| RawReadings::of(&deployment).into());
-                let analysis = Analyst::new(deployment).run(&settings);
-                let plots = Arc::new(PreparedPlots::of(&analysis, &readings));
-                Some(Reply::PinDrawn { id, plots })
+                let mut analyst = Analyst::new(deployment);
+                for (id, settings) in wanted {
+                    let analysis = analyst.run(&settings);
+                    let plots = Arc::new(PreparedPlots::of(&analysis, &readings));
+                    reply(Reply::PinDrawn { id, plots });
+                }
+                None
             });
         }
     }

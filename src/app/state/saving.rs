@@ -1,5 +1,6 @@
 //! Dialogs, and what they save.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::State;
@@ -9,6 +10,7 @@ use crate::app::worker::Reply;
 use crate::deployment::Deployment;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::export;
+use crate::export::atomic;
 use crate::export::report::{self, Chapter};
 
 impl State {
@@ -40,51 +42,58 @@ impl State {
     }
 
     pub(super) fn save_recording(&mut self) {
-        let answer = self.ask_where("Save a recording for Rerun", "rrd");
-        self.with_analysis(move |deployment, analysis| {
-            let path = answer.wait()?;
-            let result = export::rerun::save(&deployment, &analysis, &path)
-                .map(|()| format!("{} written", path.display()))
-                .map_err(|error| error.to_string());
-            Some(Reply::Done(result))
+        self.save_of_analysis("Save a recording for Rerun", "rrd", |path, deployment, analysis| {
+            export::rerun::save(&deployment, &analysis, path).map_err(|error| error.to_string())
         });
     }
 
     pub(super) fn save_trajectory(&mut self) {
-        let answer = self.ask_where("Save the vehicle's trajectory (TUM)", "tum");
-        self.with_analysis(move |deployment, analysis| {
-            let path = answer.wait()?;
-            let result = trajectory_text(&deployment, &analysis).and_then(|text| {
-                std::fs::write(&path, text)
-                    .map(|()| format!("{} written", path.display()))
-                    .map_err(|error| format!("{}: {error}", path.display()))
-            });
-            Some(Reply::Done(result))
-        });
-    }
-
-    pub(super) fn save_picture(&mut self, image: Arc<image::RgbaImage>) {
-        let answer = self.ask_where("Save the picture of the scene (PNG)", "png");
-        self.worker.beside(move || {
-            let path = answer.wait()?;
-            let result = image
-                .save_with_format(&path, image::ImageFormat::Png)
-                .map(|()| format!("{} written", path.display()))
-                .map_err(|error| format!("{}: {error}", path.display()));
-            Some(Reply::Done(result))
+        let title = "Save the vehicle's trajectory (TUM)";
+        self.save_of_analysis(title, "tum", |path, deployment, analysis| {
+            let text = trajectory_text(&deployment, &analysis)?;
+            atomic::write(path, text).map_err(|error| error.to_string())
         });
     }
 
     pub(super) fn save_report(&mut self) {
-        let answer = self.ask_where("Save the report (HTML)", "html");
-        self.with_analysis(move |deployment, analysis| {
-            let path = answer.wait()?;
+        self.save_of_analysis("Save the report (HTML)", "html", |path, deployment, analysis| {
             let analysis = Box::new(Analysis::clone(&analysis));
             let page = report::page(&[Chapter::Analysed { deployment, analysis }]);
-            let result = export::atomic::write(&path, &page)
-                .map(|()| format!("{} written", path.display()))
-                .map_err(|error| error.to_string());
-            Some(Reply::Done(result))
+            atomic::write(path, page).map_err(|error| error.to_string())
+        });
+    }
+
+    pub(super) fn save_picture(&mut self, image: image::RgbaImage) {
+        let answer = self.ask_where("Save the picture of the scene (PNG)", "png");
+        self.worker.beside(move || {
+            let path = answer.wait()?;
+            let mut bytes = std::io::Cursor::new(Vec::new());
+            let written = image
+                .write_to(&mut bytes, image::ImageFormat::Png)
+                .map_err(|error| error.to_string())
+                .and_then(|()| {
+                    atomic::write(&path, bytes.into_inner()).map_err(|error| error.to_string())
+                });
+            Some(Reply::Done(written.map(|()| format!("{} written", path.display()))))
+        });
+    }
+
+    /// Asks for a file and has it written from the active deployment's answer.
+    fn save_of_analysis(
+        &mut self,
+        title: &str,
+        extension: &str,
+        write: impl FnOnce(&Path, Arc<Deployment>, Arc<Analysis>) -> Result<(), String> + Send + 'static,
+    ) {
+        if self.analysed().is_none() {
+            self.toasts.error("there is no answer to save yet; open a deployment first");
+            return;
+        }
+        let answer = self.ask_where(title, extension);
+        self.with_analysis(move |deployment, analysis| {
+            let path = answer.wait()?;
+            let written = write(&path, deployment, analysis);
+            Some(Reply::Done(written.map(|()| format!("{} written", path.display()))))
         });
     }
 

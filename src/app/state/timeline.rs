@@ -59,7 +59,8 @@ impl Timeline {
         let margin_s = 0.5 * (self.whole_s[1] - self.whole_s[0]);
         let [from, to] = [self.whole_s[0] - margin_s, self.whole_s[1] + margin_s];
         let length_s = (b - a).abs().clamp(SHORTEST_WINDOW_S, to - from);
-        let start_s = a.min(b).clamp(from, to - length_s);
+        // Rounding may leave a little less room than there is: `clamp` would panic.
+        let start_s = a.min(b).min(to - length_s).max(from);
         self.window_s = [start_s, start_s + length_s];
     }
 
@@ -160,6 +161,18 @@ mod tests {
         assert_eq!(timeline.window_s, [950.0, 1150.0]);
         timeline.show([5000.0, 5010.0]);
         assert_eq!(timeline.window_s, [1140.0, 1150.0]);
+    }
+
+    #[test]
+    fn all_that_there_is_can_be_shown_whatever_the_stamps() {
+        let mut stamps = vec![[0.0, 1_760_000_419.6], [0.1, 0.2], [-1e11, 1e11]];
+        stamps.extend((1..2000).map(|i| [0.37 * f64::from(i), 1.7 * f64::from(i) + 1.3]));
+        for whole_s in stamps {
+            let mut timeline = Timeline { whole_s, ..timeline() };
+            timeline.show([-1e12, 1e12]);
+            let [from_s, to_s] = timeline.window_s;
+            assert!(from_s <= whole_s[0] && to_s >= whole_s[1], "{whole_s:?}");
+        }
     }
 
     #[test]

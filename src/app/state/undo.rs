@@ -3,6 +3,8 @@
 //! A drag sends many settings; it is one step. egui's own `Undoer` merges whatever comes within a second, also two
 //! different switches, and cannot name a step; this one merges changes of the same setting only.
 
+use eframe::egui;
+
 use crate::analysis::{Settings, changes_in_words, setting_changes};
 
 /// Changes of the same setting that come this soon after each other (s) are one step: a key held down.
@@ -34,6 +36,18 @@ pub struct Moment {
     pub now_s: f64,
     /// Since when the pointer's button is down, if it is (s).
     pub pressed_s: Option<f64>,
+}
+
+impl Moment {
+    /// Of a change that is a step of its own.
+    pub const NEVER: Self = Self { now_s: f64::NEG_INFINITY, pressed_s: None };
+
+    pub fn now(ctx: &egui::Context) -> Self {
+        ctx.input(|input| Self {
+            now_s: input.time,
+            pressed_s: input.pointer.press_start_time().filter(|_| input.pointer.any_down()),
+        })
+    }
 }
 
 #[derive(Debug, Default)]
@@ -121,7 +135,7 @@ impl UndoStack {
 
 impl Step {
     fn continues(&self, changes: &[Change], moment: Moment) -> bool {
-        let in_time = moment.now_s - self.at_s < SAME_STEP_S
+        let in_time = (0.0..SAME_STEP_S).contains(&(moment.now_s - self.at_s))
             || moment.pressed_s.is_some_and(|pressed_s| self.at_s >= pressed_s);
         let same = self.changes.len() == changes.len()
             && self.changes.iter().zip(changes).all(|(a, b)| a.id == b.id && same_setting(a, b));
@@ -181,6 +195,14 @@ mod tests {
         );
         assert!(stack.undo().is_none());
         assert_eq!(stack.redo().expect("undone").changes[0].after, with(1.5, 6.0));
+    }
+
+    #[test]
+    fn what_comes_at_no_time_is_a_step_of_its_own() {
+        let mut stack = UndoStack::default();
+        stack.record(change(with(2.0, 6.0), with(1.0, 6.0)), at(1.0, None));
+        stack.record(change(with(1.0, 6.0), with(0.5, 6.0)), Moment::NEVER);
+        assert_eq!(stack.undo().expect("two").changes[0].before, with(1.0, 6.0));
     }
 
     #[test]
