@@ -163,7 +163,7 @@ fn rates(ui: &mut egui::Ui, step: &Step) {
         }
         ui.end_row();
         for rate in &step.rates {
-            let unit = rate.unit().replace("deg", "°");
+            let unit = rate.unit();
             ui.label(format!("{} ({unit})", rate.name()));
             let value = without_negative_zero(rate.value, 2);
             let text = RichText::new(format!("{value:>8}")).monospace();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::pick::PointTree;
 use crate::analysis::Analysis;
-use crate::deployment::Deployment;
+use crate::deployment::{Deployment, Track};
 use crate::pipeline::Triplets;
 
 /// A point in its station's frame, as the GPU reads it.
@@ -13,8 +13,15 @@ use crate::pipeline::Triplets;
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct TimedPoint {
     pub position_m: [f32; 3],
-    /// Since the deployment's first measurement.
+    /// Since [`time_origin_s`].
     pub time_s: f32,
+}
+
+/// What the GPU counts time from (s, in the stations' clock): a reading in the middle of the drive. Its numbers are short;
+/// counted from the first reading, one stray stamp years before the drive would leave them minutes wide.
+pub fn time_origin_s(deployment: &Deployment) -> f64 {
+    let middle = |track: &Track| track.measurements.get(track.measurements.len() / 2).copied();
+    deployment.tracks.iter().find_map(middle).map_or(0.0, |reading| reading.time_s)
 }
 
 /// Points of the three stations, one station after the other, each in its own order of time.
@@ -30,11 +37,11 @@ pub struct Cloud {
 impl Cloud {
     /// Every raw reading. A jump may throw a reading anywhere, so their trees are sorted by place.
     pub fn of_readings(deployment: &Deployment) -> Self {
-        let start_s = deployment.start_s().unwrap_or(0.0);
+        let origin_s = time_origin_s(deployment);
         let stations = deployment.tracks.each_ref().map(|track| {
             let point = |m| {
                 let p = track.position_m(m).cast::<f32>();
-                TimedPoint { position_m: p.into(), time_s: (m.time_s - start_s) as f32 }
+                TimedPoint { position_m: p.into(), time_s: (m.time_s - origin_s) as f32 }
             };
             track.measurements.iter().map(point).collect::<Vec<_>>()
         });
@@ -42,11 +49,11 @@ impl Cloud {
     }
 
     /// The interpolated tracks. Neighbours in time are neighbours in space.
-    pub fn of_triplets(triplets: &Triplets, start_s: f64) -> Self {
+    pub fn of_triplets(triplets: &Triplets, origin_s: f64) -> Self {
         let stations = triplets.points_m.each_ref().map(|points_m| {
             let point = |(p, time_s): (&nalgebra::Vector3<f64>, &f64)| TimedPoint {
                 position_m: p.cast::<f32>().into(),
-                time_s: (time_s - start_s) as f32,
+                time_s: (time_s - origin_s) as f32,
             };
             points_m.iter().zip(&triplets.time_s).map(point).collect::<Vec<_>>()
         });
@@ -89,8 +96,8 @@ impl CloudMaker {
         let triplets = analysis.triplets();
         let known = self.tracks.take().filter(|(of, _)| Arc::ptr_eq(of, triplets));
         let (_, tracks) = self.tracks.insert(known.unwrap_or_else(|| {
-            let start_s = deployment.start_s().unwrap_or(0.0);
-            (Arc::clone(triplets), Arc::new(Cloud::of_triplets(triplets, start_s)))
+            let origin_s = time_origin_s(deployment);
+            (Arc::clone(triplets), Arc::new(Cloud::of_triplets(triplets, origin_s)))
         }));
         Clouds { raw: Arc::clone(raw), tracks: Arc::clone(tracks) }
     }

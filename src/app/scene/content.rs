@@ -178,8 +178,8 @@ impl SceneContent {
     }
 
     /// Makes the readings, tracks and poses of a span of time stand out (s, in the stations' clock).
-    pub fn set_selection(&mut self, selected_s: Option<[f64; 2]>, start_s: f64) {
-        self.selection_s = selected_s.map(|span_s| span_s.map(|t| (t - start_s) as f32));
+    pub fn set_selection(&mut self, selected_s: Option<[f64; 2]>, origin_s: f64) {
+        self.selection_s = selected_s.map(|span_s| span_s.map(|t| (t - origin_s) as f32));
         if self.selected_s != selected_s {
             self.selected_s = selected_s;
             self.along.clear();

@@ -3,6 +3,7 @@
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Sense, StrokeKind, Vec2};
 use nalgebra::Vector3;
 
+use super::cloud::time_origin_s;
 use super::content::reading_m;
 use super::flight::Flight;
 use super::labels::{self, Placer};
@@ -154,7 +155,8 @@ impl SceneView {
             self.content.colour(&open.deployment, analysis, state.colouring);
             self.coloured = wanted;
         }
-        self.content.set_selection(open.timeline.selection_s, open.start_s());
+        let origin_s = time_origin_s(&open.deployment);
+        self.content.set_selection(open.timeline.selection_s, origin_s);
         let instant = |time_s: Option<f64>| time_s.and_then(|t| analysis.triplets().nearest(t));
         let colour = theme::cursor(dark);
         let at = instant(open.timeline.cursor_s);

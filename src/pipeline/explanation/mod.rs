@@ -42,7 +42,7 @@ pub struct Step {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
     pub of: OutlierReason,
-    /// With its sign; m/s for the range, deg/s for the angles.
+    /// With its sign; m/s for the range, °/s for the angles.
     pub value: f64,
     /// τ_r, τ_a or τ_e, in the same unit; `None` while module 1 is off.
     pub threshold: Option<f64>,
@@ -205,11 +205,11 @@ impl Rate {
         self.threshold.is_some_and(|threshold| self.value.abs() > threshold)
     }
 
-    /// "m/s" or "deg/s".
+    /// "m/s" or "°/s".
     pub fn unit(&self) -> &'static str {
         match self.of {
             OutlierReason::Range => "m/s",
-            OutlierReason::Azimuth | OutlierReason::Zenith => "deg/s",
+            OutlierReason::Azimuth | OutlierReason::Zenith => "°/s",
         }
     }
 

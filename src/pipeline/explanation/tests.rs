@@ -68,7 +68,7 @@ fn a_rejected_reading_names_the_rate_the_time_and_the_threshold() {
     let (explanation, words) = explained(&deployment, 1, 6);
     assert_eq!(
         words,
-        "Rejected by the azimuth rate: 3.42 deg/s from the reading before (0.50 s earlier), and τ_a allows 1.00."
+        "Rejected by the azimuth rate: 3.42 °/s from the reading before (0.50 s earlier), and τ_a allows 1.00."
     );
     let remedy = explanation.remedy().expect("a threshold");
     assert_eq!(remedy.thresholds.tau_a_deg_per_s, 3.5);
@@ -98,7 +98,7 @@ fn all_rates_that_are_too_high_are_named_and_the_first_decides() {
     let (explanation, words) = explained(&deployment([all(), all(), jumping]), 2, 6);
     assert_eq!(explanation.fate, SampleFate::Rejected(OutlierReason::Range));
     assert!(words.contains("by the range rate: 4.00 m/s"), "{words}");
-    assert!(words.contains("The zenith rate is too high as well: 11.46 deg/s"), "{words}");
+    assert!(words.contains("The zenith rate is too high as well: 11.46 °/s"), "{words}");
     let remedy = explanation.remedy().expect("thresholds").thresholds;
     assert_eq!((remedy.tau_r_m_per_s, remedy.tau_e_deg_per_s), (4.0, 12.0));
 }
