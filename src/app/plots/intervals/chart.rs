@@ -165,8 +165,12 @@ impl Chart<'_> {
         let left = |column: usize| frame.left() + column as f32 * COLUMN;
         let time_at =
             |x: f32| self.shown.transform.value_from_position(Pos2::new(x, 0.0)).x + start_s;
+        let mut end = times_s.partition_point(|t| *t < time_at(left(0)));
         let ends: Vec<usize> = (0..=columns)
-            .map(|column| times_s.partition_point(|t| *t < time_at(left(column))))
+            .map(|column| {
+                end = first_from(times_s, end, time_at(left(column)));
+                end
+            })
             .collect();
         let most = ends.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(1).max(1);
         let colour = theme::rgb(palette::STATIONS[station]);
@@ -193,7 +197,7 @@ impl Chart<'_> {
                 // Some between kept ones: they must not hide those.
                 rect.min.y = rect.max.y - 0.3 * rect.height();
             }
-            hatch(&painter.with_clip_rect(rect.intersect(painter.clip_rect())), rect, short);
+            hatch(&painter, rect, short);
             painter.rect_stroke(rect, 0.0, Stroke::new(1.0, short), StrokeKind::Inside);
             label(ui, &painter, rect, &seen);
         }
@@ -239,6 +243,18 @@ impl Chart<'_> {
     }
 }
 
+/// Index of the first time that is not before another, looked for from an index on in ever longer steps: of a million
+/// times the next is mostly near, and far ones would have to be fetched from memory.
+fn first_from(times_s: &[f64], from: usize, time_s: f64) -> usize {
+    let (mut low, mut step) = (from, 1);
+    while times_s.get(low + step).is_some_and(|t| *t < time_s) {
+        low += step;
+        step *= 2;
+    }
+    let high = times_s.len().min(low + step + 1);
+    low + times_s[low..high].partition_point(|t| *t < time_s)
+}
+
 fn under(spans: &[Interval], time_s: f64) -> Option<&Interval> {
     let span = spans.get(spans.partition_point(|span| span.end_s < time_s))?;
     (span.start_s <= time_s).then_some(span)
@@ -271,7 +287,7 @@ fn label(ui: &egui::Ui, painter: &egui::Painter, rect: Rect, seen: &Seen) {
     }
 }
 
-/// Slanted lines, cut off by the painter.
+/// Slanted lines. They are cut here, because each part that the painter has to cut is drawn by itself.
 fn hatch(painter: &egui::Painter, rect: Rect, colour: Color32) {
     painter.rect_filled(rect, 0.0, colour.gamma_multiply(0.15));
     let (step, rise) = (5.0, rect.height());
@@ -280,7 +296,27 @@ fn hatch(painter: &egui::Painter, rect: Rect, colour: Color32) {
     let last = ((seen.right() - rect.left() + rise) / step).ceil() as i32;
     for line in first..=last {
         let foot = rect.left_bottom() + Vec2::new(line as f32 * step - rise, 0.0);
-        let ends = [foot, foot + Vec2::new(rise, -rise)];
-        painter.add(Shape::line_segment(ends, Stroke::new(1.0, colour)));
+        let [from, to] = [foot.x.max(seen.left()), (foot.x + rise).min(seen.right())];
+        if from < to {
+            let ends = [from, to].map(|x| Pos2::new(x, foot.y - (x - foot.x)));
+            painter.add(Shape::line_segment(ends, Stroke::new(1.0, colour)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_from_an_index_is_the_first_of_all() {
+        let times_s: Vec<f64> = (0..100).map(|i| f64::from(i) * 0.4).collect();
+        for wanted in [-1.0, 0.0, 0.3, 7.9, 8.0, 39.6, 50.0] {
+            let expected = times_s.partition_point(|t| *t < wanted);
+            for from in 0..=expected {
+                assert_eq!(first_from(&times_s, from, wanted), expected, "{wanted} from {from}");
+            }
+        }
+        assert_eq!(first_from(&[], 0, 1.0), 0);
     }
 }
