@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::Settings;
 use crate::calibration::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
-use crate::pipeline::{Interpolation, PipelineSettings, Thresholds};
+use crate::pipeline::{PipelineSettings, Thresholds};
 
 /// One setting that differs. Displays as "τ_r 2 → 1.5 m/s".
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,7 +84,7 @@ fn named_values(settings: &Settings) -> [NamedValue; 19] {
         number("τ_s", *tau_s_seconds, "s"),
         switch("interval filter", *interval_filter),
         number("τ_l", *tau_l_seconds, "s"),
-        word("interpolation", interpolation_name(*interpolation)),
+        word("interpolation", interpolation.title()),
         number("rate", *rate_hz, "Hz"),
         NamedValue { name: "method", value: method, unit: "" },
         word("alignment", alignment_name(*alignment)),
@@ -110,10 +110,6 @@ fn switch(name: &'static str, on: bool) -> NamedValue {
 /// The shortest decimals that tell the value from every other; no noise from a change of unit.
 fn number(name: &'static str, value: f64, unit: &'static str) -> NamedValue {
     NamedValue { name, value: ((value * 1e9).round() / 1e9).to_string(), unit }
-}
-
-fn interpolation_name(interpolation: Interpolation) -> &'static str {
-    interpolation.title()
 }
 
 fn alignment_name(alignment: Alignment) -> &'static str {

@@ -5,6 +5,7 @@
 //! commands.
 
 mod actions;
+mod ago;
 pub mod file_dialog;
 mod layout;
 mod open_deployment;

@@ -52,12 +52,13 @@ impl ResectWindow {
         let mut state = State::new(ctx.clone());
         let mut layout = Layout::default();
         state.start_settings = settings;
-        let restores = keeping.as_ref().is_some_and(Keeping::has_recovered);
-        if let Some(keeping) = &mut keeping {
-            keeping.begin(ctx, &mut state, &mut layout);
-        }
+        // What the user asks for by name is not mixed with what another window had open.
+        let restores = matches!(start, Start::Sample(_));
+        let restored = keeping
+            .as_mut()
+            .is_some_and(|keeping| keeping.begin(ctx, &mut state, &mut layout, restores));
         match start {
-            Start::Sample(_) if restores => {}
+            Start::Sample(_) if restored => {}
             Start::Sample(sample) => state.open_placeholder(*sample),
             Start::Session(path) => state.open_session(path.clone()),
             Start::Deployments(deployments) => {
@@ -105,6 +106,7 @@ impl ResectWindow {
 impl eframe::App for ResectWindow {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.state.take_replies();
+        self.state.keep_replaced(|| self.layout.describe());
         if let Some(description) = self.state.session.take_layout() {
             let (layout, findings) = Layout::of_description(&description);
             self.layout = layout;
@@ -137,7 +139,7 @@ impl eframe::App for ResectWindow {
         if !self.state.picturing {
             panels::toasts::ui(&ctx, &self.state.toasts, &mut commands);
         }
-        panels::drop_hint::ui(ui, &self.state);
+        panels::drop_hint::ui(ui, &self.state, &mut commands);
         match &self.state.overlay {
             Overlay::None => {}
             Overlay::Palette(palette) => {
@@ -168,6 +170,7 @@ impl eframe::App for ResectWindow {
     }
 
     fn on_exit(&mut self) {
+        self.state.finish();
         if let Some((keeping, ctx)) = self.keeping.take() {
             keeping.finish(&ctx, &self.state, &self.layout);
         }

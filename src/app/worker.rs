@@ -78,8 +78,12 @@ pub enum Reply {
     /// What the paths are that the user dropped or chose.
     Sorted(u64, Sorted),
     /// A session's file was read: the session and what had to be left out of it.
-    SessionRead(PathBuf, Result<(Box<Session>, Vec<Finding>), SessionError>),
-    SessionSaved(PathBuf, Result<(), String>),
+    SessionRead(u64, PathBuf, Result<(Box<Session>, Vec<Finding>), SessionError>),
+    /// The user chose where a session is saved; which of those that were opened it is.
+    SessionPlace(PathBuf, Box<Session>, u64),
+    SessionSaved(u64, PathBuf, Result<(), String>),
+    /// What a session took the place of is kept.
+    ReplacedKept(u64, Result<(), String>),
     /// Something that ran beside the worker is done: a line for the user, or why it failed.
     Done(Result<String, String>),
 }
@@ -156,7 +160,7 @@ impl Worker {
     }
 
     /// Runs something beside the worker under a number of its own.
-    fn numbered<T: 'static>(
+    pub fn numbered<T: 'static>(
         &mut self,
         reply: fn(u64, T) -> Reply,
         run: impl FnOnce() -> T + Send + 'static,

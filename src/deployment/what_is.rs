@@ -52,6 +52,11 @@ pub fn what_is(path: &Path) -> Dropped {
         return what_folder_is(path);
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    // Reading a pipe would wait for whoever writes to it.
+    if path.exists() && !path.is_file() {
+        let what = "a pipe, a socket or a device, no file; save what it gives as a file";
+        return Dropped::Unknown(format!("{name}: {what}"));
+    }
     let file = match FoundFile::at(path, name) {
         Ok(file) => file,
         Err(error) => return Dropped::Unknown(error.to_string()),
@@ -163,6 +168,22 @@ mod tests {
         assert_eq!(what_is(&folder.path().join("rig")), Dropped::Rig);
         assert_eq!(what_is(folder.path()), Dropped::Deployment);
         assert!(matches!(what_is(&folder.path().join("absent")), Dropped::Unknown(_)));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_not_waited_for() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("tracks.csv");
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        assert!(made.expect("a tool of every Unix").success());
+        let (send, receive) = std::sync::mpsc::channel();
+        std::thread::spawn(move || send.send(what_is(&path)));
+        let patience = std::time::Duration::from_secs(10);
+        let Ok(Dropped::Unknown(said)) = receive.recv_timeout(patience) else {
+            panic!("it is waited for")
+        };
+        assert!(said.starts_with("tracks.csv: a pipe"), "{said}");
     }
 
     #[test]

@@ -66,6 +66,13 @@ pub struct ControlPointMetric {
     pub spread: Spread,
 }
 
+impl ControlPointMetric {
+    /// The one whose median is the largest.
+    pub fn worst(of: &[Self]) -> Option<&Self> {
+        of.iter().max_by(|a, b| a.spread.median.total_cmp(&b.spread.median))
+    }
+}
+
 /// Both metrics of an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {

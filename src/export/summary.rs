@@ -73,7 +73,7 @@ impl ResultSummary {
 
     /// The file of control points whose median is the largest.
     pub fn worst_control_points(&self) -> Option<&ControlPointMetric> {
-        self.control_points_mm.iter().max_by(|a, b| a.spread.median.total_cmp(&b.spread.median))
+        ControlPointMetric::worst(&self.control_points_mm)
     }
 
     /// Whether two answers come from the same measurements, as far as their names and counts tell.

@@ -54,7 +54,7 @@ impl Interpolation {
         }
     }
 
-    /// As a plot names it.
+    /// As the window and plots name it.
     pub fn title(self) -> &'static str {
         match self {
             Self::Linear => "linear",

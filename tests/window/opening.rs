@@ -163,8 +163,11 @@ fn a_hovering_file_says_what_it_would_do() {
     let mut harness = window(SIZE, Theme::Dark);
     let hovered = HoveredFile { path: Some(path.clone()), ..HoveredFile::default() };
     harness.input_mut().hovered_files.push(hovered);
-    harness.run_steps(1);
+    settle(&mut harness);
+    harness.get_by_label("Add the control points GCP_raw_1.txt to warthog (simulated)");
     harness.input_mut().hovered_files.clear();
+    harness.run_steps(1);
+    assert!(harness.query_by_label_contains("Add the control points").is_none());
     // Dropped, it is used with what is open.
     let before = harness.state().state.active().expect("open").deployment.control_points.len();
     send(&mut harness, Command::OpenPaths(vec![path]));

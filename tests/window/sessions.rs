@@ -1,10 +1,11 @@
 //! The window through crashes and session files: what was open comes back, and nothing of it is lost.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::sync::Arc;
 
 use eframe::egui::Vec2;
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use resect::analysis::Settings;
 use resect::app::persist::hashes::HashCache;
 use resect::app::persist::keeping::Keeping;
@@ -12,13 +13,15 @@ use resect::app::persist::{Folders, session};
 use resect::app::{
     Colouring, Command, LayoutPreset, Pane, ResectWindow, Start, offscreen_renderer,
 };
-use resect::deployment::Sample;
+use resect::deployment::{Sample, Source};
 use resect::simulation::{Preset, simulate, write_folder};
 
 /// A window that keeps what it has in this folder, or keeps nothing.
 fn window(start: &Start, kept_in: Option<&Path>) -> Harness<'static, ResectWindow> {
     let start = start.clone();
-    let keeping = kept_in.map(|folder| Keeping::start(&Folders::inside(folder)));
+    // Looks in every frame, so that no test has to wait.
+    let keeping = kept_in
+        .map(|folder| Keeping::start(&Folders::inside(folder)).every(std::time::Duration::ZERO));
     let mut harness = Harness::builder()
         .with_size(Vec2::new(1100.0, 700.0))
         .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
@@ -92,8 +95,6 @@ fn what_was_open_comes_back_after_a_crash_and_not_after_a_clean_exit() {
     let mut harness = window(&sample, kept);
     let settings = prepare(&mut harness, &path);
     let expected = names(&harness);
-    std::thread::sleep(Duration::from_secs_f64(3.2));
-    harness.run_steps(1);
     // Dropped without its exit being told, as by a crash.
     drop(harness);
 
@@ -162,4 +163,111 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     assert!(back.is_some(), "with its settings");
     send(&mut harness, Command::RetryMissing);
     assert_eq!(names(&harness).len(), 2, "nothing is missing any more");
+}
+
+/// A window in this folder that dies with a deployment open; what it had open.
+fn die_with(folder: &Path, path: &Path) -> Vec<String> {
+    let mut harness = window(&Start::Sample(Sample::Warthog), Some(folder));
+    send(&mut harness, Command::OpenPaths(vec![path.to_owned()]));
+    names(&harness)
+}
+
+fn warnings(harness: &Harness<'_, ResectWindow>) -> String {
+    let toasts = harness.state().state.toasts.shown().iter();
+    toasts.map(|toast| format!("{}; {}\n", toast.text, toast.detail)).collect()
+}
+
+#[test]
+fn what_a_dead_window_had_open_waits_while_the_user_asks_for_something_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let kept = Some(folder.path());
+    let before = die_with(folder.path(), &data(folder.path(), "figure-eight"));
+    let file = folder.path().join("other.resect.toml");
+    let mut other = window(&Start::Sample(Sample::Warthog), None);
+    send(&mut other, Command::OpenSample(Sample::Hd2Tunnel));
+    let layout = other.state().layout().describe();
+    other.state().state.session(layout).save(&file, &HashCache::default()).expect("saved");
+    let tunnel = Arc::new(Sample::Hd2Tunnel.open().expect("built in"));
+    let named = vec![(Arc::clone(&tunnel), Source::sample(Sample::Hd2Tunnel))];
+    for start in [Start::Session(file), Start::Deployments(named)] {
+        let mut harness = window(&start, kept);
+        assert_eq!(names(&harness), std::slice::from_ref(&tunnel.name));
+        let said = warnings(&harness);
+        assert!(said.contains("comes back when resect is started without a path"), "{said}");
+        eframe::App::on_exit(harness.state_mut());
+    }
+    assert_eq!(names(&window(&Start::Sample(Sample::Warthog), kept)), before);
+}
+
+#[test]
+fn what_was_open_at_a_clean_exit_can_be_opened_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let kept = Some(folder.path());
+    let path = data(folder.path(), "figure-eight");
+    let sample = Start::Sample(Sample::Warthog);
+    let mut harness = window(&sample, kept);
+    let has_entry = |harness: &mut Harness<'_, ResectWindow>| {
+        harness.get_by_label("File").click();
+        harness.run_steps(2);
+        let has = harness.query_by_label("Reopen what was open last").is_some();
+        harness.get_by_label("File").click();
+        harness.run_steps(2);
+        has
+    };
+    assert!(!has_entry(&mut harness), "nothing was open before");
+    let settings = prepare(&mut harness, &path);
+    let expected = names(&harness);
+    eframe::App::on_exit(harness.state_mut());
+    drop(harness);
+
+    // One that shows only the sample leaves it as it is.
+    let mut harness = window(&sample, kept);
+    eframe::App::on_exit(harness.state_mut());
+    drop(harness);
+
+    let mut harness = window(&sample, kept);
+    assert!(has_entry(&mut harness));
+    send(&mut harness, Command::ReopenLast);
+    assert_is_back(&harness, &expected, settings);
+    assert_eq!(harness.state().state.session.path, None, "the user saves elsewhere");
+}
+
+#[test]
+fn what_a_session_takes_the_place_of_can_be_opened_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("other.resect.toml");
+    let mut harness = window(&Start::Sample(Sample::Warthog), Some(folder.path()));
+    send(&mut harness, Command::OpenSample(Sample::Hd2Tunnel));
+    let other = names(&harness);
+    let layout = harness.state().layout().describe();
+    harness.state().state.session(layout).save(&file, &HashCache::default()).expect("saved");
+    let id = harness.state().state.open[0].id;
+    send(&mut harness, Command::Close(id));
+    let settings = prepare(&mut harness, &data(folder.path(), "figure-eight"));
+    let expected = names(&harness);
+    send(&mut harness, Command::OpenPaths(vec![file.clone()]));
+    assert_eq!(names(&harness), other);
+    let state = &harness.state().state;
+    assert!(state.results.pins.is_empty());
+    let here = |run: &resect::app::Run| state.open.iter().any(|open| open.id == run.deployment);
+    assert!(state.results.runs.iter().all(here), "no run of what is gone");
+    send(&mut harness, Command::ReopenLast);
+    assert_is_back(&harness, &expected, settings);
+    // And back again.
+    send(&mut harness, Command::ReopenLast);
+    assert_eq!(names(&harness), other);
+}
+
+#[test]
+fn closing_the_window_waits_for_the_session_to_be_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.resect.toml");
+    let mut harness = window(&Start::Sample(Sample::Warthog), None);
+    send(&mut harness, Command::OpenPaths(vec![data(folder.path(), "figure-eight")]));
+    harness.state_mut().state.session.path = Some(file.clone());
+    let ctx = harness.ctx.clone();
+    harness.state_mut().send(Command::SaveSession, &ctx);
+    assert!(harness.state().state.is_busy());
+    eframe::App::on_exit(harness.state_mut());
+    assert_eq!(session::load(&file).expect("saved").0.deployments.len(), 1);
 }

@@ -38,12 +38,9 @@ pub fn actions(state: &State) -> Vec<Action> {
     actions.push(setting("Pipeline", "Interval filter", pipeline.interval_filter, &|settings| {
         settings.pipeline.interval_filter ^= true;
     }));
-    for (choice, name) in [
-        (Interpolation::Linear, "Interpolate linearly"),
-        (Interpolation::Gp, "Interpolate by a Gaussian process"),
-        (Interpolation::Wnoa, "Interpolate by a motion model"),
-    ] {
-        actions.push(setting("Pipeline", name, pipeline.interpolation == choice, &|settings| {
+    for choice in Interpolation::ALL {
+        let name = format!("Interpolation: {}", choice.title());
+        actions.push(setting("Pipeline", &name, pipeline.interpolation == choice, &|settings| {
             settings.pipeline.interpolation = choice;
         }));
     }

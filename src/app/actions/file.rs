@@ -26,6 +26,12 @@ pub fn actions(state: &State) -> Vec<Action> {
         file("Session", "Save session as…", Command::SaveSessionAs)
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::S),
     ]);
+    if state.session.last.as_ref().is_some_and(|last| last.path().is_some()) {
+        actions.push(
+            file("Session", "Reopen what was open last", Command::ReopenLast)
+                .hint("Before another session took its place, or the last window was closed"),
+        );
+    }
     if !state.session.missing.is_empty() {
         let hint = "Those of the session that could not be opened";
         actions.push(

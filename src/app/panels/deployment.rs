@@ -88,9 +88,9 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 /// Those of the session that could not be opened: they stay in it until the user takes them out.
 fn missing(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    for (index, (saved, why)) in state.session.missing.iter().enumerate() {
+    for (index, missing) in state.session.missing.iter().enumerate() {
         ui.horizontal(|ui| {
-            let name = saved.source.title();
+            let name = missing.saved.source.title();
             let out = format!("Take {name} out of the session");
             let button = ui.add(egui::Button::new("×").small().frame(false)).on_hover_text(&out);
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &out));
@@ -100,7 +100,7 @@ fn missing(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let (colour, sign) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
             ui.label(egui::RichText::new(sign).color(colour));
             let text = egui::RichText::new(format!("{name}: missing")).weak();
-            ui.add(egui::Label::new(text).truncate()).on_hover_text(why);
+            ui.add(egui::Label::new(text).truncate()).on_hover_text(&missing.why);
         });
     }
     if !state.session.missing.is_empty() && ui.button("Try missing deployments again").clicked() {

@@ -1,13 +1,13 @@
 //! What the files that hover over the window would do.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Align2, Color32, FontId};
 
-use crate::app::state::State;
-use crate::deployment::{Sorted, sort};
+use crate::app::state::{Command, Commands, State};
+use crate::deployment::Sorted;
 
-pub fn ui(ui: &egui::Ui, state: &State) {
+pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let paths: Vec<PathBuf> = ui.input(|input| {
         input.raw.hovered_files.iter().filter_map(|file| file.path.clone()).collect()
     });
@@ -20,11 +20,16 @@ pub fn ui(ui: &egui::Ui, state: &State) {
     let rect = ctx.content_rect();
     painter.rect_filled(rect, 0.0, Color32::from_black_alpha(190));
     let active = state.active().map(|open| open.deployment.name.as_str());
-    let text = match &*sorted(ctx, &paths) {
+    let hovering = &state.hovering;
+    let text = match &hovering.sorted {
         // Some systems tell what it is only when it is dropped.
-        sorted if *sorted == Sorted::default() => GENERAL.to_owned(),
-        sorted => in_words(sorted, active),
+        _ if paths.is_empty() => GENERAL.to_owned(),
+        Some(sorted) if hovering.paths == paths => in_words(sorted, active),
+        _ => format!("{}…", names(&paths)),
     };
+    if !paths.is_empty() && hovering.paths != paths {
+        commands.push(Command::HoverPaths(paths));
+    }
     let galley = painter.layout(
         text,
         FontId::proportional(18.0),
@@ -32,34 +37,29 @@ pub fn ui(ui: &egui::Ui, state: &State) {
         (rect.width() - 80.0).max(200.0),
     );
     let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
-    painter.galley(place.min, galley, Color32::WHITE);
+    // A label, which screen readers say, and not only paint.
+    egui::Area::new(egui::Id::unique("drop hint's text"))
+        .order(egui::Order::Foreground)
+        .interactable(false)
+        .fixed_pos(place.min)
+        .show(ctx, |ui| ui.add(egui::Label::new(galley).selectable(false)));
 }
 
 const GENERAL: &str = "Drop a deployment's folder, a ROS 1 bag or a polar CSV to open it;\n\
     control points, a rig, GNSS or settings to use them with the one that is open;\n\
     a session to go on with it";
 
-/// What the paths are. Looked at once, not in every frame.
-fn sorted(ctx: &egui::Context, paths: &[PathBuf]) -> std::sync::Arc<Sorted> {
-    type Known = Option<(Vec<PathBuf>, std::sync::Arc<Sorted>)>;
-    let id = egui::Id::unique("what hovers");
-    let known = ctx.data(|data| data.get_temp::<Known>(id)).flatten();
-    if let Some((same, sorted)) = known
-        && same == paths
-    {
-        return sorted;
-    }
-    let sorted = std::sync::Arc::new(sort(paths.iter().map(PathBuf::as_path)));
-    ctx.data_mut(|data| data.insert_temp::<Known>(id, Some((paths.to_vec(), sorted.clone()))));
-    sorted
+fn name(path: impl AsRef<Path>) -> String {
+    let path = path.as_ref();
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+fn names(paths: &[PathBuf]) -> String {
+    paths.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
 /// One line for each thing that would be done. `active`: the name of the deployment that is open.
 fn in_words(sorted: &Sorted, active: Option<&str>) -> String {
-    let name = |path: &PathBuf| {
-        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-    };
-    let names = |paths: &[PathBuf]| paths.iter().map(name).collect::<Vec<_>>().join(", ");
     let mut lines = Vec::new();
     for path in &sorted.deployments {
         lines.push(format!("Open {}", name(path)));

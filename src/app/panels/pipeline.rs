@@ -128,20 +128,17 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
     let PipelineSettings { interpolation, rate_hz, .. } = &mut settings.pipeline;
     module(ui, None, "4  Interpolation", |ui, _| {
         ui.horizontal_wrapped(|ui| {
-            for (choice, name, hint) in [
-                (Interpolation::Linear, "linear", "Straight lines between readings, as published"),
-                (
-                    Interpolation::Gp,
-                    "GP",
-                    "Gaussian process, squared-exponential kernel, noise learned: for smooth driving",
-                ),
-                (
-                    Interpolation::Wnoa,
-                    "GP, motion model",
-                    "Gaussian process, white noise on acceleration: also where the vehicle stops and turns",
-                ),
-            ] {
-                ui.radio_value(interpolation, choice, name).on_hover_text(hint);
+            for choice in Interpolation::ALL {
+                let hint = match choice {
+                    Interpolation::Linear => "Straight lines between readings, as published",
+                    Interpolation::Gp => {
+                        "Gaussian process, squared-exponential kernel, noise learned: for smooth driving"
+                    }
+                    Interpolation::Wnoa => {
+                        "Gaussian process, white noise on acceleration: also where the vehicle stops and turns"
+                    }
+                };
+                ui.radio_value(interpolation, choice, choice.title()).on_hover_text(hint);
             }
         });
         threshold(ui, "rate", rate_hz, 0.5..=100.0, " Hz", PipelineSettings::default().rate_hz);

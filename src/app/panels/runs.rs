@@ -5,6 +5,7 @@ use eframe::egui::{self, RichText, WidgetInfo};
 use super::result::badge;
 use super::{heading, scrolled};
 use crate::analysis::{Settings, changes_in_words, setting_changes};
+use crate::app::ago::ago;
 use crate::app::state::{Command, Commands, Pin, Run, State};
 use crate::export::summary::ResultSummary;
 
@@ -129,7 +130,8 @@ fn one(
             if pin.clicked() {
                 commands.push(Command::PinRun(run.id));
             }
-            ui.label(RichText::new(ago(run.at.elapsed().as_secs())).small().weak());
+            let time = ago(run.at.elapsed()).unwrap_or_else(|| "now".to_owned());
+            ui.label(RichText::new(time).small().weak());
         });
     });
     ui.horizontal(|ui| {
@@ -175,12 +177,4 @@ fn numbers(ui: &mut egui::Ui, summary: &ResultSummary) {
 /// At the right end of a line.
 fn right(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), add);
-}
-
-fn ago(seconds: u64) -> String {
-    match seconds {
-        0..60 => "now".to_owned(),
-        60..3600 => format!("{} min", seconds / 60),
-        _ => format!("{} h", seconds / 3600),
-    }
 }

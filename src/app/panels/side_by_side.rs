@@ -8,7 +8,7 @@ use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::calibration::Calibration;
 use crate::deployment::Severity;
-use crate::evaluation::Spread;
+use crate::evaluation::{ControlPointMetric, Spread};
 use crate::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -54,7 +54,7 @@ fn rows(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
     row(ui, state, "worst control points (mm)", |ui, _, answer| {
         let files = &answer.evaluation.control_points_mm;
-        let worst = files.iter().max_by(|a, b| a.spread.median.total_cmp(&b.spread.median));
+        let worst = ControlPointMetric::worst(files);
         let cell = spread(ui, worst.map(|metric| &metric.spread));
         if let Some(worst) = worst {
             cell.on_hover_text(format!("{}, the worst of {}", worst.file, files.len()));

@@ -6,6 +6,7 @@ use crate::app::state::{Command, Commands};
 use crate::app::theme;
 use crate::app::toasts::{Toast, ToastLevel, Toasts};
 use crate::deployment::Severity;
+use crate::palette;
 
 const WIDTH: f32 = 360.0;
 const MARGIN: f32 = 12.0;
@@ -68,7 +69,7 @@ fn show(ui: &mut egui::Ui, toast: &Toast, commands: &mut Commands) {
 /// The sign tells the level without its colour.
 fn colour_and_sign(level: ToastLevel, dark: bool) -> (Color32, &'static str) {
     match level {
-        ToastLevel::Done => (theme::readable([0, 158, 115], dark), "✓"),
+        ToastLevel::Done => (theme::readable(palette::DONE, dark), "✓"),
         ToastLevel::Warning => theme::severity(Severity::Warning, dark),
         ToastLevel::Error => theme::severity(Severity::Problem, dark),
     }

@@ -5,6 +5,7 @@
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
@@ -22,7 +23,10 @@ pub struct Autosave {
     taken_over: Arc<Mutex<Option<OwnFile>>>,
     writer: Writer,
     cache: Arc<HashCache>,
+    /// What was offered last; none after a failure, so that it is tried again.
     last: Option<Session>,
+    /// Whether the user knows that it cannot be written, since when it last could.
+    told: Arc<AtomicBool>,
 }
 
 /// What a window that died had open.
@@ -77,6 +81,7 @@ impl Autosave {
             writer: Writer::start("resect autosave"),
             cache,
             last: None,
+            told: Arc::default(),
         };
         Ok((autosave, recovered, findings))
     }
@@ -87,13 +92,14 @@ impl Autosave {
         (recovered.session, recovered.findings)
     }
 
-    /// Has the session written in the background where it is another than last time.
-    pub fn offer(&mut self, session: Session) {
+    /// Has the session written in the background where it is another than last time; whether it is.
+    pub fn offer(&mut self, session: Session) -> bool {
         if self.last.as_ref() == Some(&session) {
-            return;
+            return false;
         }
         let (path, cache) = (self.file.path.clone(), Arc::clone(&self.cache));
         let (written, taken_over) = (session.clone(), Arc::clone(&self.taken_over));
+        let told = Arc::clone(&self.told);
         self.last = Some(session);
         self.writer.write(move || {
             if written.is_empty() {
@@ -104,28 +110,33 @@ impl Autosave {
             if let Some(old) = put(&taken_over, None) {
                 old.remove();
             }
+            told.store(false, Ordering::Relaxed);
             Ok(())
         });
+        true
     }
 
-    /// Why the last writing failed, once.
-    pub fn take_error(&self) -> Option<String> {
-        self.writer.take_error()
+    /// Why the last writing failed; once, however often it fails again. The next session offered is written then.
+    pub fn take_error(&mut self) -> Option<String> {
+        let error = self.writer.take_error()?;
+        self.last = None;
+        (!self.told.swap(true, Ordering::Relaxed)).then_some(error)
     }
 
-    /// The window is closed by its user: nothing is left to be restored.
+    /// The window is closed, and this could not be kept elsewhere: the next window restores it.
+    pub fn leave(mut self, session: Session) {
+        self.cache.stop();
+        self.offer(session);
+        self.writer.finish();
+    }
+
+    /// The window is closed by its user and what was open is kept elsewhere: nothing is left to be restored.
     pub fn finish(self) {
+        self.cache.stop();
         self.writer.finish();
         if let Some(old) = put(&self.taken_over, None) {
             old.remove();
         }
-        self.file.remove();
-    }
-}
-
-impl Recovered {
-    /// The user does not want it back.
-    pub fn discard(self) {
         self.file.remove();
     }
 }

@@ -116,6 +116,27 @@ fn what_cannot_be_restored_is_kept_aside_and_said() {
     assert_eq!(names(folder.path()), BTreeSet::from(kept));
 }
 
+#[test]
+fn what_could_not_be_written_is_tried_again_and_told_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, ..) = start(folder.path());
+    // A folder in the file's place cannot be written to.
+    std::fs::create_dir(&window.file.path).expect("created");
+    assert!(window.offer(session(1)));
+    window.writer.finish();
+    let error = window.take_error().expect("told");
+    assert!(error.contains("cannot be written"), "{error}");
+    assert!(window.offer(session(1)), "the same once more");
+    window.writer.finish();
+    assert_eq!(window.take_error(), None, "told already");
+    std::fs::remove_dir(&window.file.path).expect("removed");
+    assert!(window.offer(session(1)));
+    assert!(!window.offer(session(1)), "on its way");
+    die(window);
+    let (_, recovered, _) = start(folder.path());
+    assert_eq!(recovered.expect("what was open").session, session(1));
+}
+
 /// Not a test by itself: the process that the next one kills.
 #[test]
 fn child_that_saves_until_it_is_killed() {
@@ -165,7 +186,7 @@ fn a_killed_process_damages_neither_session_nor_autosave() {
         assert_eq!(findings, [], "kill {kill}");
         let recovered = recovered.expect("what was open");
         assert!(whole(&recovered.session), "kill {kill}");
-        recovered.discard();
+        recovered.file.remove();
         window.finish();
     }
     assert_eq!(names(&folder.path().join("autosave")), BTreeSet::new(), "nothing is left behind");

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
@@ -24,15 +25,28 @@ pub struct FileMark {
 /// Hashes that were computed already; a file is read again only when its size or its time of change is another.
 #[derive(Debug, Default)]
 pub struct HashCache {
-    known: Mutex<HashMap<PathBuf, (u64, SystemTime, String)>>,
+    known: Mutex<Known>,
+    stopped: AtomicBool,
 }
 
+type Known = HashMap<PathBuf, (u64, SystemTime, String)>;
+
 impl HashCache {
+    fn known(&self) -> MutexGuard<'_, Known> {
+        // Who panicked left hashes that are as good as any.
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The window is closed: what is not hashed yet is left out, and what is being hashed is given up.
+    pub fn stop(&self) {
+        self.stopped.store(true, Ordering::Relaxed);
+    }
+
     /// Reads the whole file unless it is known. Takes a second for a few hundred MB: not on the window's thread.
     pub fn mark(&self, path: &Path) -> std::io::Result<FileMark> {
         let metadata = path.metadata()?;
         let (bytes, changed) = (metadata.len(), metadata.modified()?);
-        let known = self.known.lock().ok().and_then(|known| known.get(path).cloned());
+        let known = self.known().get(path).cloned();
         let sha256 = match known {
             Some((known_bytes, known_time, sha256))
                 if (known_bytes, known_time) == (bytes, changed) =>
@@ -40,10 +54,8 @@ impl HashCache {
                 sha256
             }
             _ => {
-                let sha256 = sha256(path)?;
-                if let Ok(mut known) = self.known.lock() {
-                    known.insert(path.to_owned(), (bytes, changed, sha256.clone()));
-                }
+                let sha256 = self.sha256(path)?;
+                self.known().insert(path.to_owned(), (bytes, changed, sha256.clone()));
                 sha256
             }
         };
@@ -74,19 +86,22 @@ impl HashCache {
             ))),
         }
     }
-}
 
-fn sha256(path: &Path) -> std::io::Result<String> {
-    let mut file = File::open(path)?;
-    let mut hasher = Sha256::new();
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        match file.read(&mut buffer)? {
-            0 => break,
-            read => hasher.update(&buffer[..read]),
+    fn sha256(&self, path: &Path) -> std::io::Result<String> {
+        let mut file = File::open(path)?;
+        let mut hasher = Sha256::new();
+        let mut buffer = vec![0; 1 << 16];
+        loop {
+            if self.stopped.load(Ordering::Relaxed) {
+                return Err(std::io::Error::other("resect is being closed"));
+            }
+            match file.read(&mut buffer)? {
+                0 => break,
+                read => hasher.update(&buffer[..read]),
+            }
         }
+        Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
     }
-    Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 /// The files that a deployment was read from; none of a sample.
@@ -139,5 +154,19 @@ mod tests {
         assert!(said[0].contains("longer") && said[0].contains("3 bytes, 4 now"), "{said:?}");
         assert!(said[1].contains("other") && said[1].contains("the same size"), "{said:?}");
         assert!(said[2].contains("gone") && said[2].contains("cannot be now"), "{said:?}");
+    }
+
+    #[test]
+    fn once_stopped_only_what_is_known_is_given() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = |name: &str| folder.path().join(name);
+        for name in ["known", "new"] {
+            std::fs::write(file(name), "abc").expect("written");
+        }
+        let cache = HashCache::default();
+        let mark = cache.mark(&file("known")).expect("readable");
+        cache.stop();
+        assert_eq!(cache.mark(&file("known")).expect("known"), mark);
+        assert!(cache.mark(&file("new")).is_err());
     }
 }

@@ -3,15 +3,17 @@
 //! Pictures and tests keep nothing: they have none of this.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use eframe::egui;
 
 use super::Folders;
 use super::autosave::{Autosave, Recovered};
 use super::hashes::HashCache;
+use super::last::LastSession;
 use super::preferences::{Preferences, PreferencesFile};
-use crate::app::layout::Layout;
+use crate::app::ago::ago;
+use crate::app::layout::{Layout, LayoutDescription};
 use crate::app::state::State;
 use crate::deployment::Finding;
 
@@ -26,7 +28,10 @@ pub struct Keeping {
     cache: Arc<HashCache>,
     /// What a window that died had open, until this one has it.
     recovered: Option<Recovered>,
+    /// What was open before.
+    last: LastSession,
     findings: Vec<Finding>,
+    every: Duration,
     looked: Instant,
 }
 
@@ -48,23 +53,34 @@ impl Keeping {
                 (None, None)
             }
         };
-        Self { file, preferences, autosave, cache, recovered, findings, looked: Instant::now() }
+        let last = LastSession::at(folders.last());
+        let (every, looked) = (EVERY, Instant::now());
+        Self { file, preferences, autosave, cache, recovered, last, findings, every, looked }
     }
 
     pub fn preferences(&self) -> &Preferences {
         &self.preferences
     }
 
-    /// Whether there is something to restore.
-    pub fn has_recovered(&self) -> bool {
-        self.recovered.is_some()
+    /// Looks for changes at another interval; for tests.
+    pub fn every(self, every: Duration) -> Self {
+        Self { every, ..self }
     }
 
-    /// Gives a new window what was kept: to be called before anything is opened in it.
-    pub fn begin(&mut self, ctx: &egui::Context, state: &mut State, layout: &mut Layout) {
+    /// Gives a new window what was kept, before anything is opened in it; whether something was restored.
+    ///
+    /// Where the user asked for something else (`restores` is false), what a window that died had open stays for the next.
+    pub fn begin(
+        &mut self,
+        ctx: &egui::Context,
+        state: &mut State,
+        layout: &mut Layout,
+        restores: bool,
+    ) -> bool {
         ctx.set_theme(egui::ThemePreference::from(self.preferences.theme));
         state.units = self.preferences.units;
         state.session.recent = self.preferences.recent.clone();
+        state.session.last = Some(self.last.clone());
         state.session.share(Arc::clone(&self.cache));
         let mut findings = std::mem::take(&mut self.findings);
         if let Some(description) = &self.preferences.layout {
@@ -72,34 +88,63 @@ impl Keeping {
             *layout = kept;
             findings.extend(found);
         }
+        let mut restored = false;
         if let (Some(autosave), Some(recovered)) = (&mut self.autosave, self.recovered.take()) {
-            let when = recovered.saved.map(ago).unwrap_or_default();
-            state.toasts.done(format!("restored what was open when resect stopped{when}"));
-            let (session, found) = autosave.take_over(recovered);
-            findings.extend(found);
-            state.restore(session);
+            let since = recovered.saved.and_then(|saved| saved.elapsed().ok());
+            let when = match since.map(ago) {
+                None => String::new(),
+                Some(None) => " just now".to_owned(),
+                Some(Some(time)) => format!(" {time} ago"),
+            };
+            if restores {
+                state.toasts.done(format!("restored what was open when resect stopped{when}"));
+                let (session, found) = autosave.take_over(recovered);
+                findings.extend(found);
+                state.restore(session);
+                restored = true;
+            } else {
+                findings.push(Finding::warning(format!(
+                    "resect stopped before{when}; what was open is kept and comes back when resect is started without \
+                     a path"
+                )));
+            }
         }
         state.tell(&findings);
+        restored
     }
 
     /// To be called in every frame. Every few seconds it has written what changed, in the background.
     pub fn frame(&mut self, ctx: &egui::Context, state: &mut State, layout: &Layout) {
         let since = self.looked.elapsed();
-        if since < EVERY {
+        if since < self.every {
             // A last look after the user's last move.
-            ctx.request_repaint_after(EVERY - since);
+            ctx.request_repaint_after(self.every - since);
             return;
         }
-        self.look(ctx, state, layout);
-        let autosave = self.autosave.as_ref().and_then(Autosave::take_error);
-        if let Some(line) = autosave.or(self.file.take_error()) {
+        self.looked = Instant::now();
+        let described = layout.describe();
+        self.keep_preferences(ctx, state, &described);
+        if let Some(autosave) = &mut self.autosave {
+            let error = autosave.take_error();
+            if autosave.offer(state.session(described)) {
+                // To see whether it could be written.
+                ctx.request_repaint_after(self.every);
+            }
+            if let Some(line) = error {
+                state.toasts.error(&line);
+            }
+        }
+        if let Some(line) = self.file.take_error() {
             state.toasts.error(&line);
         }
     }
 
-    fn look(&mut self, ctx: &egui::Context, state: &State, layout: &Layout) {
-        self.looked = Instant::now();
-        let described = layout.describe();
+    fn keep_preferences(
+        &mut self,
+        ctx: &egui::Context,
+        state: &State,
+        described: &LayoutDescription,
+    ) {
         let size = ctx.input(|input| {
             let viewport = input.viewport();
             let normal =
@@ -110,34 +155,24 @@ impl Keeping {
             theme: ctx.options(|options| options.theme_preference).into(),
             units: state.units,
             // The first layout stays the program's: a newer one may have a better.
-            layout: Some(&described).filter(|it| **it != Layout::default().describe()).cloned(),
+            layout: Some(described).filter(|it| **it != Layout::default().describe()).cloned(),
             window_points: size.or(self.preferences.window_points),
             recent: state.session.recent.clone(),
         };
         self.file.keep(&self.preferences);
-        if let Some(autosave) = &mut self.autosave {
-            autosave.offer(state.session(described));
-        }
     }
 
-    /// The user closes the window: preferences are kept, and nothing is left to be restored.
+    /// The user closes the window: preferences are kept, and what was open for who asks for it.
     pub fn finish(mut self, ctx: &egui::Context, state: &State, layout: &Layout) {
-        self.look(ctx, state, layout);
+        let described = layout.describe();
+        self.keep_preferences(ctx, state, &described);
         self.file.finish();
-        if let Some(autosave) = self.autosave {
-            autosave.finish();
+        let session = state.session(described);
+        let kept = self.last.write(&session);
+        match (self.autosave, kept) {
+            (Some(autosave), Ok(())) => autosave.finish(),
+            (Some(autosave), Err(_)) => autosave.leave(session),
+            (None, _) => {}
         }
     }
-}
-
-/// How long ago, in words.
-fn ago(time: SystemTime) -> String {
-    let Ok(since) = time.elapsed() else { return String::new() };
-    let (count, unit) = match since.as_secs() {
-        0..120 => return " just now".to_owned(),
-        seconds @ 120..7200 => (seconds / 60, "minutes"),
-        seconds @ 7200..172_800 => (seconds / 3600, "hours"),
-        seconds => (seconds / 86_400, "days"),
-    };
-    format!(" {count} {unit} ago")
 }

@@ -1,12 +1,13 @@
 //! What outlives the window: preferences, sessions, and what was open when the program stopped.
 //!
 //! Plain data and plain functions. [`session`] and [`preferences`] are the files, [`hashes`] tells whether inputs
-//! changed, [`autosave`] keeps the running window's session safe, [`writer`] writes without a frame waiting, and
+//! changed, [`autosave`] keeps the running window's session safe, [`last`] what was open before, [`writer`] writes without a frame waiting, and
 //! [`keeping`] is all that a window needs of it.
 
 pub mod autosave;
 pub mod hashes;
 pub mod keeping;
+pub mod last;
 pub mod preferences;
 pub mod session;
 mod stored;
@@ -39,6 +40,11 @@ impl Folders {
             config: folders.config_dir().to_owned(),
             autosave: folders.data_local_dir().join("autosave"),
         })
+    }
+
+    /// File of the session that was open last.
+    pub fn last(&self) -> PathBuf {
+        self.autosave.with_file_name("last.toml")
     }
 
     /// All inside one folder.

@@ -99,6 +99,11 @@ impl Files {
             used.filter_map(|path| cache.mark(&path).ok()).collect()
         })
     }
+
+    /// Those that are hashed already.
+    pub fn known_marks(&self) -> &[FileMark] {
+        self.marks.get().map_or(&[], Vec::as_slice)
+    }
 }
 
 impl SavedDeployment {
@@ -142,13 +147,27 @@ impl Session {
 
     /// The text of a session file in this folder: paths below it are relative, so that both can be moved together.
     pub fn text(&self, folder: &Path, cache: &HashCache) -> Result<String, SessionError> {
-        toml::to_string(&stored::StoredSession::new(self, folder, cache))
+        self.text_with(folder, |files| files.marks(cache))
+    }
+
+    fn text_with(
+        &self,
+        folder: &Path,
+        marks: impl Fn(&Files) -> &[FileMark],
+    ) -> Result<String, SessionError> {
+        toml::to_string(&stored::StoredSession::new(self, folder, marks))
             .map_err(|error| SessionError::Text(error.to_string()))
     }
 
     /// Writes the file, or leaves the old one as it is. Hashes what is not hashed yet: not on the window's thread.
     pub fn save(&self, path: &Path, cache: &HashCache) -> Result<(), SessionError> {
         let text = self.text(&folder_of(path), cache)?;
+        Ok(atomic::write(path, text)?)
+    }
+
+    /// The same without the hashes that are not known yet: reads no input.
+    pub fn save_unhashed(&self, path: &Path) -> Result<(), SessionError> {
+        let text = self.text_with(&folder_of(path), Files::known_marks)?;
         Ok(atomic::write(path, text)?)
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::hashes::{FileMark, HashCache};
+use super::hashes::FileMark;
 use super::session::{Files, SavedDeployment, SavedPin, SavedView, Session};
 use crate::analysis::Settings;
 use crate::app::layout::LayoutDescription;
@@ -86,16 +86,14 @@ impl<T> Lenient<T> {
 }
 
 impl StoredSession {
-    pub fn new(session: &Session, folder: &Path, cache: &HashCache) -> Self {
+    pub fn new(session: &Session, folder: &Path, marks: impl Fn(&Files) -> &[FileMark]) -> Self {
         let deployment = |saved: &SavedDeployment| StoredDeployment {
             source: with_paths(&saved.source, |path| relative(path, folder)),
             cursor_s: saved.cursor_s,
             window_s: saved.window_s,
             selection_s: saved.selection_s,
             settings: saved.settings,
-            files: saved
-                .files
-                .marks(cache)
+            files: marks(&saved.files)
                 .iter()
                 .map(|mark| FileMark { path: relative(&mark.path, folder), ..mark.clone() })
                 .collect(),

@@ -27,6 +27,10 @@ pub enum Command {
     /// Something was done in the prompt for a path.
     Prompt(PromptCommand),
     OpenSessionDialog,
+    /// What was open before a session took its place, or before the last window was closed.
+    ReopenLast,
+    /// Files hover over the window.
+    HoverPaths(Vec<PathBuf>),
     /// Into its file, which is asked for the first time.
     SaveSession,
     SaveSessionAs,

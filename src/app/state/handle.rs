@@ -25,6 +25,8 @@ impl State {
             Command::OpenFileDialog => self.open_file_dialog(),
             Command::Prompt(command) => self.answer_prompt(command),
             Command::OpenSessionDialog => self.open_session_dialog(),
+            Command::ReopenLast => self.reopen_last(),
+            Command::HoverPaths(paths) => self.hover_paths(paths),
             Command::RetryMissing => self.retry_missing(),
             Command::ForgetMissing(index) => {
                 if index < self.session.missing.len() {
@@ -34,6 +36,7 @@ impl State {
             Command::Activate(id) => {
                 if let Some(index) = self.open.iter().position(|open| open.id == id) {
                     self.show(index);
+                    self.session.keep_shown(id);
                 }
             }
             Command::Close(id) => self.close(id),

@@ -5,6 +5,7 @@
 mod asking;
 mod command;
 mod handle;
+mod hovering;
 mod opening;
 mod picture;
 mod replies;
@@ -23,6 +24,7 @@ use serde::{Deserialize, Serialize};
 
 pub use asking::OpenPrompt;
 pub use command::{Command, Commands, PictureTo};
+pub use hovering::Hovering;
 pub use opening::Opening;
 pub use results::{Pin, Results, Run};
 pub use sessions::SessionState;
@@ -127,6 +129,7 @@ pub struct State {
     pub opening: Vec<Opening>,
     /// Requests that find out what a path is.
     looking: Vec<u64>,
+    pub hovering: Hovering,
     pub session: SessionState,
     /// Asked for in the last frame; taken in the next, when the menu that asked for it is gone.
     wanted_picture: Option<PictureTo>,
@@ -159,6 +162,7 @@ impl State {
             fixed_elapsed_ms: None,
             opening: Vec::new(),
             looking: Vec::new(),
+            hovering: Hovering::default(),
             session: SessionState::default(),
             wanted_picture: None,
             picturing: false,
@@ -181,12 +185,13 @@ impl State {
         self.active().map_or(&self.start_settings, |open| &open.settings)
     }
 
-    /// Whether anything is being opened, calibrated or studied.
+    /// Whether anything is being opened, saved as a session, calibrated or studied.
     pub fn is_busy(&self) -> bool {
         let analysing = self.open.iter().any(|open| open.analysing.is_some());
         let listing = self.prompt.as_ref().is_some_and(|prompt| prompt.shown.is_reading());
         !self.opening.is_empty()
             || !self.looking.is_empty()
+            || self.session.is_busy()
             || listing
             || analysing
             || self.studies.running.is_some()

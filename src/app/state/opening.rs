@@ -116,6 +116,10 @@ impl State {
         let Opening { source, then, .. } = self.opening.remove(index);
         let deployment = match result {
             Ok(deployment) => deployment,
+            Err(OpenError::Cancelled) if then == Then::Restore => {
+                self.not_restored(&format!("{}: reading was cancelled", source.title()));
+                return;
+            }
             Err(error) if then == Then::Restore => {
                 self.not_restored(&error.to_string());
                 return;
@@ -129,6 +133,7 @@ impl State {
         match then {
             Then::Show(settings) => {
                 self.add_with(deployment, Some(source), settings);
+                self.session.keep_shown(self.newest_id);
                 self.tell_of_reading(self.active);
             }
             // What the user opened meanwhile has no need of it.

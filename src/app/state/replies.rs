@@ -26,7 +26,7 @@ impl State {
         }
     }
 
-    fn take(&mut self, reply: Reply) {
+    pub(super) fn take(&mut self, reply: Reply) {
         match reply {
             Reply::Opened(number, result) => self.take_opened(number, result),
             Reply::Analysed { number, id, answered } => self.take_analysed(number, id, answered),
@@ -50,6 +50,7 @@ impl State {
             Reply::Failed(number) => {
                 self.opening_failed(number);
                 self.looking.retain(|looking| *looking != number);
+                self.session.done(number);
                 for open in &mut self.open {
                     open.analysing = open.analysing.filter(|(newest, _)| *newest != number);
                 }
@@ -64,9 +65,16 @@ impl State {
                 }
             }
             Reply::Picked(path) => self.look_at(vec![path]),
+            Reply::Sorted(number, sorted) if self.is_of_hovering(number) => {
+                self.take_hovering(number, sorted);
+            }
             Reply::Sorted(number, sorted) => self.take_sorted(number, sorted),
-            Reply::SessionRead(path, result) => self.take_session(path, result),
-            Reply::SessionSaved(path, result) => self.take_session_saved(path, result),
+            Reply::SessionRead(number, path, result) => self.take_session(number, path, result),
+            Reply::SessionPlace(path, session, which) => self.write_session(path, *session, which),
+            Reply::SessionSaved(number, path, result) => {
+                self.take_session_saved(number, path, result);
+            }
+            Reply::ReplacedKept(number, result) => self.take_replaced_kept(number, result),
             Reply::Done(Ok(line)) => self.toasts.done(line),
             Reply::Done(Err(line)) => self.toasts.error(&line),
         }

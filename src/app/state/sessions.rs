@@ -8,6 +8,7 @@ use super::State;
 use crate::app::layout::LayoutDescription;
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::persist::hashes::HashCache;
+use crate::app::persist::last::LastSession;
 use crate::app::persist::preferences::{Recent, remember};
 use crate::app::persist::session::{
     self, EXTENSION, SavedDeployment, SavedPin, SavedView, Session, SessionError,
@@ -20,19 +21,46 @@ use crate::deployment::{Deployment, Finding, Source};
 pub struct SessionState {
     /// Its file, once it was saved or opened.
     pub path: Option<PathBuf>,
-    /// Deployments that could not be opened, and why. They stay in the session, whose next save keeps them.
-    pub missing: Vec<(SavedDeployment, String)>,
+    /// They stay in the session, whose next save keeps them.
+    pub missing: Vec<Missing>,
     /// Opened before, in this window or another; the newest first.
     pub recent: Vec<Recent>,
-    /// Those yet to be opened, in order, and which of them is to be shown.
-    waiting: VecDeque<(SavedDeployment, bool)>,
+    /// What was open before, in this window or another; none of windows that keep nothing.
+    pub last: Option<LastSession>,
+    /// Those yet to be opened, in order.
+    waiting: VecDeque<Waiting>,
     /// The one that is being opened.
-    restoring: Option<(SavedDeployment, bool)>,
-    /// Id of the deployment that was shown, once it is open.
+    restoring: Option<Waiting>,
+    /// Id of the deployment that stays shown while others are opened.
     shown: Option<u64>,
     /// The layout of an opened session, until the window takes it.
     layout: Option<LayoutDescription>,
+    /// What the session that was just opened took the place of, until the window has it kept.
+    replaced: Option<Session>,
+    /// How many sessions were opened; tells the present one from those before it.
+    opened: u64,
+    /// Requests that read a session's file.
+    reading: Vec<u64>,
+    /// Requests that write a session, and which of those that were opened it is.
+    writing: Vec<(u64, u64)>,
     cache: Arc<HashCache>,
+}
+
+/// A deployment of the session that could not be opened.
+pub struct Missing {
+    pub saved: SavedDeployment,
+    pub why: String,
+    /// Its place among the session's deployments, from 0.
+    place: usize,
+}
+
+/// A deployment of the session that is yet to be opened.
+struct Waiting {
+    saved: SavedDeployment,
+    /// It is the one to be shown.
+    shown: bool,
+    /// Among the session's deployments, from 0.
+    place: usize,
 }
 
 impl SessionState {
@@ -46,6 +74,26 @@ impl SessionState {
         self.cache = cache;
     }
 
+    /// Whether a session is being read or written.
+    pub(super) fn is_busy(&self) -> bool {
+        !self.reading.is_empty() || !self.writing.is_empty()
+    }
+
+    /// A request has ended; gives which of the opened sessions it wrote, if it wrote one.
+    pub(super) fn done(&mut self, number: u64) -> Option<u64> {
+        self.reading.retain(|reading| *reading != number);
+        let index = self.writing.iter().position(|(writing, _)| *writing == number)?;
+        Some(self.writing.swap_remove(index).1)
+    }
+
+    /// The user chose what is shown: what is still being opened does not take its place.
+    pub(super) fn keep_shown(&mut self, id: u64) {
+        for waiting in self.restoring.iter_mut().chain(&mut self.waiting) {
+            waiting.shown = false;
+            self.shown = Some(id);
+        }
+    }
+
     /// A deployment was opened that can be opened again.
     pub(super) fn opened(&mut self, source: &Source) {
         remember(&mut self.recent, source);
@@ -53,8 +101,13 @@ impl SessionState {
 }
 
 impl State {
-    /// All that is open, being opened or missing, and how it is looked at.
+    /// All that is open, still to be restored or missing, and how it is looked at. What the user has just asked to open
+    /// is not part of it before it is read.
     pub fn session(&self, layout: LayoutDescription) -> Session {
+        Session { layout: Some(layout), ..self.session_without_layout() }
+    }
+
+    fn session_without_layout(&self) -> Session {
         let shown = self.active().map(|open| open.id);
         let mut active = None;
         let mut deployments = Vec::new();
@@ -65,13 +118,20 @@ impl State {
             }
             deployments.push(saved(open, source));
         }
-        for (waiting, is_shown) in self.session.restoring.iter().chain(&self.session.waiting) {
-            if *is_shown {
+        for waiting in self.session.restoring.iter().chain(&self.session.waiting) {
+            if waiting.shown {
                 active = Some(deployments.len());
             }
-            deployments.push(waiting.clone());
+            deployments.push(waiting.saved.clone());
         }
-        deployments.extend(self.session.missing.iter().map(|(missing, _)| missing.clone()));
+        // The first comes first: the places of the others count it.
+        let mut missing: Vec<&Missing> = self.session.missing.iter().collect();
+        missing.sort_by_key(|missing| missing.place);
+        for missing in missing {
+            let place = missing.place.min(deployments.len());
+            deployments.insert(place, missing.saved.clone());
+            active = active.map(|active| active + usize::from(place <= active));
+        }
         let pin = |pin: &super::Pin| SavedPin {
             name: pin.name.clone(),
             shown: pin.shown,
@@ -85,7 +145,7 @@ impl State {
                 units: self.units,
                 visibility: self.visibility,
             },
-            layout: Some(layout),
+            layout: None,
             pins: self.results.pins.iter().map(pin).collect(),
         }
     }
@@ -104,36 +164,61 @@ impl State {
             }
         }
         let deployments = session.deployments.into_iter().enumerate();
-        self.session.waiting.extend(deployments.map(|(at, saved)| (saved, at == session.active)));
+        self.session.waiting.extend(deployments.map(|(place, saved)| Waiting {
+            saved,
+            shown: place == session.active,
+            place,
+        }));
         self.restore_next();
     }
 
     /// Reads a session's file, which then takes the place of everything that is open.
     pub fn open_session(&mut self, path: PathBuf) {
-        self.worker.beside(move || {
-            let session =
-                session::load(&path).map(|(session, findings)| (Box::new(session), findings));
-            Some(Reply::SessionRead(path, session))
-        });
+        let number = self.worker.numbered(
+            |number, (path, session)| Reply::SessionRead(number, path, session),
+            move || {
+                let session = session::load(&path);
+                (path, session.map(|(session, findings)| (Box::new(session), findings)))
+            },
+        );
+        self.session.reading.push(number);
+    }
+
+    /// Opens what was open before; what is open now can be opened again in the same way.
+    pub(super) fn reopen_last(&mut self) {
+        if let Some(path) = self.session.last.as_ref().and_then(LastSession::path) {
+            self.open_session(path.to_owned());
+        }
     }
 
     pub(super) fn take_session(
         &mut self,
+        number: u64,
         path: PathBuf,
         result: Result<(Box<Session>, Vec<Finding>), SessionError>,
     ) {
+        self.session.done(number);
         match result {
             Ok((session, findings)) => {
+                let replaced = self.session_without_layout();
+                if !replaced.is_empty() {
+                    self.session.replaced.get_or_insert(replaced);
+                }
                 let ids: Vec<u64> = self.open.iter().map(|open| open.id).collect();
                 for id in ids {
                     self.close(id);
                 }
                 self.results.pins.clear();
+                self.results.runs.clear();
                 self.session.missing.clear();
                 self.session.waiting.clear();
                 self.session.restoring = None;
+                self.session.shown = None;
                 self.give_up_restoring();
-                self.session.path = Some(path);
+                self.session.opened += 1;
+                // The program's own file is not where the user saves.
+                let last = self.session.last.as_ref().and_then(LastSession::path);
+                self.session.path = (last != Some(path.as_path())).then_some(path);
                 self.tell(&findings);
                 self.restore(*session);
             }
@@ -141,41 +226,91 @@ impl State {
         }
     }
 
+    /// Keeps what a session took the place of, with the layout that it had, to be opened again.
+    pub fn keep_replaced(&mut self, layout: impl FnOnce() -> LayoutDescription) {
+        let Some(replaced) = self.session.replaced.take() else { return };
+        let Some(last) = self.session.last.clone() else { return };
+        let replaced = Session { layout: Some(layout()), ..replaced };
+        let number = self.worker.numbered(Reply::ReplacedKept, move || {
+            last.write(&replaced).map_err(|error| error.to_string())
+        });
+        self.session.writing.push((number, self.session.opened));
+    }
+
+    pub(super) fn take_replaced_kept(&mut self, number: u64, result: Result<(), String>) {
+        self.session.done(number);
+        match (result, &mut self.session.last) {
+            (Ok(()), Some(last)) => last.written(),
+            (Ok(()), None) => {}
+            (Err(line), _) => self.toasts.error(&line),
+        }
+    }
+
     /// Saves to the session's file, or asks for one where there is none yet or another is wanted.
     pub fn save_session(&mut self, layout: LayoutDescription, ask: bool) {
-        let session = self.session(layout);
-        let cache = Arc::clone(&self.session.cache);
-        let save = move |path: PathBuf| {
-            let saved = session.save(&path, &cache).map_err(|error| error.to_string());
-            Some(Reply::SessionSaved(path, saved))
-        };
+        let (session, which) = (self.session(layout), self.session.opened);
         match self.session.path.clone().filter(|_| !ask) {
-            Some(path) => self.worker.beside(move || save(path)),
+            Some(path) => self.write_session(path, session, which),
             None => {
                 let answer = self.ask_where("Save the session", EXTENSION);
-                self.worker.beside(move || save(answer.wait()?));
+                let session = Box::new(session);
+                self.worker
+                    .beside(move || Some(Reply::SessionPlace(answer.wait()?, session, which)));
             }
         }
     }
 
-    pub(super) fn take_session_saved(&mut self, path: PathBuf, result: Result<(), String>) {
+    /// Writes a session; `which` tells which of those that were opened it is.
+    pub(super) fn write_session(&mut self, path: PathBuf, session: Session, which: u64) {
+        let cache = Arc::clone(&self.session.cache);
+        let number = self.worker.numbered(
+            |number, (path, saved)| Reply::SessionSaved(number, path, saved),
+            move || {
+                let saved = session.save(&path, &cache).map_err(|error| error.to_string());
+                (path, saved)
+            },
+        );
+        self.session.writing.push((number, which));
+    }
+
+    pub(super) fn take_session_saved(
+        &mut self,
+        number: u64,
+        path: PathBuf,
+        result: Result<(), String>,
+    ) {
+        let which = self.session.done(number);
         match result {
             Ok(()) => {
                 self.toasts.done(format!("session saved to {}", path.display()));
-                self.session.path = Some(path);
+                // Another may have been opened meanwhile, which has a file of its own.
+                if which == Some(self.session.opened) {
+                    self.session.path = Some(path);
+                }
             }
             Err(line) => self.toasts.error(&line),
+        }
+    }
+
+    /// Waits for what is being written: the window is closed.
+    pub fn finish(&mut self) {
+        self.take_replies();
+        while !self.session.writing.is_empty() {
+            match self.worker.wait_reply() {
+                Some(reply) => self.take(reply),
+                None => break,
+            }
         }
     }
 
     /// The next deployment of the session that is being restored.
     pub(super) fn restore_next(&mut self) {
         if self.session.restoring.is_none()
-            && let Some((saved, shown)) = self.session.waiting.pop_front()
+            && let Some(next) = self.session.waiting.pop_front()
         {
             let cache = Arc::clone(&self.session.cache);
-            self.read_again(&saved, cache);
-            self.session.restoring = Some((saved, shown));
+            self.read_again(&next.saved, cache);
+            self.session.restoring = Some(next);
         } else if self.session.waiting.is_empty() && self.session.restoring.is_none() {
             self.session.shown = None;
         }
@@ -183,7 +318,7 @@ impl State {
 
     /// A deployment of the session is open: back to where the user was in it.
     pub(super) fn restored(&mut self, deployment: Arc<Deployment>) {
-        let Some((saved, shown)) = self.session.restoring.take() else { return };
+        let Some(Waiting { saved, shown, .. }) = self.session.restoring.take() else { return };
         self.add_with(deployment, Some(saved.source), saved.settings);
         if let Some(open) = self.open.last_mut() {
             let timeline = &mut open.timeline;
@@ -208,16 +343,17 @@ impl State {
 
     /// A deployment of the session cannot be opened; it stays in it.
     pub(super) fn not_restored(&mut self, why: &str) {
-        let Some((saved, _)) = self.session.restoring.take() else { return };
+        let Some(Waiting { saved, place, .. }) = self.session.restoring.take() else { return };
         self.toasts.error(&format!("{why} (it stays in the session)"));
-        self.session.missing.push((saved, why.to_owned()));
+        self.session.missing.push(Missing { saved, why: why.to_owned(), place });
         self.restore_next();
     }
 
     /// Tries those that could not be opened once more.
     pub fn retry_missing(&mut self) {
         let missing = std::mem::take(&mut self.session.missing);
-        self.session.waiting.extend(missing.into_iter().map(|(saved, _)| (saved, false)));
+        let again = |Missing { saved, place, .. }| Waiting { saved, shown: false, place };
+        self.session.waiting.extend(missing.into_iter().map(again));
         self.restore_next();
     }
 
@@ -240,3 +376,7 @@ fn saved(open: &OpenDeployment, source: Source) -> SavedDeployment {
         files: open.files.clone(),
     }
 }
+
+#[cfg(test)]
+#[path = "sessions_tests.rs"]
+mod tests;
