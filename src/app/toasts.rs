@@ -34,6 +34,8 @@ pub struct Toast {
     pub detail: String,
     /// A button, and what it does.
     pub action: Option<(&'static str, Command)>,
+    /// The deployment whose findings it tells, and these, numbers left out.
+    about: Option<(String, Vec<String>)>,
     /// Since when it is seen (s of the window's clock); `None` until the next frame.
     since_s: Option<f64>,
 }
@@ -104,6 +106,19 @@ impl Toasts {
                 self.push(worst.map_or(ToastLevel::Warning, level), text, detail, show);
             }
         }
+        if let (false, Some(toast)) = (new.is_empty(), self.shown.last_mut()) {
+            let keys = new.iter().map(|finding| without_numbers(&finding.message)).collect();
+            toast.about = Some((about.to_owned(), keys));
+        }
+    }
+
+    /// Takes away what tells of a deployment nothing that still holds.
+    pub fn retire<'a>(&mut self, about: &str, now: impl Iterator<Item = &'a Finding>) {
+        let now: BTreeSet<String> = now.map(|finding| without_numbers(&finding.message)).collect();
+        self.shown.retain(|toast| match &toast.about {
+            Some((name, keys)) if name == about => keys.iter().any(|key| now.contains(key)),
+            _ => true,
+        });
     }
 
     pub fn push(
@@ -117,7 +132,7 @@ impl Toasts {
         self.shown.retain(|toast| (toast.level, &toast.text) != (level, &text));
         self.newest_id += 1;
         let id = self.newest_id;
-        self.shown.push(Toast { id, level, text, detail, action, since_s: None });
+        self.shown.push(Toast { id, level, text, detail, action, about: None, since_s: None });
         if self.shown.len() > MOST_TOASTS {
             let expendable = self.shown.iter().position(|toast| toast.level != ToastLevel::Error);
             self.shown.remove(expendable.unwrap_or(0));
@@ -193,6 +208,18 @@ mod tests {
         assert_eq!(texts(&toasts), ["a.csv:1: no column `id`"]);
         toasts.dismiss(toasts.shown()[0].id);
         assert!(toasts.shown().is_empty());
+    }
+
+    #[test]
+    fn what_no_longer_holds_is_taken_away() {
+        let (mut toasts, mut told) = (Toasts::default(), BTreeSet::new());
+        let late = |ms: f64| Finding::warning(format!("station 3 is {ms} ms late"));
+        toasts.findings("drive", &[late(2.7)], &mut told);
+        toasts.findings("other", &[late(1.0)], &mut BTreeSet::new());
+        toasts.retire("drive", [late(3.1)].iter());
+        assert_eq!(toasts.shown().len(), 2);
+        toasts.retire("drive", [Finding::warning("the clocks jump")].iter());
+        assert_eq!(texts(&toasts), ["other: station 3 is 1 ms late"]);
     }
 
     #[test]

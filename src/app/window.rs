@@ -89,6 +89,13 @@ impl ResectWindow {
                 self.scene.fly_to_reading(&self.state, picked);
                 self.state.handle(command, ctx);
             }
+            Command::PickInScene(_) => {
+                // Who picks a reading asks about it; where no pane tells, none is forced upon the user.
+                if self.layout.holds(Pane::Reading) {
+                    self.layout.show(Pane::Reading);
+                }
+                self.state.handle(command, ctx);
+            }
             Command::ShowPane(pane) => self.layout.show(pane),
             Command::ScenePicture(_) => {
                 self.layout.show(Pane::Scene);

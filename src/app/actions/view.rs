@@ -15,6 +15,9 @@ pub fn actions(state: &State) -> Vec<Action> {
         view("Scene", "Fit", Command::Look(ViewPreset::Fit))
             .hint("Show everything in the scene")
             .key(Key::F),
+        view("Scene", "3D", Command::Look(ViewPreset::Slanted))
+            .hint("From above at a slant")
+            .key(Key::D),
         view("Scene", "Top", Command::Look(ViewPreset::Top)).key(Key::T),
         view("Scene", "Front", Command::Look(ViewPreset::Front)).key(Key::R),
         view("Scene", "Side", Command::Look(ViewPreset::Side)).key(Key::S),

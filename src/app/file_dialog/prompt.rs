@@ -128,7 +128,11 @@ impl PathPrompt {
                 PromptStep::Stay
             }
             PromptCommand::Accept => self.accept(),
-            PromptCommand::AcceptFolder => PromptStep::Chosen(self.folder.clone()),
+            PromptCommand::AcceptFolder => {
+                // A folder that is typed without the last separator is meant itself.
+                let typed = self.typed_path();
+                PromptStep::Chosen(if typed.is_dir() { typed } else { self.folder.clone() })
+            }
             PromptCommand::Replace => {
                 self.overwrite.take().map_or(PromptStep::Stay, PromptStep::Chosen)
             }

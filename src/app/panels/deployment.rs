@@ -126,17 +126,14 @@ fn stations(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &
         ui.label("Show");
         ui.checkbox(&mut visibility.raw, "raw");
         ui.checkbox(&mut visibility.tracks, "tracks");
-        ui.add_enabled_ui(!open.deployment.control_points.is_empty(), |ui| {
-            ui.checkbox(&mut visibility.control_points, "control points");
-        });
+        let points = egui::Checkbox::new(&mut visibility.control_points, "control points");
+        ui.add_enabled(!open.deployment.control_points.is_empty(), points);
         ui.checkbox(&mut visibility.poses, "vehicle")
             .on_hover_text("The vehicle's frame along its track: x red, y green, z blue");
         let stated = open.analysis.as_ref().is_some_and(|a| a.pipeline.triplets.sigma_m.is_some());
-        ui.add_enabled_ui(stated, |ui| {
-            ui.checkbox(&mut visibility.uncertainty, "uncertainty")
-                .on_hover_text("What the interpolation states about its own error")
-                .on_disabled_hover_text("Straight lines state no error: choose a Gaussian process");
-        });
+        ui.add_enabled(stated, egui::Checkbox::new(&mut visibility.uncertainty, "uncertainty"))
+            .on_hover_text("What the interpolation states about its own error")
+            .on_disabled_hover_text("Straight lines state no error: choose a Gaussian process");
     });
     what_is_known(ui, open, &mut visibility);
     if visibility != state.visibility {

@@ -38,7 +38,8 @@ fn show(ui: &mut egui::Ui, toast: &Toast, commands: &mut Commands) {
         ui.horizontal_top(|ui| {
             ui.label(RichText::new(sign).color(colour).strong());
             ui.vertical(|ui| {
-                let text = ui.add(egui::Label::new(RichText::new(&toast.text).strong()).wrap());
+                let text =
+                    ui.add(egui::Label::new(RichText::new(shortened(&toast.text)).strong()).wrap());
                 // Screen readers say it when it appears; errors at once.
                 let urgency = match toast.level {
                     ToastLevel::Error => accesskit::Live::Assertive,
@@ -46,7 +47,7 @@ fn show(ui: &mut egui::Ui, toast: &Toast, commands: &mut Commands) {
                 };
                 ui.ctx().accesskit_node_builder(text.id, |node| node.set_live(urgency));
                 if !toast.detail.is_empty() {
-                    ui.add(egui::Label::new(&toast.detail).wrap());
+                    ui.add(egui::Label::new(shortened(&toast.detail)).wrap());
                 }
                 ui.horizontal(|ui| {
                     if let Some((name, command)) = &toast.action
@@ -72,5 +73,14 @@ fn colour_and_sign(level: ToastLevel, dark: bool) -> (Color32, &'static str) {
         ToastLevel::Done => (theme::readable(palette::DONE, dark), "✓"),
         ToastLevel::Warning => theme::severity(Severity::Warning, dark),
         ToastLevel::Error => theme::severity(Severity::Problem, dark),
+    }
+}
+
+/// The beginning of a text that would fill the window; the whole of it is in the findings or on the command line.
+fn shortened(text: &str) -> String {
+    const MOST: usize = 320;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
     }
 }

@@ -1,6 +1,7 @@
 //! The bar at the top: the menus, the deployment's name, what is under way, units and theme.
 
 use eframe::egui;
+use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 
 use crate::app::actions::{self, Action, Menu};
 use crate::app::state::{Command, Commands, State};
@@ -12,7 +13,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.strong("resect");
             ui.separator();
             for menu in Menu::ALL {
-                ui.menu_button(menu.title(), |ui| {
+                // Entries close the menu themselves; switches in it leave it open.
+                let config =
+                    MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
+                MenuButton::new(menu.title()).config(config).ui(ui, |ui| {
                     let actions = actions::all(state);
                     let entries = actions.iter().filter(|action| action.menu == menu);
                     show_menu(ui, entries, commands);

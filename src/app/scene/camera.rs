@@ -7,6 +7,8 @@ use nalgebra::{Matrix4, Point3, Vector3};
 pub enum ViewPreset {
     /// Everything, from where the camera is turned now.
     Fit,
+    /// From above at a slant, as a deployment is seen at first.
+    Slanted,
     Top,
     /// Along y, x to the right.
     Front,
@@ -118,6 +120,10 @@ impl Camera {
         match preset {
             // The view stands at the station before it comes here for what the station cannot look at.
             ViewPreset::Fit | ViewPreset::Station(_) => {}
+            ViewPreset::Slanted => {
+                let Camera { pitch_rad, yaw_rad, .. } = Camera::default();
+                (self.pitch_rad, self.yaw_rad) = (pitch_rad, yaw_rad);
+            }
             ViewPreset::Top => {
                 self.pitch_rad = STEEPEST_RAD;
                 self.yaw_rad = -std::f32::consts::FRAC_PI_2;

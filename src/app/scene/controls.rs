@@ -51,6 +51,7 @@ pub fn ui(
 fn presets(ui: &mut egui::Ui, commands: &mut Commands) {
     for (name, preset, hint) in [
         ("Fit", ViewPreset::Fit, "Show everything (F, or double-click)"),
+        ("3D", ViewPreset::Slanted, "From above at a slant (D)"),
         ("Top", ViewPreset::Top, "Look down, x to the right"),
         ("Front", ViewPreset::Front, "Look along y, x to the right"),
         ("Side", ViewPreset::Side, "Look against x, y to the right"),

@@ -142,7 +142,7 @@ impl SceneView {
         if rebuilt {
             let before = self.built.as_ref().map(|built| built.deployment);
             if before != Some(open.id) {
-                self.pending_look = Some(ViewPreset::Fit);
+                self.pending_look = Some(ViewPreset::Slanted);
                 self.flight = None;
             }
             self.content.set_clouds(&open.clouds);

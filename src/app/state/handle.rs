@@ -107,10 +107,14 @@ impl State {
                 self.wanted_picture = Some(to);
                 ctx.request_repaint();
             }
-            Command::Copy(text) => ctx.copy_text(text),
+            Command::Copy(text) => {
+                ctx.copy_text(text);
+                self.toasts.done("copied");
+            }
             Command::CopyTransforms(format, part) => {
                 if let Some(summary) = self.active().and_then(|open| open.summary.as_ref()) {
                     ctx.copy_text(export::copy::text(format, summary, part));
+                    self.toasts.done(format!("copied as {}", format.title()));
                 }
             }
             Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
@@ -174,8 +178,17 @@ impl State {
 
     /// Goes back or forth by a step.
     fn go(&mut self, step: Option<&Step>, wanted: impl Fn(&Change) -> Settings) {
-        for change in step.into_iter().flat_map(|step| &step.changes) {
+        let changes = step.map_or(&[][..], |step| &step.changes);
+        for change in changes {
             self.set(change.id, wanted(change));
+        }
+        // What changes is seen to change.
+        let shown = self.active().map(|open| open.id);
+        let first = changes.first().map(|change| change.id);
+        if let Some(id) = first.filter(|_| changes.iter().all(|change| Some(change.id) != shown))
+            && let Some(index) = self.open.iter().position(|open| open.id == id)
+        {
+            self.show(index);
         }
     }
 

@@ -71,7 +71,17 @@ impl State {
 
     /// Opens what is at a place, with the settings that the next deployment starts with.
     pub(super) fn open_source(&mut self, source: Source) {
-        self.read(source, Then::Show(self.start_settings));
+        let same = |open: &OpenDeployment| {
+            !open.placeholder && open.source.as_ref().is_some_and(|own| own.place == source.place)
+        };
+        match self.open.iter().position(same) {
+            // Read again, it keeps its settings and its place.
+            Some(index) => {
+                self.show(index);
+                self.read(source, Then::Replace(self.open[index].id));
+            }
+            None => self.read(source, Then::Show(self.start_settings)),
+        }
     }
 
     fn read(&mut self, source: Source, then: Then) {

@@ -95,7 +95,9 @@ impl State {
                 // The result's pane tells them; news is what a change of the settings brings.
                 new_findings(findings, &mut open.told);
             } else {
-                self.toasts.findings(&open.deployment.name, findings, &mut open.told);
+                let name = &open.deployment.name;
+                self.toasts.retire(name, open.deployment.findings.iter().chain(findings));
+                self.toasts.findings(name, findings, &mut open.told);
             }
         }
         let stations = |summary: &Option<Arc<ResultSummary>>| summary.as_ref().map(|s| s.stations);

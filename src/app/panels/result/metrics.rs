@@ -37,7 +37,9 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
             }
         }
         for metric in &evaluation.control_points_mm {
-            row(ui, RichText::new(&metric.file), &metric.spread);
+            // Files from elsewhere have their whole path.
+            let name = metric.file.rsplit(['/', '\\']).next().unwrap_or(&metric.file);
+            row(ui, RichText::new(name), &metric.spread);
         }
     });
     if evaluation.control_points_mm.is_empty() {
