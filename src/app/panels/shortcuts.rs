@@ -33,7 +33,7 @@ const MOUSE: [(&str, &[(&str, &str)]); 2] = [
     ),
 ];
 
-const WIDTH: f32 = 920.0;
+const WIDTH: f32 = 1020.0;
 
 pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let modal = egui::Modal::new(egui::Id::unique("shortcuts"));

@@ -26,18 +26,21 @@ pub fn ui(
         ui.spacing_mut().item_spacing = Vec2::splat(4.0);
         if rect.width() >= ONE_ROW_POINTS {
             ui.horizontal(|ui| {
-                presets(ui, commands);
+                presets(ui, &PRESETS, commands);
                 stations(ui, commands);
                 ruler(ui, state, commands);
-                colouring(ui, state, commands);
+                colouring(ui, state, true, commands);
             });
         } else {
-            ui.horizontal(|ui| presets(ui, commands));
+            // As narrow as can be: the legend is at the left.
+            let (first, others) = PRESETS.split_at(3);
+            ui.horizontal(|ui| presets(ui, first, commands));
             ui.horizontal(|ui| {
-                stations(ui, commands);
+                presets(ui, others, commands);
                 ruler(ui, state, commands);
             });
-            ui.horizontal(|ui| colouring(ui, state, commands));
+            ui.horizontal(|ui| stations(ui, commands));
+            ui.horizontal(|ui| colouring(ui, state, false, commands));
         }
     });
     let taken = response.response.rect;
@@ -48,16 +51,21 @@ pub fn ui(
     taken
 }
 
-fn presets(ui: &mut egui::Ui, commands: &mut Commands) {
-    for (name, preset, hint) in [
-        ("Fit", ViewPreset::Fit, "Show everything (F, or double-click)"),
-        ("3D", ViewPreset::Slanted, "From above at a slant (D)"),
-        ("Top", ViewPreset::Top, "Look down, x to the right"),
-        ("Front", ViewPreset::Front, "Look along y, x to the right"),
-        ("Side", ViewPreset::Side, "Look against x, y to the right"),
-    ] {
-        if ui.button(name).on_hover_text(hint).clicked() {
-            commands.push(Command::Look(preset));
+type Preset = (&'static str, ViewPreset, &'static str);
+
+/// Name, what it does, hint.
+const PRESETS: [Preset; 5] = [
+    ("Fit", ViewPreset::Fit, "Show everything (F, or double-click)"),
+    ("3D", ViewPreset::Slanted, "From above at a slant (D)"),
+    ("Top", ViewPreset::Top, "Look down, x to the right"),
+    ("Front", ViewPreset::Front, "Look along y, x to the right"),
+    ("Side", ViewPreset::Side, "Look against x, y to the right"),
+];
+
+fn presets(ui: &mut egui::Ui, some: &[Preset], commands: &mut Commands) {
+    for (name, preset, hint) in some {
+        if ui.button(*name).on_hover_text(*hint).clicked() {
+            commands.push(Command::Look(*preset));
         }
     }
 }
@@ -86,8 +94,10 @@ fn ruler(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-fn colouring(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let label = ui.label(RichText::new("Colour by").small());
+fn colouring(ui: &mut egui::Ui, state: &State, labelled: bool, commands: &mut Commands) {
+    if labelled {
+        ui.label(RichText::new("Colour by").small());
+    }
     let mut chosen = state.colouring;
     let combo = egui::ComboBox::from_id_salt("colour by")
         .width(84.0)
@@ -98,7 +108,8 @@ fn colouring(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     .on_hover_text(colouring.hint());
             }
         });
-    combo.response.labelled_by(label.id).on_hover_text(chosen.hint());
+    combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Colour by"));
+    combo.response.on_hover_text(format!("Colour by: {}", chosen.hint()));
     if chosen != state.colouring {
         commands.push(Command::Colour(chosen));
     }
