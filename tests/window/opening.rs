@@ -193,3 +193,24 @@ fn files_that_are_added_one_after_the_other_are_all_kept() {
     assert_eq!(shown(&harness).deployment.control_points.len(), before + 2);
     assert_eq!(harness.state().state.open.len(), 1);
 }
+
+#[test]
+fn what_is_typed_in_the_same_frame_as_enter_counts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("here.tum");
+    let mut harness = window(SIZE, Theme::Dark);
+    send(&mut harness, Command::SaveTrajectoryDialog);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.event(Event::Text(path.display().to_string()));
+    harness.key_press(Key::Enter);
+    harness.step();
+    settle(&mut harness);
+    assert!(harness.state().state.prompt.is_none());
+    for _ in 0..100 {
+        if path.exists() {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    panic!("the trajectory was not written where it was asked for");
+}

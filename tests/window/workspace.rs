@@ -233,3 +233,15 @@ fn a_picture_brings_the_scene_to_the_front() {
     send(&mut harness, Command::ScenePicture(resect::app::PictureTo::Clipboard));
     assert!(scene(&harness));
 }
+
+#[test]
+fn the_palette_heeds_what_is_typed_in_the_same_frame_as_enter() {
+    let mut harness = window(LARGE, Theme::Dark);
+    press(&mut harness, Modifiers::COMMAND, Key::P);
+    harness.event(egui::Event::Text("method b".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.step();
+    settle(&mut harness);
+    let method = settings(&harness).calibration.method;
+    assert_eq!(method, Some(resect::calibration::Method::StaticGcp));
+}

@@ -10,7 +10,7 @@ const MOST_LINES_IN_SIGHT: f32 = 14.0;
 
 pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut Commands) {
     let mut edited = palette.clone();
-    let found = actions::matching(&actions::all(state), &palette.query);
+    let all = actions::all(state);
     let modal = egui::Modal::new(egui::Id::unique("command palette"))
         .frame(egui::Frame::popup(&ctx.global_style()).inner_margin(10.0));
     let response = modal.show(ctx, |ui| {
@@ -20,14 +20,6 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
             let mut pressed = |key| input.consume_key(egui::Modifiers::NONE, key);
             (pressed(Key::ArrowDown), pressed(Key::ArrowUp), pressed(Key::Enter))
         });
-        let last = found.len().saturating_sub(1);
-        edited.chosen = edited.chosen.min(last);
-        if down {
-            edited.chosen = if edited.chosen == last { 0 } else { edited.chosen + 1 };
-        }
-        if up {
-            edited.chosen = if edited.chosen == 0 { last } else { edited.chosen - 1 };
-        }
         let field = egui::TextEdit::singleline(&mut edited.query)
             .hint_text("What do you want to do?")
             .desired_width(f32::INFINITY);
@@ -35,6 +27,16 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
         field.request_focus();
         if field.changed() {
             edited.chosen = 0;
+        }
+        // By what is typed by now: a slow frame has words and Enter in it.
+        let found = actions::matching(&all, &edited.query);
+        let last = found.len().saturating_sub(1);
+        edited.chosen = edited.chosen.min(last);
+        if down {
+            edited.chosen = if edited.chosen == last { 0 } else { edited.chosen + 1 };
+        }
+        if up {
+            edited.chosen = if edited.chosen == 0 { last } else { edited.chosen - 1 };
         }
         ui.add_space(4.0);
         let mut done = enter.then(|| found.get(edited.chosen)).flatten();

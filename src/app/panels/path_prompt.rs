@@ -21,9 +21,13 @@ pub fn ui(ctx: &egui::Context, prompt: &PathPrompt, commands: &mut Commands) {
         match &prompt.overwrite {
             Some(path) => overwrite(ui, &path.display().to_string(), &mut asked),
             None => {
-                let moved = keys(ui, prompt, &mut asked);
+                let Keys { moved, enter } = keys(ui, prompt, &mut asked);
                 places(ui, prompt, &mut asked);
                 field(ui, prompt, &mut asked);
+                if enter {
+                    // After what was typed in the same frame: a slow frame has a whole path in it.
+                    asked.push(PromptCommand::Accept);
+                }
                 ui.add_space(4.0);
                 list(ui, prompt, moved, &mut asked);
                 ui.add_space(6.0);
@@ -38,8 +42,14 @@ pub fn ui(ctx: &egui::Context, prompt: &PathPrompt, commands: &mut Commands) {
     commands.extend(asked.into_iter().map(Command::Prompt));
 }
 
-/// What the keys ask for, before the text field takes them; whether they moved the choice.
-fn keys(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>) -> bool {
+struct Keys {
+    /// Whether the choice was moved.
+    moved: bool,
+    enter: bool,
+}
+
+/// What the keys ask for, before the text field takes them.
+fn keys(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>) -> Keys {
     let typing = ui.ctx().text_edit_focused() || ui.memory(|memory| memory.focused().is_none());
     let lines = prompt.shown().len();
     let (up_a_folder, down, up, enter) = ui.input_mut(|input| {
@@ -64,10 +74,7 @@ fn keys(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>) 
         };
         asked.push(PromptCommand::Choose(Some(line)));
     }
-    if enter {
-        asked.push(PromptCommand::Accept);
-    }
-    down || up
+    Keys { moved: down || up, enter }
 }
 
 fn places(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>) {

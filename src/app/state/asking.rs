@@ -1,11 +1,11 @@
 //! Asking for a path, by the system's dialog or in the window.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Sender, channel};
 
 use super::State;
 use crate::app::file_dialog::{
-    Answer, Listing, PathPrompt, PromptCommand, PromptStep, Question, system,
+    Answer, Listing, PathPrompt, PromptCommand, PromptStep, Question, Wanted, system,
 };
 use crate::app::worker::Reply;
 
@@ -22,7 +22,10 @@ impl State {
             return Answer::OfSystem(system::ask(&question));
         }
         let (answer, receiver) = channel();
-        let folder = self.last_folder.clone().or_else(|| std::env::current_dir().ok());
+        // What is written does not go among the data by itself.
+        let saves = !matches!(question.wanted, Wanted::ToOpen { .. });
+        let last = if saves { &self.last_folder_saved } else { &self.last_folder_opened };
+        let folder = last.clone().or_else(|| std::env::current_dir().ok());
         let recent: Vec<PathBuf> = self
             .session
             .recent
@@ -50,7 +53,14 @@ impl State {
             }
             PromptStep::Chosen(path) => {
                 if let Some(prompt) = self.prompt.take() {
-                    self.last_folder = Some(prompt.shown.folder().to_owned());
+                    let opens = matches!(prompt.shown.question.wanted, Wanted::ToOpen { .. });
+                    // Typed in one go, it is in a folder that was never shown.
+                    let folder = path.parent().map(Path::to_owned);
+                    if opens {
+                        self.last_folder_opened = folder;
+                    } else {
+                        self.last_folder_saved = folder;
+                    }
                     // Whoever asked may have gone.
                     prompt.answer.send(path).ok();
                 }

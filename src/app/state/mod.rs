@@ -120,8 +120,9 @@ pub struct State {
     pub prompt: Option<OpenPrompt>,
     /// Whether paths are asked for inside the window: the system has no dialog.
     pub asks_in_window: bool,
-    /// Where the last path was chosen.
-    last_folder: Option<PathBuf>,
+    /// Where the last path was chosen to open something, and to save something.
+    last_folder_opened: Option<PathBuf>,
+    last_folder_saved: Option<PathBuf>,
     pub toasts: Toasts,
     /// Pictures that are compared byte for byte show this instead of the measured time (ms).
     pub fixed_elapsed_ms: Option<f64>,
@@ -157,7 +158,8 @@ impl State {
             studies: Studies::default(),
             prompt: None,
             asks_in_window: !file_dialog::system::is_there(),
-            last_folder: None,
+            last_folder_opened: None,
+            last_folder_saved: None,
             toasts: Toasts::default(),
             fixed_elapsed_ms: None,
             opening: Vec::new(),
