@@ -3,7 +3,7 @@
 //! Reference pictures are in `screenshots/`; Mesa's software Vulkan is the one rasteriser. After an intended change run
 //! `UPDATE_SNAPSHOTS=1 cargo test --test window` and look at the new pictures before committing them.
 
-use eframe::egui::{Key, Modifiers, Pos2, Theme, Vec2};
+use eframe::egui::{Event, Key, Modifiers, Pos2, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, image_snapshot_options};
 use resect::analysis::Settings;
@@ -66,6 +66,24 @@ pub fn click(harness: &mut Window, name: &str) {
 
 pub fn press(harness: &mut Window, modifiers: Modifiers, key: Key) {
     harness.key_press_modifiers(modifiers, key);
+    settle(harness);
+}
+
+/// Types over what is in the text field that has the focus, and presses Enter, all in one frame: the harness gives every
+/// event a frame of its own, slow machines do not.
+pub fn type_and_enter_at_once(harness: &mut Window, text: &str) {
+    let key = |key, modifiers| Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    };
+    harness.input_mut().events.extend([
+        key(Key::A, Modifiers::COMMAND),
+        Event::Text(text.to_owned()),
+        key(Key::Enter, Modifiers::NONE),
+    ]);
     settle(harness);
 }
 

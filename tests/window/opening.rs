@@ -6,7 +6,9 @@ use resect::app::Command;
 use resect::deployment::Source;
 
 use crate::common::sample_folder;
-use crate::harness::{Window, press, send, settle, shown, snapshot, window};
+use crate::harness::{
+    Window, press, send, settle, shown, snapshot, type_and_enter_at_once, window,
+};
 
 const SIZE: Vec2 = Vec2::new(1280.0, 800.0);
 const THEMES: [(Theme, &str); 2] = [(Theme::Dark, "dark"), (Theme::Light, "light")];
@@ -200,11 +202,7 @@ fn what_is_typed_in_the_same_frame_as_enter_counts() {
     let path = folder.path().join("here.tum");
     let mut harness = window(SIZE, Theme::Dark);
     send(&mut harness, Command::SaveTrajectoryDialog);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.event(Event::Text(path.display().to_string()));
-    harness.key_press(Key::Enter);
-    harness.step();
-    settle(&mut harness);
+    type_and_enter_at_once(&mut harness, &path.display().to_string());
     assert!(harness.state().state.prompt.is_none());
     for _ in 0..100 {
         if path.exists() {

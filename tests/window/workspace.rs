@@ -4,7 +4,9 @@ use eframe::egui::{self, Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Overlay, Ruler, RulerEnd};
 
-use crate::harness::{LARGE, Window, press, send, set, settings, settle, window};
+use crate::harness::{
+    LARGE, Window, press, send, set, settings, settle, type_and_enter_at_once, window,
+};
 
 fn cursor_s(harness: &Window) -> f64 {
     let open = harness.state().state.active().expect("open");
@@ -238,10 +240,7 @@ fn a_picture_brings_the_scene_to_the_front() {
 fn the_palette_heeds_what_is_typed_in_the_same_frame_as_enter() {
     let mut harness = window(LARGE, Theme::Dark);
     press(&mut harness, Modifiers::COMMAND, Key::P);
-    harness.event(egui::Event::Text("method b".to_owned()));
-    harness.key_press(Key::Enter);
-    harness.step();
-    settle(&mut harness);
+    type_and_enter_at_once(&mut harness, "method b");
     let method = settings(&harness).calibration.method;
     assert_eq!(method, Some(resect::calibration::Method::StaticGcp));
 }
