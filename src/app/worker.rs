@@ -62,7 +62,8 @@ pub enum Reply {
     /// The picture of the scene that was asked for.
     Pictured {
         to: PictureTo,
-        image: egui::ColorImage,
+        /// `None` if nothing of the scene was in the window.
+        image: Option<egui::ColorImage>,
     },
     /// The residuals of a pinned result.
     PinDrawn {

@@ -134,7 +134,7 @@ pub struct State {
     pub session: SessionState,
     /// Asked for in the last frame; taken in the next, when the menu that asked for it is gone.
     wanted_picture: Option<PictureTo>,
-    /// Whether this frame becomes a picture: controls are not part of it.
+    /// Whether this frame may become a picture: controls are not part of it.
     pub picturing: bool,
 }
 

@@ -6,31 +6,33 @@ use super::{PictureTo, State};
 use crate::app::worker::Reply;
 
 impl State {
-    /// To be called before a frame is drawn: from now on it is known whether it becomes a picture.
+    /// To be called before a frame is drawn: it may become the picture. Some systems take the frame after the one that
+    /// asked, so all of them may until the picture is there.
     pub fn begin_picture(&mut self) {
-        self.picturing = self.wanted_picture.is_some();
+        self.picturing |= self.wanted_picture.is_some();
     }
 
     /// Asks the window system for its pixels in the part of the window where the scene was drawn in this frame (points).
     pub fn take_picture(&mut self, ctx: &egui::Context, scene: Option<egui::Rect>) {
-        if !self.picturing {
-            return;
-        }
         let Some(to) = self.wanted_picture.take() else { return };
         let Some(scene) = scene else {
+            self.picturing = false;
             self.toasts.error("the scene is not shown; bring its pane to the front");
             return;
         };
         let reply = self.worker.reply();
         let pixels_per_point = ctx.pixels_per_point();
         ctx.request_screenshot(move |window| {
-            if let Some(image) = cut(&window, scene, pixels_per_point) {
-                reply(Reply::Pictured { to, image });
-            }
+            reply(Reply::Pictured { to, image: cut(&window, scene, pixels_per_point) });
         });
     }
 
-    pub(super) fn take_pictured(&mut self, to: PictureTo, image: egui::ColorImage) {
+    pub(super) fn take_pictured(&mut self, to: PictureTo, image: Option<egui::ColorImage>) {
+        self.picturing = false;
+        let Some(image) = image else {
+            self.toasts.error("nothing of the scene is in the window; make room for its pane");
+            return;
+        };
         match to {
             PictureTo::Clipboard => {
                 self.worker.ctx().copy_image(image);
