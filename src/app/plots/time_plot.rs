@@ -56,21 +56,12 @@ pub fn show<'a>(
     add: impl FnOnce(&mut PlotUi<'a>) + 'a,
 ) -> Shown {
     let [from_s, to_s] = times.window_s;
-    let shown = plot
-        .x_grid_spacer(time_marks)
-        // Moving about is the same in all plots over time, and not egui_plot's.
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_drag(false)
-        .allow_boxed_zoom(false)
-        .allow_axis_zoom_drag(false)
-        .allow_double_click_reset(false)
-        .show_crosshair(false)
-        .show(ui, move |plot_ui| {
-            plot_ui.set_plot_bounds_x(from_s..=to_s);
-            plot_ui.set_plot_bounds_y(y_bounds[0]..=y_bounds[1]);
-            add(plot_ui);
-        });
+    // Moving about is the same in all plots over time, and not egui_plot's.
+    let shown = still(plot).x_grid_spacer(time_marks).show(ui, move |plot_ui| {
+        plot_ui.set_plot_bounds_x(from_s..=to_s);
+        plot_ui.set_plot_bounds_y(y_bounds[0]..=y_bounds[1]);
+        add(plot_ui);
+    });
     let response = shown.response;
     response.widget_info(|| {
         egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, ui.is_enabled(), name)
@@ -86,6 +77,17 @@ pub fn show<'a>(
 
 /// Plots narrower than this have no room for a sentence (points).
 const NARROW: f32 = 320.0;
+
+/// A plot that the mouse does not move.
+pub fn still(plot: Plot<'_>) -> Plot<'_> {
+    plot.allow_zoom(false)
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_boxed_zoom(false)
+        .allow_axis_zoom_drag(false)
+        .allow_double_click_reset(false)
+        .show_crosshair(false)
+}
 
 /// The axis that plots over time have at the bottom; of several above each other only the lowest.
 pub fn time_axis<'a>(width: f32) -> AxisHints<'a> {

@@ -4,6 +4,7 @@ use eframe::egui::{self, Color32, Rect, RichText};
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform};
 
 use super::super::gaps::LogHistogram;
+use super::super::time_plot::still;
 use super::super::{LABELS, log_axis};
 use super::GapThresholds;
 use crate::app::open_deployment::OpenDeployment;
@@ -90,7 +91,7 @@ impl Distribution<'_> {
             [low.min(a - 0.1), high.max(b + 0.1)]
         });
         let most = bins().map(|(_, count)| count).max().unwrap_or(1);
-        let shown = Plot::new((self.name, id))
+        let shown = still(Plot::new((self.name, id)))
             .height(height)
             .custom_x_axes(vec![
                 AxisHints::new_x()
@@ -106,13 +107,6 @@ impl Distribution<'_> {
             .x_grid_spacer(log_axis::many_decades)
             .y_grid_spacer(counts)
             .label_formatter(|_| None)
-            .show_crosshair(false)
-            .allow_zoom(false)
-            .allow_scroll(false)
-            .allow_drag(false)
-            .allow_boxed_zoom(false)
-            .allow_axis_zoom_drag(false)
-            .allow_double_click_reset(false)
             .sense(egui::Sense::hover())
             .show(ui, |plot_ui| {
                 plot_ui.set_plot_bounds_x(low..=high);
