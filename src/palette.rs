@@ -27,6 +27,7 @@ pub fn fate(fate: SampleFate) -> Rgb {
         SampleFate::Rejected(OutlierReason::Zenith) => [240, 215, 50],
         SampleFate::InNoInterval => [110, 90, 200],
         SampleFate::IntervalTooShort => [60, 130, 160],
+        SampleFate::LeftOut => [150, 110, 80],
     }
 }
 

@@ -31,19 +31,27 @@ impl Severity {
 pub struct Finding {
     pub severity: Severity,
     pub message: String,
+    /// Whether no answer from this data can be better than weak.
+    #[serde(skip)]
+    pub doubt: bool,
 }
 
 impl Finding {
     pub fn note(message: impl Into<String>) -> Self {
-        Self { severity: Severity::Note, message: message.into() }
+        Self { severity: Severity::Note, message: message.into(), doubt: false }
     }
 
     pub fn warning(message: impl Into<String>) -> Self {
-        Self { severity: Severity::Warning, message: message.into() }
+        Self { severity: Severity::Warning, message: message.into(), doubt: false }
+    }
+
+    /// A warning that no answer from this data can be better than weak.
+    pub fn doubt(message: impl Into<String>) -> Self {
+        Self { doubt: true, ..Self::warning(message) }
     }
 
     pub fn problem(message: impl Into<String>) -> Self {
-        Self { severity: Severity::Problem, message: message.into() }
+        Self { severity: Severity::Problem, message: message.into(), doubt: false }
     }
 }
 

@@ -8,21 +8,27 @@ mod finding;
 pub mod format;
 mod gnss;
 mod open;
+mod overrides;
+mod putting_right;
+mod reading_sense;
 mod rig;
 mod sample;
 mod source;
+pub mod station_clocks;
 mod track;
 mod what_is;
 
 pub use control_points::{ControlPoint, ControlPointSet};
 pub use finding::{Finding, Severity};
-pub use format::OpenError;
+pub use format::{ColumnMapping, OpenError, Question, Topic};
 pub use gnss::GnssFix;
 pub use open::{Ingredient, open, open_files};
+pub use overrides::{AzimuthSense, MaskedReading, OneOrMany, Overrides, PrismConstants};
+pub use putting_right::{AS_NUMBERED, OverrideChange, extras_changes, override_changes};
 pub use rig::{Rig, pairwise_distances};
 pub use sample::Sample;
 pub use source::{Extras, Place, Source};
-pub use track::{Measurement, RawRecord, Track, assemble_tracks};
+pub use track::{Measurement, RawRecord, Recording, TimeCorrection, Track};
 pub use what_is::{Dropped, SESSION_KEY, Sorted, sort, what_is};
 
 /// Names of the pairs of prisms in the order of every `[f64; 3]` of distances: α, β, γ.
@@ -34,12 +40,26 @@ pub fn pair_label(pair: usize) -> String {
     format!("{}–{}", a + 1, b + 1)
 }
 
+/// The frames that a deployment's tracks are in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TrackFrame {
+    /// Each in its station's own, as measured; answers map those of stations 2 and 3 to that of station 1.
+    #[default]
+    Own,
+    /// All in one, into which somebody turned them before they were written, in a way that is not known. Answers from
+    /// the tracks (methods C and D) map what is left; answers from control points (A and B) are about the stations' own
+    /// frames, and the two cannot be compared.
+    Common,
+}
+
 /// One field session: three stations' measurements, control points and the prism rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deployment {
     pub name: String,
     /// What stations 1, 2 and 3 measured; a missing station has an empty track.
     pub tracks: [Track; 3],
+    /// The frames that the tracks are in.
+    pub track_frame: TrackFrame,
     /// Static points, one set per file.
     pub control_points: Vec<ControlPointSet>,
     /// The prisms on the vehicle, where a file describes them.
@@ -48,6 +68,12 @@ pub struct Deployment {
     pub prisms: Option<u8>,
     /// Positions of GNSS antennas 1, 2, 3 on the vehicle.
     pub gnss: Option<[Vec<GnssFix>; 3]>,
+    /// What the clocks of stations 1, 2 and 3 were corrected by during the recording, where it says so.
+    pub time_corrections: [Vec<TimeCorrection>; 3],
+    /// What it was read with: `deployment.toml`, and what the user put right since.
+    pub overrides: Overrides,
+    /// What its files say of that by themselves: the folder's `deployment.toml`, and the rig's distances.
+    pub as_read: Overrides,
     /// What was read and what was passed over, file by file.
     pub ingredients: Vec<Ingredient>,
     /// What the readers noticed.
@@ -55,6 +81,15 @@ pub struct Deployment {
 }
 
 impl Deployment {
+    /// The control points that an answer from the tracks can be held against, and that from them against the tracks:
+    /// none where the tracks are in another frame.
+    pub fn comparable_control_points(&self) -> &[ControlPointSet] {
+        match self.track_frame {
+            TrackFrame::Own => &self.control_points,
+            TrackFrame::Common => &[],
+        }
+    }
+
     /// Time of the first measurement of any station (s, in the stations' common clock).
     pub fn start_s(&self) -> Option<f64> {
         self.tracks

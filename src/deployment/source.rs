@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Deployment, OpenError, Sample, open};
+use super::{Deployment, OpenError, Overrides, Sample, open};
 use crate::progress::Progress;
 
 /// A deployment's place, and the files that the user named beside it. Plain data: sessions keep it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Source {
     #[serde(flatten)]
     pub place: Place,
@@ -24,8 +24,8 @@ pub enum Place {
     Sample(Sample),
 }
 
-/// Files that the user names beside those that lie with the tracks.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// What the user adds to what lies with the tracks: further files, and what is put right.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Extras {
     /// Folder or file that describes the rig, instead of what lies with the tracks and of `deployment.toml`.
@@ -40,6 +40,9 @@ pub struct Extras {
     /// RTKLIB solutions of antennas 1, 2, 3, instead of what lies with the tracks.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gnss: Vec<PathBuf>,
+    /// What the user says of the data, over what `deployment.toml` says.
+    #[serde(skip_serializing_if = "Overrides::is_empty")]
+    pub put_right: Overrides,
 }
 
 impl Source {
@@ -97,6 +100,9 @@ impl Extras {
         }
         if !other.gnss.is_empty() {
             self.gnss = other.gnss;
+        }
+        if !other.put_right.is_empty() {
+            self.put_right = other.put_right.over(std::mem::take(&mut self.put_right));
         }
         if other.gcp_instead {
             self.gcp.clear();

@@ -1,10 +1,9 @@
 //! What one station measured over time, cleaned of what cannot be a measurement.
 
-use std::f64::consts::PI;
-
 use nalgebra::Vector3;
 
-use super::Finding;
+use super::reading_sense::{self, Impossible, StationSense};
+use super::{Finding, OpenError};
 use crate::geometry::Polar;
 
 /// One reading of a station, as the instrument gave it (the prism constant is not in the range).
@@ -22,8 +21,12 @@ pub struct Measurement {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Track {
     pub measurements: Vec<Measurement>,
-    /// Added to every range on the way to coordinates, and nowhere else.
+    /// Added to every range on the way to coordinates, and nowhere else; 0 where the ranges contain it already.
     pub prism_constant_m: f64,
+    /// What the station's own, unsynchronised clock said at each measurement (s); empty where no file tells.
+    pub own_clock_s: Vec<f64>,
+    /// Whether the user leaves each measurement out (a span of time, single readings); empty where none is.
+    pub left_out: Vec<bool>,
 }
 
 impl Track {
@@ -40,6 +43,11 @@ impl Track {
     pub fn position_m(&self, measurement: &Measurement) -> Vector3<f64> {
         self.polar(measurement).to_cartesian()
     }
+
+    /// Whether the user leaves this measurement out.
+    pub fn is_left_out(&self, index: usize) -> bool {
+        self.left_out.get(index).copied().unwrap_or(false)
+    }
 }
 
 /// A line or message of a file, before it is known to be a usable reading.
@@ -52,87 +60,176 @@ pub struct RawRecord {
     /// Where it stands: line of a text file, running number of a message in a bag.
     pub place: usize,
     pub measurement: Measurement,
+    /// What the station's own clock said (s), where the file has it beside the synchronised time.
+    pub own_clock_s: Option<f64>,
 }
 
-/// The year 5138 in Unix seconds; milliseconds and nanoseconds are beyond it.
-const LATEST_STAMP_S: f64 = 1e11;
+/// What a station's clock was corrected by at one moment, as the system that synchronises the stations said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeCorrection {
+    /// When it was said (s, synchronised time).
+    pub time_s: f64,
+    /// The station's own clock minus the synchronised time (s).
+    pub offset_s: f64,
+}
 
-/// Sorts records into three tracks, leaving out what cannot be a reading and saying so.
-///
-/// `file` and `place_word` ("line", "message") are for the findings.
-pub fn assemble_tracks(
-    records: &[RawRecord],
-    prism_constant_m: f64,
-    file: &str,
-    place_word: &str,
-) -> ([Track; 3], Vec<Finding>) {
-    let mut tracks: [Vec<(usize, Measurement)>; 3] = Default::default();
-    let mut findings = Vec::new();
-    let mut dropped = Dropped::default();
-    for record in records {
-        let m = record.measurement;
-        let Some(station) = station_index(record.station) else {
-            dropped.add("a station number other than 1, 2, 3".to_owned(), record);
-            continue;
-        };
-        let whose = format!("station {}", station + 1);
-        let polar = Polar {
-            range_m: m.range_m + prism_constant_m,
-            azimuth_rad: m.azimuth_rad,
-            zenith_rad: m.zenith_rad,
+/// What the readers of tracks fill, file by file: usable readings, and why the others are not.
+#[derive(Debug, Default)]
+pub struct Recording {
+    file: String,
+    place_word: &'static str,
+    /// Station numbers of the files that count as 1, 2, 3.
+    numbers: Option<[i64; 3]>,
+    counter_clockwise: bool,
+    tracks: [Track; 3],
+    late: [usize; 3],
+    /// Count of duplicates, and the first place where one stood.
+    duplicates: [(usize, Option<String>); 3],
+    dropped: Dropped,
+    sense: [StationSense; 3],
+    pub time_corrections: [Vec<TimeCorrection>; 3],
+    /// Whether the ranges contain the prism constant already, as coordinates do.
+    pub ranges_include_prism_constant: bool,
+    /// What the readers have to say.
+    pub findings: Vec<Finding>,
+}
+
+impl Recording {
+    /// An empty one that counts `numbers` as stations 1, 2, 3, and azimuths in the given sense.
+    pub fn new(numbers: Option<[i64; 3]>, counter_clockwise: bool) -> Self {
+        Self { numbers, counter_clockwise, ..Self::default() }
+    }
+
+    /// What is pushed from now on comes from this file; a place in it is called `place_word` ("line", "message").
+    pub fn begin_file(&mut self, file: &str, place_word: &'static str) {
+        (self.file, self.place_word) = (file.to_owned(), place_word);
+    }
+
+    /// Takes a record in, or counts why it cannot be a reading.
+    pub fn push(&mut self, record: &RawRecord) {
+        let mut m = record.measurement;
+        let Some(station) = self.station_of(record.station) else {
+            self.drop(None, "a station number other than 1, 2, 3".to_owned(), record);
+            return;
         };
         if record.status != 0 {
-            dropped.add(format!("{whose}: status {} (no valid reading)", record.status), record);
-        } else if ![m.time_s, m.range_m, m.azimuth_rad, m.zenith_rad].iter().all(|v| v.is_finite())
-        {
-            dropped.add(format!("{whose}: not a number"), record);
-        } else if !(0.0..=PI).contains(&m.zenith_rad) {
-            dropped.add(format!("{whose}: zenith angle outside 0..π rad"), record);
-        } else if !polar.is_plausible() {
-            dropped.add(format!("{whose}: range outside 0..10 km"), record);
-        } else if m.time_s.abs() > LATEST_STAMP_S {
-            dropped.add(format!("{whose}: not a time stamp in seconds"), record);
-        } else {
-            tracks[station].push((record.place, m));
+            let why = format!("status {} (no valid reading)", record.status);
+            self.drop(Some(station), why, record);
+            return;
+        }
+        let impossible = Impossible::of(&m);
+        self.sense[station].take(&m, impossible);
+        match impossible {
+            Some(impossible) => self.drop(Some(station), impossible.words().to_owned(), record),
+            None => {
+                if self.counter_clockwise {
+                    m.azimuth_rad = -m.azimuth_rad;
+                }
+                self.keep(station, m, record);
+            }
         }
     }
-    findings.extend(dropped.into_findings(file, place_word));
 
-    let tracks = std::array::from_fn(|station| {
-        let readings = &mut tracks[station];
-        let late = readings.windows(2).filter(|w| w[1].1.time_s < w[0].1.time_s).count();
-        if late > 0 {
-            readings.sort_by(|a, b| a.1.time_s.total_cmp(&b.1.time_s));
-            findings.push(Finding::warning(format!(
-                "station {}: {late} out-of-order stamps in {file}; the track was sorted by time",
-                station + 1
-            )));
+    /// Index of the station that has this number in the files; `None` for a number that none has.
+    pub fn station_of(&self, number: i64) -> Option<usize> {
+        match self.numbers {
+            Some(numbers) => numbers.iter().position(|own| *own == number),
+            None => station_index(number),
         }
-        let before = readings.len();
-        let mut first_duplicate = None;
-        readings.dedup_by(|later, kept| {
-            let same = later.1.time_s == kept.1.time_s;
-            if same {
-                first_duplicate.get_or_insert(later.0);
+    }
+
+    fn keep(&mut self, station: usize, measurement: Measurement, record: &RawRecord) {
+        let track = &mut self.tracks[station];
+        match track.measurements.last() {
+            Some(last) if measurement.time_s == last.time_s => {
+                let (count, first) = &mut self.duplicates[station];
+                *count += 1;
+                let (word, file) = (self.place_word, &self.file);
+                first.get_or_insert_with(|| {
+                    format!(" (first at {word} {} of {file})", record.place)
+                });
+                return;
             }
-            same
-        });
-        if let Some(place) = first_duplicate {
-            findings.push(Finding::warning(format!(
-                "station {}: {} duplicate stamps dropped (first at {place_word} {place} of {file})",
-                station + 1,
-                before - readings.len()
-            )));
+            Some(last) if measurement.time_s < last.time_s => self.late[station] += 1,
+            _ => {}
         }
-        if readings.is_empty() {
-            findings.push(Finding::problem(format!(
-                "station {} has no measurement in {file}; a calibration needs all three stations",
-                station + 1
-            )));
+        if let Some(own_clock_s) = record.own_clock_s {
+            // Files without it, before this one, leave a hole.
+            track.own_clock_s.resize(track.measurements.len(), f64::NAN);
+            track.own_clock_s.push(own_clock_s);
         }
-        Track { measurements: readings.iter().map(|(_, m)| *m).collect(), prism_constant_m }
-    });
-    (tracks, findings)
+        track.measurements.push(measurement);
+    }
+
+    fn drop(&mut self, station: Option<usize>, why: String, record: &RawRecord) {
+        let reason = match station {
+            Some(station) => format!("station {}: {why}", station + 1),
+            None => why,
+        };
+        let (word, file) = (self.place_word, &self.file);
+        self.dropped.add(reason, || format!("first at {word} {} of {file}", record.place));
+    }
+
+    /// Takes in what a station's clock was corrected by; `number` as the files count stations.
+    pub fn push_correction(&mut self, number: i64, correction: TimeCorrection) {
+        if let Some(station) = self.station_of(number) {
+            self.time_corrections[station].push(correction);
+        }
+    }
+
+    /// What units, clocks and the share of impossible readings say; an error where a column cannot be in its unit.
+    pub fn check_sense(&self, files: &str) -> Result<Vec<Finding>, OpenError> {
+        reading_sense::check(&self.sense, files, self.place_word == "line")
+    }
+
+    /// The tracks in order of time, and everything that was noticed; `files` names where they come from.
+    pub fn finish(self, files: &str) -> ([Track; 3], Vec<Finding>) {
+        let Self { tracks, late, duplicates, dropped, mut findings, .. } = self;
+        findings.extend(dropped.into_findings());
+        let stations = tracks.into_iter().zip(late).zip(duplicates).enumerate();
+        let tracks: Vec<Track> = stations
+            .map(|(station, ((mut track, late), (mut repeated, first)))| {
+                let number = station + 1;
+                if !track.own_clock_s.is_empty() {
+                    track.own_clock_s.resize(track.measurements.len(), f64::NAN);
+                }
+                if late > 0 {
+                    repeated += sort_by_time(&mut track);
+                    findings.push(Finding::warning(format!(
+                        "station {number}: {late} out-of-order stamps in {files}; the track was sorted by time"
+                    )));
+                }
+                if repeated > 0 {
+                    let first = first.unwrap_or_default();
+                    findings.push(Finding::warning(format!(
+                        "station {number}: {repeated} duplicate stamps dropped{first}"
+                    )));
+                }
+                if track.measurements.is_empty() {
+                    findings.push(Finding::problem(format!(
+                        "station {number} has no measurement in {files}; a calibration needs all three stations"
+                    )));
+                }
+                track
+            })
+            .collect();
+        (tracks.try_into().expect("three stations"), findings)
+    }
+}
+
+/// Puts a track in order and takes out what has the stamp of another reading; gives how many those are.
+fn sort_by_time(track: &mut Track) -> usize {
+    let readings = &track.measurements;
+    let mut order: Vec<usize> = (0..readings.len()).collect();
+    order.sort_by(|a, b| readings[*a].time_s.total_cmp(&readings[*b].time_s));
+    let before = order.len();
+    order.dedup_by(|later, kept| readings[*later].time_s == readings[*kept].time_s);
+    let measurements = order.iter().map(|index| readings[*index]).collect();
+    if !track.own_clock_s.is_empty() {
+        track.own_clock_s = order.iter().map(|index| track.own_clock_s[*index]).collect();
+    }
+    track.measurements = measurements;
+    before - order.len()
 }
 
 /// 0, 1 or 2 for the station numbers 1, 2, 3 of the files.
@@ -144,22 +241,20 @@ pub fn station_index(number: i64) -> Option<usize> {
 }
 
 /// Counts of left-out records by reason, each with the first place it happened.
-#[derive(Default)]
-struct Dropped(Vec<(String, usize, usize)>);
+#[derive(Debug, Default)]
+struct Dropped(Vec<(String, usize, String)>);
 
 impl Dropped {
-    fn add(&mut self, reason: String, record: &RawRecord) {
+    fn add(&mut self, reason: String, place: impl FnOnce() -> String) {
         match self.0.iter_mut().find(|(known, _, _)| *known == reason) {
             Some((_, count, _)) => *count += 1,
-            None => self.0.push((reason, 1, record.place)),
+            None => self.0.push((reason, 1, place())),
         }
     }
 
-    fn into_findings(self, file: &str, place_word: &str) -> impl Iterator<Item = Finding> {
-        self.0.into_iter().map(move |(reason, count, place)| {
-            Finding::warning(format!(
-                "{reason}: {count} dropped (first at {place_word} {place} of {file})"
-            ))
+    fn into_findings(self) -> impl Iterator<Item = Finding> {
+        self.0.into_iter().map(|(reason, count, place)| {
+            Finding::warning(format!("{reason}: {count} dropped ({place})"))
         })
     }
 }
@@ -170,7 +265,14 @@ mod tests {
 
     fn record(station: i64, place: usize, time_s: f64) -> RawRecord {
         let measurement = Measurement { time_s, range_m: 10.0, azimuth_rad: 0.1, zenith_rad: 1.5 };
-        RawRecord { station, status: 0, place, measurement }
+        RawRecord { station, status: 0, place, measurement, own_clock_s: None }
+    }
+
+    fn assemble(records: &[RawRecord]) -> ([Track; 3], Vec<Finding>) {
+        let mut recording = Recording::default();
+        recording.begin_file("x.csv", "line");
+        records.iter().for_each(|record| recording.push(record));
+        recording.finish("x.csv")
     }
 
     #[test]
@@ -184,7 +286,7 @@ mod tests {
         let mut broken = record(3, 15, 10.0);
         broken.measurement.range_m = f64::NAN;
         records.push(broken);
-        let (tracks, findings) = assemble_tracks(&records, 0.010, "x.csv", "line");
+        let (tracks, findings) = assemble(&records);
         assert_eq!(tracks.each_ref().map(|t| t.measurements.len()), [3, 4, 3]);
         assert!(tracks[1].measurements.windows(2).all(|w| w[0].time_s < w[1].time_s));
         let text = findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
@@ -202,7 +304,7 @@ mod tests {
 
     #[test]
     fn a_silent_station_is_a_problem() {
-        let (_, findings) = assemble_tracks(&[record(1, 2, 0.0)], 0.0, "x.csv", "line");
+        let (_, findings) = assemble(&[record(1, 2, 0.0)]);
         let problems =
             findings.iter().filter(|f| f.severity == crate::deployment::Severity::Problem);
         assert_eq!(problems.count(), 2);

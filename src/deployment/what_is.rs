@@ -23,6 +23,11 @@ pub enum Dropped {
     ControlPoints,
     /// A file that describes the rig, or a folder of such files without tracks.
     Rig,
+    /// A folder that holds nothing but a rig or control points: its rig, and the files of its control points.
+    FolderOfExtras {
+        rig: bool,
+        gcp: Vec<PathBuf>,
+    },
     /// A solution of one antenna.
     Gnss,
     Session,
@@ -38,6 +43,9 @@ impl Dropped {
             Self::Deployment => "deployment",
             Self::ControlPoints => "control points",
             Self::Rig => "rig",
+            Self::FolderOfExtras { rig: true, gcp } if gcp.is_empty() => "rig",
+            Self::FolderOfExtras { rig: true, .. } => "rig and control points",
+            Self::FolderOfExtras { .. } => "control points",
             Self::Gnss => "GNSS",
             Self::Session => "session",
             Self::Settings => "settings",
@@ -62,9 +70,26 @@ pub fn what_is(path: &Path) -> Dropped {
         Err(error) => return Dropped::Unknown(error.to_string()),
     };
     match file.format {
-        Format::PolarCsv | Format::Ros1Bag | Format::DeploymentToml => Dropped::Deployment,
-        Format::ControlPoints | Format::Pillars | Format::SurveyedPoints => Dropped::ControlPoints,
-        Format::RigReading | Format::RigDistances => Dropped::Rig,
+        Format::PolarCsv
+        | Format::BonnCsv
+        | Format::UnknownTable
+        | Format::CartesianTrack
+        | Format::Ros1Bag
+        | Format::Ros2Sqlite
+        | Format::Mcap
+        | Format::RosbagMetadata
+        | Format::DeploymentToml => Dropped::Deployment,
+        Format::ControlPoints
+        | Format::Gsi
+        | Format::JobXml
+        | Format::Pillars
+        | Format::SurveyedPoints => Dropped::ControlPoints,
+        Format::RigReading | Format::SensorPositions | Format::RigDistances => Dropped::Rig,
+        Format::AppliedTransforms => Dropped::Unknown(format!(
+            "{}: {}; open the folder with the tracks that they were applied to",
+            file.file,
+            file.format.describe()
+        )),
         Format::RtklibPos => Dropped::Gnss,
         Format::Ignored(why) => match path.extension() {
             Some(extension) if extension == "toml" && file.file != "truth.toml" => {
@@ -76,12 +101,34 @@ pub fn what_is(path: &Path) -> Dropped {
 }
 
 fn what_folder_is(path: &Path) -> Dropped {
-    // What is wrong with a folder is said when it is opened.
+    // What is wrong with a folder is said when it is opened; one with many deployments is not walked.
+    if super::open::holds_many(path) {
+        return Dropped::Deployment;
+    }
     let files = list_folder(path, super::open::FOLDER_DEPTH, &Progress::default());
-    let formats: Vec<Format> = files.iter().flatten().map(|file| file.format).collect();
-    let rig = formats.iter().any(|f| matches!(f, Format::RigReading | Format::RigDistances));
-    let deployment = formats.iter().any(|f| f.is_track() || *f == Format::DeploymentToml);
-    if rig && !deployment { Dropped::Rig } else { Dropped::Deployment }
+    let files: Vec<FoundFile> = files.into_iter().flatten().collect();
+    let is_rig = |f: &FoundFile| {
+        matches!(f.format, Format::RigReading | Format::SensorPositions | Format::RigDistances)
+    };
+    let rig = files.iter().any(is_rig);
+    let of_points = |f: &&FoundFile| {
+        matches!(
+            f.format,
+            Format::ControlPoints
+                | Format::Gsi
+                | Format::JobXml
+                | Format::Pillars
+                | Format::SurveyedPoints
+        )
+    };
+    let gcp: Vec<PathBuf> = files.iter().filter(of_points).map(|f| path.join(&f.file)).collect();
+    let deployment =
+        files.iter().any(|f| f.format.is_track() || f.format == Format::DeploymentToml);
+    if deployment || (!rig && gcp.is_empty()) {
+        Dropped::Deployment
+    } else {
+        Dropped::FolderOfExtras { rig, gcp }
+    }
 }
 
 fn what_toml_is(file: &FoundFile) -> Dropped {
@@ -99,12 +146,14 @@ fn what_toml_is(file: &FoundFile) -> Dropped {
 }
 
 /// Several paths at once, by what is done with them.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sorted {
     /// To be opened, each with the extras.
     pub deployments: Vec<PathBuf>,
     /// Without a deployment beside them they are for the one that is open.
     pub extras: Extras,
+    /// Folders that hold nothing but some of these extras: they could be meant as deployments of their own.
+    pub folders: Vec<PathBuf>,
     pub sessions: Vec<PathBuf>,
     pub settings: Vec<PathBuf>,
     /// Lines that say what cannot be used, and why.
@@ -119,6 +168,13 @@ pub fn sort<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Sorted {
             Dropped::Deployment => sorted.deployments.push(own),
             Dropped::ControlPoints => sorted.extras.gcp.push(own),
             Dropped::Rig => sorted.extras.rig = Some(own),
+            Dropped::FolderOfExtras { rig, gcp } => {
+                sorted.extras.gcp.extend(gcp);
+                if rig {
+                    sorted.extras.rig = Some(own.clone());
+                }
+                sorted.folders.push(own);
+            }
             Dropped::Gnss => sorted.extras.gnss.push(own),
             Dropped::Session => sorted.sessions.push(own),
             Dropped::Settings => sorted.settings.push(own),
@@ -165,7 +221,8 @@ mod tests {
             let Dropped::Unknown(said) = what_is(&write(name, text)) else { panic!("{name}") };
             assert!(said.contains(why), "{said}");
         }
-        assert_eq!(what_is(&folder.path().join("rig")), Dropped::Rig);
+        let rig = Dropped::FolderOfExtras { rig: true, gcp: Vec::new() };
+        assert_eq!(what_is(&folder.path().join("rig")), rig);
         assert_eq!(what_is(folder.path()), Dropped::Deployment);
         assert!(matches!(what_is(&folder.path().join("absent")), Dropped::Unknown(_)));
     }

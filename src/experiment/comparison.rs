@@ -9,7 +9,7 @@ use super::study::{Group, Level, Quantiles, Series, Study};
 use super::{INSTRUMENT_NOISE_MM, StudyError};
 use crate::analysis::{Analysis, Analyst, Answer, Settings};
 use crate::calibration::{self, CalibrationSettings, Disagreement, Method, Offer};
-use crate::deployment::{Deployment, Finding};
+use crate::deployment::{ControlPointSet, Deployment, Finding};
 use crate::evaluation::{self, gnss};
 use crate::palette;
 use crate::progress::Progress;
@@ -149,7 +149,12 @@ fn judge(
         let transforms = &answer.station1_from_station;
         let (_, evaluation) =
             evaluation::evaluate_answer(&test.deployment, &test.triplets, targets, &answer);
-        let points = test.deployment.control_points.iter().filter(|set| !set.pillars);
+        let points: &[ControlPointSet] = if answer.method.is_from_tracks() {
+            test.deployment.comparable_control_points()
+        } else {
+            &test.deployment.control_points
+        };
+        let points = points.iter().filter(|set| !set.pillars);
         errors[0].extend(points.flat_map(|set| set.disagreements_m(transforms)).map(|m| m * 1e3));
         errors[1].extend(evaluation.distance_errors_mm.into_iter().flatten());
     }

@@ -118,6 +118,10 @@ fn without_tracks(deployment: &Deployment) -> Deployment {
         rig: deployment.rig.clone(),
         prisms: deployment.prisms,
         gnss: None,
+        time_corrections: Default::default(),
+        track_frame: deployment.track_frame,
+        as_read: deployment.as_read.clone(),
+        overrides: deployment.overrides.clone(),
         ingredients: Vec::new(),
         findings: Vec::new(),
     }

@@ -11,5 +11,5 @@ mod rigid_transform;
 pub use alignment::{align_level, align_rigid};
 pub use geodetic::Geodetic;
 pub use level_transform::LevelTransform;
-pub use polar::{Polar, wrap_to_pi};
+pub use polar::{LONGEST_RANGE_M, Polar, wrap_to_pi};
 pub use rigid_transform::RigidTransform;

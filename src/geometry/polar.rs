@@ -16,7 +16,7 @@ pub struct Polar {
 }
 
 /// No total station measures further; what claims to is a blunder that would drown everything else.
-const LONGEST_RANGE_M: f64 = 10_000.0;
+pub const LONGEST_RANGE_M: f64 = 10_000.0;
 
 impl Polar {
     /// Whether a total station can have measured this: finite, in front of it and within 10 km.

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::Thresholds;
-use crate::deployment::{Deployment, Measurement};
+use crate::deployment::{Deployment, Measurement, Track};
 use crate::geometry::wrap_to_pi;
 
 /// Which rate gave a reading away; the first that exceeds its threshold, in this order.
@@ -31,6 +31,8 @@ pub struct FilteredTrack {
     pub source: Vec<u32>,
     /// For every raw reading, why it was dropped.
     pub rejected: Vec<Option<OutlierReason>>,
+    /// As in [`Track::left_out`].
+    pub left_out: Vec<bool>,
 }
 
 /// Positions of every raw reading (m), each station in its own frame. No setting changes them.
@@ -49,7 +51,7 @@ pub fn filter(
     thresholds: Option<&Thresholds>,
 ) -> [FilteredTrack; 3] {
     std::array::from_fn(|station| {
-        filter_track(&deployment.tracks[station].measurements, &positions_m[station], thresholds)
+        filter_track(&deployment.tracks[station], &positions_m[station], thresholds)
     })
 }
 
@@ -64,25 +66,32 @@ pub fn rates(previous: &Measurement, this: &Measurement) -> Rates {
     }
 }
 
-/// The previous raw reading counts whether it was kept or not: after a jump, the way back is a jump too.
+/// The previous raw reading counts whether it was kept or not: after a jump, the way back is a jump too. What the user
+/// left out does not count at all.
 fn filter_track(
-    readings: &[Measurement],
+    track: &Track,
     positions_m: &[Vector3<f64>],
     thresholds: Option<&Thresholds>,
 ) -> FilteredTrack {
+    let readings = &track.measurements;
+    let mut previous: Option<&Measurement> = None;
     let mut out = FilteredTrack {
         time_s: Vec::with_capacity(readings.len()),
         position_m: Vec::with_capacity(readings.len()),
         source: Vec::with_capacity(readings.len()),
         rejected: Vec::with_capacity(readings.len()),
+        left_out: track.left_out.clone(),
     };
     for (index, reading) in readings.iter().enumerate() {
-        let reason = match (thresholds, index.checked_sub(1)) {
-            (Some(thresholds), Some(previous)) => {
-                too_fast(&rates(&readings[previous], reading), thresholds)
-            }
+        if track.is_left_out(index) {
+            out.rejected.push(None);
+            continue;
+        }
+        let reason = match (thresholds, previous) {
+            (Some(thresholds), Some(previous)) => too_fast(&rates(previous, reading), thresholds),
             _ => None,
         };
+        previous = Some(reading);
         out.rejected.push(reason);
         if reason.is_none() {
             out.time_s.push(reading.time_s);
@@ -114,7 +123,7 @@ mod tests {
         readings: &[(f64, f64, f64, f64)],
         thresholds: Option<&Thresholds>,
     ) -> FilteredTrack {
-        let readings: Vec<_> = readings
+        let measurements: Vec<_> = readings
             .iter()
             .map(|&(time_s, range_m, azimuth_rad, zenith_rad)| Measurement {
                 time_s,
@@ -123,7 +132,8 @@ mod tests {
                 zenith_rad,
             })
             .collect();
-        filter_track(&readings, &vec![Vector3::zeros(); readings.len()], thresholds)
+        let positions_m = vec![Vector3::zeros(); measurements.len()];
+        filter_track(&Track { measurements, ..Track::default() }, &positions_m, thresholds)
     }
 
     #[test]

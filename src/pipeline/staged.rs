@@ -21,16 +21,19 @@ pub enum SampleFate {
     InNoInterval,
     /// Its interval is not longer than τ_l.
     IntervalTooShort,
+    /// The user left it out.
+    LeftOut,
 }
 
 impl SampleFate {
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Kept,
         Self::Rejected(OutlierReason::Range),
         Self::Rejected(OutlierReason::Azimuth),
         Self::Rejected(OutlierReason::Zenith),
         Self::InNoInterval,
         Self::IntervalTooShort,
+        Self::LeftOut,
     ];
 
     /// In words, for legends and exports.
@@ -40,6 +43,7 @@ impl SampleFate {
             Self::Rejected(OutlierReason::Range) => "rejected: range rate",
             Self::Rejected(OutlierReason::Azimuth) => "rejected: azimuth rate",
             Self::Rejected(OutlierReason::Zenith) => "rejected: zenith rate",
+            Self::LeftOut => "left out by hand",
             Self::InNoInterval => "in no interval",
             Self::IntervalTooShort => "interval too short",
         }
@@ -64,7 +68,7 @@ pub struct Fates {
     /// Of each raw reading.
     pub each: Vec<SampleFate>,
     /// In the order of [`SampleFate::ALL`]; counted once, because the window asks in every frame.
-    counts: [usize; 6],
+    counts: [usize; 7],
 }
 
 impl PipelineOutput {
@@ -181,6 +185,11 @@ fn fates(track: &FilteredTrack, intervals: &[Interval], kept: &[Interval]) -> Fa
         .iter()
         .map(|reason| reason.map_or(SampleFate::InNoInterval, SampleFate::Rejected))
         .collect();
+    for (fate, left_out) in fates.iter_mut().zip(&track.left_out) {
+        if *left_out {
+            *fate = SampleFate::LeftOut;
+        }
+    }
     for (index, source) in track.source.iter().enumerate() {
         fates[*source as usize] = match (in_kept[index], in_any[index]) {
             (true, _) => SampleFate::Kept,

@@ -73,6 +73,7 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
                 status: 0,
                 place: 0,
                 measurement,
+                own_clock_s: None,
             });
         }
     }

@@ -11,11 +11,11 @@ use crate::geometry::Polar;
 pub const COLUMNS: [&str; 6] =
     ["theodolite_number", "marker_number", "status", "elevation", "azimuth", "distance"];
 
-/// The points of one file, the prism constant added to every range.
+/// The points of one file, to every range the prism constant of its station added.
 pub fn read(
     file: &str,
     text: &str,
-    prism_constant_m: f64,
+    prism_constants_m: &[f64; 3],
 ) -> Result<(ControlPointSet, Vec<Finding>), OpenError> {
     let mut points: Vec<ControlPoint> = Vec::new();
     let mut findings = Vec::new();
@@ -38,8 +38,9 @@ pub fn read(
             )));
             continue;
         }
-        let polar = Polar { range_m: distance_m + prism_constant_m, azimuth_rad, zenith_rad };
-        if !polar.is_plausible() {
+        let range_m = distance_m + prism_constants_m[station];
+        let polar = Polar { range_m, azimuth_rad, zenith_rad };
+        if distance_m <= 0.0 || !polar.is_plausible() {
             findings.push(Finding::warning(format!(
                 "{place}: marker {marker} of station {number} left out: not a usable reading"
             )));

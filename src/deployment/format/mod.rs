@@ -3,17 +3,29 @@
 //! Readers take text (or, for bags, a path) and give data plus findings; which file plays which part in
 //! a deployment is decided in [`super::open`].
 
+pub mod applied_transforms;
+pub mod bag;
+pub mod bonn_csv;
+pub mod cartesian_tracks;
+pub mod column_mapping;
 pub mod control_points;
 pub mod deployment_toml;
+pub mod gsi;
+pub mod jobxml;
+pub mod mapped_csv;
 pub mod pillars;
 pub mod polar_csv;
 pub mod rig_files;
-pub mod ros1_bag;
 pub mod rtklib_pos;
+pub mod survey;
 pub mod surveyed_points;
-mod table;
+pub(super) mod table;
+mod text_chunks;
 
 use std::path::PathBuf;
+
+pub use column_mapping::ColumnMapping;
+pub use rtklib_pos::days_from_civil;
 
 use crate::progress::Cancelled;
 
@@ -26,9 +38,64 @@ pub enum OpenError {
     File { file: String, what: String, remedy: String },
     #[error("{file}:{line}: {what}; {remedy}")]
     Line { file: String, line: usize, what: String, remedy: String },
+    /// What only the user can tell; the window asks, a command names the key of `deployment.toml`.
+    #[error("{0}")]
+    Question(Box<Question>),
     /// By who asked for it: not to be shown as an error.
     #[error("cancelled")]
     Cancelled,
+}
+
+/// What only the user can tell, and the key of `deployment.toml` that answers it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Question {
+    /// A bag has topics of positions that do not name their station.
+    #[error(
+        "{file}: which topic is which station? there are {}; name those of stations 1, 2, 3 in deployment.toml: \
+         topics = [\"…\", \"…\", \"…\"]",
+        topics_in_words(topics)
+    )]
+    Topics { file: String, topics: Vec<Topic> },
+    /// A table has a header that no reader knows.
+    #[error(
+        "{file}: which column is what? its header is `{header}`; say so under [columns] in deployment.toml, or open it in \
+         the window"
+    )]
+    Columns { file: String, path: PathBuf, header: String },
+    /// Several files hold tracks.
+    #[error(
+        "{folder}: several files hold tracks: {}; open one of these files, or name it in deployment.toml: tracks = \"…\"",
+        files.join(", ")
+    )]
+    Tracks { folder: String, files: Vec<String> },
+    /// Each file holds the track of one station, and none says of which.
+    #[error(
+        "{folder}: which file is which station? there are {}; name those of stations 1, 2, 3 in deployment.toml: \
+         tracks = [\"…\", \"…\", \"…\"]",
+        files.join(", ")
+    )]
+    StationFiles { folder: String, files: Vec<String> },
+}
+
+/// A topic of a bag.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Topic {
+    pub name: String,
+    /// Of its messages, as `geometry_msgs/PointStamped`.
+    pub message_type: String,
+    pub messages: u64,
+}
+
+fn topics_in_words(topics: &[Topic]) -> String {
+    let said =
+        topics.iter().map(|t| format!("{} ({}, {} messages)", t.name, t.message_type, t.messages));
+    said.collect::<Vec<_>>().join(", ")
+}
+
+impl From<Question> for OpenError {
+    fn from(question: Question) -> Self {
+        Self::Question(Box::new(question))
+    }
 }
 
 impl From<Cancelled> for OpenError {
@@ -59,11 +126,28 @@ pub const BYTE_ORDER_MARK: char = '\u{feff}';
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     PolarCsv,
+    /// One station's; three make a deployment.
+    CartesianTrack,
+    /// What Cartesian tracks were turned with.
+    AppliedTransforms,
+    /// One station's, of Bonn's network.
+    BonnCsv,
+    /// A header that no reader knows above numbers: tracks, once the user says which column is what.
+    UnknownTable,
     Ros1Bag,
+    Ros2Sqlite,
+    Mcap,
+    /// `metadata.yaml` of a ROS 2 bag, which stands for its folder.
+    RosbagMetadata,
     ControlPoints,
+    /// Readings of one instrument.
+    Gsi,
+    /// The same.
+    JobXml,
     Pillars,
     SurveyedPoints,
     RigReading,
+    SensorPositions,
     RigDistances,
     RtklibPos,
     DeploymentToml,
@@ -76,11 +160,25 @@ impl Format {
     pub fn describe(self) -> &'static str {
         match self {
             Self::PolarCsv => "polar measurements of the three stations (CSV)",
-            Self::Ros1Bag => "polar measurements of the three stations (ROS 1 bag)",
+            Self::BonnCsv => "polar measurements of one station (CSV of Bonn's rts-network)",
+            Self::UnknownTable => "a table whose columns no reader knows",
+            Self::CartesianTrack => "positions of one station's prism",
+            Self::AppliedTransforms => "transforms applied to positions",
+            Self::Ros1Bag => "measurements of the three stations (ROS 1 bag)",
+            Self::Ros2Sqlite => "measurements of the three stations (ROS 2 bag, SQLite)",
+            Self::Mcap => "measurements of the three stations (MCAP bag)",
+            Self::RosbagMetadata => "what a ROS 2 bag says of its files",
             Self::ControlPoints => "control points",
+            Self::Gsi => {
+                "one instrument's readings of points (Leica GSI); its stamps are whole seconds, so no track"
+            }
+            Self::JobXml => {
+                "one instrument's readings of points (JobXML); its stamps are whole seconds, so no track"
+            }
             Self::Pillars => "surveyed pillars",
             Self::SurveyedPoints => "coordinates of control points",
             Self::RigReading => "a static station's reading of the rig",
+            Self::SensorPositions => "positions of the prisms and sensors on the vehicle",
             Self::RigDistances => "inter-prism distances",
             Self::RtklibPos => "positions of a GNSS antenna (RTKLIB)",
             Self::DeploymentToml => "overrides",
@@ -90,7 +188,17 @@ impl Format {
 
     /// Whether it holds the stations' tracks.
     pub fn is_track(self) -> bool {
-        matches!(self, Self::PolarCsv | Self::Ros1Bag)
+        matches!(self, Self::PolarCsv | Self::BonnCsv | Self::CartesianTrack) || self.is_bag()
+    }
+
+    /// Whether it is a recording of ROS 1 or ROS 2.
+    pub fn is_bag(self) -> bool {
+        matches!(self, Self::Ros1Bag | Self::Ros2Sqlite | Self::Mcap)
+    }
+
+    /// Whether it holds tracks, or may do so once the user says which column is what.
+    pub fn may_be_track(self) -> bool {
+        self.is_track() || self == Self::UnknownTable
     }
 }
 
@@ -102,13 +210,8 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
         "truth.toml" => return Format::Ignored("truth of a simulation: never read to calibrate"),
         _ => {}
     }
-    if head.starts_with(b"#ROSBAG") {
-        return Format::Ros1Bag;
-    }
-    if head.starts_with(b"SQLite format 3\0") || head.starts_with(b"\x89MCAP0") {
-        return Format::Ignored(
-            "ROS 2 bag: not read yet; convert it to a ROS 1 bag or to polar CSV",
-        );
+    if let Some(format) = bag::recognise(head) {
+        return format;
     }
     let text = String::from_utf8_lossy(head);
     let text = text.trim_start_matches(BYTE_ORDER_MARK);
@@ -119,21 +222,34 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
     let Some(first) = lines.next() else {
         return Format::Ignored("empty");
     };
-    if table::header_has(first, &polar_csv::COLUMNS) {
+    if jobxml::looks_like(text) {
+        Format::JobXml
+    } else if gsi::looks_like(first) {
+        Format::Gsi
+    } else if table::header_has(first, &polar_csv::COLUMNS) {
         Format::PolarCsv
+    } else if table::header_has(first, &bonn_csv::COLUMNS) {
+        Format::BonnCsv
     } else if table::header_has(first, &control_points::COLUMNS[..2]) {
         Format::ControlPoints
     } else if table::header_has(first, &pillars::COLUMNS) {
         Format::Pillars
     } else if table::header_has(first, &surveyed_points::COLUMNS) {
         Format::SurveyedPoints
+    } else if mapped_csv::looks_like(text) {
+        Format::UnknownTable
     } else {
         match (numeric_fields(first), lines.next()) {
             (Some(15), _) => Format::RigReading,
             (Some(3 | 6), None) => Format::RigDistances,
-            (Some(4), _) => Format::Ignored(
-                "Cartesian track, already turned into another frame: not read; use the polar measurements",
-            ),
+            (Some(4), _) if cartesian_tracks::evenly_spaced(text) => {
+                Format::Ignored("positions at even steps of time: interpolated, not measured")
+            }
+            (Some(4), _) => Format::CartesianTrack,
+            (Some(applied_transforms::FIELDS), _) if applied_transforms::looks_like(first) => {
+                Format::AppliedTransforms
+            }
+            (Some(13), _) if rig_files::is_sensor_position(first) => Format::SensorPositions,
             _ => Format::Ignored("not recognised"),
         }
     }
@@ -161,7 +277,7 @@ mod tests {
         assert_eq!(recognise("x", b"0.7 0.9 1.0 0.7 0.8 0.5\n"), Format::RigDistances);
         assert_eq!(recognise("x", b"#ROSBAG V2.0\n"), Format::Ros1Bag);
         assert_eq!(recognise("x", b""), Format::Ignored("empty"));
-        assert!(matches!(recognise("x.csv", b"1657 1.0 2.0 3.0\n"), Format::Ignored(_)));
+        assert_eq!(recognise("x.csv", b"1657 1.0 2.0 3.0\n"), Format::CartesianTrack);
         assert!(matches!(
             recognise("notes.txt", b"it rained\n"),
             Format::Ignored("not recognised")

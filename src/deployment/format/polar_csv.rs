@@ -2,43 +2,59 @@
 //!
 //! Seconds, station number, metres without the prism constant, azimuth and zenith angle in radians.
 
-use super::{OpenError, table};
-use crate::deployment::{Measurement, RawRecord};
+use std::io::Read;
+
+use super::{ColumnMapping, OpenError, table};
+use crate::deployment::{Measurement, RawRecord, Recording};
 use crate::progress::Progress;
 
 pub const COLUMNS: [&str; 5] = ["timestamp", "id", "distance", "ha", "va"];
 
-const BYTES_BETWEEN_REPORTS: u64 = 1 << 16;
-
 /// Every line, unchecked but for being numbers. `progress` counts its bytes.
-pub fn read(file: &str, text: &str, progress: &Progress) -> Result<Vec<RawRecord>, OpenError> {
-    let mut records = Vec::new();
-    let mut counted = 0;
-    for row in table::rows(file, text, &COLUMNS)? {
-        let row = row?;
-        let [time_s, _, range_m, azimuth_rad, zenith_rad] = row.values[..] else {
-            unreachable!("rows have as many values as columns");
-        };
-        records.push(RawRecord {
+pub fn read(
+    file: &str,
+    reader: impl Read,
+    progress: &Progress,
+    into: &mut Recording,
+) -> Result<(), OpenError> {
+    into.begin_file(file, "line");
+    let mut found = false;
+    table::for_each_row(file, reader, &COLUMNS, progress, |row| {
+        let [time_s, _, range_m, azimuth_rad, zenith_rad] = row.values;
+        found = true;
+        into.push(&RawRecord {
             station: row.whole(file, 1, COLUMNS[1])?,
             status: 0,
             place: row.line,
             measurement: Measurement { time_s, range_m, azimuth_rad, zenith_rad },
+            own_clock_s: None,
         });
-        if row.start_byte - counted > BYTES_BETWEEN_REPORTS {
-            progress.advance(row.start_byte - counted)?;
-            counted = row.start_byte;
-        }
+        Ok(())
+    })?;
+    if found { Ok(()) } else { Err(no_measurement(file)) }
+}
+
+/// A mapping that names no column of time or position, with the names of this format: it says no more than the units.
+pub fn with_own_names(units: &ColumnMapping) -> ColumnMapping {
+    let ColumnMapping { time, range, azimuth, vertical, x, y, z, .. } = units;
+    if !time.is_empty() || [range, azimuth, vertical, x, y, z].iter().any(|name| name.is_some()) {
+        return units.clone();
     }
-    progress.advance(text.len() as u64 - counted)?;
-    if records.is_empty() {
-        return Err(OpenError::file(
-            file,
-            "has a header but no measurement",
-            "record the deployment again",
-        ));
+    let [time, station, range, azimuth, vertical] = COLUMNS.map(str::to_owned);
+    ColumnMapping {
+        time,
+        station: Some(station),
+        range: Some(range),
+        azimuth: Some(azimuth),
+        vertical: Some(vertical),
+        ..units.clone()
     }
-    Ok(records)
+}
+
+/// The error of a table that ends with its header.
+pub(super) fn no_measurement(file: &str) -> OpenError {
+    let what = "has a header but no measurement";
+    OpenError::file(file, what, "record the deployment again")
 }
 
 /// The text that [`read`] reads.

@@ -40,11 +40,11 @@ pub fn write_distances(inter_prism_m: &[f64; 3], inter_antenna_m: Option<&[f64; 
 /// `calibration_raw.csv`: one static station's reading of prisms 1, 2, 3 (then antennas and lidar).
 ///
 /// Columns 0–2 horizontal angle in degrees, minutes, seconds, 6–8 zenith angle, 12 distance (m). The prism
-/// constant belongs to the first three rows only. Gives the prisms' positions in that station's frame (m).
+/// constants belong to the first three rows only. Gives the prisms' positions in that station's frame (m).
 pub fn read_rig_reading(
     file: &str,
     text: &str,
-    prism_constant_m: f64,
+    prism_constants_m: &[f64; 3],
 ) -> Result<[Vector3<f64>; 3], OpenError> {
     let mut prisms = Vec::new();
     for (index, line) in
@@ -62,7 +62,7 @@ pub fn read_rig_reading(
         let angle_rad =
             |at: usize| (values[at] + values[at + 1] / 60.0 + values[at + 2] / 3600.0).to_radians();
         let polar = Polar {
-            range_m: values[12] + prism_constant_m,
+            range_m: values[12] + prism_constants_m[prisms.len()],
             azimuth_rad: angle_rad(0),
             zenith_rad: angle_rad(6),
         };
@@ -82,6 +82,38 @@ pub fn read_rig_reading(
             format!("{} rows, 3 prisms needed", short.len()),
             "add the missing prisms",
         )
+    })
+}
+
+/// Whether a line of 13 numbers is a position with its covariance: the fourth is 1.
+pub fn is_sensor_position(line: &str) -> bool {
+    line.split_whitespace().nth(3).and_then(|field| field.parse().ok()) == Some(1.0)
+}
+
+/// `sensor_positions.csv` of the authors' repository: x y z (m), 1, and the 3×3 covariance (m²) of prisms 1, 2, 3, then
+/// GNSS antennas and lidar. Gives the three prisms (m).
+///
+/// Computed by its scripts from `calibration_raw.csv`, so in the frame of the static station that read the rig (z up), for
+/// all its name. Whether the prism constant is in it is not said: on the run of 2022-07-11 it is not (their ranges are
+/// those of the reading to the micrometre), which changes the distances between the prisms by a millimetre.
+pub fn read_sensor_positions(file: &str, text: &str) -> Result<[Vector3<f64>; 3], OpenError> {
+    let mut prisms = Vec::new();
+    for (index, line) in
+        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(3)
+    {
+        let values = numbers(file, index + 1, line)?;
+        let position_m = values.get(..3).map(Vector3::from_column_slice);
+        match position_m.filter(|p| p.iter().all(|value| value.is_finite())) {
+            Some(position_m) => prisms.push(position_m),
+            None => {
+                let remedy = "columns are x y z in metres, 1, and nine of a covariance";
+                return Err(OpenError::line(file, index + 1, "not a position", remedy));
+            }
+        }
+    }
+    prisms.try_into().map_err(|short: Vec<_>| {
+        let what = format!("{} rows, 3 prisms needed", short.len());
+        OpenError::file(file, what, "add the missing prisms")
     })
 }
 
@@ -130,7 +162,7 @@ mod tests {
             Vector3::new(2.9, 0.9, -0.7),
         ];
         let text = write_rig_reading(&prisms.map(Polar::from_cartesian), 0.010);
-        let back = read_rig_reading("x", &text, 0.010).expect("own text");
+        let back = read_rig_reading("x", &text, &[0.010; 3]).expect("own text");
         for (written, read) in pairwise_distances(&prisms).iter().zip(pairwise_distances(&back)) {
             assert!((written - read).abs() < 1.2e-3, "{written} {read}");
         }
@@ -142,7 +174,13 @@ mod tests {
         assert!(error.starts_with("d.csv:1: `oops`"), "{error}");
         let error = read_distances("d.csv", "0.7 0.9 -1").expect_err("negative").to_string();
         assert!(error.contains("not a distance"), "{error}");
-        let error = read_rig_reading("r.csv", "1 2 3\n", 0.01).expect_err("short").to_string();
+        let error =
+            read_sensor_positions("s.csv", "1 2 3 1\n1 2\n").expect_err("short").to_string();
+        assert!(error.starts_with("s.csv:2: not a position"), "{error}");
+        let error = read_sensor_positions("s.csv", "1 2 3 1\n").expect_err("one").to_string();
+        assert!(error.starts_with("s.csv: 1 rows"), "{error}");
+        let error =
+            read_rig_reading("r.csv", "1 2 3\n", &[0.01; 3]).expect_err("short").to_string();
         assert!(error.starts_with("r.csv:1: 3 columns"), "{error}");
     }
 }

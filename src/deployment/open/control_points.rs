@@ -6,16 +6,18 @@ use nalgebra::Vector3;
 
 use super::Reading;
 use super::found::Standing;
+use super::surveys::Surveys;
 use crate::deployment::format::{self, Format, OpenError};
 use crate::deployment::{ControlPointSet, Finding};
 
 /// Every set, its points with their surveyed coordinates.
-pub fn read_control_point_sets(
-    reading: &mut Reading<'_, '_>,
-    prism_constant_m: f64,
+pub fn read_control_point_sets<'a>(
+    reading: &mut Reading<'a, '_>,
+    prism_constants_m: &[f64; 3],
+    surveys: &Surveys<'a>,
 ) -> Result<Vec<ControlPointSet>, OpenError> {
-    let Reading { files, overrides, progress, used, findings } = reading;
-    let mut sets: Vec<ControlPointSet> = Vec::new();
+    let mut sets: Vec<ControlPointSet> = surveys.control_points(reading, prism_constants_m);
+    let Reading { files, overrides, progress, used, findings, .. } = reading;
     let mut pillars = None;
     // What the user names comes last.
     if let Some(file) = files.iter().rfind(|f| f.serves_as(Format::Pillars)) {
@@ -29,7 +31,7 @@ pub fn read_control_point_sets(
         }
         let text = file.text(progress)?;
         let pillars = pillars.as_deref();
-        let set = read_control_points(&file.file, &text, prism_constant_m, pillars, findings)?;
+        let set = read_control_points(&file.file, &text, prism_constants_m, pillars, findings)?;
         if let Some(set) = set {
             used.push(&file.file);
             sets.push(set);
@@ -58,7 +60,8 @@ pub fn read_control_point_sets(
     }
     if let Some(wanted) = &overrides.control_points
         && let Some(missing) = wanted.iter().find(|wanted| {
-            !files.iter().any(|f| f.file == **wanted && f.format == Format::ControlPoints)
+            let holds = [Format::ControlPoints, Format::Gsi, Format::JobXml];
+            !files.iter().any(|f| f.file == **wanted && holds.contains(&f.format))
         })
     {
         return Err(OpenError::file(
@@ -85,11 +88,11 @@ fn set_of<'a>(sets: &'a mut [ControlPointSet], file: &str) -> Option<&'a mut Con
 fn read_control_points(
     file: &str,
     text: &str,
-    prism_constant_m: f64,
+    prism_constants_m: &[f64; 3],
     pillars: Option<&[(i64, Vector3<f64>)]>,
     findings: &mut Vec<Finding>,
 ) -> Result<Option<ControlPointSet>, OpenError> {
-    let (mut set, set_findings) = format::control_points::read(file, text, prism_constant_m)?;
+    let (mut set, set_findings) = format::control_points::read(file, text, prism_constants_m)?;
     findings.extend(set_findings);
     if set.points.is_empty() {
         findings.push(Finding::warning(format!("{file}: no usable control point")));

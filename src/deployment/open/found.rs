@@ -3,8 +3,10 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::deployment::Extras;
+use super::cartesian::pass_over_derived;
+use super::collection;
 use crate::deployment::format::{self, Format, OpenError, recognise};
+use crate::deployment::{Extras, Overrides};
 use crate::progress::Progress;
 
 /// How deep below the given folder files are looked for.
@@ -47,7 +49,8 @@ impl FoundFile {
         let base_name = path.file_name().unwrap_or_default().to_string_lossy();
         Ok(Self {
             file,
-            format: recognise(&base_name, &head),
+            format: format::bag::recognise_compressed(&head, path)
+                .unwrap_or_else(|| recognise(&base_name, &head)),
             content: Content::Disk(path.to_owned()),
             bytes,
             standing: Standing::Beside,
@@ -63,6 +66,29 @@ impl FoundFile {
     pub fn is_read_beside_tracks(&self) -> bool {
         let read = [&RIG[..], &CONTROL_POINTS, &GNSS].concat();
         self.standing != Standing::SetAside && read.contains(&self.format)
+    }
+
+    /// What is in it from its first byte on, for a reader that takes it piece by piece.
+    pub fn reader(&self) -> Result<Box<dyn Read + '_>, OpenError> {
+        match &self.content {
+            Content::Memory(text) => Ok(Box::new(text.as_bytes())),
+            Content::Disk(path) => match std::fs::File::open(path) {
+                Ok(file) => Ok(Box::new(file)),
+                Err(error) => Err(OpenError::Io { path: path.clone(), error }),
+            },
+        }
+    }
+
+    /// The first line with anything in it.
+    pub fn header(&self) -> Result<String, OpenError> {
+        let mut head = Vec::new();
+        let io = |error| {
+            OpenError::file(&self.file, format!("cannot be read ({error})"), "check the disk")
+        };
+        self.reader()?.take(4096).read_to_end(&mut head).map_err(io)?;
+        let head = String::from_utf8_lossy(&head).into_owned();
+        let mut lines = head.trim_start_matches(format::BYTE_ORDER_MARK).lines().map(str::trim);
+        Ok(lines.find(|line| !line.is_empty()).unwrap_or_default().to_owned())
     }
 
     /// What is in it, without a byte-order mark; counted as done.
@@ -97,6 +123,8 @@ pub struct Found {
     pub name: String,
     /// The file of tracks that was asked for.
     pub chosen: Option<String>,
+    /// What the user says of them, over what `deployment.toml` says.
+    pub put_right: Overrides,
     pub files: Vec<FoundFile>,
 }
 
@@ -109,10 +137,14 @@ pub fn find(path: &Path, progress: &Progress) -> Result<Found, OpenError> {
         None
     } else {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        // It stands for its folder.
-        (name != "deployment.toml").then_some(name)
+        let format = FoundFile::at(&path, name.clone())?.format;
+        // These stand for their folder.
+        (!matches!(format, Format::DeploymentToml | Format::RosbagMetadata)).then_some(name)
     };
     let folder = if metadata.is_dir() { &path } else { path.parent().unwrap_or(Path::new(".")) };
+    if metadata.is_dir() {
+        collection::refuse(folder)?;
+    }
     // A single file: its neighbours can help, the folders below them are none of its business.
     let files = list_folder(folder, if chosen.is_some() { 1 } else { FOLDER_DEPTH }, progress)?;
     let name = match &chosen {
@@ -122,20 +154,20 @@ pub fn find(path: &Path, progress: &Progress) -> Result<Found, OpenError> {
     let name = name.unwrap_or_default().to_string_lossy().into_owned();
     if let Some(file) = &chosen
         && let Some(found) = files.iter().find(|f| &f.file == file)
-        && !found.format.is_track()
+        && !found.format.may_be_track()
     {
         return Err(OpenError::file(
             file,
             format!("holds no tracks of the stations ({})", found.format.describe()),
-            "open its folder, or a polar CSV (timestamp,id,distance,ha,va) or a ROS 1 bag",
+            "open its folder, or a polar CSV (timestamp,id,distance,ha,va) or a bag of ROS 1 or ROS 2",
         ));
     }
-    Ok(Found { name, chosen, files })
+    Ok(Found { name, chosen, put_right: Overrides::default(), files })
 }
 
 /// Files that are in memory, as those of the built-in samples.
 pub fn in_memory(name: &str, files: &[(&str, &str)]) -> Found {
-    let files = files
+    let mut files: Vec<FoundFile> = files
         .iter()
         .map(|(file, text)| FoundFile {
             file: (*file).to_owned(),
@@ -145,7 +177,8 @@ pub fn in_memory(name: &str, files: &[(&str, &str)]) -> Found {
             standing: Standing::Beside,
         })
         .collect();
-    Found { name: name.to_owned(), chosen: None, files }
+    pass_over_derived(&mut files);
+    Found { name: name.to_owned(), chosen: None, put_right: Overrides::default(), files }
 }
 
 /// Every file in a folder, and in those below it, hidden ones left out; sorted by name.
@@ -183,18 +216,20 @@ pub fn list_folder(
     let mut files = Vec::new();
     visit(folder, folder, depth, progress, &mut files)?;
     files.sort_by(|a, b| a.file.cmp(&b.file));
+    pass_over_derived(&mut files);
     Ok(files)
 }
 
 /// What the files are that the user can name beside the tracks.
-const RIG: [Format; 2] = [Format::RigReading, Format::RigDistances];
-const CONTROL_POINTS: [Format; 3] =
-    [Format::ControlPoints, Format::Pillars, Format::SurveyedPoints];
+const RIG: [Format; 3] = [Format::RigReading, Format::SensorPositions, Format::RigDistances];
+const CONTROL_POINTS: [Format; 5] =
+    [Format::ControlPoints, Format::Gsi, Format::JobXml, Format::Pillars, Format::SurveyedPoints];
 const GNSS: [Format; 1] = [Format::RtklibPos];
 
 impl Found {
     /// Takes in the files that the user named, and sets aside those that they stand for.
     pub fn add(&mut self, extras: &Extras) -> Result<(), OpenError> {
+        self.put_right = extras.put_right.clone();
         if let Some(rig) = &extras.rig {
             self.set_aside(&RIG);
             let shown = rig.display().to_string();

@@ -7,7 +7,7 @@ use crate::deployment::{Finding, GnssFix};
 
 /// Antennas 1, 2, 3: the files that the user or `deployment.toml` names, or the three that are there, by name.
 pub fn read_gnss(reading: &mut Reading<'_, '_>) -> Result<Option<[Vec<GnssFix>; 3]>, OpenError> {
-    let Reading { files, overrides, progress, used, findings } = reading;
+    let Reading { files, overrides, progress, used, findings, .. } = reading;
     let there: Vec<&FoundFile> = files.iter().filter(|f| f.serves_as(Format::RtklibPos)).collect();
     let named = there.iter().any(|f| f.standing == Standing::Named);
     let chosen: Vec<&FoundFile> = match &overrides.gnss {

@@ -61,6 +61,8 @@ pub enum Place {
         /// Its number among those that module 3 kept, from 0; `None` for one that it dropped.
         kept: Option<usize>,
     },
+    /// Nowhere: the user left it out.
+    LeftOut,
     /// In no interval, because these stations were silent; empty where all three measured at this instant, and at
     /// no other around it.
     InNone(Vec<Silence>),
@@ -93,7 +95,10 @@ pub fn explain(
     let readings = &deployment.tracks.get(station)?.measurements;
     let reading = *readings.get(index)?;
     let fate = *output.fates[station].each.get(index)?;
-    let before = index.checked_sub(1).map(|before| readings[before]);
+    let track = &deployment.tracks[station];
+    // What the user left out does not count as the reading before.
+    let before_index = (0..index).rev().find(|before| !track.is_left_out(*before));
+    let before = before_index.map(|before| readings[before]);
     Some(Explanation {
         station,
         index,
@@ -102,12 +107,14 @@ pub fn explain(
         step: before.map(|before| Step {
             elapsed_s: reading.time_s - before.time_s,
             rates: checked_rates(&before, &reading, settings),
-            previous_rejected: output.filtered[station].rejected[index - 1].is_some(),
+            previous_rejected: before_index
+                .is_some_and(|before| output.filtered[station].rejected[before].is_some()),
         }),
         gap_before_s: before.map(|before| reading.time_s - before.time_s),
         gap_after_s: readings.get(index + 1).map(|after| after.time_s - reading.time_s),
         place: match fate {
             SampleFate::Rejected(_) => Place::Rejected,
+            SampleFate::LeftOut => Place::LeftOut,
             SampleFate::Kept => {
                 place_in(&output.filtered[station], &output.kept_intervals, index).map(
                     |(number, interval, beside)| Place::In { interval, beside, kept: Some(number) },

@@ -7,7 +7,11 @@ use crate::pipeline;
 /// Readings of one station, by time (s); everything else is still, unless changed.
 fn track(times_s: impl IntoIterator<Item = f64>) -> Track {
     let still = |time_s| Measurement { time_s, range_m: 10.0, azimuth_rad: 0.1, zenith_rad: 1.5 };
-    Track { measurements: times_s.into_iter().map(still).collect(), prism_constant_m: 0.01 }
+    Track {
+        measurements: times_s.into_iter().map(still).collect(),
+        prism_constant_m: 0.01,
+        ..Track::default()
+    }
 }
 
 /// Every half second of a span, its ends included.
@@ -25,6 +29,10 @@ fn deployment(tracks: [Track; 3]) -> Deployment {
         gnss: None,
         ingredients: Vec::new(),
         findings: Vec::new(),
+        time_corrections: Default::default(),
+        track_frame: Default::default(),
+        as_read: Default::default(),
+        overrides: Default::default(),
     }
 }
 

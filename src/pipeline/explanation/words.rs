@@ -31,6 +31,9 @@ impl Explanation {
                 }
             }
             (Place::InNone(silences), _) => self.in_none(silences, start_s),
+            (Place::LeftOut, _) => {
+                "Left out by hand: it is masked, or outside of the span that is used.".to_owned()
+            }
             (Place::Rejected, _) => self.fate.label().to_owned(),
         }
     }

@@ -1,0 +1,254 @@
+//! The messages that say where a prism was, or how a clock ran: their types, and which field stands where.
+//!
+//! - `theodolite_node_msgs/TheodoliteCoordsStamped` (norlab-ulaval, theodolite_node_msgs): `Header header; time theodolite_time;
+//!   uint8 theodolite_id; uint8 status; float64 azimuth, elevation, distance`; `elevation` is a zenith angle, status 0 a reading.
+//!   The master node sets `header.stamp` to `theodolite_time` minus what it found the station's clock to be off by.
+//! - `theodolite_node_msgs/TheodoliteTimeCorrection`: `Header header; uint8 theodolite_id; duration estimated_time_offset`.
+//! - `geometry_msgs/PointStamped`: `Header header; float64 x, y, z`.
+//! - `leica_streaming_msgs/LeicaPoint`, in ROS 1 `leica_streaming_app/LeicaPoint` (cedricpradalier/leica_streaming_app): `Header header;
+//!   string point_id; float64 x, y, z; string date, sensor_time`. The node stamps the header with its computer's clock when
+//!   the point arrives; `date` and `sensor_time` are the instrument's own, as text in a form that depends on its settings and
+//!   without a zone. The header is the one that stations share, so it is the time that is read.
+//!
+//! Time corrections and Leica points could not be tried on a real recording, only on messages written to these definitions.
+
+use super::wire::{Encoding, Malformed, Wire};
+
+/// What a message is, by the name of its type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    TheodoliteCoords,
+    TimeCorrection,
+    Point,
+    LeicaPoint,
+}
+
+/// The type of the authors' readings, as ROS 1 calls it.
+pub const THEODOLITE_TYPE: &str = "theodolite_node_msgs/TheodoliteCoordsStamped";
+
+impl Kind {
+    /// By the name of a type in ROS 1 (`package/Name`) or ROS 2 (`package/msg/Name`); `None` for what is not read.
+    pub fn of_type(name: &str) -> Option<Self> {
+        match short_type(name).as_str() {
+            THEODOLITE_TYPE => Some(Self::TheodoliteCoords),
+            "theodolite_node_msgs/TheodoliteTimeCorrection" => Some(Self::TimeCorrection),
+            "geometry_msgs/PointStamped" => Some(Self::Point),
+            "leica_streaming_msgs/LeicaPoint" | "leica_streaming_app/LeicaPoint" => {
+                Some(Self::LeicaPoint)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether its messages are positions that do not name their station.
+    pub fn is_position(self) -> bool {
+        matches!(self, Self::Point | Self::LeicaPoint)
+    }
+}
+
+/// The name of a type without ROS 2's `msg/`.
+pub fn short_type(name: &str) -> String {
+    name.replacen("/msg/", "/", 1)
+}
+
+/// What a message says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Message {
+    Coords(Coords),
+    Correction(Correction),
+    Point(Point),
+}
+
+/// A reading of a station, or its word that there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coords {
+    /// Synchronised time (s), `None` where nobody set it.
+    pub stamp_s: Option<f64>,
+    /// What the station's own clock said (s), `None` where nobody set it.
+    pub own_clock_s: Option<f64>,
+    pub station: u8,
+    pub status: u8,
+    /// Clockwise seen from above.
+    pub azimuth_rad: f64,
+    pub zenith_rad: f64,
+    pub range_m: f64,
+}
+
+/// How far a station's own clock was found to be ahead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correction {
+    pub stamp_s: Option<f64>,
+    pub station: u8,
+    pub offset_s: f64,
+}
+
+/// A prism in the frame of the instrument that saw it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    pub stamp_s: Option<f64>,
+    pub position_m: [f64; 3],
+}
+
+/// The message that these bytes are; the encoding of a recording and of a live stream alike.
+pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message, Malformed> {
+    let mut wire = Wire::new(encoding, message)?;
+    let stamp_s = wire.header_s()?;
+    Ok(match kind {
+        Kind::TheodoliteCoords => Message::Coords(Coords {
+            stamp_s,
+            own_clock_s: wire.time_s()?,
+            station: wire.u8()?,
+            status: wire.u8()?,
+            azimuth_rad: wire.f64()?,
+            zenith_rad: wire.f64()?,
+            range_m: wire.f64()?,
+        }),
+        Kind::TimeCorrection => Message::Correction(Correction {
+            stamp_s,
+            station: wire.u8()?,
+            offset_s: wire.duration_s()?,
+        }),
+        Kind::Point => Message::Point(Point { stamp_s, position_m: position_m(&mut wire)? }),
+        Kind::LeicaPoint => {
+            wire.string()?;
+            Message::Point(Point { stamp_s, position_m: position_m(&mut wire)? })
+        }
+    })
+}
+
+fn position_m(wire: &mut Wire<'_>) -> Result<[f64; 3], Malformed> {
+    Ok([wire.f64()?, wire.f64()?, wire.f64()?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Writes fields in any of the three ways; the other side of [`Wire`], for tests only.
+    struct Writer(Vec<u8>, Encoding, bool);
+
+    impl Writer {
+        fn new(encoding: Encoding, big_endian: bool) -> Self {
+            let head = match encoding {
+                Encoding::Ros1 => vec![],
+                Encoding::Cdr => vec![0, u8::from(!big_endian), 0, 0],
+            };
+            Self(head, encoding, big_endian)
+        }
+
+        fn number<const N: usize>(mut self, mut little_endian: [u8; N]) -> Self {
+            while self.1 == Encoding::Cdr && !(self.0.len() - 4).is_multiple_of(N) {
+                self.0.push(0xee);
+            }
+            if self.2 {
+                little_endian.reverse();
+            }
+            self.0.extend(little_endian);
+            self
+        }
+
+        fn string(self, text: &str) -> Self {
+            let zero = usize::from(self.1 == Encoding::Cdr);
+            let mut this = self.number(((text.len() + zero) as u32).to_le_bytes());
+            this.0.extend(text.as_bytes());
+            this.0.extend(vec![0; zero]);
+            this
+        }
+
+        fn header(self, sec: u32, nanosec: u32) -> Self {
+            let this = if self.1 == Encoding::Ros1 { self.number([7, 0, 0, 0]) } else { self };
+            this.number(sec.to_le_bytes()).number(nanosec.to_le_bytes()).string("map")
+        }
+
+        fn floats(self, values: &[f64]) -> Self {
+            values.iter().fold(self, |this, value| this.number(value.to_le_bytes()))
+        }
+    }
+
+    const WAYS: [(Encoding, bool); 3] =
+        [(Encoding::Ros1, false), (Encoding::Cdr, false), (Encoding::Cdr, true)];
+
+    #[test]
+    fn every_message_reads_in_both_encodings_and_both_byte_orders() {
+        for (encoding, big_endian) in WAYS {
+            let writer = || Writer::new(encoding, big_endian);
+            let coords = writer()
+                .header(1_657_569_001, 500_000_000)
+                .number(9_u32.to_le_bytes())
+                .number(250_000_000_u32.to_le_bytes())
+                .number([2])
+                .number([3])
+                .floats(&[0.1, 1.5, 30.25]);
+            let Ok(Message::Coords(read)) = decode(Kind::TheodoliteCoords, encoding, &coords.0)
+            else {
+                panic!("{encoding:?}, big-endian {big_endian}")
+            };
+            assert_eq!((read.stamp_s, read.own_clock_s), (Some(1_657_569_001.5), Some(9.25)));
+            assert_eq!((read.station, read.status), (2, 3));
+            assert_eq!([read.azimuth_rad, read.zenith_rad, read.range_m], [0.1, 1.5, 30.25]);
+
+            let correction = writer()
+                .header(5, 0)
+                .number([3])
+                .number((-1_i32).to_le_bytes())
+                .number(750_000_000_u32.to_le_bytes());
+            assert_eq!(
+                decode(Kind::TimeCorrection, encoding, &correction.0),
+                Ok(Message::Correction(Correction {
+                    stamp_s: Some(5.0),
+                    station: 3,
+                    offset_s: -0.25
+                }))
+            );
+
+            let point = Point { stamp_s: None, position_m: [1.0, -2.0, 3.5] };
+            let stamped = writer().header(0, 0).floats(&point.position_m);
+            assert_eq!(decode(Kind::Point, encoding, &stamped.0), Ok(Message::Point(point)));
+            let leica = writer().header(0, 0).string("p12").floats(&point.position_m);
+            let leica = leica.string("11.07.2022").string("19:50:01");
+            assert_eq!(decode(Kind::LeicaPoint, encoding, &leica.0), Ok(Message::Point(point)));
+        }
+    }
+
+    #[test]
+    fn a_short_message_is_refused_at_every_length() {
+        for (encoding, big_endian) in WAYS {
+            let whole =
+                Writer::new(encoding, big_endian).header(1, 2).header(0, 0).floats(&[1.0; 4]);
+            for kind in [Kind::TheodoliteCoords, Kind::Point] {
+                let needed = (0..=whole.0.len())
+                    .find(|length| decode(kind, encoding, &whole.0[..*length]).is_ok())
+                    .expect("the whole is enough");
+                for length in needed..=whole.0.len() {
+                    assert!(decode(kind, encoding, &whole.0[..length]).is_ok());
+                }
+                assert!(needed > 40, "{needed}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_claims_too_much_is_refused() {
+        let mut packed = vec![0_u8; 64];
+        packed[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert_eq!(decode(Kind::Point, Encoding::Ros1, &packed), Err(Malformed::Short));
+        let parameter_list = [0, 3, 0, 0, 1, 2, 3, 4];
+        assert_eq!(
+            decode(Kind::Point, Encoding::Cdr, &parameter_list),
+            Err(Malformed::Encapsulation(3))
+        );
+    }
+
+    #[test]
+    fn types_are_known_by_either_name() {
+        for (name, kind) in [
+            ("theodolite_node_msgs/TheodoliteCoordsStamped", Some(Kind::TheodoliteCoords)),
+            ("theodolite_node_msgs/msg/TheodoliteCoordsStamped", Some(Kind::TheodoliteCoords)),
+            ("geometry_msgs/msg/PointStamped", Some(Kind::Point)),
+            ("leica_streaming_app/LeicaPoint", Some(Kind::LeicaPoint)),
+            ("sensor_msgs/Imu", None),
+        ] {
+            assert_eq!(Kind::of_type(name), kind, "{name}");
+        }
+    }
+}

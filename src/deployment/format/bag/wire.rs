@@ -1,0 +1,126 @@
+//! The two ways in which ROS writes the fields of a message, behind one small reader.
+//!
+//! ROS 1 packs them little-endian without gaps (wiki.ros.org/msg). ROS 2 writes XCDR version 1 (OMG DDS-XTypes 1.3, 7.4.1): four
+//! bytes of encapsulation, the second of which tells the byte order, then every number aligned to its own size counted from
+//! after those four bytes; strings count and carry a closing zero. Tried on little-endian recordings; big-endian ones only
+//! on messages written for the tests, because no ROS 2 of today's machines writes them.
+
+/// How the bytes of a message are to be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    Ros1,
+    Cdr,
+}
+
+/// Why bytes are not the message that they should be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Malformed {
+    #[error("it ends too early")]
+    Short,
+    #[error("its encapsulation {0:#06x} is not plain CDR")]
+    Encapsulation(u16),
+}
+
+/// Reads field after field.
+pub struct Wire<'a> {
+    /// Without the encapsulation.
+    data: &'a [u8],
+    at: usize,
+    encoding: Encoding,
+    big_endian: bool,
+}
+
+impl<'a> Wire<'a> {
+    pub fn new(encoding: Encoding, message: &'a [u8]) -> Result<Self, Malformed> {
+        let (data, big_endian) = match encoding {
+            Encoding::Ros1 => (message, false),
+            Encoding::Cdr => {
+                let (head, data) = message.split_first_chunk::<4>().ok_or(Malformed::Short)?;
+                match u16::from_be_bytes([head[0], head[1]]) {
+                    0 => (data, true),
+                    1 => (data, false),
+                    other => return Err(Malformed::Encapsulation(other)),
+                }
+            }
+        };
+        Ok(Self { data, at: 0, encoding, big_endian })
+    }
+
+    /// The bytes of one number, least significant first.
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], Malformed> {
+        let start = match self.encoding {
+            Encoding::Ros1 => self.at,
+            Encoding::Cdr => self.at.next_multiple_of(N),
+        };
+        let rest = self.data.get(start..).ok_or(Malformed::Short)?;
+        let mut bytes = *rest.first_chunk::<N>().ok_or(Malformed::Short)?;
+        self.at = start + N;
+        if self.big_endian {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+
+    pub fn u8(&mut self) -> Result<u8, Malformed> {
+        Ok(u8::from_le_bytes(self.number()?))
+    }
+
+    pub fn u32(&mut self) -> Result<u32, Malformed> {
+        Ok(u32::from_le_bytes(self.number()?))
+    }
+
+    pub fn u16(&mut self) -> Result<u16, Malformed> {
+        Ok(u16::from_le_bytes(self.number()?))
+    }
+
+    pub fn u64(&mut self) -> Result<u64, Malformed> {
+        Ok(u64::from_le_bytes(self.number()?))
+    }
+
+    pub fn i32(&mut self) -> Result<i32, Malformed> {
+        Ok(i32::from_le_bytes(self.number()?))
+    }
+
+    pub fn f64(&mut self) -> Result<f64, Malformed> {
+        Ok(f64::from_le_bytes(self.number()?))
+    }
+
+    /// The bytes of a string, in CDR with its closing zero; a length that claims more than there is allocates nothing.
+    pub fn string(&mut self) -> Result<&'a [u8], Malformed> {
+        let length = self.u32()? as usize;
+        let end = self.at.checked_add(length).ok_or(Malformed::Short)?;
+        let text = self.data.get(self.at..end).ok_or(Malformed::Short)?;
+        self.at = end;
+        Ok(text)
+    }
+
+    /// What was not read yet.
+    pub fn rest(&self) -> &'a [u8] {
+        self.data.get(self.at..).unwrap_or_default()
+    }
+
+    /// A point in time (s since 1970); `None` where it is zero, which means that nobody set it.
+    pub fn time_s(&mut self) -> Result<Option<f64>, Malformed> {
+        let seconds = match self.encoding {
+            Encoding::Ros1 => f64::from(self.u32()?),
+            Encoding::Cdr => f64::from(self.i32()?),
+        };
+        let time_s = seconds + f64::from(self.u32()?) * 1e-9;
+        Ok((time_s != 0.0).then_some(time_s))
+    }
+
+    /// A length of time (s), which may be negative.
+    pub fn duration_s(&mut self) -> Result<f64, Malformed> {
+        Ok(f64::from(self.i32()?) + f64::from(self.i32()?) * 1e-9)
+    }
+
+    /// A `std_msgs/Header`: its stamp (s), `None` where it is zero. ROS 1 has a running number before it.
+    pub fn header_s(&mut self) -> Result<Option<f64>, Malformed> {
+        if self.encoding == Encoding::Ros1 {
+            self.u32()?;
+        }
+        let stamp_s = self.time_s()?;
+        self.string()?;
+        Ok(stamp_s)
+    }
+}

@@ -1,0 +1,130 @@
+//! Which column of a table of measurements is what: what the user says of a CSV that no reader knows.
+
+use serde::{Deserialize, Serialize};
+
+/// The columns of a table of tracks by their names in the header, and what their numbers mean.
+///
+/// Either `range`, `azimuth` and `vertical`, or `x`, `y` and `z`. Without `station` each station has a file of its own,
+/// and `tracks` of `deployment.toml` names them in order.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ColumnMapping {
+    pub time: String,
+    #[serde(skip_serializing_if = "is_default")]
+    pub time_format: TimeFormat,
+    /// Hours that stamps of a calendar without a zone of their own are ahead of UTC.
+    #[serde(skip_serializing_if = "is_default")]
+    pub utc_offset_hours: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub station: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub azimuth: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vertical: Option<String>,
+    /// Coordinates in the station's own frame, right-handed, z up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z: Option<String>,
+    #[serde(skip_serializing_if = "is_default")]
+    pub length_unit: TableLength,
+    #[serde(skip_serializing_if = "is_default")]
+    pub angle_unit: TableAngle,
+    #[serde(skip_serializing_if = "is_default")]
+    pub vertical_angle: VerticalAngle,
+    /// A column whose value is 0 where the reading is valid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub status: Option<String>,
+}
+
+/// What goes without saying is not written.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+/// How a table writes its stamps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TimeFormat {
+    /// Seconds, of Unix or from any start.
+    #[default]
+    Seconds,
+    Milliseconds,
+    Microseconds,
+    Nanoseconds,
+    /// A date and a time of day: `2022-07-11T19:50:01.135Z`, or with a space, or without a zone.
+    Calendar,
+    /// A time of day alone: `19:50:01.135`.
+    TimeOfDay,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TableLength {
+    #[default]
+    Metres,
+    Millimetres,
+    /// International feet, 0.3048 m.
+    Feet,
+    /// US survey feet, 1200/3937 m.
+    UsSurveyFeet,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TableAngle {
+    #[default]
+    Radians,
+    Degrees,
+    Gon,
+    /// Degrees, minutes, seconds: `272°23'19.4"`, `272 23 19.4`, `272-23-19.4`.
+    DegreesMinutesSeconds,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VerticalAngle {
+    /// 0 straight up.
+    #[default]
+    Zenith,
+    /// 0 on the horizon, positive upwards.
+    Elevation,
+}
+
+impl TableLength {
+    /// As in "range in metres".
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Metres => "metres",
+            Self::Millimetres => "millimetres",
+            Self::Feet => "feet",
+            Self::UsSurveyFeet => "US survey feet",
+        }
+    }
+}
+
+impl TableAngle {
+    /// As in "angles in radians".
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Radians => "radians",
+            Self::Degrees => "degrees",
+            Self::Gon => "gon",
+            Self::DegreesMinutesSeconds => "degrees, minutes, seconds",
+        }
+    }
+}
+
+impl VerticalAngle {
+    /// As in "zenith angle".
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Zenith => "zenith",
+            Self::Elevation => "elevation",
+        }
+    }
+}

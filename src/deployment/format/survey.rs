@@ -1,0 +1,158 @@
+//! Readings of named points by one instrument: what the surveyors' formats have in common.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Vector3;
+
+use crate::deployment::Finding;
+use crate::geometry::{Polar, wrap_to_pi};
+
+/// Readings of one point further apart than this (m) are of different points.
+const SAME_POINT_M: f64 = 0.05;
+/// Half of all points steeper than this (zenith angle, rad) are no control points: the angles count from the horizon.
+const STEEP_RAD: f64 = PI / 6.0;
+
+/// What a file of one instrument holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Survey {
+    /// In the order of the file.
+    pub sightings: Vec<Sighting>,
+    /// Names and coordinates (east, north, up; m) that stand there without a reading.
+    pub coordinates: Vec<(String, Vector3<f64>)>,
+    pub findings: Vec<Finding>,
+}
+
+/// One pointing at one point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sighting {
+    pub point: String,
+    /// In either face: a zenith angle beyond 180° is face II.
+    pub polar: Polar,
+    /// Whether the prism constant is in the range.
+    pub complete: bool,
+}
+
+impl Sighting {
+    /// The same in face I, and whether it was made in face II.
+    fn in_face_one(&self) -> (Polar, bool) {
+        let zenith_rad = self.polar.zenith_rad.rem_euclid(TAU);
+        if zenith_rad <= PI {
+            return (Polar { zenith_rad, ..self.polar }, false);
+        }
+        let azimuth_rad = self.polar.azimuth_rad - PI;
+        (Polar { azimuth_rad, zenith_rad: TAU - zenith_rad, ..self.polar }, true)
+    }
+}
+
+impl Survey {
+    /// Every point once, in order of appearance: the mean of its readings, both faces with the same weight. Where a range
+    /// lacks the prism constant, `prism_constant_m` is added.
+    pub fn points(
+        &self,
+        file: &str,
+        prism_constant_m: f64,
+    ) -> (Vec<(String, Polar)>, Vec<Finding>) {
+        let mut findings = Vec::new();
+        let mut names: Vec<&str> = Vec::new();
+        for sighting in &self.sightings {
+            if !names.contains(&sighting.point.as_str()) {
+                names.push(&sighting.point);
+            }
+        }
+        let mut points = Vec::new();
+        for name in names {
+            let mut faces: [Vec<Polar>; 2] = Default::default();
+            for sighting in self.sightings.iter().filter(|s| s.point == name) {
+                let (mut polar, second) = sighting.in_face_one();
+                polar.range_m += if sighting.complete { 0.0 } else { prism_constant_m };
+                if polar.is_plausible() {
+                    faces[usize::from(second)].push(polar);
+                } else {
+                    let line = format!("{file}: a reading of {name} left out: not a usable one");
+                    findings.push(Finding::warning(line));
+                }
+            }
+            let all: Vec<Polar> = faces.iter().flatten().copied().collect();
+            let Some(first) = all.first() else { continue };
+            let apart_m = |p: &Polar| (p.to_cartesian() - first.to_cartesian()).norm();
+            let apart_m = all.iter().map(apart_m).fold(0.0, f64::max);
+            if apart_m > SAME_POINT_M {
+                findings.push(Finding::warning(format!(
+                    "{file}: {name} left out: its {} readings are up to {apart_m:.2} m apart; give different points \
+                     different names",
+                    all.len()
+                )));
+                continue;
+            }
+            let means: Vec<Polar> = faces.iter().filter_map(|face| mean(face)).collect();
+            points.extend(mean(&means).map(|polar| (name.to_owned(), polar)));
+        }
+        let steep = points.iter().filter(|(_, p)| p.zenith_rad < STEEP_RAD).count();
+        if 2 * steep > points.len() {
+            findings.push(Finding::doubt(format!(
+                "{file}: half of the points would be within 30° of the zenith; its vertical angles seem to count from the \
+                 horizon, but are read as zenith angles"
+            )));
+        }
+        (points, findings)
+    }
+}
+
+/// The mean of readings of one point; `None` of nothing.
+fn mean(readings: &[Polar]) -> Option<Polar> {
+    let first = readings.first()?;
+    let of = |value: &dyn Fn(&Polar) -> f64| {
+        readings.iter().map(value).sum::<f64>() / readings.len() as f64
+    };
+    let turned = of(&|p| wrap_to_pi(p.azimuth_rad - first.azimuth_rad));
+    Some(Polar {
+        range_m: of(&|p| p.range_m),
+        azimuth_rad: (first.azimuth_rad + turned).rem_euclid(TAU),
+        zenith_rad: of(&|p| p.zenith_rad),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sighting(point: &str, azimuth_rad: f64, zenith_rad: f64, range_m: f64) -> Sighting {
+        let polar = Polar { range_m, azimuth_rad, zenith_rad };
+        Sighting { point: point.to_owned(), polar, complete: false }
+    }
+
+    #[test]
+    fn both_faces_weigh_the_same() {
+        // Collimation 1e-4, vertical index 2e-4: opposite in the two faces. Azimuth 0 lies between the readings.
+        let survey = Survey {
+            sightings: vec![
+                sighting("a", 1e-4, 1.5 + 2e-4, 20.0),
+                sighting("b", 1.0, 1.4, 30.0),
+                sighting("a", 1e-4, 1.5 + 2e-4, 20.0),
+                sighting("a", PI - 1e-4, TAU - 1.5 + 2e-4, 20.0),
+            ],
+            ..Survey::default()
+        };
+        let (points, findings) = survey.points("x.gsi", 0.01);
+        assert!(findings.is_empty(), "{findings:?}");
+        assert_eq!(points.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+        let a = points[0].1;
+        assert!(wrap_to_pi(a.azimuth_rad).abs() < 1e-12, "{a:?}");
+        assert!((a.zenith_rad - 1.5).abs() < 1e-12 && (a.range_m - 20.01).abs() < 1e-12, "{a:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_one_point_is_said() {
+        let survey = Survey {
+            sightings: vec![sighting("a", 0.0, 1.5, 20.0), sighting("a", 0.1, 1.5, 20.0)],
+            ..Survey::default()
+        };
+        let (points, findings) = survey.points("x.gsi", 0.0);
+        assert!(points.is_empty());
+        assert!(findings[0].message.contains("up to 1.99 m apart"), "{findings:?}");
+        let survey =
+            Survey { sightings: vec![sighting("a", 0.0, 0.01, 20.0)], ..Survey::default() };
+        let (_, findings) = survey.points("x.gsi", 0.0);
+        assert!(findings[0].doubt && findings[0].message.contains("horizon"), "{findings:?}");
+    }
+}

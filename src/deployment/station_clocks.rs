@@ -1,0 +1,268 @@
+//! The stations' own clocks against the time that readings are stamped with: by how much they lie apart, and what that tells.
+//!
+//! A reading has a synchronised stamp, which the calibration uses, and what the computer at the station said, whose clock
+//! nothing sets. Their difference is the station's correction. That it is not zero, or not the same for all stations, is as it
+//! should be; that it jumps or drifts fast is not, because one of the two clocks must have done it. Which of the two is right
+//! cannot be told from them alone; the recorder's clock can tell, as far as messages reach it in a few milliseconds.
+
+mod arrivals;
+mod robust;
+
+pub use self::arrivals::Arrivals;
+use self::robust::{jumps, median, slope_of_neighbours, theil_sen};
+use super::{Finding, TimeCorrection, Track};
+
+/// Fewer readings than this tell nothing of a drift (readings on either side of a jump: half of it).
+const FEWEST_READINGS: usize = 10;
+/// Crystals of small computers are good to 20 to 50 ppm; more is a clock that is being pulled.
+const ORDINARY_DRIFT_PPM: f64 = 100.0;
+/// From the median absolute deviation to σ of a normal distribution.
+const SIGMA_OF_MAD: f64 = 1.4826;
+/// Headers that lie apart by this much (s) against the recorder, where the own clocks do not, are doubted.
+const DOUBTED_S: f64 = 0.05;
+
+/// A station's own clock minus the stamps of its readings, over a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClockComparison {
+    /// Readings that have both times.
+    pub readings: usize,
+    /// Own clock minus stamp (s): the median.
+    pub median_s: f64,
+    /// How fast the own clock gains on the stamps between jumps (µs per s).
+    pub drift_ppm: f64,
+    pub jumps: Vec<ClockJump>,
+    /// What is left after median, drift and jumps: σ, robust (s).
+    pub spread_s: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClockJump {
+    /// Stamp of the first reading after it (s).
+    pub time_s: f64,
+    /// By how much own clock minus stamp grew (s).
+    pub by_s: f64,
+}
+
+/// Compares both times of a station's readings; `None` where fewer than ten have both.
+pub fn compare(track: &Track) -> Option<ClockComparison> {
+    let (times_s, apart_s): (Vec<f64>, Vec<f64>) = track
+        .measurements
+        .iter()
+        .zip(&track.own_clock_s)
+        .map(|(measurement, own_s)| (measurement.time_s, own_s - measurement.time_s))
+        .filter(|(_, apart_s)| apart_s.is_finite())
+        .unzip();
+    if times_s.len() < FEWEST_READINGS {
+        return None;
+    }
+    let slope = slope_of_neighbours(&times_s, &apart_s);
+    let jumps = jumps(&times_s, &apart_s, slope);
+    let ends = jumps.iter().map(|(index, _)| *index).chain([times_s.len()]);
+    let starts = [0].into_iter().chain(jumps.iter().map(|(index, _)| *index));
+    let segments: Vec<_> = starts.zip(ends).map(|(start, end)| start..end).collect();
+    let longest = segments.iter().max_by_key(|segment| segment.len()).cloned().unwrap_or_default();
+    let drift = theil_sen(&times_s[longest.clone()], &apart_s[longest]);
+    let mut left_s = Vec::with_capacity(times_s.len());
+    for segment in segments {
+        let flat: Vec<f64> =
+            segment.map(|k| apart_s[k] - drift * (times_s[k] - times_s[0])).collect();
+        let level = median(flat.clone());
+        left_s.extend(flat.into_iter().map(|value| (value - level).abs()));
+    }
+    Some(ClockComparison {
+        readings: times_s.len(),
+        median_s: median(apart_s),
+        drift_ppm: drift * 1e6,
+        jumps: jumps
+            .into_iter()
+            .map(|(index, by_s)| ClockJump { time_s: times_s[index], by_s })
+            .collect(),
+        spread_s: SIGMA_OF_MAD * median(left_s),
+    })
+}
+
+/// What both times of every station, and the corrections that the recording holds, say; nothing where no station has both.
+pub fn findings(tracks: &[Track; 3], time_corrections: &[Vec<TimeCorrection>; 3]) -> Vec<Finding> {
+    let comparisons = tracks.each_ref().map(compare);
+    let mut findings = Vec::new();
+    let both: Vec<(usize, &ClockComparison)> =
+        comparisons.iter().enumerate().filter_map(|(k, c)| Some((k, c.as_ref()?))).collect();
+    if both.is_empty() {
+        return findings;
+    }
+    let same =
+        both.iter().all(|(_, c)| c.median_s == 0.0 && c.spread_s == 0.0 && c.jumps.is_empty());
+    if same {
+        findings.push(Finding::note(
+            "the stamps of the readings are the stations' own clocks: the recording does not tell whether those were \
+             synchronised",
+        ));
+    } else {
+        let each: Vec<_> = both
+            .iter()
+            .map(|(station, c)| {
+                format!(
+                    "station {} {:+.4} s ({:+.1} ppm, ± {:.1} ms)",
+                    station + 1,
+                    c.median_s,
+                    c.drift_ppm,
+                    c.spread_s * 1e3
+                )
+            })
+            .collect();
+        findings.push(Finding::note(format!(
+            "own clocks minus synchronised stamps, which are used: {}",
+            each.join(", ")
+        )));
+    }
+    let start_s = tracks.iter().filter_map(|t| Some(t.measurements.first()?.time_s));
+    let start_s = start_s.fold(f64::INFINITY, f64::min);
+    for (station, comparison) in both {
+        let number = station + 1;
+        if comparison.drift_ppm.abs() > ORDINARY_DRIFT_PPM {
+            findings.push(Finding::warning(format!(
+                "station {number}: its own clock and its stamps drift apart by {:+.0} ppm, more than clocks do; one of them \
+                 was being corrected during the recording",
+                comparison.drift_ppm
+            )));
+        }
+        if let Some(first) = comparison.jumps.first() {
+            let more = match comparison.jumps.len() {
+                1 => String::new(),
+                count => format!(", and {} more times", count - 1),
+            };
+            findings.push(Finding::warning(format!(
+                "station {number}: own clock minus stamp jumps by {:+.4} s at {:.1} s{more}; one of the two clocks was set \
+                 during the recording",
+                first.by_s,
+                first.time_s - start_s
+            )));
+        }
+        findings.extend(against_corrections(number, &tracks[station], &time_corrections[station]));
+    }
+    findings
+}
+
+/// Whether the corrections that were published are those that were applied.
+fn against_corrections(
+    number: usize,
+    track: &Track,
+    corrections: &[TimeCorrection],
+) -> Option<Finding> {
+    if corrections.is_empty() {
+        return None;
+    }
+    let apart_s: Vec<f64> = track
+        .measurements
+        .iter()
+        .zip(&track.own_clock_s)
+        .filter_map(|(measurement, own_s)| {
+            let next = corrections.partition_point(|c| c.time_s <= measurement.time_s);
+            let applied = &corrections[next.checked_sub(1)?];
+            Some(own_s - measurement.time_s - applied.offset_s)
+        })
+        .filter(|apart_s| apart_s.is_finite())
+        .collect();
+    let count = corrections.len();
+    if apart_s.len() < FEWEST_READINGS {
+        return Some(Finding::note(format!("station {number}: {count} time corrections")));
+    }
+    let off_s = median(apart_s);
+    Some(if off_s.abs() > DOUBTED_S {
+        Finding::doubt(format!(
+            "station {number}: own clock minus stamp is {off_s:+.4} s off the {count} time corrections in the recording: the \
+             stamps are not what those would make of the own clock"
+        ))
+    } else {
+        Finding::note(format!(
+            "station {number}: {count} time corrections, from its stamps by {:+.1} ms",
+            off_s * 1e3
+        ))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deployment::{Measurement, Severity};
+
+    const START_S: f64 = 1_657_569_001.0;
+
+    /// A reading every 0.4 s; what its own clock is ahead by (s), of the time since the start (s), with a jitter of 1 ms.
+    fn track(ahead_s: impl Fn(f64) -> f64) -> Track {
+        let since_s = (0..1000).map(|k| f64::from(k) * 0.4);
+        let jitter_s = |t: f64| 1e-3 * (t * 91.7).sin();
+        Track {
+            measurements: since_s
+                .clone()
+                .map(|t| Measurement {
+                    time_s: START_S + t,
+                    range_m: 10.0,
+                    azimuth_rad: 0.1,
+                    zenith_rad: 1.5,
+                })
+                .collect(),
+            own_clock_s: since_s.map(|t| START_S + t + ahead_s(t) + jitter_s(t)).collect(),
+            ..Track::default()
+        }
+    }
+
+    fn words(tracks: &[Track; 3]) -> String {
+        let found = findings(tracks, &Default::default());
+        found.iter().map(|f| format!("{} {f}\n", f.severity.mark())).collect()
+    }
+
+    #[test]
+    fn offset_drift_and_jump_are_told_apart() {
+        let drifting = compare(&track(|t| 0.3 + 40e-6 * t)).expect("enough");
+        assert!((drifting.median_s - 0.308).abs() < 1e-3, "{drifting:?}");
+        assert!((drifting.drift_ppm - 40.0).abs() < 2.0, "{drifting:?}");
+        assert!(drifting.jumps.is_empty() && drifting.spread_s < 1.5e-3, "{drifting:?}");
+
+        let set = compare(&track(|t| if t < 200.0 { 30e-6 * t } else { -0.25 + 30e-6 * t }));
+        let set = set.expect("enough");
+        let [jump] = set.jumps[..] else { panic!("{set:?}") };
+        assert!((jump.time_s - START_S - 200.0).abs() < 0.5, "{set:?}");
+        assert!((jump.by_s + 0.25).abs() < 2e-3, "{set:?}");
+        assert!((set.drift_ppm - 30.0).abs() < 3.0, "{set:?}");
+        assert!(set.spread_s < 1.5e-3, "{set:?}");
+    }
+
+    #[test]
+    fn an_offset_is_a_note_and_what_clocks_do_not_do_is_a_warning() {
+        let steady = || track(|_| 3600.0);
+        let said = words(&[steady(), track(|_| 0.3), track(|_| -0.2)]);
+        assert!(said.starts_with("- own clocks minus") && !said.contains('!'), "{said}");
+        assert!(said.contains("station 2 +0.300") && said.contains("station 3 -0.200"), "{said}");
+        let said = words(&[steady(), track(|t| 150e-6 * t), steady()]);
+        assert!(said.contains("! station 2: its own clock") && said.contains("+150 ppm"), "{said}");
+        let said = words(&[steady(), steady(), track(|t| if t < 100.0 { 0.0 } else { 0.05 })]);
+        assert!(said.contains("! station 3: own clock minus stamp jumps by +0.05"), "{said}");
+        assert!(said.contains("at 100.0 s"), "{said}");
+    }
+
+    #[test]
+    fn without_own_clocks_nothing_is_said() {
+        let bare = || Track { own_clock_s: Vec::new(), ..track(|_| 0.0) };
+        assert_eq!(words(&[bare(), bare(), bare()]), "");
+        let same = || {
+            let mut same = track(|_| 0.0);
+            same.own_clock_s = same.measurements.iter().map(|m| m.time_s).collect();
+            same
+        };
+        assert!(words(&[same(), same(), same()]).contains("are the stations' own clocks"));
+    }
+
+    #[test]
+    fn corrections_that_were_not_applied_are_doubted() {
+        let corrections = |offset_s| {
+            let every = [START_S - 1.0, START_S + 100.0];
+            every.map(|time_s| TimeCorrection { time_s, offset_s }).to_vec()
+        };
+        let tracks = [track(|_| 0.0), track(|_| 0.3), track(|_| 0.3)];
+        let found = findings(&tracks, &[vec![], corrections(0.3), corrections(0.0)]);
+        let of = |number: &str| found.iter().find(|f| f.message.starts_with(number)).expect("said");
+        assert_eq!(of("station 2").severity, Severity::Note, "{found:?}");
+        assert!(of("station 3").doubt && of("station 3").message.contains("+0.3"), "{found:?}");
+    }
+}

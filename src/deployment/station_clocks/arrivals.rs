@@ -1,0 +1,94 @@
+//! The recorder's clock as a witness: whether stamps or own clocks of the stations lie apart against it.
+
+use super::robust::median;
+use super::{DOUBTED_S, FEWEST_READINGS};
+use crate::deployment::Finding;
+
+/// Arrivals that are kept of a station, at most.
+const KEPT_ARRIVALS: usize = 4096;
+
+/// When readings reached the recorder, against both of their times: an independent witness.
+#[derive(Debug, Default)]
+pub struct Arrivals {
+    /// Of each station, after its stamp and after its own clock (s); every `every`-th.
+    kept: [Vec<(f64, f64)>; 3],
+    seen: [usize; 3],
+    every: [usize; 3],
+}
+
+impl Arrivals {
+    pub fn push(&mut self, station: usize, after_stamp_s: f64, after_own_s: f64) {
+        let every = self.every[station].max(1);
+        if self.seen[station].is_multiple_of(every) {
+            let kept = &mut self.kept[station];
+            kept.push((after_stamp_s, after_own_s));
+            if kept.len() == KEPT_ARRIVALS {
+                let mut odd = false;
+                kept.retain(|_| {
+                    odd = !odd;
+                    odd
+                });
+                self.every[station] = every * 2;
+            }
+        }
+        self.seen[station] += 1;
+    }
+
+    /// A doubt where the stations' stamps lie apart against the recorder, and their own clocks do not.
+    pub fn finding(&self) -> Option<Finding> {
+        let stations =
+            self.kept.iter().enumerate().filter(|(_, kept)| kept.len() >= FEWEST_READINGS);
+        let medians: Vec<(usize, f64, f64)> = stations
+            .map(|(station, kept)| {
+                let stamp_s = median(kept.iter().map(|(stamp_s, _)| *stamp_s).collect());
+                (station, stamp_s, median(kept.iter().map(|(_, own_s)| *own_s).collect()))
+            })
+            .collect();
+        let range = |value: fn(&(usize, f64, f64)) -> f64| {
+            let values = || medians.iter().map(value);
+            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+        };
+        let (stamps_s, own_s) = (range(|m| m.1), range(|m| m.2));
+        if medians.len() < 2 || stamps_s < DOUBTED_S || own_s > stamps_s / 5.0 {
+            return None;
+        }
+        let first_s = medians[0].1;
+        let each: Vec<_> = medians
+            .iter()
+            .map(|(station, stamp_s, _)| {
+                format!("station {} {:+.3} s", station + 1, first_s - stamp_s)
+            })
+            .collect();
+        Some(Finding::doubt(format!(
+            "the synchronised stamps (header.stamp) of the stations look wrong: against the recorder's clock they lie apart by \
+             {stamps_s:.3} s ({}, from station {}), their own clocks (theodolite_time) by {own_s:.3} s only",
+            each.join(", "),
+            medians[0].0 + 1
+        )))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_recorder_tells_wrong_stamps_from_wrong_clocks() {
+        let arrivals = |stamps_s: [f64; 3], own_s: [f64; 3]| {
+            let mut arrivals = Arrivals::default();
+            for k in 0..10_000 {
+                let delay_s = 0.01 + 1e-3 * f64::from(k % 7);
+                for station in 0..3 {
+                    arrivals.push(station, delay_s - stamps_s[station], delay_s - own_s[station]);
+                }
+            }
+            assert!(arrivals.kept.iter().all(|kept| kept.len() < KEPT_ARRIVALS));
+            arrivals.finding()
+        };
+        assert_eq!(arrivals([0.0; 3], [0.0, 0.3, -0.2]), None);
+        assert_eq!(arrivals([0.0; 3], [0.0; 3]), None);
+        let said = arrivals([0.0, 0.3, -0.2], [0.0; 3]).expect("the stamps are off");
+        assert!(said.doubt);
+        assert!(said.message.contains("station 2 +0.300 s, station 3 -0.200 s"), "{said}");
+    }
+}
