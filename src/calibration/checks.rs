@@ -2,8 +2,9 @@
 //! inter-prism distances that it has not seen.
 
 use super::inter_prism::distance_errors_m;
-use super::{Calibration, Method, TransformSigma, Verdict};
-use crate::deployment::{ControlPointSet, Deployment, Finding};
+use super::sense::control_points_apart_m;
+use super::{Calibration, Method, TransformSigma, Verdict, Witness};
+use crate::deployment::{ControlPointSet, Deployment, Finding, Rig, TrackFrame};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 
@@ -58,12 +59,27 @@ pub fn hold_against_the_rest(
     if let Some(sigma) = &calibration.sigma {
         let transforms = &calibration.station1_from_station;
         // Method B has seen the control points already.
-        let unseen = (calibration.method != Method::StaticGcp)
-            .then(|| control_points_contradict(deployment, transforms, sigma));
-        doubts.extend(unseen.flatten().map(|finding| (Verdict::Weak, finding)));
-        if calibration.method != Method::DynamicGcp {
-            let finding = distances_contradict(deployment, triplets, transforms, sigma);
-            doubts.extend(finding.map(|finding| (Verdict::Weak, finding)));
+        if calibration.method != Method::StaticGcp
+            && let Some(apart_m) =
+                control_points_apart_m(deployment.comparable_control_points(), transforms)
+        {
+            match control_points_contradict(deployment, transforms, sigma) {
+                Some(finding) => doubts.push((Verdict::Weak, finding)),
+                None if apart_m < WEAK_SIGMA_M => {
+                    calibration.checked_by.push(Witness::ControlPoints);
+                }
+                None => {}
+            }
+        }
+        if calibration.method != Method::DynamicGcp
+            // Methods A and B are about the stations' own frames.
+            && deployment.track_frame == TrackFrame::Own
+            && let Some(rig) = deployment.rig.as_ref().filter(|_| !triplets.is_empty())
+        {
+            match distances_contradict(rig, triplets, transforms, sigma) {
+                Some(finding) => doubts.push((Verdict::Weak, finding)),
+                None => calibration.checked_by.push(Witness::Distances),
+            }
         }
     }
     for (verdict, finding) in doubts {
@@ -81,7 +97,7 @@ pub fn control_points_contradict(
     sigma: &[TransformSigma; 2],
 ) -> Option<Finding> {
     let mut worst: Option<(f64, f64, &str)> = None;
-    for set in deployment.control_points.iter().filter(|set| !set.pillars) {
+    for set in deployment.comparable_control_points().iter().filter(|set| !set.pillars) {
         let mut apart_m = set.disagreements_m(station1_from_station);
         apart_m.sort_by(f64::total_cmp);
         let Some(median_m) = median(&apart_m) else { continue };
@@ -102,15 +118,11 @@ pub fn control_points_contradict(
 
 /// The same for the inter-prism distances of the drive.
 fn distances_contradict(
-    deployment: &Deployment,
+    rig: &Rig,
     triplets: &Triplets,
     station1_from_station: &[RigidTransform; 3],
     sigma: &[TransformSigma; 2],
 ) -> Option<Finding> {
-    let rig = deployment.rig.as_ref()?;
-    if triplets.is_empty() {
-        return None;
-    }
     let errors_m = distance_errors_m(triplets, station1_from_station, &rig.inter_prism_m);
     let mut errors_m: Vec<f64> = errors_m.into_iter().flatten().map(f64::abs).collect();
     errors_m.sort_by(f64::total_cmp);

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{Calibration, Method, TransformSigma};
-use crate::deployment::Deployment;
+use crate::deployment::{Deployment, TrackFrame};
 use crate::geometry::{RigidTransform, wrap_to_pi};
 
 /// Answers this many standard deviations apart disagree.
@@ -56,12 +56,16 @@ impl Disagreement {
     }
 }
 
-/// Where two answers are further apart than their σ allow.
+/// Where two answers are further apart than their σ allow; nothing where they are about different frames.
 pub fn disagreements(
     a: &Calibration,
     b: &Calibration,
     deployment: &Deployment,
 ) -> Vec<Disagreement> {
+    let from_tracks = [a, b].map(|answer| answer.method.is_from_tracks());
+    if deployment.track_frame == TrackFrame::Common && from_tracks[0] != from_tracks[1] {
+        return Vec::new();
+    }
     (1..3)
         .filter_map(|station| {
             let sigmas = [a.sigma, b.sigma].map(|s| s.map(|s| s[station - 1]));

@@ -170,6 +170,7 @@ pub fn solve(
         covariance,
         verdict,
         findings,
+        checked_by: Vec::new(),
         details: Details::DynamicGcp(DynamicGcpDetails {
             rms_m,
             blocks: blocks.len(),

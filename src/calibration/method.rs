@@ -43,6 +43,11 @@ impl Method {
         }
     }
 
+    /// Whether its answer is about the frames of the tracks; that of the others about those of the control points.
+    pub fn is_from_tracks(self) -> bool {
+        matches!(self, Self::DynamicGcp | Self::InterPrism)
+    }
+
     /// In words.
     pub fn title(self) -> &'static str {
         match self {

@@ -10,6 +10,7 @@ pub mod dynamic_gcp;
 pub mod inter_prism;
 mod method;
 mod point_to_point;
+mod sense;
 mod settings;
 pub mod static_gcp;
 mod targets;
@@ -17,16 +18,18 @@ pub mod time_blocks;
 mod track_clocks;
 pub mod two_point;
 mod verdict;
+mod witness;
 
 pub use disagreement::{Disagreement, disagreements, moved_m};
 pub use method::{Method, Offer};
 pub use settings::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
 pub use targets::Targets;
 pub use verdict::Verdict;
+pub use witness::Witness;
 
 use nalgebra::{SMatrix, Vector3};
 
-use crate::deployment::{Deployment, Finding};
+use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
@@ -146,6 +149,8 @@ pub struct Calibration {
     pub verdict: Verdict,
     /// Why the verdict is what it is, and what else was noticed.
     pub findings: Vec<Finding>,
+    /// What could have contradicted it, and did not.
+    pub checked_by: Vec<Witness>,
     /// What only its method knows.
     pub details: Details,
     /// Wall time of the prior and of the rest (ms).
@@ -163,6 +168,16 @@ pub enum Details {
 }
 
 impl Calibration {
+    /// Whether something that it does not rest on, and that tells a biased answer from a true one, agrees with it.
+    pub fn is_independently_checked(&self) -> bool {
+        self.checked_by.iter().any(|witness| witness.is_independent())
+    }
+
+    /// "good", "good, not independently checked", "weak" …
+    pub fn verdict_in_words(&self) -> String {
+        self.verdict.in_words(self.is_independently_checked())
+    }
+
     /// How well the points of methods A, B and C fit (m, root mean square).
     pub fn fit_rms_m(&self) -> Option<f64> {
         match &self.details {
@@ -210,6 +225,24 @@ impl Calibration {
         }
     }
 
+    /// The same with their uncertainty: offset (s) and, where it was estimated, drift (s/s) of stations 2 and 3.
+    pub fn clock_estimates(
+        &self,
+    ) -> Option<[(inter_prism::Estimate, Option<inter_prism::Estimate>); 2]> {
+        let (offsets_s, drifts) = match &self.details {
+            Details::InterPrism(details) => {
+                let refinement = details.refinement.as_ref()?;
+                (refinement.clock_offsets_s?, refinement.clock_drifts)
+            }
+            Details::DynamicGcp(details) => {
+                let clocks = details.clocks.as_ref()?;
+                (clocks.offsets_s, Some(clocks.drifts))
+            }
+            _ => return None,
+        };
+        Some(std::array::from_fn(|slot| (offsets_s[slot], drifts.map(|drifts| drifts[slot]))))
+    }
+
     /// The details of method D.
     pub fn inter_prism(&self) -> Option<&inter_prism::InterPrismDetails> {
         match &self.details {
@@ -245,7 +278,18 @@ pub fn solve_while(
         Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer, progress),
     }?;
     if method == Method::InterPrism {
-        contradicted_by_control_points(&mut calibration, deployment, settings, offer);
+        hold_against_control_points(&mut calibration, deployment, settings, offer);
+    }
+    sense::check(&mut calibration, deployment, triplets, offer, progress)?;
+    for doubt in deployment.findings.iter().filter(|finding| finding.doubt) {
+        calibration.verdict = calibration.verdict.max(Verdict::Weak);
+        calibration.findings.push(doubt.clone());
+    }
+    if deployment.track_frame == TrackFrame::Common && !method.is_from_tracks() {
+        calibration.findings.push(Finding::warning(
+            "this answer is about the stations' own frames, and the tracks are in another: it does not place them, and \
+             nothing of the drive was held against it",
+        ));
     }
     if settings.method.is_none() && method != Method::InterPrism {
         let line =
@@ -256,19 +300,28 @@ pub fn solve_while(
 }
 
 /// Method B on the control points, where there are any, as a witness of method D.
-fn contradicted_by_control_points(
+fn hold_against_control_points(
     calibration: &mut Calibration,
     deployment: &Deployment,
     settings: &CalibrationSettings,
     offer: &Offer,
 ) {
-    if offer.lack(Method::StaticGcp).is_some() {
+    if offer.lack(Method::StaticGcp).is_some() || deployment.track_frame == TrackFrame::Common {
         return;
     }
     let Ok(by_points) = static_gcp::solve(deployment, &Triplets::default(), settings, offer) else {
         return;
     };
-    for disagreement in disagreements(&by_points, calibration, deployment) {
+    let disagreements = disagreements(&by_points, calibration, deployment);
+    let agrees = calibration.sigma.is_some_and(|sigma| {
+        let transforms = &calibration.station1_from_station;
+        checks::control_points_contradict(deployment, transforms, &sigma).is_none()
+    });
+    // Points that do not hold an answer of their own agree with anything.
+    if by_points.verdict == Verdict::Good && agrees && disagreements.is_empty() {
+        calibration.checked_by.push(Witness::ControlPoints);
+    }
+    for disagreement in disagreements {
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
         calibration.findings.push(Finding::warning(disagreement.in_words()));
     }

@@ -122,6 +122,7 @@ pub fn solve(
         covariance,
         verdict,
         findings,
+        checked_by: Vec::new(),
         details: Details::StaticGcp(StaticGcpDetails {
             points: counts,
             rms_m,

@@ -140,6 +140,7 @@ pub fn solve(
         covariance,
         verdict,
         findings,
+        checked_by: Vec::new(),
         details,
         prior_ms: 0.0,
         solve_ms: 0.0,

@@ -24,4 +24,18 @@ impl Verdict {
             Self::Degenerate => "degenerate",
         }
     }
+
+    /// What has to be said beside it: a good answer that nothing independent has checked is not as good as one that was.
+    pub fn caveat(self, independently_checked: bool) -> &'static str {
+        if self == Self::Good && !independently_checked {
+            ", not independently checked"
+        } else {
+            ""
+        }
+    }
+
+    /// The word, and what has to be said beside it.
+    pub fn in_words(self, independently_checked: bool) -> String {
+        format!("{}{}", self.name(), self.caveat(independently_checked))
+    }
 }

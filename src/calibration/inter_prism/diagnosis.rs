@@ -15,8 +15,6 @@ use crate::geometry::RigidTransform;
 
 /// A reading of the rig, to the millimetre and with 2 mm of noise, may differ this much from the distances (m).
 const RIG_DISTANCE_M: f64 = 0.010;
-/// The vehicle may have been tilted this much against the drive's average while its rig was read.
-const RIG_TILT_RAD: f64 = 0.2;
 /// A minimum that is no mirror twin makes the answer ambiguous below this cost ratio.
 const CLOSE_RIVAL: f64 = 2.0;
 
@@ -136,7 +134,7 @@ fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
         (0, weak) => (Severity::Warning, of_all(weak, "weakly held")),
         (free, _) => (Severity::Problem, of_all(free, "free")),
     };
-    Some(Finding { severity, message: format!("{shape}; {holds}") })
+    Some(Finding { severity, ..Finding::note(format!("{shape}; {holds}")) })
 }
 
 /// Ground on which nothing but the rig or control points tells the mirror twin.
@@ -176,27 +174,15 @@ fn rival(evidence: &Evidence<'_>) -> Option<Finding> {
     )))
 }
 
-/// The rig's own reading against the distances, and against the heights of the answer.
+/// The rig's own reading against the distances.
 fn rig_contradicts(evidence: &Evidence<'_>) -> Option<Finding> {
     let rig = evidence.deployment.rig.as_ref()?;
     let read_m = pairwise_distances(&rig.prisms_m?);
-    let heights_m = rig.height_differences_m()?;
     let off_m = (0..3).map(|i| (read_m[i] - rig.inter_prism_m[i]).abs()).fold(0.0, f64::max);
-    if off_m > RIG_DISTANCE_M {
-        return Some(Finding::warning(format!(
+    (off_m > RIG_DISTANCE_M).then(|| {
+        Finding::warning(format!(
             "the inter-prism distances and the reading of the rig disagree by {:.0} mm; one of them is wrong",
             off_m * 1e3
-        )));
-    }
-    let found_m = evidence.choice.answer.height_differences_m;
-    let misfit_m = (0..2)
-        .map(|i| (found_m[i] - heights_m[i]).abs() - RIG_TILT_RAD * rig.inter_prism_m[i])
-        .fold(f64::NEG_INFINITY, f64::max);
-    (misfit_m > 0.0).then(|| {
-        Finding::warning(format!(
-            "prism 1 stands {:+.2} and {:+.2} m above prisms 2 and 3 in this answer, {:+.2} and {:+.2} m in the reading \
-             of the rig; check which station tracked which prism",
-            found_m[0], found_m[1], heights_m[0], heights_m[1]
         ))
     })
 }

@@ -5,8 +5,9 @@
 //! tells the two apart (which prism stands higher), or control points do, or the cost where the vehicle
 //! pitched and rolled.
 
+use crate::calibration::sense::control_points_apart_m;
 use crate::calibration::{Basin, Mirror, ResolvedBy};
-use crate::deployment::{Deployment, Finding};
+use crate::deployment::{ControlPointSet, Finding, Rig};
 use crate::geometry::RigidTransform;
 
 /// The twin must cost this much more before the cost alone decides: a clock offset or a wrong distance
@@ -31,7 +32,12 @@ pub struct Choice {
 }
 
 /// Chooses between the lowest minimum and its twin.
-pub fn choose(deployment: &Deployment, lowest: Basin, twin: Option<Basin>) -> Choice {
+pub fn choose(
+    rig: &Rig,
+    control_points: &[ControlPointSet],
+    lowest: Basin,
+    twin: Option<Basin>,
+) -> Choice {
     let Some(twin) = twin else {
         let height_m = lowest.height_differences_m.map(f64::abs).into_iter().fold(0.0, f64::max);
         let (resolved_by, why) = if height_m < LEVEL_RIG_M {
@@ -49,9 +55,9 @@ pub fn choose(deployment: &Deployment, lowest: Basin, twin: Option<Basin>) -> Ch
         let findings = vec![Finding::note(why)];
         return Choice { answer: lowest, twin_is_real: false, mirror, findings, ambiguous: false };
     };
-    let (witness, twin_is_real) = if let Some(decided) = by_rig(deployment, &lowest, &twin) {
+    let (witness, twin_is_real) = if let Some(decided) = by_rig(rig, &lowest, &twin) {
         (ResolvedBy::Rig, decided)
-    } else if let Some(decided) = by_control_points(deployment, &lowest, &twin) {
+    } else if let Some(decided) = by_control_points(control_points, &lowest, &twin) {
         (ResolvedBy::ControlPoints, decided)
     } else if twin.mean_square_m2 >= DECISIVE_COST_RATIO * lowest.mean_square_m2 {
         (ResolvedBy::Cost, false)
@@ -97,8 +103,8 @@ pub fn choose(deployment: &Deployment, lowest: Basin, twin: Option<Basin>) -> Ch
 }
 
 /// `Some(true)` when the rig's heights fit the twin.
-fn by_rig(deployment: &Deployment, lowest: &Basin, twin: &Basin) -> Option<bool> {
-    let heights = deployment.rig.as_ref()?.height_differences_m()?;
+fn by_rig(rig: &Rig, lowest: &Basin, twin: &Basin) -> Option<bool> {
+    let heights = rig.height_differences_m()?;
     let misfit = |basin: &Basin| {
         (0..2).map(|i| (basin.height_differences_m[i] - heights[i]).powi(2)).sum::<f64>().sqrt()
     };
@@ -106,18 +112,14 @@ fn by_rig(deployment: &Deployment, lowest: &Basin, twin: &Basin) -> Option<bool>
 }
 
 /// `Some(true)` when the control points fit the twin.
-fn by_control_points(deployment: &Deployment, lowest: &Basin, twin: &Basin) -> Option<bool> {
+fn by_control_points(
+    control_points: &[ControlPointSet],
+    lowest: &Basin,
+    twin: &Basin,
+) -> Option<bool> {
     let misfit = |basin: &Basin| {
-        let mut distances: Vec<f64> = deployment
-            .control_points
-            .iter()
-            .filter(|set| !set.pillars)
-            .flat_map(|set| {
-                set.disagreements_m(&basin.station1_from_station.map(RigidTransform::from))
-            })
-            .collect();
-        distances.sort_by(f64::total_cmp);
-        distances.get(distances.len() / 2).copied()
+        let transforms = basin.station1_from_station.map(RigidTransform::from);
+        control_points_apart_m(control_points, &transforms)
     };
     better(misfit(lowest)?, misfit(twin)?)
 }
@@ -135,7 +137,6 @@ fn better(lowest: f64, twin: f64) -> Option<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deployment::{Rig, Track};
     use crate::geometry::LevelTransform;
     use nalgebra::Vector3;
 
@@ -147,28 +148,19 @@ mod tests {
         }
     }
 
-    fn deployment(prism1_above_m: Option<f64>) -> Deployment {
-        let rig = prism1_above_m.map(|h| Rig {
+    fn rig(prism1_above_m: Option<f64>) -> Rig {
+        Rig {
             inter_prism_m: [1.0; 3],
-            prisms_m: Some([Vector3::new(0.0, 0.0, h), Vector3::x(), Vector3::y()]),
+            prisms_m: prism1_above_m
+                .map(|h| [Vector3::new(0.0, 0.0, h), Vector3::x(), Vector3::y()]),
             inter_antenna_m: None,
             in_vehicle_m: None,
-        });
-        Deployment {
-            name: "test".into(),
-            tracks: [Track::default(), Track::default(), Track::default()],
-            control_points: Vec::new(),
-            rig,
-            prisms: None,
-            gnss: None,
-            ingredients: Vec::new(),
-            findings: Vec::new(),
         }
     }
 
     #[test]
     fn the_rig_overrules_a_slightly_lower_cost() {
-        let choice = choose(&deployment(Some(0.4)), basin(-0.38, 1.0), Some(basin(0.38, 1.3)));
+        let choice = choose(&rig(Some(0.4)), &[], basin(-0.38, 1.0), Some(basin(0.38, 1.3)));
         assert_eq!(choice.mirror.resolved_by, ResolvedBy::Rig);
         assert_eq!(choice.answer.height_differences_m[0], 0.38);
         assert!(!choice.ambiguous);
@@ -176,23 +168,23 @@ mod tests {
 
     #[test]
     fn the_rig_against_a_clear_cost_is_ambiguous() {
-        let choice = choose(&deployment(Some(0.4)), basin(-0.38, 1.0), Some(basin(0.38, 9.0)));
+        let choice = choose(&rig(Some(0.4)), &[], basin(-0.38, 1.0), Some(basin(0.38, 9.0)));
         assert!(choice.ambiguous);
     }
 
     #[test]
     fn without_a_witness_equal_costs_stay_ambiguous_and_unequal_ones_decide() {
-        let choice = choose(&deployment(None), basin(0.4, 1.0), Some(basin(-0.4, 1.1)));
+        let choice = choose(&rig(None), &[], basin(0.4, 1.0), Some(basin(-0.4, 1.1)));
         assert_eq!(choice.mirror.resolved_by, ResolvedBy::Nothing);
         assert!(choice.ambiguous);
-        let choice = choose(&deployment(None), basin(0.4, 1.0), Some(basin(-0.4, 4.0)));
+        let choice = choose(&rig(None), &[], basin(0.4, 1.0), Some(basin(-0.4, 4.0)));
         assert_eq!(choice.mirror.resolved_by, ResolvedBy::Cost);
         assert!(!choice.ambiguous);
     }
 
     #[test]
     fn a_flat_rig_is_no_witness() {
-        let choice = choose(&deployment(Some(0.0)), basin(0.1, 1.0), Some(basin(-0.1, 1.1)));
+        let choice = choose(&rig(Some(0.0)), &[], basin(0.1, 1.0), Some(basin(-0.1, 1.1)));
         assert_eq!(choice.mirror.resolved_by, ResolvedBy::Nothing);
     }
 }

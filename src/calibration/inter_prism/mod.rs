@@ -50,11 +50,12 @@ pub use refinement::{
 pub use squared_cost::SquaredCost;
 
 use super::method::why_no_triplets;
+use super::sense::explain_no_triplets;
 use super::{
     Basin, Calibration, CalibrationError, CalibrationSettings, Details, Loss, Method, Mirror,
-    Offer, Targets, Verdict,
+    Offer, PriorMethod, Targets, Verdict,
 };
-use crate::deployment::{Deployment, Finding, PAIRS};
+use crate::deployment::{ControlPointSet, Deployment, Finding, PAIRS, Rig};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
@@ -112,7 +113,12 @@ pub fn solve(
 ) -> Result<Calibration, CalibrationError> {
     let name = || deployment.name.clone();
     if triplets.is_empty() {
-        let why = why_no_triplets(deployment);
+        let mut why = why_no_triplets(deployment);
+        if let Some(misread) =
+            deployment.rig.as_ref().and_then(|rig| explain_no_triplets(deployment, rig))
+        {
+            why = format!("{why}; {misread}");
+        }
         return Err(CalibrationError::NoTriplets { deployment: name(), why });
     }
     if offer.targets == Targets::OnePrism {
@@ -127,7 +133,7 @@ pub fn solve(
 
     let started = Instant::now();
     let solve_published = |triplets: &Triplets| {
-        published::solve(deployment, triplets, rig.inter_prism_m, settings.prior)
+        published::solve(rig, deployment.comparable_control_points(), triplets, settings.prior)
     };
     let mut published = solve_published(triplets);
     progress.check()?;
@@ -239,6 +245,7 @@ pub fn solve(
         covariance,
         verdict,
         findings,
+        checked_by: Vec::new(),
         details: Details::InterPrism(Box::new(InterPrismDetails {
             basin: choice.answer,
             mirror: choice.mirror,
@@ -250,6 +257,16 @@ pub fn solve(
         prior_ms,
         solve_ms: started.elapsed().as_secs_f64() * 1e3 - prior_ms,
     })
+}
+
+/// Frames of the stations into station 1's as the published method finds them, without anything that judges them.
+pub fn published_transforms(
+    rig: &Rig,
+    control_points: &[ControlPointSet],
+    triplets: &Triplets,
+) -> [RigidTransform; 3] {
+    let found = published::solve(rig, control_points, triplets, PriorMethod::ClosedForm);
+    found.choice.answer.station1_from_station.map(RigidTransform::from)
 }
 
 /// Errors of the three distances of every triplet (m): apparent minus known, for pairs 12, 13, 23.

@@ -9,7 +9,7 @@ use super::{
     prior_search, same_solution,
 };
 use crate::calibration::{Basin, PriorMethod};
-use crate::deployment::{Deployment, Finding};
+use crate::deployment::{ControlPointSet, Finding, Rig};
 use crate::pipeline::Triplets;
 
 /// What the published method finds on some triplets.
@@ -28,11 +28,12 @@ pub struct Published {
 }
 
 pub fn solve(
-    deployment: &Deployment,
+    rig: &Rig,
+    control_points: &[ControlPointSet],
     triplets: &Triplets,
-    inter_prism_m: [f64; 3],
     prior: PriorMethod,
 ) -> Published {
+    let inter_prism_m = rig.inter_prism_m;
     let started = Instant::now();
     let mut findings = Vec::new();
     let data = CentredTriplets::new(triplets, inter_prism_m);
@@ -61,7 +62,8 @@ pub fn solve(
     let basins = minima.basins(&data);
     let Minima { lowest, twin, others } = minima;
     let choice = mirror::choose(
-        deployment,
+        rig,
+        control_points,
         basin(&data, &lowest),
         twin.as_ref().map(|twin| basin(&data, twin)),
     );

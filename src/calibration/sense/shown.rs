@@ -1,0 +1,250 @@
+//! What an answer shows of the rig and the control points, and what contradicts it.
+
+use nalgebra::Vector3;
+
+use crate::calibration::TransformSigma;
+use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M, median};
+use crate::deployment::{ControlPointSet, PAIRS, Rig};
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+/// Prisms whose triangle, seen from above, is thinner than this (m) have no way round to speak of; nor have those that
+/// tilting by [`SHEAR_RAD`] can turn over.
+const THIN_M: f64 = 0.010;
+const SHEAR_RAD: f64 = 0.1;
+/// What noise and the millimetres of a reading of the rig do to a height (m).
+const HEIGHT_NOISE_M: f64 = 0.005;
+/// The rig may have been read on ground that slopes by this much, and while the vehicle was tilted by as many σ of what it
+/// pitches and rolls on the drive; never by more than the last of the three.
+const SLOPE_RAD: f64 = 0.05;
+const CONTRADICTION_TILTS: f64 = 4.0;
+const STEEPEST_RAD: f64 = 0.2;
+/// Already this many of them make it worth looking for another explanation.
+const SUSPICION_TILTS: f64 = 2.0;
+/// Heights may be off by this many σ of the answer.
+const HEIGHT_SIGMAS: f64 = 3.0;
+/// No misreading moves the control points by less (m); stations stand metres apart.
+const CONTROL_POINTS_M: f64 = 0.25;
+
+/// What an answer shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// Median size of the errors of the inter-prism distances (m).
+    pub fit_m: f64,
+    /// Area of the triangle of prisms 1, 2, 3 seen from above (m²), positive where they lie counter-clockwise; median over
+    /// the drive.
+    pub area_m2: f64,
+    /// How much higher prism 1 stands than prisms 2 and 3 (m), medians over the drive.
+    pub heights_m: [f64; 2],
+    /// One standard deviation of the rig's pitch and roll (rad).
+    pub tilt_rad: f64,
+    /// What two stations make of a control point is this far apart (m, median over all sets).
+    pub control_points_m: Option<f64>,
+}
+
+impl Shown {
+    /// `None` without triplets.
+    pub fn of(
+        rig: &Rig,
+        control_points: &[ControlPointSet],
+        triplets: &Triplets,
+        station1_from_station: &[RigidTransform; 3],
+    ) -> Option<Self> {
+        let count = triplets.len();
+        let mut errors_m = Vec::with_capacity(3 * count);
+        let mut areas_m2 = Vec::with_capacity(count);
+        let mut heights_m = [Vec::with_capacity(count), Vec::with_capacity(count)];
+        for index in 0..count {
+            let seen = triplets.triplet_m(index);
+            let placed: [Vector3<f64>; 3] =
+                std::array::from_fn(|station| station1_from_station[station].apply(&seen[station]));
+            for ((a, b), known_m) in PAIRS.into_iter().zip(rig.inter_prism_m) {
+                errors_m.push(((placed[a] - placed[b]).norm() - known_m).abs());
+            }
+            areas_m2.push(plan_area_m2(&placed));
+            for (heights_m, other) in heights_m.iter_mut().zip(1..) {
+                heights_m.push(placed[0].z - placed[other].z);
+            }
+        }
+        let heights = heights_m.each_mut().map(|heights_m| middle_and_spread(heights_m));
+        let [first, second] = heights;
+        let ((first_m, first_spread_m), (second_m, second_spread_m)) = (first?, second?);
+        let [d12, d13, _] = rig.inter_prism_m;
+        Some(Self {
+            fit_m: middle_and_spread(&mut errors_m)?.0,
+            area_m2: middle_and_spread(&mut areas_m2)?.0,
+            heights_m: [first_m, second_m],
+            tilt_rad: (first_spread_m / d12).max(second_spread_m / d13),
+            control_points_m: control_points_apart_m(control_points, station1_from_station),
+        })
+    }
+}
+
+/// Median distance between what two stations make of a control point (m); `None` where no two stations share one.
+pub fn control_points_apart_m(
+    control_points: &[ControlPointSet],
+    station1_from_station: &[RigidTransform; 3],
+) -> Option<f64> {
+    let mut apart_m: Vec<f64> = control_points
+        .iter()
+        .filter(|set| !set.pillars)
+        .flat_map(|set| set.disagreements_m(station1_from_station))
+        .collect();
+    apart_m.sort_by(f64::total_cmp);
+    median(&apart_m)
+}
+
+/// Signed area of a triangle seen from above (m²), positive where its corners lie counter-clockwise.
+pub fn plan_area_m2(corners_m: &[Vector3<f64>; 3]) -> f64 {
+    let [a, b, c] = corners_m.map(|corner| corner.xy());
+    0.5 * (b - a).perp(&(c - a))
+}
+
+/// Median, and half of what the middle 68 % range over: a standard deviation that outliers leave alone.
+fn middle_and_spread(values: &mut [f64]) -> Option<(f64, f64)> {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
+    Some((median(values)?, 0.5 * (at(0.84) - at(0.16))))
+}
+
+/// How well what an answer shows goes with one witness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Agreement {
+    Agrees,
+    /// Not what one expects, but it can be.
+    Suspicious,
+    Contradicts,
+}
+
+/// The rig as something that answers can be held against.
+#[derive(Clone, Copy, Debug)]
+pub struct Witnesses<'a> {
+    rig: &'a Rig,
+    /// σ of the heights of stations 2 and 3 (m).
+    height_sigma_m: [f64; 2],
+}
+
+impl<'a> Witnesses<'a> {
+    /// `sigma` is that of the answer, where it has one.
+    pub fn new(rig: &'a Rig, sigma: Option<&[TransformSigma; 2]>) -> Self {
+        // A larger σ makes an answer weak by itself, and what makes it large may be the misreading.
+        let capped_m = |s: TransformSigma| s.translation_m.z.min(WEAK_SIGMA_M);
+        let height_sigma_m = sigma.map_or([0.0; 2], |s| s.map(capped_m));
+        Self { rig, height_sigma_m }
+    }
+
+    /// Which way round the prisms lie, against the reading of the rig or, without one, the prisms in the vehicle's frame.
+    /// `None` where one of the two is too thin to tell, or neither is there.
+    pub fn area(&self, shown: &Shown) -> Option<Agreement> {
+        let known_m2 = self.area_m2()?;
+        let prisms_m = self.layout_m()?;
+        let longest_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).xy().norm());
+        let longest_m = longest_m.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        let heights_m = prisms_m.map(|prism| prism.z);
+        let high_m = heights_m.into_iter().fold(f64::NEG_INFINITY, f64::max)
+            - heights_m.into_iter().fold(f64::INFINITY, f64::min);
+        let thin_m = THIN_M + SHEAR_RAD * high_m;
+        let tells = |area_m2: f64| 2.0 * area_m2.abs() / longest_m > thin_m;
+        if !tells(known_m2) || !tells(shown.area_m2) {
+            return None;
+        }
+        let same = known_m2.signum() == shown.area_m2.signum();
+        Some(if same { Agreement::Agrees } else { Agreement::Contradicts })
+    }
+
+    /// Area of the prisms as they are known (m²).
+    pub fn area_m2(&self) -> Option<f64> {
+        self.layout_m().map(|prisms_m| plan_area_m2(&prisms_m))
+    }
+
+    fn layout_m(&self) -> Option<[Vector3<f64>; 3]> {
+        self.rig.prisms_m.or(self.rig.in_vehicle_m)
+    }
+
+    /// How high the prisms stand, against the reading of the rig. The limit is in proportion to the rig, and to what the
+    /// vehicle pitches and rolls on the drive.
+    pub fn heights(&self, shown: &Shown) -> Option<Agreement> {
+        let off_m = self.heights_off_m(shown)?;
+        let limit_m = |at: usize, tilt_rad: f64| {
+            HEIGHT_NOISE_M
+                + HEIGHT_SIGMAS * self.height_sigma_m[at]
+                + tilt_rad * self.rig.inter_prism_m[at]
+        };
+        let beyond = |tilt_rad: f64| (0..2).any(|at| off_m[at] > limit_m(at, tilt_rad));
+        let steep_rad = (SLOPE_RAD + CONTRADICTION_TILTS * shown.tilt_rad).min(STEEPEST_RAD);
+        Some(if beyond(steep_rad) {
+            Agreement::Contradicts
+        } else if beyond((SUSPICION_TILTS * shown.tilt_rad).min(steep_rad)) {
+            Agreement::Suspicious
+        } else {
+            Agreement::Agrees
+        })
+    }
+
+    /// How much higher prism 1 stands than prisms 2 and 3 in the reading (m).
+    pub fn heights_m(&self) -> Option<[f64; 2]> {
+        self.rig.height_differences_m()
+    }
+
+    /// What the heights of prism 1 above prisms 2 and 3 differ from the reading by (m).
+    pub fn heights_off_m(&self, shown: &Shown) -> Option<[f64; 2]> {
+        let known_m = self.heights_m()?;
+        Some([0, 1].map(|at| (shown.heights_m[at] - known_m[at]).abs()))
+    }
+
+    /// The inter-prism distances themselves.
+    pub fn distances(shown: &Shown) -> Agreement {
+        if shown.fit_m > POOR_FIT_M { Agreement::Contradicts } else { Agreement::Agrees }
+    }
+
+    /// The control points; what is less than a misreading is not judged here.
+    pub fn control_points(shown: &Shown) -> Option<Agreement> {
+        let far = |apart_m: f64| apart_m > CONTROL_POINTS_M;
+        shown
+            .control_points_m
+            .map(|apart_m| if far(apart_m) { Agreement::Contradicts } else { Agreement::Agrees })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rig(prisms_m: [Vector3<f64>; 3]) -> Rig {
+        let inter_prism_m = crate::deployment::pairwise_distances(&prisms_m);
+        Rig { inter_prism_m, prisms_m: Some(prisms_m), in_vehicle_m: None, inter_antenna_m: None }
+    }
+
+    fn shown(area_m2: f64, heights_m: [f64; 2], tilt_rad: f64) -> Shown {
+        Shown { fit_m: 0.001, area_m2, heights_m, tilt_rad, control_points_m: None }
+    }
+
+    #[test]
+    fn a_triangle_has_a_way_round_unless_it_is_nearly_a_line() {
+        let round = rig([Vector3::zeros(), Vector3::x(), Vector3::y()]);
+        let witnesses = Witnesses::new(&round, None);
+        let area = |area_m2| witnesses.area(&shown(area_m2, [0.0; 2], 0.0));
+        assert_eq!(area(0.48), Some(Agreement::Agrees));
+        assert_eq!(area(-0.48), Some(Agreement::Contradicts));
+        assert_eq!(area(-0.002), None, "too thin to tell");
+        let line = rig([Vector3::zeros(), Vector3::x(), Vector3::new(2.0, 0.01, 0.3)]);
+        let line = Witnesses::new(&line, None);
+        assert_eq!(line.area(&shown(-0.1, [0.0; 2], 0.0)), None);
+    }
+
+    #[test]
+    fn heights_are_judged_by_the_rig_and_by_what_the_vehicle_tilts() {
+        let small = rig([Vector3::zeros(), 0.35 * Vector3::x(), 0.35 * Vector3::y()]);
+        let witnesses = Witnesses::new(&small, None);
+        let heights = |off_m, tilt| witnesses.heights(&shown(0.06, [off_m, 0.0], tilt));
+        assert_eq!(heights(0.004, 0.0), Some(Agreement::Agrees));
+        assert_eq!(heights(0.015, 0.002), Some(Agreement::Suspicious));
+        // 0.2 rad of this rig would be 70 mm.
+        assert_eq!(heights(0.05, 0.002), Some(Agreement::Contradicts));
+        assert_eq!(heights(0.05, 0.1), Some(Agreement::Agrees), "a rig that tilts a lot");
+        let unsure = TransformSigma { translation_m: Vector3::repeat(0.02), yaw_rad: 0.0 };
+        let unsure =
+            Witnesses::new(&small, Some(&[unsure; 2])).heights(&shown(0.06, [0.05, 0.0], 0.0));
+        assert_eq!(unsure, Some(Agreement::Agrees), "an answer that is no better than that");
+    }
+}
