@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Failure, load, print};
-use crate::calibration::{Method, Offer};
-use crate::deployment::{Deployment, Extras, Track, pair_label};
-use crate::pipeline::{self, PipelineSettings};
+use crate::analysis::{Analysis, Analyst, Settings};
+use crate::calibration::{CalibrationError, Method};
+use crate::deployment::{Deployment, Extras, Finding, Severity, Track, pair_label};
 
 #[derive(Args)]
 pub struct Arguments {
@@ -22,12 +22,13 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let extras = Extras { rig: arguments.rig.clone(), ..Extras::default() };
     let (deployment, load_ms) = load(&arguments.path, extras)?;
-    print(&report(&deployment))?;
+    let analysis = Analyst::new(deployment.clone()).run(&Settings::default());
+    print(&report(&deployment, &analysis))?;
     print(&format!("opened in {load_ms:.1} ms\n"))?;
     Ok(())
 }
 
-fn report(deployment: &Deployment) -> String {
+fn report(deployment: &Deployment, analysis: &Analysis) -> String {
     let mut text = format!("{}\n\nfiles\n", deployment.name);
     let width = deployment.ingredients.iter().map(|i| i.file.chars().count()).max().unwrap_or(0);
     for ingredient in &deployment.ingredients {
@@ -76,16 +77,36 @@ fn report(deployment: &Deployment) -> String {
         }
     }
     text += "\ncalibrations\n";
-    let triplets = pipeline::run(deployment, &PipelineSettings::default()).triplets;
-    let offer = Offer::of(deployment, &triplets);
     for method in Method::ALL {
-        let possible =
-            offer.lack(method).map_or("possible".to_owned(), |lack| format!("needs {lack}"));
+        let lack = analysis.offer.lack(method);
+        let possible = lack.map_or("possible".to_owned(), |lack| format!("needs {lack}"));
         _ = writeln!(text, "  {}  {:<23} {possible}", method.letter(), method.title());
     }
+    text += &first_look(analysis);
     text += "\nfindings\n";
     for finding in &deployment.findings {
         _ = writeln!(text, "  {} {finding}", finding.severity.mark());
+    }
+    text
+}
+
+/// What the default method says of the data: a wrong sense, number or unit shows in an answer only. Empty where the data
+/// lacks something for it, which is said above.
+fn first_look(analysis: &Analysis) -> String {
+    let method = analysis.offer.default_method();
+    let mut text = format!("\nby method {} with the default settings\n", method.letter());
+    match &analysis.answer {
+        Ok(answer) => {
+            let calibration = &answer.calibration;
+            _ = writeln!(text, "  {}", calibration.verdict_in_words());
+            let own = |f: &&Finding| f.severity > Severity::Note && !f.doubt;
+            for finding in calibration.findings.iter().filter(own) {
+                _ = writeln!(text, "  {} {finding}", finding.severity.mark());
+            }
+        }
+        // No triplets may come of ranges in another unit, which the error says.
+        Err(why @ CalibrationError::NoTriplets { .. }) => _ = writeln!(text, "  x {why}"),
+        Err(_) => return String::new(),
     }
     text
 }

@@ -18,7 +18,7 @@ pub struct Arguments {
     /// Recording for the Rerun viewer
     #[arg(long, value_name = "FILE")]
     rrd: Option<PathBuf>,
-    /// Folder for triplets.csv
+    /// Folder for readings.csv, triplets.csv, residuals.csv, transforms.csv and clocks.csv
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
     #[command(flatten)]
@@ -35,10 +35,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.csv {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot be made", folder.display()))?;
-        let file = folder.join("triplets.csv");
-        export::csv::write_triplets(&analysis, &file)
-            .with_context(|| format!("{}: cannot be written", file.display()))?;
-        print(&format!("{}: {} triplets\n", file.display(), analysis.pipeline.triplets.len()))?;
+        for file in export::csv::write_folder(&deployment, &analysis, folder)? {
+            print(&format!("{}\n", file.display()))?;
+        }
     }
     if let Some(file) = &arguments.rrd {
         export::rerun::save(&deployment, &analysis, file)?;

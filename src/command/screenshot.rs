@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use anyhow::Context;
 use clap::{Args, ValueEnum};
 
 use super::settings_args::SettingsArguments;
 use super::{Failure, print};
 use crate::app;
 use crate::deployment::{Sample, Source};
+use crate::export::atomic;
 use crate::progress::Progress;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -44,9 +44,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let deployment = source.open(&Progress::default())?;
     let dark = arguments.theme == Theme::Dark;
     let image = app::picture(vec![(Arc::new(deployment), source)], settings, arguments.size, dark)?;
-    image
-        .save_with_format(&arguments.out, image::ImageFormat::Png)
-        .with_context(|| format!("{}: cannot be written", arguments.out.display()))?;
+    let mut png = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut png, image::ImageFormat::Png)?;
+    atomic::write(&arguments.out, png.into_inner())?;
     let [width, height] = arguments.size;
     print(&format!("{}: {width}×{height}\n", arguments.out.display()))?;
     Ok(())

@@ -139,7 +139,7 @@ impl SettingsArguments {
             rig: self.rig.clone(),
             gcp: self.gcp.clone(),
             gcp_instead: !self.gcp.is_empty(),
-            gnss: Vec::new(),
+            ..Extras::default()
         }
     }
 }

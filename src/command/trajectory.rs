@@ -2,14 +2,13 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
 use clap::Args;
 
 use super::settings_args::SettingsArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
-use crate::export::tum;
+use crate::export::{atomic, tum};
 
 #[derive(Args)]
 pub struct Arguments {
@@ -56,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         deployment.name,
         calibration.method.letter(),
         calibration.method.title(),
-        calibration.verdict.name(),
+        calibration.verdict_in_words(),
         frame.in_words(),
     );
     let Some(file) = &arguments.out else {
@@ -64,7 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let csv = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
     let text = if csv { tum::csv(&trajectory) } else { tum::tum(&trajectory, &header) };
-    std::fs::write(file, text).with_context(|| format!("{}: cannot be written", file.display()))?;
+    atomic::write(file, text)?;
     print(&format!(
         "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\
          frame of the poses: station 1; of the vehicle: {}\n\
@@ -76,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         frame.in_words(),
         calibration.method.letter(),
         calibration.method.title(),
-        calibration.verdict.name(),
+        calibration.verdict_in_words(),
     ))?;
     if let Some(sigma) = trajectory.middle_sigma() {
         print(&format!(

@@ -2,7 +2,6 @@
 
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -17,7 +16,14 @@ pub struct WriteError {
 ///
 /// Behind a link, what it points to is replaced; a pipe or a device is written to as it is.
 pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
-    let bytes = bytes.as_ref();
+    write_with(path, |part| std::fs::write(part, bytes.as_ref()))
+}
+
+/// The same for what is too large to be held in memory, or written by others: `fill` makes the file that it is given.
+pub fn write_with(
+    path: &Path,
+    fill: impl FnOnce(&Path) -> std::io::Result<()>,
+) -> Result<(), WriteError> {
     let result = match path.metadata() {
         Ok(metadata) if metadata.is_file() => path.canonicalize().and_then(|target| {
             let permissions = metadata.permissions();
@@ -25,13 +31,13 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
             if permissions.readonly() {
                 return Err(std::io::ErrorKind::PermissionDenied.into());
             }
-            replace(&target, bytes, Some(permissions))
+            replace(&target, Some(permissions), fill)
         }),
-        Ok(_) => std::fs::write(path, bytes),
+        Ok(_) => fill(path),
         Err(_) => match path.symlink_metadata() {
             // A link to a file that is not there yet.
-            Ok(_) => std::fs::write(path, bytes),
-            Err(_) => replace(path, bytes, None),
+            Ok(_) => fill(path),
+            Err(_) => replace(path, None, fill),
         },
     };
     result.map_err(|error| WriteError { path: path.to_owned(), error })
@@ -39,12 +45,12 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
 
 fn replace(
     path: &Path,
-    bytes: &[u8],
     permissions: Option<std::fs::Permissions>,
+    fill: impl FnOnce(&Path) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
     let part = part_of(path);
-    let written = File::create(&part).and_then(|mut file| {
-        file.write_all(bytes)?;
+    let written = fill(&part).and_then(|()| {
+        let file = File::options().write(true).open(&part)?;
         if let Some(permissions) = permissions {
             // Some file systems have none to set; that is no reason not to save.
             _ = file.set_permissions(permissions);
@@ -132,6 +138,20 @@ mod tests {
         assert!(line.contains("a.toml: cannot be written: "), "{line}");
         assert!(!line.contains('\n'), "{line}");
         assert_eq!(names(folder.path()), Vec::<String>::new());
+    }
+
+    #[test]
+    fn what_fails_half_way_leaves_the_old_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("a.csv");
+        write(&file, "old").expect("written");
+        let error = write_with(&file, |part| {
+            std::fs::write(part, "half of the ne")?;
+            Err(std::io::ErrorKind::StorageFull.into())
+        });
+        assert!(error.expect_err("full").to_string().contains("a.csv: cannot be written"));
+        assert_eq!(std::fs::read_to_string(&file).expect("there"), "old");
+        assert_eq!(names(folder.path()), ["a.csv"]);
     }
 
     #[cfg(unix)]

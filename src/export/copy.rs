@@ -29,10 +29,12 @@ pub enum CopyFormat {
     Ros2,
     /// A line for the shell: `rosrun tf2_ros static_transform_publisher`, with arguments in order.
     Ros1,
+    /// Fixed joints of a robot's description (XML).
+    Urdf,
 }
 
 impl CopyFormat {
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Toml,
         Self::Json,
         Self::Matrix,
@@ -40,6 +42,7 @@ impl CopyFormat {
         Self::Numpy,
         Self::Ros2,
         Self::Ros1,
+        Self::Urdf,
     ];
 
     /// As a menu names it.
@@ -52,6 +55,7 @@ impl CopyFormat {
             Self::Numpy => "numpy",
             Self::Ros2 => "ROS 2 static_transform_publisher",
             Self::Ros1 => "ROS 1 static_transform_publisher",
+            Self::Urdf => "URDF joints",
         }
     }
 }
@@ -134,7 +138,33 @@ pub fn text(format: CopyFormat, summary: &ResultSummary, part: Part) -> String {
                 station.station
             );
         }),
+        CopyFormat::Urdf => urdf(summary, stations),
     }
+}
+
+/// Joints whose origin places the child's frame in the parent's; `rpy` are rotations about the parent's fixed x, y and z
+/// axes in that order (URDF specification, element `origin`).
+fn urdf(summary: &ResultSummary, stations: &[StationSummary]) -> String {
+    let mut text = String::new();
+    for line in origin(summary).lines() {
+        // Two hyphens would end the comment.
+        // Spaces keep any two of them apart, also where a word begins or ends with one.
+        let said = line.trim_start_matches(['#', ' ']).replace('-', "- ");
+        _ = writeln!(text, "<!-- {said} -->");
+    }
+    for station in stations {
+        let transform = station.station1_from_station();
+        let [x, y, z] = station.translation_m.map(digits);
+        let (roll, pitch, yaw) = transform.rotation.euler_angles();
+        let [roll, pitch, yaw] = [roll, pitch, yaw].map(digits);
+        let number = station.station;
+        _ = write!(
+            text,
+            "<joint name=\"station1_station{number}\" type=\"fixed\">\n  <parent link=\"station1\"/>\n  \
+             <child link=\"station{number}\"/>\n  <origin xyz=\"{x} {y} {z}\" rpy=\"{roll} {pitch} {yaw}\"/>\n</joint>\n"
+        );
+    }
+    text
 }
 
 /// Comments that hold for all, then each transform.
@@ -158,7 +188,7 @@ fn origin(summary: &ResultSummary) -> String {
         one_line(deployment),
         method.letter(),
         method.title(),
-        verdict.name()
+        summary.verdict_in_words()
     );
     if *verdict != Verdict::Good {
         _ = writeln!(text, "# WARNING: verdict {}", verdict.name().to_uppercase());
@@ -205,7 +235,11 @@ fn json(summary: &ResultSummary, stations: &[StationSummary]) -> String {
         "deployment": summary.deployment,
         "method": summary.method.name(),
         "transforms": transforms,
-        "diagnosis": { "verdict": summary.verdict, "findings": summary.doubts },
+        "diagnosis": {
+            "verdict": summary.verdict,
+            "independently_checked": summary.independently_checked,
+            "findings": summary.doubts,
+        },
     });
     format!("{value:#}\n")
 }
@@ -215,6 +249,7 @@ struct TomlCopy<'a> {
     deployment: &'a str,
     method: &'a str,
     verdict: Verdict,
+    independently_checked: bool,
     transforms: Vec<TomlTransform>,
 }
 
@@ -239,6 +274,7 @@ fn toml(summary: &ResultSummary, stations: &[StationSummary]) -> String {
         deployment: &summary.deployment,
         method: summary.method.name(),
         verdict: summary.verdict,
+        independently_checked: summary.independently_checked,
         transforms: stations
             .iter()
             .map(|one| TomlTransform {

@@ -175,6 +175,7 @@ mod tests {
             readings: [100, 100, 100],
             method: Method::InterPrism,
             verdict: Verdict::Good,
+            independently_checked: true,
             doubts: Vec::new(),
             triplets: 50,
             one_prism: false,

@@ -25,6 +25,8 @@ pub fn calibration(
     let findings: Vec<String> = deployment
         .findings
         .iter()
+        // Doubts stand among the answer's own.
+        .filter(|finding| !finding.doubt)
         .chain(&calibration.findings)
         .map(|finding| finding.message.clone())
         .collect();
@@ -49,6 +51,8 @@ pub fn calibration(
         },
         "diagnosis": {
             "verdict": calibration.verdict,
+            "independently_checked": calibration.is_independently_checked(),
+            "checked_by": calibration.checked_by,
             "findings": findings,
             "observability": calibration
                 .inter_prism()

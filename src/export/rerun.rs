@@ -1,24 +1,31 @@
-//! Recordings for the Rerun viewer: tracks, fates, stations, control points and residuals.
+//! Recordings for the Rerun viewer: tracks, fates, stations, control points, rates, residuals and the verdict.
 //!
-//! Everything that stands still is static; prisms and distance errors are columns on the timeline `time`.
+//! Everything that stands still is static; prisms, rates and distance errors are columns on the timeline `time`.
+//! A [`blueprint`] in the recording says how the viewer lays them out.
+
+mod blueprint;
 
 use std::path::Path;
 
 use rerun::{
     LineStrips3D, Points3D, RecordingStream, RecordingStreamBuilder, Scalars, SeriesPoints,
-    TimeColumn,
+    TextDocument, TimeColumn,
 };
 
+use self::blueprint::{DISTANCE_ERRORS, RATES, VERDICT};
+use super::atomic::{self, WriteError};
+use super::text;
 use crate::analysis::Analysis;
-use crate::deployment::{Deployment, PAIRS};
+use crate::deployment::{Deployment, PAIRS, Track};
 use crate::geometry::RigidTransform;
 use crate::palette::{self, Rgb};
 use crate::pipeline::SampleFate;
+use crate::pipeline::outlier_filter::{Rates, rates};
 
 #[derive(Debug, thiserror::Error)]
 pub enum RerunError {
-    #[error("{path}: the recording could not be written: {what}")]
-    Write { path: String, what: String },
+    #[error(transparent)]
+    Write(#[from] WriteError),
     #[error("the Rerun viewer did not start: {0}; install it with `pip install rerun-sdk=={1}`")]
     NoViewer(String, &'static str),
 }
@@ -28,16 +35,17 @@ const SDK_VERSION: &str = "0.36.3";
 
 /// Writes a recording.
 pub fn save(deployment: &Deployment, analysis: &Analysis, path: &Path) -> Result<(), RerunError> {
-    let write = |what: &dyn std::fmt::Display| RerunError::Write {
-        path: path.display().to_string(),
-        what: what.to_string(),
+    let save = |part: &Path| -> Result<(), Box<dyn std::error::Error>> {
+        // The SDK makes the file lazily and only logs a failure; find out first.
+        std::fs::File::create(part)?;
+        let recording = builder().save(part)?;
+        log_all(&recording, deployment, analysis)?;
+        Ok(recording.flush_blocking()?)
     };
-    // The SDK makes the file lazily and only logs a failure; find out first.
-    std::fs::File::create(path).map_err(|error| write(&error))?;
-    let recording =
-        RecordingStreamBuilder::new("resect").save(path).map_err(|error| write(&error))?;
-    log_all(&recording, deployment, analysis).map_err(|error| write(&error))?;
-    recording.flush_blocking().map_err(|error| write(&error))
+    atomic::write_with(path, |part| {
+        save(part).map_err(|error| std::io::Error::other(error.to_string()))
+    })?;
+    Ok(())
 }
 
 /// Starts the viewer (or uses a running one) and shows the deployment in it.
@@ -47,10 +55,13 @@ pub fn open_viewer(deployment: &Deployment, analysis: &Analysis) -> Result<(), R
             error.to_string().lines().next().unwrap_or_default().trim_end_matches('.').to_owned();
         RerunError::NoViewer(first, SDK_VERSION)
     };
-    let recording =
-        RecordingStreamBuilder::new("resect").spawn().map_err(|error| failed(&error))?;
+    let recording = builder().spawn().map_err(|error| failed(&error))?;
     log_all(&recording, deployment, analysis).map_err(|error| failed(&error))?;
     recording.flush_blocking().map_err(|error| failed(&error))
+}
+
+fn builder() -> RecordingStreamBuilder {
+    RecordingStreamBuilder::new("resect").with_blueprint(blueprint::blueprint())
 }
 
 fn log_all(
@@ -121,10 +132,18 @@ fn log_all(
             )?;
         }
     }
+    for (station, track) in deployment.tracks.iter().enumerate() {
+        log_rates(recording, station, track)?;
+    }
+    let verdict = match &analysis.answer {
+        Ok(answer) => text::calibration(deployment, analysis, answer),
+        Err(error) => error.to_string(),
+    };
+    recording.log_static(VERDICT, &TextDocument::new(verdict))?;
     if let Some(answer) = answer {
         for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
             let name = format!("{}{}", a + 1, b + 1);
-            let path = format!("distance_error_mm/{name}");
+            let path = format!("{DISTANCE_ERRORS}/{name}");
             recording.log_static(
                 path.as_str(),
                 &SeriesPoints::new().with_colors([palette::PAIRS[pair]]).with_names([name]),
@@ -136,6 +155,32 @@ fn log_all(
                     .columns_of_unit_batches()?,
             )?;
         }
+    }
+    Ok(())
+}
+
+/// What the outlier filter looks at: the rates of a station from each reading to the next.
+fn log_rates(
+    recording: &RecordingStream,
+    station: usize,
+    track: &Track,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let steps = track.measurements.windows(2);
+    let time_s: Vec<f64> = steps.clone().map(|pair| pair[1].time_s).collect();
+    let rates: Vec<Rates> = steps.map(|pair| rates(&pair[0], &pair[1])).collect();
+    let of: [fn(&Rates) -> f64; 3] =
+        [|r| r.range_m_per_s, |r| r.azimuth_deg_per_s, |r| r.zenith_deg_per_s];
+    for (rate, of) in RATES.iter().zip(of) {
+        let name = format!("station {}", station + 1);
+        let path = format!("{}/station_{}", rate.entity, station + 1);
+        let series =
+            SeriesPoints::new().with_colors([palette::STATIONS[station]]).with_names([name]);
+        recording.log_static(path.as_str(), &series)?;
+        recording.send_columns(
+            path,
+            [time_column(&time_s)],
+            Scalars::new(rates.iter().map(of)).columns_of_unit_batches()?,
+        )?;
     }
     Ok(())
 }

@@ -101,7 +101,8 @@ pub fn transforms_table(comparison: &Comparison) -> String {
                     _ = write!(text, "{:>10.4} ± {sigma:<6}", transform.translation_m[axis]);
                 }
                 let sigma = sigma_text(sigma.map(|s| s.yaw_rad), 3);
-                let verdict = if station == 1 { calibration.verdict.name() } else { "" };
+                let verdict =
+                    if station == 1 { calibration.verdict_in_words() } else { String::new() };
                 _ = writeln!(text, "{:>11.5} ± {sigma:<8} {verdict}", transform.yaw_rad());
             }
             let doubts = calibration.findings.iter().filter(|f| f.severity > Severity::Note);
@@ -162,6 +163,7 @@ pub fn comparison_json(comparison: &Comparison) -> Value {
                     Ok(answer) => json!({
                         "method": method.name(),
                         "verdict": answer.calibration.verdict,
+                        "independently_checked": answer.calibration.is_independently_checked(),
                         "transforms": [
                             super::json::transform(&answer.calibration, 1),
                             super::json::transform(&answer.calibration, 2),

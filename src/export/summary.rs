@@ -17,6 +17,9 @@ pub struct ResultSummary {
     pub readings: [usize; 3],
     pub method: Method,
     pub verdict: Verdict,
+    /// Whether something that the answer does not rest on agrees with it; not in sessions of older versions.
+    #[serde(default)]
+    pub independently_checked: bool,
     /// What limits the answer, in words: its findings above a note.
     pub doubts: Vec<String>,
     pub triplets: usize,
@@ -54,6 +57,7 @@ impl ResultSummary {
             readings: deployment.tracks.each_ref().map(|track| track.measurements.len()),
             method: calibration.method,
             verdict: calibration.verdict,
+            independently_checked: calibration.is_independently_checked(),
             doubts: doubts.map(|finding| finding.message.clone()).collect(),
             triplets: analysis.pipeline.triplets.len(),
             one_prism: analysis.offer.targets == Targets::OnePrism,
@@ -69,6 +73,11 @@ impl ResultSummary {
             control_points_mm: evaluation.control_points_mm.clone(),
             settings: analysis.settings,
         }
+    }
+
+    /// "good", "good, not independently checked", "weak" …
+    pub fn verdict_in_words(&self) -> String {
+        self.verdict.in_words(self.independently_checked)
     }
 
     /// The file of control points whose median is the largest.

@@ -14,11 +14,12 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
     let out = &analysis.pipeline;
     let raw = deployment.tracks.each_ref().map(|track| track.measurements.len());
     let mut text = format!(
-        "{} · method {}, {} · verdict: {}\n\n",
+        "{} · method {}, {} · verdict: {}{}\n\n",
         deployment.name,
         calibration.method.letter(),
         calibration.method.title(),
-        calibration.verdict.name().to_uppercase()
+        calibration.verdict.name().to_uppercase(),
+        calibration.verdict.caveat(calibration.is_independently_checked())
     );
     let kept = out.kept();
     _ = writeln!(
@@ -61,7 +62,9 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
         _ = writeln!(text, "control pts   {}   {}", spread_text(&metric.spread), metric.file);
     }
     text.push('\n');
-    for finding in deployment.findings.iter().chain(&calibration.findings) {
+    // What speaks against every answer from this data stands among the answer's own as well.
+    let of_data = deployment.findings.iter().filter(|finding| !finding.doubt);
+    for finding in of_data.chain(&calibration.findings) {
         _ = writeln!(text, "  {} {finding}", finding.severity.mark());
     }
     _ = writeln!(

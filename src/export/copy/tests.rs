@@ -32,6 +32,7 @@ fn summary(verdict: Verdict) -> ResultSummary {
         readings: [1, 2, 3],
         method: Method::InterPrism,
         verdict,
+        independently_checked: true,
         doubts: vec!["station 2 can slide\nalong the track".to_owned()],
         triplets: 10,
         one_prism: false,
@@ -137,11 +138,48 @@ fn both_publishers_name_parent_and_child() {
     }
 }
 
+/// The rotations of a URDF joint are about fixed axes: first x, then y, then z.
+#[test]
+fn urdf_joints_are_read_back() {
+    let text = copied(CopyFormat::Urdf);
+    for (number, expected) in (2..).zip(transforms()) {
+        let joint = text.split("<joint ").nth(number - 1).expect("one a station");
+        assert!(joint.contains("type=\"fixed\"") && joint.contains("<parent link=\"station1\"/>"));
+        assert!(joint.contains(&format!("<child link=\"station{number}\"/>")), "{joint}");
+        let attribute = |name: &str| {
+            let value = joint.split(&format!("{name}=\"")).nth(1).expect("given");
+            numbers(value.split('"').next().expect("closed"))
+        };
+        let (xyz, rpy) = (attribute("xyz"), attribute("rpy"));
+        let about = |axis: usize| {
+            Rotation3::from_axis_angle(
+                &nalgebra::Unit::new_unchecked(Vector3::ith(axis, 1.0)),
+                rpy[axis],
+            )
+        };
+        let rotation = about(2) * about(1) * about(0);
+        let translation_m = Vector3::new(xyz[0], xyz[1], xyz[2]);
+        assert_is(&RigidTransform { rotation, translation_m }.matrix(), &expected);
+    }
+    // A comment of XML ends at its first two hyphens.
+    let mut hostile = summary(Verdict::Weak);
+    hostile.deployment = "a --> <joint/> ---".to_owned();
+    let text = text_of(&hostile);
+    for line in text.lines().filter(|line| line.starts_with("<!--")) {
+        assert!(!line["<!--".len()..line.len() - "-->".len()].contains("--"), "{line}");
+    }
+}
+
+fn text_of(summary: &ResultSummary) -> String {
+    text(CopyFormat::Urdf, summary, Part::Both)
+}
+
 #[test]
 fn json_is_the_transforms_part_of_the_contract() {
     let value: Value = serde_json::from_str(&copied(CopyFormat::Json)).expect("JSON");
     assert_eq!(value["schema"], 1);
     assert_eq!(value["diagnosis"]["verdict"], "good");
+    assert_eq!(value["diagnosis"]["independently_checked"], true);
     let copied = value["transforms"].as_array().expect("a list");
     for (transform, expected) in copied.iter().zip(transforms()) {
         let rows: Vec<Vec<f64>> =
@@ -187,6 +225,17 @@ fn a_doubtful_answer_says_so_in_every_form() {
         assert!(doubtful.to_lowercase().contains("weak"), "{doubtful}");
         let good = text(format, &summary(Verdict::Good), Part::T12);
         assert!(!good.contains("WARNING"), "{good}");
+    }
+}
+
+#[test]
+fn a_good_answer_that_nothing_checked_says_so_in_every_form() {
+    for format in CopyFormat::ALL {
+        let unchecked = ResultSummary { independently_checked: false, ..summary(Verdict::Good) };
+        let copied = text(format, &unchecked, Part::T12);
+        let says = ["not independently checked", "\"independently_checked\": false"];
+        assert!(says.iter().any(|words| copied.contains(words)), "{copied}");
+        assert!(!text(format, &summary(Verdict::Good), Part::T12).contains("not independently"));
     }
 }
 

@@ -164,7 +164,7 @@ fn section(chapter: &Chapter) -> Markup {
             Ok(answer) => {
                 p.verdict {
                     (verdict(&answer.calibration))
-                    " method " (answer.calibration.method.letter()) ", "
+                    " · method " (answer.calibration.method.letter()) ", "
                     (answer.calibration.method.title())
                 }
                 (findings(&answer.calibration.findings))
@@ -185,7 +185,10 @@ fn section(chapter: &Chapter) -> Markup {
 
 fn verdict(calibration: &Calibration) -> Markup {
     let [ground, ink] = palette::verdict(calibration.verdict);
-    badge(&calibration.verdict.name().to_uppercase(), ground, ink)
+    html! {
+        (badge(&calibration.verdict.name().to_uppercase(), ground, ink))
+        (calibration.verdict.caveat(calibration.is_independently_checked()))
+    }
 }
 
 fn no_answer() -> Markup {
