@@ -25,7 +25,8 @@ pub use layout::{Layout, LayoutDescription, LayoutPreset, Pane};
 pub use open_deployment::OpenDeployment;
 pub use scene::{Colouring, Ruler, RulerEnd, SceneView, ViewPreset};
 pub use state::{
-    Command, Overlay, Picked, PictureTo, Pin, Playback, Results, Run, State, Timeline, Visibility,
+    Asked, AskedAnswer, Command, Overlay, Picked, PictureTo, Pin, Playback, Results, Run, State,
+    Timeline, Visibility,
 };
 pub use studies::{StudyKind, StudyOptions, StudyResult};
 pub use units::{AngleUnit, LengthUnit, Units};

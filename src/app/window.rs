@@ -132,7 +132,10 @@ impl eframe::App for ResectWindow {
             commands.push(Command::OpenPaths(dropped));
         }
         let ctx = ui.ctx().clone();
-        if self.state.overlay == Overlay::None && self.state.prompt.is_none() {
+        if self.state.overlay == Overlay::None
+            && self.state.prompt.is_none()
+            && self.state.asked().is_none()
+        {
             actions::from_keys(&ctx, &self.state, &mut commands);
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
@@ -156,6 +159,9 @@ impl eframe::App for ResectWindow {
         }
         if let Some(prompt) = &self.state.prompt {
             panels::path_prompt::ui(&ctx, &prompt.shown, &mut commands);
+        }
+        if let Some(asked) = self.state.asked() {
+            panels::asked::ui(&ctx, asked, &mut commands);
         }
         let scene = self.scene.take_place();
         self.state.take_picture(&ctx, scene);
@@ -198,6 +204,7 @@ impl Panes<'_> {
             Pane::Findings => panels::findings::ui(ui, self.state),
             Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),
             Pane::Rates => plots::rates::ui(ui, self.state, self.commands),
+            Pane::Clocks => plots::clocks::ui(ui, self.state, self.commands),
             Pane::Intervals => plots::intervals::ui(ui, self.state, self.commands),
             Pane::Histogram => plots::histogram::ui(ui, self.state),
             Pane::PriorSearch => plots::prior_search::ui(ui, self.state, self.commands),

@@ -16,7 +16,8 @@ use super::persist::hashes::HashCache;
 use super::persist::session::{SavedDeployment, Session, SessionError};
 use super::plots::{PreparedPlots, RawReadings};
 use super::scene::{CloudMaker, Clouds};
-use super::state::PictureTo;
+use super::state::put_right::Extra;
+use super::state::{AskedToml, PictureTo, TableHead};
 use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
 use crate::deployment::{Deployment, Finding, OpenError, Sorted, Source, sort};
@@ -74,10 +75,21 @@ pub enum Reply {
     Failed(u64),
     /// The user chose a path in a dialog.
     Picked(PathBuf),
+    /// The user chose a file to be used with the deployment of this id.
+    PickedExtra {
+        id: u64,
+        extra: Extra,
+        path: PathBuf,
+    },
+    /// The beginning of a table that the user is asked about.
+    HeadRead(u64, Result<TableHead, String>),
+    /// What would be written to a `deployment.toml`.
+    TomlProposed(u64, Result<Box<AskedToml>, String>),
+    TomlWritten(u64, Result<Box<AskedToml>, String>),
     /// What is in a folder that the prompt shows.
     Listed(Listing),
     /// What the paths are that the user dropped or chose.
-    Sorted(u64, Sorted),
+    Sorted(u64, Box<Sorted>),
     /// A session's file was read: the session and what had to be left out of it.
     SessionRead(u64, PathBuf, Result<(Box<Session>, Vec<Finding>), SessionError>),
     /// The user chose where a session is saved; which of those that were opened it is.
@@ -131,7 +143,7 @@ impl Worker {
 
     /// Finds out what paths are, beside the worker; gives the request's number.
     pub fn look_at(&mut self, paths: Vec<PathBuf>) -> u64 {
-        self.numbered(Reply::Sorted, move || sort(paths.iter().map(PathBuf::as_path)))
+        self.numbered(Reply::Sorted, move || Box::new(sort(paths.iter().map(PathBuf::as_path))))
     }
 
     /// Asks for an analysis; gives the request's number.

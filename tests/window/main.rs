@@ -4,11 +4,14 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod asking;
+mod clocks;
 mod harness;
 mod naming;
 mod opening;
 mod panes;
 mod plots;
+mod put_right;
 mod results;
 mod scene;
 mod screenshots;

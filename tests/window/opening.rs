@@ -7,7 +7,7 @@ use resect::deployment::Source;
 
 use crate::common::sample_folder;
 use crate::harness::{
-    Window, press, send, settle, shown, snapshot, type_and_enter_at_once, window,
+    Window, click, press, send, settle, shown, snapshot, type_and_enter_at_once, window,
 };
 
 const SIZE: Vec2 = Vec2::new(1280.0, 800.0);
@@ -170,9 +170,10 @@ fn a_hovering_file_says_what_it_would_do() {
     harness.input_mut().hovered_files.clear();
     harness.run_steps(1);
     assert!(harness.query_by_label_contains("Add the control points").is_none());
-    // Dropped, it is used with what is open.
+    // Dropped, it is used with what is open, once the user says so.
     let before = harness.state().state.active().expect("open").deployment.control_points.len();
     send(&mut harness, Command::OpenPaths(vec![path]));
+    click(&mut harness, "Use for warthog (simulated)");
     let deployment = harness.state().state.active().expect("open").deployment.clone();
     assert_eq!(harness.state().state.open.len(), 1);
     assert_eq!(deployment.control_points.len(), before + 1);
@@ -192,6 +193,7 @@ fn files_that_are_added_one_after_the_other_are_all_kept() {
     add(&mut harness, "more 1.txt");
     add(&mut harness, "more 2.txt");
     settle(&mut harness);
+    click(&mut harness, "Use for warthog (simulated)");
     assert_eq!(shown(&harness).deployment.control_points.len(), before + 2);
     assert_eq!(harness.state().state.open.len(), 1);
 }

@@ -4,8 +4,9 @@ use eframe::egui::{Key, Modifiers};
 
 use super::{Action, Menu};
 use crate::analysis::Settings;
-use crate::app::state::{Command, State};
+use crate::app::state::{Command, State, put_right};
 use crate::calibration::{CalibrationSettings, Method, Offer};
+use crate::deployment::Extras;
 use crate::pipeline::Interpolation;
 
 pub fn actions(state: &State) -> Vec<Action> {
@@ -25,6 +26,7 @@ pub fn actions(state: &State) -> Vec<Action> {
             .key(Key::P)
             .possible(answered),
     );
+    actions.extend(data(state));
     let now = state.settings();
     let setting = |section, name: &str, on: bool, change: &dyn Fn(&mut Settings)| {
         let mut settings = *now;
@@ -68,4 +70,43 @@ pub fn actions(state: &State) -> Vec<Action> {
             .possible(state.open.iter().any(|open| open.settings != *now)),
     );
     actions
+}
+
+/// What is put right in the data.
+fn data(state: &State) -> Vec<Action> {
+    let extras = state.active().zip(state.extras());
+    let data = |name: &str, extras: Option<Extras>| {
+        let possible = extras.is_some();
+        let command = Command::PutRight(extras.unwrap_or_default());
+        Action::new(Menu::Edit, "Data", name, command).possible(possible)
+    };
+    let of_picked = |leave_out: bool| {
+        let (open, extras) = extras?;
+        let picked = open.timeline.picked?;
+        let out = put_right::is_masked(extras, &open.deployment, picked);
+        (out != leave_out).then(|| put_right::masked(extras, &open.deployment, [picked], leave_out))
+    };
+    let again = of_picked(false);
+    let name = if again.is_some() { "Use this reading again" } else { "Leave this reading out" };
+    let of_selection = extras.and_then(|(open, extras)| {
+        let span_s = open.timeline.selection_s?;
+        Some(put_right::with_span(extras, open, Some(span_s)))
+    });
+    let all = extras.and_then(|(open, extras)| {
+        let span_s = extras.put_right.span_s.or(open.deployment.as_read.span_s);
+        span_s.map(|_| put_right::with_span(extras, open, None))
+    });
+    let can_write = state.active().and_then(|open| open.source.as_ref()?.path()).is_some()
+        && extras.is_some_and(|(_, extras)| !extras.is_empty());
+    vec![
+        data(name, again.or_else(|| of_picked(true)))
+            .hint("The picked one; the pane Deployment lists all that is put right")
+            .key(Key::X),
+        data("Use only the selected times", of_selection)
+            .hint("Readings at other times do not count"),
+        data("Use all times", all),
+        Action::new(Menu::Edit, "Data", "Write to deployment.toml…", Command::WriteDeploymentToml)
+            .hint("What is put right, into the folder")
+            .possible(can_write),
+    ]
 }

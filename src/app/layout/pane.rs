@@ -17,6 +17,8 @@ pub enum Pane {
     Rates,
     /// When each station measured, and what of it is used.
     Intervals,
+    /// What the stations' own clocks said, and what the calibration estimates of them.
+    Clocks,
     /// The picked reading, explained.
     Reading,
     /// Earlier runs and pinned results.
@@ -25,7 +27,7 @@ pub enum Pane {
 
 impl Pane {
     /// In the order of the menu.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -36,6 +38,7 @@ impl Pane {
         Self::Residuals,
         Self::Rates,
         Self::Intervals,
+        Self::Clocks,
         Self::Histogram,
         Self::Findings,
         Self::Reading,
@@ -56,6 +59,7 @@ impl Pane {
             Self::Studies => "Studies",
             Self::Rates => "Rates",
             Self::Intervals => "Intervals",
+            Self::Clocks => "Clocks",
             Self::Reading => "Reading",
             Self::Runs => "Runs",
         }
@@ -76,6 +80,7 @@ impl Pane {
             Self::Studies => "studies",
             Self::Rates => "rates",
             Self::Intervals => "intervals",
+            Self::Clocks => "clocks",
             Self::Reading => "reading",
             Self::Runs => "runs",
         }

@@ -2,7 +2,7 @@
 
 use eframe::egui;
 
-use super::{finding, heading, scrolled};
+use super::{finding, heading, put_right, scrolled};
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::{Command, Commands, State, Visibility};
 use crate::app::theme;
@@ -27,6 +27,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.label(format!("{duration_s:.0} s of measurements"));
         ui.add_space(2.0);
         stations(ui, state, open, commands);
+        put_right::ui(ui, state, open, commands);
 
         heading(ui, "Rig");
         match &deployment.rig {

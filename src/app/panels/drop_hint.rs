@@ -45,7 +45,7 @@ pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         .show(ctx, |ui| ui.add(egui::Label::new(galley).selectable(false)));
 }
 
-const GENERAL: &str = "Drop a deployment's folder, a ROS 1 bag or a polar CSV to open it;\n\
+const GENERAL: &str = "Drop a deployment's folder, a bag or a polar CSV to open it;\n\
     control points, a rig, GNSS or settings to use them with the one that is open;\n\
     a session to go on with it";
 

@@ -12,7 +12,7 @@ const MOST_RECENT: usize = 5;
 const STEPS: [(&str, &str); 3] = [
     (
         "Open a deployment",
-        "Its folder, a ROS 1 bag or a CSV of polar measurements (timestamp, id, distance, ha, va). Control points, rig and \
+        "Its folder, a bag of ROS 1 or ROS 2, or a CSV of polar measurements (timestamp, id, distance, ha, va). Control points, rig and \
          GNSS beside it are found by what is in them.",
     ),
     (

@@ -1,5 +1,6 @@
 //! The panes that are lists of widgets: each a function that reads the state and sends commands.
 
+pub mod asked;
 pub mod command_palette;
 pub mod correlations;
 pub mod deployment;
@@ -11,6 +12,7 @@ pub mod observability;
 pub mod path_prompt;
 pub mod pipeline;
 pub mod progress;
+pub mod put_right;
 pub mod reading;
 pub mod result;
 pub mod runs;

@@ -36,7 +36,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 /// What goes into and comes out of each module.
 struct Counts {
+    /// Without what the user left out.
     raw: usize,
+    left_out: usize,
     filtered: usize,
     split: usize,
     kept: usize,
@@ -52,9 +54,12 @@ impl Counts {
             .filter(|fate| matches!(fate, SampleFate::Rejected(_)))
             .map(|fate| (0..3).map(|station| out.count(station, fate)).sum::<usize>())
             .sum();
-        let raw = deployment.tracks.iter().map(|track| track.measurements.len()).sum();
+        let all: usize = deployment.tracks.iter().map(|track| track.measurements.len()).sum();
+        let left_out = (0..3).map(|station| out.count(station, SampleFate::LeftOut)).sum();
+        let raw = all - left_out;
         Self {
             raw,
+            left_out,
             filtered: raw - rejected,
             split: out.intervals.len(),
             kept: out.kept_intervals.len(),
@@ -97,7 +102,12 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
                 paper.tau_e_deg_per_s,
             );
         });
-        ui.small(line(counts.map(|c| format!("{} → {} readings", c.raw, c.filtered))));
+        ui.small(line(counts.map(|c| match c.left_out {
+            0 => format!("{} → {} readings", c.raw, c.filtered),
+            left_out => {
+                format!("{} → {} readings ({left_out} left out by hand)", c.raw, c.filtered)
+            }
+        })));
     });
     module(ui, None, "2  Interval split", |ui, _| {
         threshold(

@@ -5,7 +5,7 @@ use eframe::egui::{self, RichText};
 use super::{heading, scrolled};
 use crate::analysis::{Analysis, Settings, changes_in_words, setting_changes};
 use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, Picked, State};
+use crate::app::state::{Command, Commands, Picked, State, put_right};
 use crate::app::theme;
 use crate::app::units::{Units, without_negative_zero};
 use crate::deployment::{Severity, pair_label};
@@ -72,6 +72,7 @@ fn show(
     });
     ui.add(egui::Label::new(explained.in_words(open.start_s())).wrap());
     remedy(ui, state, explained, commands);
+    leave_out(ui, state, open, Picked { station, index }, commands);
     neighbours(ui, analysis, Picked { station, index }, commands);
     heading(ui, "As measured");
     numbers(ui, explained, open.start_s(), state.units);
@@ -99,6 +100,24 @@ fn remedy(ui: &mut egui::Ui, state: &State, explained: &Explanation, commands: &
     );
     if button.clicked() {
         commands.push(Command::Set(settings));
+    }
+}
+
+/// Leaves the reading out, or uses it again.
+fn leave_out(
+    ui: &mut egui::Ui,
+    state: &State,
+    open: &OpenDeployment,
+    picked: Picked,
+    commands: &mut Commands,
+) {
+    let Some(extras) = state.extras() else { return };
+    let out = put_right::is_masked(extras, &open.deployment, picked);
+    let name = if out { "Use it again" } else { "Leave this reading out" };
+    let button = ui.button(name).on_hover_text("It is masked by its stamp (X), and can be undone");
+    if button.clicked() {
+        let extras = put_right::masked(extras, &open.deployment, [picked], !out);
+        commands.push(Command::PutRight(extras));
     }
 }
 

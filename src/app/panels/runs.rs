@@ -104,7 +104,10 @@ fn one(
         Some(words) => words,
     };
     let number = index + 1;
-    let verdict = run.result.as_ref().map_or("no result", |summary| summary.verdict.name());
+    let verdict = run
+        .result
+        .as_ref()
+        .map_or_else(|_| "no result".to_owned(), |summary| summary.verdict_in_words());
     ui.horizontal(|ui| {
         // The words get what the rest of the line leaves.
         let room = egui::vec2(ui.available_width() - RIGHT_OF_A_RUN, ui.spacing().interact_size.y);
@@ -159,6 +162,10 @@ fn first_in_words(run: &Run) -> String {
 /// Verdict, method and metrics, short enough for a line.
 fn numbers(ui: &mut egui::Ui, summary: &ResultSummary) {
     badge(ui, summary.verdict, BADGE);
+    let caveat = summary.verdict.caveat(summary.independently_checked);
+    if !caveat.is_empty() {
+        ui.small("*").on_hover_text(summary.verdict_in_words());
+    }
     ui.label(summary.method.letter().to_string()).on_hover_text(summary.method.title());
     let spread = |spread: Option<(f64, f64)>| {
         spread.map_or("–".to_owned(), |(median, iqr)| format!("{median:.2} / {iqr:.2}"))

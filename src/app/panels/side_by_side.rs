@@ -44,7 +44,14 @@ fn rows(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     row(ui, state, "verdict", |ui, calibration, _| {
         let [ground, ink] = palette::verdict(calibration.verdict).map(theme::rgb);
         let word = RichText::new(format!(" {} ", calibration.verdict.name()));
-        ui.label(word.color(ink).background_color(ground));
+        let caveat = calibration.verdict.caveat(calibration.is_independently_checked());
+        // One cell of the grid.
+        ui.horizontal(|ui| {
+            ui.label(word.color(ink).background_color(ground));
+            if !caveat.is_empty() {
+                ui.small(caveat.trim_start_matches(", "));
+            }
+        });
     });
     row(ui, state, "method", |ui, calibration, _| {
         ui.label(format!("{}  {}", calibration.method.letter(), calibration.method.title()));

@@ -62,7 +62,7 @@ impl From<Theme> for ThemePreference {
 }
 
 /// A deployment that was opened before.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recent {
     /// When it was opened (s since 1970).
     pub opened_unix_s: u64,

@@ -159,6 +159,7 @@ fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
             gcp: all(&extras.gcp),
             gcp_instead: extras.gcp_instead,
             gnss: all(&extras.gnss),
+            put_right: extras.put_right.clone(),
         },
     }
 }

@@ -12,6 +12,8 @@ pub struct Gaps {
     pub outages: [Vec<Interval>; 3],
     /// For each station when it gave a reading that the outlier filter rejected.
     pub rejected_s: [Vec<f64>; 3],
+    /// For each station when it gave a reading that the user left out.
+    pub left_out_s: [Vec<f64>; 3],
     /// Spans in which all three measured, in order: longer than τ_l, and not.
     pub kept: Vec<Interval>,
     pub short: Vec<Interval>,
@@ -44,6 +46,10 @@ impl Gaps {
                 let times_s = &readings.stations[station].time_s;
                 let each = times_s.iter().zip(&filtered[station].rejected);
                 each.filter(|(_, reason)| reason.is_some()).map(|(time_s, _)| *time_s).collect()
+            }),
+            left_out_s: readings.stations.each_ref().map(|own| {
+                let each = own.time_s.iter().zip(&own.left_out);
+                each.filter(|(_, left_out)| **left_out).map(|(time_s, _)| *time_s).collect()
             }),
             kept,
             short,

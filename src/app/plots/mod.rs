@@ -1,9 +1,11 @@
-//! Plots: over time ([`residuals`], [`rates`], [`intervals`], all through [`time_plot`]), and others.
+//! Plots: over time ([`residuals`], [`rates`], [`intervals`], [`clocks`], all through [`time_plot`]), and others.
 //!
 //! What no frame should compute is in [`PreparedPlots`] and [`RawReadings`], made by the worker; of long series a frame
 //! draws what its [`pyramid`] says.
 
 pub mod chart;
+mod clock_series;
+pub mod clocks;
 mod gaps;
 pub mod histogram;
 pub mod intervals;

@@ -269,6 +269,9 @@ fn number_inside(log10: f64, range: &RangeInclusive<f64>) -> String {
 
 /// By the thresholds as they are now: the answer may still be on its way.
 fn fate(own: &StationReadings, index: usize, pipeline: &PipelineSettings) -> Option<SampleFate> {
+    if own.is_left_out(index) {
+        return Some(SampleFate::LeftOut);
+    }
     let rates = pipeline.outlier_filter.then(|| own.rates_at(index))?;
     too_fast(&rates, &pipeline.thresholds).map(SampleFate::Rejected)
 }
@@ -277,7 +280,8 @@ fn fate(own: &StationReadings, index: usize, pipeline: &PipelineSettings) -> Opt
 fn series(dots: &[Dot], quantity: Quantity) -> Vec<Points<'static>> {
     let mut all = Vec::new();
     let rejected = Quantity::ALL.map(|quantity| Some(SampleFate::Rejected(quantity.reason())));
-    for fate in std::iter::once(None).chain(rejected) {
+    let left_out = Some(SampleFate::LeftOut);
+    for fate in [None, left_out].into_iter().chain(rejected) {
         for station in 0..3 {
             let points: Vec<PlotPoint> = dots
                 .iter()
@@ -289,6 +293,14 @@ fn series(dots: &[Dot], quantity: Quantity) -> Vec<Points<'static>> {
                 None => Points::new(name, PlotPoints::Owned(points))
                     .color(theme::rgb(palette::STATIONS[station]))
                     .radius(1.4),
+                // It has no rate, and stands at the foot.
+                Some(SampleFate::LeftOut) => {
+                    Points::new(format!("{name}, left out by hand"), PlotPoints::Owned(points))
+                        .color(theme::rgb(palette::fate(SampleFate::LeftOut)))
+                        .shape(MarkerShape::Square)
+                        .filled(false)
+                        .radius(2.4)
+                }
                 Some(fate) => {
                     let own = fate == SampleFate::Rejected(quantity.reason());
                     let colour = theme::rgb(palette::fate(fate));

@@ -1,5 +1,6 @@
 //! How fast the raw readings change, made once for each deployment by the worker: no setting changes it.
 
+use super::clock_series::ClockSeries;
 use super::pyramid::Pyramid;
 use crate::deployment::{Deployment, Measurement, Track};
 use crate::pipeline::outlier_filter::{Rates, rates};
@@ -73,6 +74,8 @@ pub struct RawReadings {
     /// Time of the first measurement of any (s, in the stations' clock).
     pub start_s: f64,
     pub stations: [StationReadings; 3],
+    /// What their own clocks said.
+    pub clocks: [ClockSeries; 3],
     /// For each quantity the rates that a plot of them shows by itself; none is beyond the upper.
     pub shown: [[f64; 2]; 3],
 }
@@ -82,11 +85,14 @@ pub struct RawReadings {
 pub struct StationReadings {
     /// Of each raw reading, since the first measurement of any station.
     pub time_s: Vec<f64>,
+    /// As in [`Track::left_out`].
+    pub left_out: Vec<bool>,
     /// For each quantity.
     pub rates: [RateSeries; 3],
 }
 
-/// Absolute rates of each raw reading since the one before it, in the quantity's unit; 0 of the first.
+/// Absolute rates of each raw reading since the one before it, in the quantity's unit; 0 of the first. What the user
+/// left out has none, and none is since it.
 #[derive(Clone, Debug, Default)]
 pub struct RateSeries {
     pub values: Vec<f64>,
@@ -99,6 +105,10 @@ impl RawReadings {
         let start_s = deployment.start_s().unwrap_or(0.0);
         let stations =
             deployment.tracks.each_ref().map(|track| StationReadings::of(track, start_s));
+        let clocks = std::array::from_fn(|station| {
+            let corrections = &deployment.time_corrections[station];
+            ClockSeries::of(&deployment.tracks[station], corrections, start_s)
+        });
         let mut paper = Thresholds::default();
         let shown = Quantity::ALL.map(|quantity| {
             let paper = *quantity.threshold(&mut paper);
@@ -111,7 +121,7 @@ impl RawReadings {
             let high = of_each(1.0).fold(3.0 * paper, f64::max);
             [low, 1.5 * high]
         });
-        Self { start_s, stations, shown }
+        Self { start_s, stations, clocks, shown }
     }
 
     /// From the first measurement of any station to the last (s).
@@ -123,15 +133,27 @@ impl RawReadings {
 impl StationReadings {
     fn of(track: &Track, start_s: f64) -> Self {
         let readings = &track.measurements;
-        let all: Vec<Rates> = readings.windows(2).map(|pair| rates(&pair[0], &pair[1])).collect();
+        let mut previous: Option<&Measurement> = None;
+        let all: Vec<Option<Rates>> = readings
+            .iter()
+            .enumerate()
+            .map(|(index, reading)| {
+                if track.is_left_out(index) {
+                    return None;
+                }
+                let rates = previous.map(|previous| rates(previous, reading));
+                previous = Some(reading);
+                rates
+            })
+            .collect();
         let series = |quantity: Quantity| {
-            let first = readings.first().map(|_: &Measurement| 0.0);
-            let values =
-                first.into_iter().chain(all.iter().map(|r| quantity.of(r).abs())).collect();
-            RateSeries::of(values)
+            let value =
+                |rates: &Option<Rates>| rates.as_ref().map_or(0.0, |r| quantity.of(r).abs());
+            RateSeries::of(all.iter().map(value).collect())
         };
         Self {
             time_s: readings.iter().map(|m| m.time_s - start_s).collect(),
+            left_out: track.left_out.clone(),
             rates: Quantity::ALL.map(series),
         }
     }
@@ -141,6 +163,10 @@ impl StationReadings {
         let [range_m_per_s, azimuth_deg_per_s, zenith_deg_per_s] =
             self.rates.each_ref().map(|series| series.values[index]);
         Rates { range_m_per_s, azimuth_deg_per_s, zenith_deg_per_s }
+    }
+
+    pub fn is_left_out(&self, index: usize) -> bool {
+        self.left_out.get(index).copied().unwrap_or(false)
     }
 
     /// Indices of the readings within a window (s since the first measurement).
@@ -178,7 +204,11 @@ mod tests {
     /// What the plots mark and count is what the pipeline rejects.
     #[test]
     fn the_lines_reject_what_the_pipeline_rejects() {
-        let deployment = Sample::Warthog.open().expect("built in");
+        let mut deployment = Sample::Warthog.open().expect("built in");
+        // One in seven is left out: no rate is since those.
+        for track in &mut deployment.tracks {
+            track.left_out = (0..track.measurements.len()).map(|index| index % 7 == 3).collect();
+        }
         let readings = RawReadings::of(&deployment);
         for (tau_r, tau_a, tau_e) in [(2.0, 1.0, 1.0), (0.4, 0.6, 0.2), (1.3, 5.0, 0.05)] {
             let mut settings = PipelineSettings::default();

@@ -242,7 +242,9 @@ impl SceneContent {
             // Outliers may lie anywhere; they must not push the rest into a corner.
             let seen = points.iter().zip(fates).step_by(step);
             let seen = seen
-                .filter(|(_, fate)| none_kept || !matches!(fate, SampleFate::Rejected(_)))
+                .filter(|(_, fate)| {
+                    none_kept || !matches!(fate, SampleFate::Rejected(_) | SampleFate::LeftOut)
+                })
                 .map(|(point, _)| Vector3::from(point.position_m).cast::<f64>());
             let origin = std::iter::once(Vector3::zeros());
             self.outline_m.extend(origin.chain(seen).map(|p| transform.apply(&p).cast::<f32>()));

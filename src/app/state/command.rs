@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use super::{Palette, Picked, Visibility};
+use super::{Asked, AskedAnswer, Palette, Picked, Visibility};
 use crate::analysis::Settings;
 use crate::app::file_dialog::PromptCommand;
 use crate::app::layout::{LayoutPreset, Pane};
 use crate::app::scene::{Colouring, Ruler, ViewPreset};
 use crate::app::studies::StudyOptions;
 use crate::app::units::Units;
-use crate::deployment::{Sample, Source};
+use crate::deployment::{Extras, Sample, Source};
 use crate::export::copy::{CopyFormat, Part};
 
 /// What a pane asks for.
@@ -48,6 +48,17 @@ pub enum Command {
     SetAll,
     Undo,
     Redo,
+
+    /// Reads the active deployment again with these beside its tracks, as a step that can be undone.
+    PutRight(Extras),
+    ChooseRigDialog,
+    AddControlPointsDialog,
+    /// Asks whether what is put right goes into the folder's `deployment.toml`.
+    WriteDeploymentToml,
+    /// Something was chosen in what the window asks.
+    EditAsked(Asked),
+    AnswerAsked(AskedAnswer),
+    CancelAsked,
 
     /// Pins the active deployment's result.
     Pin,

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use eframe::egui;
 
-use super::undo::{Change, Moment, Step};
+use super::put_right::Extra;
+use super::undo::{Change, Changed, Moment};
 use super::{Command, Overlay, Palette, Picked, State, Timeline};
 use crate::analysis::Settings;
 use crate::app::studies;
@@ -49,13 +50,25 @@ impl State {
                 self.change(&ids, *self.settings(), Moment::now(ctx));
             }
             Command::Undo => {
+                // What is not done yet is not done.
+                if self.take_back_pending() {
+                    return;
+                }
                 let step = self.undo.undo().cloned();
-                self.go(step.as_ref(), |change| change.before);
+                self.go(step.map_or_else(Vec::new, |step| step.changes), 0);
             }
             Command::Redo => {
                 let step = self.undo.redo().cloned();
-                self.go(step.as_ref(), |change| change.after);
+                self.go(step.map_or_else(Vec::new, |step| step.changes), 1);
             }
+
+            Command::PutRight(extras) => self.put_right(extras),
+            Command::ChooseRigDialog => self.choose_extra_dialog(Extra::Rig),
+            Command::AddControlPointsDialog => self.choose_extra_dialog(Extra::ControlPoints),
+            Command::WriteDeploymentToml => self.propose_deployment_toml(),
+            Command::EditAsked(asked) => self.edit_asked(asked),
+            Command::AnswerAsked(answer) => self.answer_asked(answer),
+            Command::CancelAsked => self.cancel_asked(),
 
             Command::Pin => self.pin_active(),
             Command::PinRun(id) => self.pin_run(id),
@@ -167,7 +180,8 @@ impl State {
             .iter()
             .filter_map(|&id| {
                 let before = self.open.iter().find(|open| open.id == id)?.settings;
-                (before != settings).then_some(Change { id, before, after: settings })
+                let what = Changed::Settings([before, settings]);
+                (before != settings).then_some(Change { id, what })
             })
             .collect();
         for change in &changes {
@@ -176,16 +190,21 @@ impl State {
         self.undo.record(changes, moment);
     }
 
-    /// Goes back or forth by a step.
-    fn go(&mut self, step: Option<&Step>, wanted: impl Fn(&Change) -> Settings) {
-        let changes = step.map_or(&[][..], |step| &step.changes);
-        for change in changes {
-            self.set(change.id, wanted(change));
-        }
+    /// Goes to one side of a step's changes: 0 is before them, 1 is after.
+    fn go(&mut self, changes: Vec<Change>, side: usize) {
         // What changes is seen to change.
         let shown = self.active().map(|open| open.id);
         let first = changes.first().map(|change| change.id);
-        if let Some(id) = first.filter(|_| changes.iter().all(|change| Some(change.id) != shown))
+        let unseen = changes.iter().all(|change| Some(change.id) != shown);
+        for change in changes {
+            match change.what {
+                Changed::Settings(both) => self.set(change.id, both[side]),
+                Changed::Extras { both, .. } => {
+                    self.read_with(change.id, both[side].clone(), false);
+                }
+            }
+        }
+        if let Some(id) = first.filter(|_| unseen)
             && let Some(index) = self.open.iter().position(|open| open.id == id)
         {
             self.show(index);

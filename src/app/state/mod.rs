@@ -2,12 +2,15 @@
 //!
 //! Panes get the state to read and a list to put [`Command`]s on; [`State::handle`] carries them out between frames.
 
+mod asked;
 mod asking;
 mod command;
+mod deployment_toml;
 mod handle;
 mod hovering;
 mod opening;
 mod picture;
+pub mod put_right;
 mod replies;
 mod results;
 mod saving;
@@ -15,6 +18,7 @@ mod sessions;
 mod timeline;
 mod undo;
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -22,6 +26,10 @@ use std::time::{Duration, Instant};
 use eframe::egui;
 use serde::{Deserialize, Serialize};
 
+pub use asked::{
+    Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedToml, AskedTracks,
+    StationsAre, TableHead,
+};
 pub use asking::OpenPrompt;
 pub use command::{Command, Commands, PictureTo};
 pub use hovering::Hovering;
@@ -118,6 +126,8 @@ pub struct State {
     pub studies: Studies,
     /// The dialog for a path inside the window.
     pub prompt: Option<OpenPrompt>,
+    /// What the user is asked before it goes on, one after the other.
+    asked: VecDeque<asked::Waiting>,
     /// Whether paths are asked for inside the window: the system has no dialog.
     pub asks_in_window: bool,
     /// Where the last path was chosen to open something, and to save something.
@@ -157,6 +167,7 @@ impl State {
             overlay: Overlay::None,
             studies: Studies::default(),
             prompt: None,
+            asked: VecDeque::new(),
             asks_in_window: !file_dialog::system::is_there(),
             last_folder_opened: None,
             last_folder_saved: None,
@@ -185,6 +196,11 @@ impl State {
     /// Those of the active deployment, or what the next one starts with.
     pub fn settings(&self) -> &Settings {
         self.active().map_or(&self.start_settings, |open| &open.settings)
+    }
+
+    /// What the user is asked, if anything.
+    pub fn asked(&self) -> Option<&Asked> {
+        self.asked.front().map(|waiting| &waiting.asked)
     }
 
     /// Whether anything is being opened, saved as a session, calibrated or studied.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::State;
+use super::put_right::use_rig;
 use super::undo::Moment;
 use crate::analysis::Settings;
 use crate::app::open_deployment::OpenDeployment;
@@ -20,19 +21,38 @@ pub struct Opening {
     pub since: Instant,
     /// In bytes.
     pub progress: Arc<Progress>,
-    source: Source,
+    pub(super) source: Source,
     then: Then,
+}
+
+impl Opening {
+    /// Id of the deployment whose place it takes.
+    pub(super) fn replaces(&self) -> Option<u64> {
+        match self.then {
+            Then::Replace { id, .. } => Some(id),
+            _ => None,
+        }
+    }
+
+    /// Whether it is a change of this deployment that can be undone once it is read.
+    pub(super) fn is_step_of(&self, id: u64) -> bool {
+        self.then == Then::Replace { id, step: true }
+    }
 }
 
 /// What becomes of a deployment once it is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Then {
+pub(super) enum Then {
     /// It is shown, with these settings.
     Show(Settings),
     /// It is shown, and gives way to the first that the user opens.
     Placeholder,
-    /// It takes the place of an open one, whose id this is: the same data with further files.
-    Replace(u64),
+    /// It takes the place of an open one, whose id this is: the same data, read with other extras.
+    Replace {
+        id: u64,
+        /// Whether that is a step that can be undone.
+        step: bool,
+    },
     /// It is shown as the session has it that is being restored.
     Restore,
 }
@@ -78,13 +98,34 @@ impl State {
             // Read again, it keeps its settings and its place.
             Some(index) => {
                 self.show(index);
-                self.read(source, Then::Replace(self.open[index].id));
+                let id = self.open[index].id;
+                // What the user named and put right before still holds.
+                let mut extras =
+                    self.wanted_source(id).map_or_else(Extras::default, |own| own.extras.clone());
+                extras.add(source.extras);
+                self.give_up_replacing(id);
+                self.replace_by(id, Source { place: source.place, extras }, true);
             }
             None => self.read(source, Then::Show(self.start_settings)),
         }
     }
 
-    fn read(&mut self, source: Source, then: Then) {
+    /// Reads an open deployment again, for its own place.
+    pub(super) fn replace_by(&mut self, id: u64, source: Source, step: bool) {
+        self.read(source, Then::Replace { id, step });
+    }
+
+    /// A newer reading of a deployment takes the place of one that is under way; tells whether there was one.
+    pub(super) fn give_up_replacing(&mut self, id: u64) -> bool {
+        let before = self.opening.len();
+        for opening in self.opening.iter().filter(|opening| opening.replaces() == Some(id)) {
+            opening.progress.cancel();
+        }
+        self.opening.retain(|opening| opening.replaces() != Some(id));
+        self.opening.len() < before
+    }
+
+    pub(super) fn read(&mut self, source: Source, then: Then) {
         let progress = Arc::new(Progress::default());
         let number = self.worker.open(source.clone(), Arc::clone(&progress));
         let (title, since) = (source.title(), Instant::now());
@@ -135,6 +176,10 @@ impl State {
                 return;
             }
             Err(OpenError::Cancelled) => return,
+            Err(OpenError::Question(question)) => {
+                self.ask_and_read(*question, source, then);
+                return;
+            }
             Err(error) => {
                 self.toasts.error(&error.to_string());
                 return;
@@ -152,14 +197,19 @@ impl State {
                 self.add(deployment, Some(source));
                 self.open[self.active].placeholder = true;
             }
-            Then::Replace(id) => self.replace(id, deployment, source),
+            Then::Replace { id, step } => self.replace(id, deployment, source, step),
             Then::Restore => self.restored(deployment),
         }
     }
 
-    fn replace(&mut self, id: u64, deployment: Arc<Deployment>, source: Source) {
+    fn replace(&mut self, id: u64, deployment: Arc<Deployment>, source: Source, step: bool) {
         let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
+        let after = source.extras.clone();
+        let before = self.open[index].source.as_ref().map(|source| source.extras.clone());
         self.open[index].replace(deployment, source);
+        if let Some(before) = before.filter(|_| step) {
+            self.record_extras(id, before, after);
+        }
         // What is remembered of the old data must not answer for the new.
         self.worker.forget(id);
         self.analyse(index);
@@ -181,12 +231,12 @@ impl State {
     /// Opens what the user dropped or chose: deployments with what came with them, else additions to the active one.
     pub(super) fn take_sorted(&mut self, number: u64, sorted: Sorted) {
         self.looking.retain(|looking| *looking != number);
-        let Sorted { deployments, extras, sessions, settings, unknown } = sorted;
+        let Sorted { deployments, extras, folders, sessions, settings, unknown } = sorted;
         for line in unknown {
             self.toasts.error(&line);
         }
         if deployments.is_empty() && !extras.is_empty() {
-            self.add_files(extras);
+            self.ask_what_for(extras, folders);
         } else {
             for path in deployments {
                 self.open_source(Source::at(path).with(extras.clone()));
@@ -203,30 +253,15 @@ impl State {
         }
     }
 
-    /// Reads the active deployment again, with further files.
-    fn add_files(&mut self, extras: Extras) {
-        let Some(open) = self.active() else {
-            let line = "these files describe a deployment, but none is open; open its tracks first";
-            self.toasts.error(line);
-            return;
-        };
-        let id = open.id;
-        // Files that are still being added are not forgotten: they are read again with these.
-        let pending = self.opening.iter().rposition(|opening| opening.then == Then::Replace(id));
-        let source = match pending {
-            Some(index) => {
-                let pending = self.opening.remove(index);
-                pending.progress.cancel();
-                Some(pending.source)
-            }
-            None => open.source.clone(),
-        };
-        let Some(mut source) = source else {
-            self.toasts.error("what is open came from no file; save it, open that, and add to it");
-            return;
-        };
-        source.extras.add(extras);
-        self.read(source, Then::Replace(id));
+    /// Reads a deployment again, with further files. Those that are still being added are not forgotten.
+    pub(super) fn add_files(&mut self, id: u64, added: Extras) {
+        let mut extras =
+            self.wanted_source(id).map_or_else(Extras::default, |source| source.extras.clone());
+        if let Some(rig) = &added.rig {
+            use_rig(&mut extras, rig.clone());
+        }
+        extras.add(added);
+        self.read_with(id, extras, true);
     }
 
     /// Stops reading a deployment, by its request's number.

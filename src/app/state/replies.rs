@@ -64,11 +64,15 @@ impl State {
                     prompt.shown.take(listing);
                 }
             }
+            Reply::PickedExtra { id, extra, path } => self.take_picked_extra(id, extra, path),
+            Reply::HeadRead(number, head) => self.take_head(number, head),
+            Reply::TomlProposed(number, proposed) => self.take_proposed_toml(number, proposed),
+            Reply::TomlWritten(number, written) => self.take_written_toml(number, written),
             Reply::Picked(path) => self.look_at(vec![path]),
             Reply::Sorted(number, sorted) if self.is_of_hovering(number) => {
-                self.take_hovering(number, sorted);
+                self.take_hovering(number, *sorted);
             }
-            Reply::Sorted(number, sorted) => self.take_sorted(number, sorted),
+            Reply::Sorted(number, sorted) => self.take_sorted(number, *sorted),
             Reply::SessionRead(number, path, result) => self.take_session(number, path, result),
             Reply::SessionPlace(path, session, which) => self.write_session(path, *session, which),
             Reply::SessionSaved(number, path, result) => {

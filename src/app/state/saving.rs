@@ -138,7 +138,7 @@ fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<Strin
         "{}: frame of station 1, by method {}, verdict {}",
         deployment.name,
         calibration.method.letter(),
-        calibration.verdict.name()
+        calibration.verdict_in_words()
     );
     Ok(export::tum::tum(&trajectory, &header))
 }

@@ -1,4 +1,4 @@
-//! Undo and redo of settings.
+//! Undo and redo of settings, and of what is put right in the data.
 //!
 //! A drag sends many settings; it is one step. egui's own `Undoer` merges whatever comes within a second, also two
 //! different switches, and cannot name a step; this one merges changes of the same setting only.
@@ -6,19 +6,56 @@
 use eframe::egui;
 
 use crate::analysis::{Settings, changes_in_words, setting_changes};
+use crate::deployment::Extras;
 
 /// Changes of the same setting that come this soon after each other (s) are one step: a key held down.
 const SAME_STEP_S: f64 = 0.5;
 /// Nobody goes back further.
 const MOST_STEPS: usize = 500;
 
-/// What one deployment's settings were and became.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What changed of one deployment.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Change {
     /// Id of the deployment.
     pub id: u64,
-    pub before: Settings,
-    pub after: Settings,
+    pub what: Changed,
+}
+
+/// What was, and what it became.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Changed {
+    Settings([Settings; 2]),
+    /// What the data is read with, and how that is told.
+    Extras {
+        both: Box<[Extras; 2]>,
+        words: String,
+    },
+}
+
+impl Changed {
+    /// Goes on to where a later change of the same settings went.
+    fn go_on(&mut self, later: &Self) {
+        if let (Self::Settings([_, after]), Self::Settings([_, new])) = (self, later) {
+            *after = *new;
+        }
+    }
+
+    fn is_none(&self) -> bool {
+        matches!(self, Self::Settings([before, after]) if before == after)
+    }
+
+    fn in_words(&self) -> String {
+        match self {
+            Self::Settings([before, after]) => changes_in_words(&setting_changes(before, after)),
+            Self::Extras { words, .. } => words.clone(),
+        }
+    }
+
+    /// The settings that it touches; none of what has the data read again, which is a step of its own each time.
+    fn touched(&self) -> Option<Vec<&'static str>> {
+        let Self::Settings([before, after]) = self else { return None };
+        Some(setting_changes(before, after).iter().map(|change| change.name).collect())
+    }
 }
 
 /// What is undone at once.
@@ -69,10 +106,10 @@ impl UndoStack {
             && last.continues(&changes, moment)
         {
             for (change, new) in last.changes.iter_mut().zip(&changes) {
-                change.after = new.after;
+                change.what.go_on(&new.what);
             }
             last.at_s = moment.now_s;
-            if last.changes.iter().all(|change| change.before == change.after) {
+            if last.changes.iter().all(|change| change.what.is_none()) {
                 self.done.pop();
             }
             return;
@@ -124,9 +161,18 @@ impl UndoStack {
 
     /// Lets go of a deployment that was closed.
     pub fn forget(&mut self, id: u64) {
+        self.keep(|change| change.id != id);
+    }
+
+    /// Lets go of what was put right in a deployment: its files say it now, and going back would not unsay it.
+    pub fn forget_extras(&mut self, id: u64) {
+        self.keep(|change| change.id != id || matches!(change.what, Changed::Settings(_)));
+    }
+
+    fn keep(&mut self, wanted: impl Fn(&Change) -> bool) {
         for steps in [&mut self.done, &mut self.undone] {
             for step in steps.iter_mut() {
-                step.changes.retain(|change| change.id != id);
+                step.changes.retain(&wanted);
             }
             steps.retain(|step| !step.changes.is_empty());
         }
@@ -145,16 +191,12 @@ impl Step {
 
 fn name(verb: &str, step: Option<&Step>) -> String {
     let Some(change) = step.and_then(|step| step.changes.first()) else { return verb.to_owned() };
-    format!("{verb} {}", changes_in_words(&setting_changes(&change.before, &change.after)))
+    format!("{verb} {}", change.what.in_words())
 }
 
 /// Whether two changes turn the same knobs.
 fn same_setting(a: &Change, b: &Change) -> bool {
-    touched(a) == touched(b)
-}
-
-fn touched(change: &Change) -> Vec<&'static str> {
-    setting_changes(&change.before, &change.after).iter().map(|change| change.name).collect()
+    a.what.touched().is_some() && a.what.touched() == b.what.touched()
 }
 
 #[cfg(test)]
@@ -169,7 +211,7 @@ mod tests {
     }
 
     fn change(before: Settings, after: Settings) -> Vec<Change> {
-        vec![Change { id: 1, before, after }]
+        vec![Change { id: 1, what: Changed::Settings([before, after]) }]
     }
 
     fn at(now_s: f64, pressed_s: Option<f64>) -> Moment {
@@ -184,17 +226,12 @@ mod tests {
         // The next drag of the same line is a step of its own.
         stack.record(change(with(1.5, 6.0), with(1.0, 6.0)), at(20.0, Some(19.9)));
         let step = stack.undo().expect("two steps");
-        assert_eq!(
-            (step.changes[0].before, step.changes[0].after),
-            (with(1.5, 6.0), with(1.0, 6.0))
-        );
+        assert_eq!(step.changes, change(with(1.5, 6.0), with(1.0, 6.0)));
         let step = stack.undo().expect("one step");
-        assert_eq!(
-            (step.changes[0].before, step.changes[0].after),
-            (with(2.0, 6.0), with(1.5, 6.0))
-        );
+        assert_eq!(step.changes, change(with(2.0, 6.0), with(1.5, 6.0)));
         assert!(stack.undo().is_none());
-        assert_eq!(stack.redo().expect("undone").changes[0].after, with(1.5, 6.0));
+        let again = stack.redo().expect("undone");
+        assert_eq!(again.changes, change(with(2.0, 6.0), with(1.5, 6.0)));
     }
 
     #[test]
@@ -202,7 +239,9 @@ mod tests {
         let mut stack = UndoStack::default();
         stack.record(change(with(2.0, 6.0), with(1.0, 6.0)), at(1.0, None));
         stack.record(change(with(1.0, 6.0), with(0.5, 6.0)), Moment::NEVER);
-        assert_eq!(stack.undo().expect("two").changes[0].before, with(1.0, 6.0));
+        let step = stack.undo().expect("two");
+        let Changed::Settings([before, _]) = step.changes[0].what else { panic!("settings") };
+        assert_eq!(before, with(1.0, 6.0));
     }
 
     #[test]
@@ -210,8 +249,11 @@ mod tests {
         let mut stack = UndoStack::default();
         stack.record(change(with(2.0, 6.0), with(1.0, 6.0)), at(1.0, None));
         stack.record(change(with(1.0, 6.0), with(1.0, 9.0)), at(1.1, None));
-        assert_eq!(stack.undo().expect("two").changes[0].before, with(1.0, 6.0));
-        assert_eq!(stack.undo().expect("one").changes[0].before, with(2.0, 6.0));
+        let step = stack.undo().expect("two");
+        let Changed::Settings([before, _]) = step.changes[0].what else { panic!("settings") };
+        assert_eq!(before, with(1.0, 6.0));
+        let step = stack.undo().expect("one");
+        assert_eq!(step.changes, change(with(2.0, 6.0), with(1.0, 6.0)));
     }
 
     #[test]
@@ -227,5 +269,22 @@ mod tests {
         assert!(stack.next_redo().is_none());
         stack.forget(1);
         assert!(stack.undo().is_none());
+    }
+
+    #[test]
+    fn what_is_put_right_has_a_name_and_shares_the_stack() {
+        let mut stack = UndoStack::default();
+        stack.record(change(with(2.0, 6.0), with(1.0, 6.0)), at(1.0, None));
+        let mut extras = Extras::default();
+        extras.put_right.stations = Some([1, 3, 2]);
+        let words = "station numbers 1 2 3 → 1 3 2".to_owned();
+        let what = Changed::Extras { both: Box::new([Extras::default(), extras]), words };
+        stack.record(vec![Change { id: 1, what }], at(1.1, None));
+        assert_eq!(stack.undo_name(), "Undo station numbers 1 2 3 → 1 3 2");
+        stack.undo();
+        assert_eq!(stack.undo_name(), "Undo τ_r 2 → 1 m/s");
+        stack.redo();
+        stack.forget_extras(1);
+        assert_eq!(stack.undo_name(), "Undo τ_r 2 → 1 m/s");
     }
 }

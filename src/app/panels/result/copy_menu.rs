@@ -26,9 +26,9 @@ pub fn ui(ui: &mut egui::Ui, summary: &ResultSummary, commands: &mut Commands) {
                 ui.close();
             }
         }
-        if summary.verdict != Verdict::Good {
+        if summary.verdict != Verdict::Good || !summary.independently_checked {
             ui.separator();
-            ui.small(format!("The copy says that the verdict is {}.", summary.verdict.name()));
+            ui.small(format!("The copy says that the verdict is {}.", summary.verdict_in_words()));
         }
     });
 }

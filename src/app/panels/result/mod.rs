@@ -9,6 +9,7 @@ mod transforms;
 
 use eframe::egui::{self, RichText};
 
+use super::put_right::distance_fields;
 use super::{correlations, finding, heading, scrolled};
 use crate::analysis::{Analysis, Answer};
 use crate::app::open_deployment::OpenDeployment;
@@ -34,9 +35,25 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             Err(error) => {
                 ui.heading("No result");
                 finding(ui, &Finding::problem(error.to_string()));
+                missing_rig(ui, state, open, commands);
             }
         }
     });
+}
+
+/// Where the inter-prism distances are missing, they can be given at once.
+fn missing_rig(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
+    let Some(extras) = state.extras().filter(|_| open.deployment.rig.is_none()) else { return };
+    ui.add_space(6.0);
+    ui.label("The inter-prism distances are not known. Give all three, or a file of the rig:");
+    let mut changed = extras.clone();
+    distance_fields(ui, open, extras.put_right.inter_prism_m, &mut changed);
+    if changed != *extras {
+        commands.push(Command::PutRight(changed));
+    }
+    if ui.button("Choose a rig file…").clicked() {
+        commands.push(Command::ChooseRigDialog);
+    }
 }
 
 fn show(
@@ -99,11 +116,18 @@ fn reasons(ui: &mut egui::Ui, findings: &[Finding]) {
     }
 }
 
+const UNCHECKED: &str = "Nothing that it does not rest on confirms it. Control points that every station measured would, or, for \
+                         control points, a drive with known inter-prism distances";
+
 fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {
     ui.horizontal(|ui| {
         badge(ui, calibration.verdict, 15.0);
         ui.label(format!("{}  {}", calibration.method.letter(), calibration.method.title()));
     });
+    let caveat = calibration.verdict.caveat(calibration.is_independently_checked());
+    if !caveat.is_empty() {
+        ui.label(caveat.trim_start_matches(", ")).on_hover_text(UNCHECKED);
+    }
 }
 
 /// A verdict on its colour.

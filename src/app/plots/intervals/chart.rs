@@ -125,12 +125,20 @@ impl Chart<'_> {
         }
         // What the outlier filter took is often why a station seems silent.
         let foot = Rangef::new(row.max - 0.3 * row.span(), row.max);
-        let rejected_s = &gaps.rejected_s[station];
-        let mut at = rejected_s.partition_point(|t| *t < self.times.window_s[0]);
-        while let Some(time_s) = rejected_s.get(at).filter(|t| **t <= self.times.window_s[1]) {
-            painter.vline(self.shown.x(*time_s), foot, Stroke::new(1.5, silent));
+        self.marks(&painter, foot, &gaps.rejected_s[station], silent);
+        // And what the user took is seen to be his.
+        let head = Rangef::new(row.min, row.min + 0.3 * row.span());
+        let by_hand = theme::rgb(palette::fate(SampleFate::LeftOut));
+        self.marks(&painter, head, &gaps.left_out_s[station], by_hand);
+    }
+
+    /// Single instants, no two in one place.
+    fn marks(&self, painter: &egui::Painter, y: Rangef, times_s: &[f64], colour: Color32) {
+        let mut at = times_s.partition_point(|t| *t < self.times.window_s[0]);
+        while let Some(time_s) = times_s.get(at).filter(|t| **t <= self.times.window_s[1]) {
+            painter.vline(self.shown.x(*time_s), y, Stroke::new(1.5, colour));
             let close_s = time_s + 1.0 / self.points_per_s();
-            at = rejected_s.partition_point(|t| *t <= close_s).max(at + 1);
+            at = times_s.partition_point(|t| *t <= close_s).max(at + 1);
         }
     }
 
@@ -145,7 +153,7 @@ impl Chart<'_> {
         let colour = theme::rgb(palette::STATIONS[station]);
         for index in own.within(self.times.window_s) {
             let x = self.shown.x(own.time_s[index]);
-            if self.filtered[station].rejected[index].is_none() {
+            if self.filtered[station].rejected[index].is_none() && !own.is_left_out(index) {
                 painter.vline(x, row, Stroke::new(1.2, colour));
             }
             if self.open.timeline.picked == Some(Picked { station, index }) {

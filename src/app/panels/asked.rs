@@ -1,0 +1,196 @@
+//! What the user is asked, over the panes: which files, topics or columns are what, and what files are for.
+
+mod columns;
+
+use eframe::egui::{self, RichText};
+
+use crate::app::state::{
+    Asked, AskedAnswer, AskedFiles, AskedStations, AskedToml, AskedTracks, Command, Commands,
+    StationsAre,
+};
+use crate::app::theme;
+use crate::deployment::Severity;
+
+const WIDTH: f32 = 560.0;
+/// Of the dialog with a table in it.
+const WIDE: f32 = 980.0;
+
+pub fn ui(ctx: &egui::Context, asked: &Asked, commands: &mut Commands) {
+    let modal = egui::Modal::new(egui::Id::unique("asked"))
+        .frame(egui::Frame::popup(&ctx.global_style()).inner_margin(12.0));
+    let width = if matches!(asked, Asked::Columns(_)) { WIDE } else { WIDTH };
+    let mut answered = false;
+    let response = modal.show(ctx, |ui| {
+        ui.set_width(width.min(ui.ctx().content_rect().width() - 40.0));
+        let before = commands.len();
+        match asked {
+            Asked::Tracks(tracks) => ask_tracks(ui, tracks, commands),
+            Asked::Stations(stations) => ask_stations(ui, stations, commands),
+            Asked::Columns(columns) => columns::ui(ui, columns, commands),
+            Asked::Files(files) => ask_files(ui, files, commands),
+            Asked::Toml(toml) => ask_toml(ui, toml, commands),
+        }
+        ui.add_space(8.0);
+        buttons(ui, asked, commands);
+        answered = commands.len() > before;
+    });
+    if !answered && response.should_close() {
+        commands.push(Command::CancelAsked);
+    }
+}
+
+fn buttons(ui: &mut egui::Ui, asked: &Asked, commands: &mut Commands) {
+    ui.horizontal(|ui| {
+        if ui.button("Cancel").clicked() {
+            commands.push(Command::CancelAsked);
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let yes = match asked {
+                Asked::Files(files) => match files.targets.get(files.target) {
+                    Some((_, name)) => format!("Use for {name}"),
+                    None => "Use".to_owned(),
+                },
+                Asked::Toml(_) => "Write".to_owned(),
+                _ => "Open".to_owned(),
+            };
+            let yes = ui.add_enabled(asked.is_answered(), egui::Button::new(yes));
+            if yes.clicked() {
+                commands.push(Command::AnswerAsked(AskedAnswer::AsChosen));
+            }
+            if let Asked::Files(files) = asked
+                && !files.folders.is_empty()
+                && ui.button("Open as a deployment of its own").clicked()
+            {
+                commands.push(Command::AnswerAsked(AskedAnswer::OwnDeployment));
+            }
+        });
+    });
+}
+
+fn ask_tracks(ui: &mut egui::Ui, asked: &AskedTracks, commands: &mut Commands) {
+    ui.heading("Which file holds the tracks?");
+    ui.label(format!(
+        "{} has several. Choose one; or all parts of a recording that was split.",
+        asked.folder
+    ));
+    ui.add_space(6.0);
+    let mut edited = asked.clone();
+    let size = ui.ctx().content_rect().height() - 260.0;
+    egui::ScrollArea::vertical().max_height(size.max(80.0)).show(ui, |ui| {
+        for (file, chosen) in asked.files.iter().zip(&mut edited.chosen) {
+            ui.checkbox(chosen, file);
+        }
+    });
+    if edited != *asked {
+        commands.push(Command::EditAsked(Asked::Tracks(edited)));
+    }
+}
+
+fn ask_stations(ui: &mut egui::Ui, asked: &AskedStations, commands: &mut Commands) {
+    let (what, why) = match asked.are {
+        StationsAre::Topics => {
+            ("topic", format!("The messages of {} do not name their station.", asked.place))
+        }
+        StationsAre::Files => {
+            ("file", format!("The files of {} hold one station each.", asked.place))
+        }
+    };
+    ui.heading(format!("Which {what} is which station?"));
+    ui.label(why);
+    ui.add_space(6.0);
+    let mut edited = asked.clone();
+    let in_words = |index: usize| match asked.choices.get(index) {
+        Some((name, more)) if more.is_empty() => name.clone(),
+        Some((name, more)) => format!("{name}  ({more})"),
+        None => String::new(),
+    };
+    egui::Grid::new("stations asked").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
+        for (station, chosen) in edited.stations.iter_mut().enumerate() {
+            let name = format!("Station {}", station + 1);
+            ui.label(&name);
+            let combo = egui::ComboBox::from_id_salt(&name)
+                .width(WIDTH - 90.0)
+                .truncate()
+                .selected_text(in_words(*chosen))
+                .show_ui(ui, |ui| {
+                    for index in 0..asked.choices.len() {
+                        ui.selectable_value(chosen, index, in_words(index));
+                    }
+                });
+            let label = format!("The {what} of station {}", station + 1);
+            combo
+                .response
+                .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
+            ui.end_row();
+        }
+    });
+    if !Asked::Stations(edited.clone()).is_answered() {
+        trouble(ui, &format!("Each station needs a {what} of its own."));
+    }
+    if edited != *asked {
+        commands.push(Command::EditAsked(Asked::Stations(edited)));
+    }
+}
+
+fn ask_files(ui: &mut egui::Ui, asked: &AskedFiles, commands: &mut Commands) {
+    ui.heading("What are these files for?");
+    let mut names: Vec<String> = Vec::new();
+    let short = |path: &std::path::Path| {
+        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    };
+    names.extend(asked.extras.rig.iter().map(|path| format!("Rig: {}", short(path))));
+    names.extend(asked.extras.gcp.iter().map(|path| format!("Control points: {}", short(path))));
+    names.extend(asked.extras.gnss.iter().map(|path| format!("GNSS: {}", short(path))));
+    for name in &names {
+        ui.add(egui::Label::new(name).truncate());
+    }
+    ui.add_space(6.0);
+    let mut edited = asked.clone();
+    if asked.targets.len() > 1 {
+        ui.label("Use with");
+        for (index, (_, name)) in asked.targets.iter().enumerate() {
+            ui.radio_value(&mut edited.target, index, name);
+        }
+    }
+    if let Some((_, name)) = asked.targets.get(asked.target) {
+        let replaces = if asked.extras.rig.is_some() {
+            "The rig takes the place of the one it has; "
+        } else {
+            ""
+        };
+        let text = format!("{replaces}{name} is read again with them. It can be undone.");
+        ui.label(RichText::new(text).weak());
+    }
+    if edited != *asked {
+        commands.push(Command::EditAsked(Asked::Files(Box::new(edited))));
+    }
+}
+
+fn ask_toml(ui: &mut egui::Ui, asked: &AskedToml, _commands: &mut Commands) {
+    ui.heading("Change deployment.toml?");
+    ui.label(asked.path.display().to_string());
+    ui.add_space(4.0);
+    for change in &asked.said {
+        ui.label(format!("• {change}"));
+    }
+    if asked.said.is_empty() {
+        ui.label("It says all of this already.");
+    }
+    ui.label(RichText::new("Comments, and everything else in it, stay.").weak());
+    if !asked.stays.is_empty() {
+        let text = "Files that do not lie in this folder stay in the session.";
+        ui.label(RichText::new(text).weak());
+    }
+    ui.collapsing("The whole file as it would be", |ui| {
+        let size = ui.ctx().content_rect().height() - 340.0;
+        egui::ScrollArea::vertical().max_height(size.max(80.0)).show(ui, |ui| {
+            ui.add(egui::Label::new(RichText::new(&asked.after).monospace()).wrap());
+        });
+    });
+}
+
+/// Why it cannot go on.
+fn trouble(ui: &mut egui::Ui, text: &str) {
+    let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
+    ui.label(RichText::new(format!("{sign} {text}")).color(colour));
+}

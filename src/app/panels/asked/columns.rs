@@ -1,0 +1,265 @@
+//! Which column of a table is what, with the first rows as text and as they are understood.
+
+use eframe::egui::{self, RichText};
+
+use super::trouble;
+use crate::app::state::{Asked, AskedColumns, Command, Commands, TableHead};
+use crate::app::theme;
+use crate::deployment::format::column_mapping::{
+    TableAngle, TableLength, TimeFormat, VerticalAngle,
+};
+use crate::deployment::{AzimuthSense, ColumnMapping, RawRecord};
+
+/// Rows in sight.
+const ROWS: usize = 8;
+
+pub fn ui(ui: &mut egui::Ui, asked: &AskedColumns, commands: &mut Commands) {
+    ui.heading("Which column is what?");
+    ui.label(format!("No reader knows the header of {}.", asked.file));
+    ui.add_space(6.0);
+    let mut edited = asked.clone();
+    let header = &asked.preview.header;
+    ui.columns_const(|[left, right]| {
+        names(left, header, &mut edited, asked.head.as_ref());
+        meanings(right, &mut edited);
+    });
+    ui.add_space(6.0);
+    let height = (ui.ctx().content_rect().height() - 480.0).clamp(90.0, 240.0);
+    egui::ScrollArea::both().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
+        preview(ui, asked);
+    });
+    ui.add_space(4.0);
+    // A line of its own at all times: what is below must not jump while something is typed.
+    match asked.complaint() {
+        Some(complaint) => trouble(ui, &complaint),
+        None => {
+            ui.label(RichText::new("The first rows read.").weak());
+        }
+    }
+    let changed = edited.mapping != asked.mapping
+        || edited.azimuth != asked.azimuth
+        || edited.ranges_include_prism_constant != asked.ranges_include_prism_constant
+        || edited.files != asked.files;
+    if changed {
+        commands.push(Command::EditAsked(Asked::Columns(Box::new(edited))));
+    }
+}
+
+/// Columns by their names.
+fn names(
+    ui: &mut egui::Ui,
+    header: &[String],
+    edited: &mut AskedColumns,
+    head: Option<&TableHead>,
+) {
+    let mut cartesian = edited.mapping.x.is_some();
+    ui.horizontal(|ui| {
+        ui.radio_value(&mut cartesian, false, "range and angles");
+        ui.radio_value(&mut cartesian, true, "x, y, z")
+            .on_hover_text("Coordinates in each station's own frame, z up");
+    });
+    if cartesian != edited.mapping.x.is_some() {
+        let ColumnMapping { range, azimuth, vertical, x, y, z, .. } = &mut edited.mapping;
+        let none = || Some(String::new());
+        if cartesian {
+            (*range, *azimuth, *vertical) = (None, None, None);
+            (*x, *y, *z) = (none(), none(), none());
+        } else {
+            (*x, *y, *z) = (None, None, None);
+            (*range, *azimuth, *vertical) = (none(), none(), none());
+        }
+    }
+    egui::Grid::new("names").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
+        let mapping = &mut edited.mapping;
+        let mut time = Some(mapping.time.clone()).filter(|name| !name.is_empty());
+        column(ui, "Time", header, &mut time, false);
+        mapping.time = time.unwrap_or_default();
+        if cartesian {
+            column(ui, "x", header, &mut mapping.x, false);
+            column(ui, "y", header, &mut mapping.y, false);
+            column(ui, "z", header, &mut mapping.z, false);
+        } else {
+            column(ui, "Range", header, &mut mapping.range, false);
+            column(ui, "Azimuth", header, &mut mapping.azimuth, false);
+            column(ui, "Vertical angle", header, &mut mapping.vertical, false);
+        }
+        column(ui, "Status", header, &mut mapping.status, true);
+        column(ui, "Station", header, &mut mapping.station, true);
+        stations_files(ui, edited, head);
+    });
+}
+
+/// Where no column names the station, each has a file of its own.
+fn stations_files(ui: &mut egui::Ui, edited: &mut AskedColumns, head: Option<&TableHead>) {
+    if edited.mapping.station.is_some() {
+        edited.files = None;
+        return;
+    }
+    let Some(head) = head else { return };
+    if head.alike.len() < 3 {
+        ui.label("");
+        ui.label(RichText::new("Fewer than three files here have this header.").weak());
+        ui.end_row();
+        return;
+    }
+    let mut files = edited.files.unwrap_or([0, 1, 2]);
+    for (station, file) in files.iter_mut().enumerate() {
+        let name = format!("File of station {}", station + 1);
+        ui.label(&name);
+        choice(ui, &name, &head.alike[*file], |ui| {
+            for (index, alike) in head.alike.iter().enumerate() {
+                ui.selectable_value(file, index, alike);
+            }
+        });
+        ui.end_row();
+    }
+    edited.files = Some(files);
+}
+
+fn column(
+    ui: &mut egui::Ui,
+    name: &str,
+    header: &[String],
+    chosen: &mut Option<String>,
+    optional: bool,
+) {
+    const NONE: &str = "– none –";
+    ui.label(name);
+    let shown = chosen.clone().filter(|name| !name.is_empty());
+    let shown = shown.as_deref().unwrap_or(NONE);
+    choice(ui, &format!("Column of {}", name.to_lowercase()), shown, |ui| {
+        if optional {
+            ui.selectable_value(chosen, None, NONE);
+        }
+        for own in header {
+            ui.selectable_value(chosen, Some(own.clone()), own);
+        }
+    });
+    ui.end_row();
+}
+
+fn choice(ui: &mut egui::Ui, name: &str, shown: &str, add: impl FnOnce(&mut egui::Ui)) {
+    let combo = egui::ComboBox::from_id_salt(name)
+        .width(210.0)
+        .truncate()
+        .selected_text(shown)
+        .show_ui(ui, |ui| add(ui));
+    combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+}
+
+/// Units, senses and formats.
+fn meanings(ui: &mut egui::Ui, edited: &mut AskedColumns) {
+    let mapping = &mut edited.mapping;
+    egui::Grid::new("meanings").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
+        pick(ui, "Lengths in", &mut mapping.length_unit, &LENGTHS);
+        if mapping.x.is_none() {
+            pick(ui, "Angles in", &mut mapping.angle_unit, &ANGLES);
+            pick(ui, "Vertical angle is", &mut mapping.vertical_angle, &VERTICALS);
+        }
+        let senses = AzimuthSense::ALL.map(|sense| (sense, sense.title()));
+        pick(ui, "Azimuth turns", &mut edited.azimuth, &senses);
+        pick(ui, "Time is", &mut mapping.time_format, &TIMES);
+        if matches!(mapping.time_format, TimeFormat::Calendar | TimeFormat::TimeOfDay) {
+            ui.label("Zone, where none is written");
+            let field = egui::DragValue::new(&mut mapping.utc_offset_hours)
+                .range(-14.0..=14.0)
+                .speed(0.25)
+                .prefix("UTC ")
+                .suffix(" h");
+            ui.add(field).accessible_name("Hours ahead of UTC");
+            ui.end_row();
+        }
+        ui.label("Prism constant");
+        ui.checkbox(&mut edited.ranges_include_prism_constant, "is in the ranges already");
+        ui.end_row();
+    });
+}
+
+const LENGTHS: [(TableLength, &str); 4] = [
+    (TableLength::Metres, "metres"),
+    (TableLength::Millimetres, "millimetres"),
+    (TableLength::Feet, "feet (international)"),
+    (TableLength::UsSurveyFeet, "US survey feet"),
+];
+
+const ANGLES: [(TableAngle, &str); 4] = [
+    (TableAngle::Radians, "radians"),
+    (TableAngle::Degrees, "degrees"),
+    (TableAngle::Gon, "gon"),
+    (TableAngle::DegreesMinutesSeconds, "degrees, minutes, seconds"),
+];
+
+const VERTICALS: [(VerticalAngle, &str); 2] = [
+    (VerticalAngle::Zenith, "zenith angle (0 straight up)"),
+    (VerticalAngle::Elevation, "elevation (0 on the horizon)"),
+];
+
+const TIMES: [(TimeFormat, &str); 6] = [
+    (TimeFormat::Seconds, "seconds"),
+    (TimeFormat::Milliseconds, "milliseconds"),
+    (TimeFormat::Microseconds, "microseconds"),
+    (TimeFormat::Nanoseconds, "nanoseconds"),
+    (TimeFormat::Calendar, "date and time of day"),
+    (TimeFormat::TimeOfDay, "time of day"),
+];
+
+fn pick<T: Copy + PartialEq>(
+    ui: &mut egui::Ui,
+    name: &str,
+    chosen: &mut T,
+    choices: &[(T, &'static str)],
+) {
+    ui.label(name);
+    let shown = choices.iter().find(|(value, _)| value == chosen).map_or("", |(_, text)| *text);
+    choice(ui, name, shown, |ui| {
+        for (value, text) in choices {
+            ui.selectable_value(chosen, *value, *text);
+        }
+    });
+    ui.end_row();
+}
+
+/// Each row as it is written, and as it is understood or why it is not.
+fn preview(ui: &mut egui::Ui, asked: &AskedColumns) {
+    let start_s = asked.preview.read.iter().flatten().map(|row| row.measurement.time_s).next();
+    let dark = ui.visuals().dark_mode;
+    let spacing = [12.0, 2.0];
+    egui::Grid::new("preview").striped(true).spacing(spacing).show(ui, |ui| {
+        for name in &asked.preview.header {
+            ui.label(RichText::new(name).small().strong());
+        }
+        ui.label(RichText::new("understood as").small().strong());
+        ui.end_row();
+        for (row, read) in asked.preview.rows.iter().zip(&asked.preview.read).take(ROWS) {
+            for column in 0..asked.preview.header.len() {
+                let text = row.get(column).map_or("", String::as_str);
+                ui.label(RichText::new(text).small().monospace());
+            }
+            match read {
+                Ok(record) => {
+                    let text = understood(record, start_s.unwrap_or(0.0));
+                    ui.label(RichText::new(text).small().monospace());
+                }
+                Err(why) => {
+                    let (colour, sign) =
+                        theme::severity(crate::deployment::Severity::Problem, dark);
+                    ui.label(RichText::new(format!("{sign} {why}")).small().color(colour));
+                }
+            }
+            ui.end_row();
+        }
+    });
+}
+
+/// "station 1, 0.40 s later, 12.345 m, azimuth 12.34°, zenith angle 89.10°".
+fn understood(record: &RawRecord, start_s: f64) -> String {
+    let m = &record.measurement;
+    format!(
+        "station {}  +{:.3} s  {:.4} m  azimuth {:.4}°  zenith angle {:.4}°",
+        record.station,
+        m.time_s - start_s,
+        m.range_m,
+        m.azimuth_rad.to_degrees(),
+        m.zenith_rad.to_degrees()
+    )
+}

@@ -1,0 +1,253 @@
+//! In the deployment's pane: what was read can be put right. Each line shows what counts now; what differs from what
+//! the files say has a mark, tells what they say, and can be taken back.
+
+mod files;
+mod times;
+
+use eframe::egui::{self, RichText};
+
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::put_right::{effective, exchanged};
+use crate::app::state::{Command, Commands, State};
+use crate::app::theme;
+use crate::deployment::{
+    AS_NUMBERED, AzimuthSense, Deployment, Extras, Overrides, PrismConstants, Severity,
+    extras_changes, pair_label,
+};
+
+pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
+    let Some(extras) = state.extras() else { return };
+    let count = extras_changes(&Extras::default(), extras, &open.deployment.as_read).len();
+    let title = if count == 0 { "Put right".to_owned() } else { format!("Put right ({count})") };
+    let dark = ui.visuals().dark_mode;
+    let title = RichText::new(title).strong();
+    let title = if count == 0 { title } else { title.color(mark_colour(dark)) };
+    let header = egui::CollapsingHeader::new(title).id_salt("put right").show(ui, |ui| {
+        let mut changed = extras.clone();
+        let shown = Shown { open, extras, now: effective(extras, &open.deployment) };
+        // A line that is too long must not make those below it longer.
+        let width = ui.available_width();
+        shown.constants(ui, &mut changed);
+        ui.set_max_width(width);
+        shown.distances(ui, &mut changed);
+        ui.set_max_width(width);
+        shown.stations(ui, &mut changed);
+        shown.azimuth(ui, &mut changed);
+        shown.times(ui, &mut changed);
+        shown.masks(ui, &mut changed);
+        shown.files(ui, &mut changed, commands);
+        ui.add_space(4.0);
+        shown.keep(ui, commands);
+        if changed != *extras {
+            commands.push(Command::PutRight(changed));
+        }
+    });
+    header.header_response.on_hover_text(
+        "Prism constant, inter-prism distances, station numbers, sense of azimuth, times, files: what the files say \
+         wrongly, or do not say",
+    );
+}
+
+/// What the lines read.
+struct Shown<'a> {
+    open: &'a OpenDeployment,
+    /// What the user said.
+    extras: &'a Extras,
+    /// That, and where it is silent what the files say.
+    now: Overrides,
+}
+
+fn mark_colour(dark: bool) -> egui::Color32 {
+    theme::severity(Severity::Warning, dark).0
+}
+
+/// The name of a line, with a mark where it differs from the files, whose word is `as_read`; tells whether the user
+/// takes it back.
+fn name(ui: &mut egui::Ui, name: &str, as_read: Option<String>) -> bool {
+    ui.add_space(3.0);
+    ui.horizontal(|ui| {
+        let Some(as_read) = as_read else {
+            ui.label(name);
+            return false;
+        };
+        let colour = mark_colour(ui.visuals().dark_mode);
+        let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 12.0), egui::Sense::hover());
+        ui.painter().circle_filled(dot.center(), 3.5, colour);
+        let as_read = format!("As read: {as_read}");
+        ui.label(RichText::new(name).color(colour)).on_hover_text(&as_read);
+        let button = ui.small_button("take back").on_hover_text(as_read);
+        let label = format!("Take back: {name}");
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
+        button.clicked()
+    })
+    .inner
+}
+
+/// A number that is typed: it counts once it is entered, because the data is read again with it.
+fn number(ui: &mut egui::Ui, label: &str, value: &mut f64, decimals: usize, unit: &str) -> bool {
+    let field = egui::DragValue::new(value)
+        .speed(0.0)
+        .fixed_decimals(decimals)
+        .suffix(unit)
+        .update_while_editing(false);
+    let response = ui.add(field).accessible_name(label);
+    let changed = response.changed();
+    response.on_hover_text(format!("{label}: click to type"));
+    changed
+}
+
+impl Shown<'_> {
+    fn deployment(&self) -> &Deployment {
+        &self.open.deployment
+    }
+
+    fn constants(&self, ui: &mut egui::Ui, changed: &mut Extras) {
+        let own = self.extras.put_right.prism_constant_m;
+        let read = self.deployment().as_read.prism_constant_m.unwrap_or_default();
+        if name(ui, "Prism constant", own.map(|_| read.in_words())) {
+            changed.put_right.prism_constant_m = None;
+        }
+        let now = self.now.prism_constant_m.unwrap_or_default();
+        let each = now.each_m();
+        let each_id = ui.scope_id().with(("a constant each", self.open.id));
+        let mut apart = matches!(now, PrismConstants::Each(_))
+            || ui.data(|data| data.get_temp::<bool>(each_id)).unwrap_or(false);
+        ui.horizontal_wrapped(|ui| {
+            let shown = if apart { &each[..] } else { &each[..1] };
+            for (station, constant_m) in shown.iter().enumerate() {
+                let mut mm = constant_m * 1e3;
+                let label = match apart {
+                    true => format!("Prism constant of station {}", station + 1),
+                    false => "Prism constant of all stations".to_owned(),
+                };
+                if number(ui, &label, &mut mm, 1, " mm") {
+                    let mut each = each;
+                    each[station] = mm / 1e3;
+                    changed.put_right.prism_constant_m = Some(match apart {
+                        true => PrismConstants::Each(each),
+                        false => PrismConstants::All(mm / 1e3),
+                    });
+                }
+            }
+            let switch = ui.checkbox(&mut apart, "each its own");
+            if switch.on_hover_text("A prism constant for each station").changed() {
+                ui.data_mut(|data| data.insert_temp(each_id, apart));
+                if !apart {
+                    changed.put_right.prism_constant_m = Some(PrismConstants::All(each[0]));
+                }
+            }
+        });
+        let contain = self.now.ranges_include_prism_constant;
+        let mut include = contain
+            .unwrap_or_else(|| self.deployment().tracks.iter().all(|t| t.prism_constant_m == 0.0));
+        let text = "the tracks' ranges contain it";
+        let switch = ui.checkbox(&mut include, text);
+        if switch.on_hover_text("Then it is added to control points and rig only").changed() {
+            changed.put_right.ranges_include_prism_constant = Some(include);
+        }
+    }
+
+    fn distances(&self, ui: &mut egui::Ui, changed: &mut Extras) {
+        let own = self.extras.put_right.inter_prism_m;
+        let read = self.deployment().as_read.inter_prism_m;
+        let as_read = own.map(|_| match read {
+            Some(all) => all.map(|m| format!("{m:.4}")).join(", ") + " m",
+            None => "not known".to_owned(),
+        });
+        if name(ui, "Inter-prism distances", as_read) {
+            changed.put_right.inter_prism_m = None;
+        }
+        distance_fields(ui, self.open, self.now.inter_prism_m, changed);
+    }
+
+    fn stations(&self, ui: &mut egui::Ui, changed: &mut Extras) {
+        let own = self.extras.put_right.stations;
+        let in_words = |numbers: [i64; 3]| numbers.map(|n| n.to_string()).join(", ");
+        let read = self.deployment().as_read.stations.unwrap_or(AS_NUMBERED);
+        if name(ui, "Station numbers", own.map(|_| in_words(read))) {
+            let now = self.now.stations.unwrap_or(AS_NUMBERED);
+            changed.put_right.masked.clone_from(&self.now.masked);
+            changed.put_right.renumber(now, read);
+        }
+        let now = self.now.stations.unwrap_or(AS_NUMBERED);
+        ui.label(format!("Stations 1, 2, 3 are {} of the files", in_words(now)));
+        ui.horizontal_wrapped(|ui| {
+            ui.label("Exchange");
+            for [a, b] in [[0, 1], [0, 2], [1, 2]] {
+                let button = ui.button(format!("{} and {}", a + 1, b + 1));
+                let label = format!("Exchange stations {} and {}", a + 1, b + 1);
+                button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
+                if button.clicked() {
+                    *changed = exchanged(self.extras, self.deployment(), [a, b]);
+                }
+            }
+        });
+    }
+
+    fn azimuth(&self, ui: &mut egui::Ui, changed: &mut Extras) {
+        let own = self.extras.put_right.azimuth;
+        let read = self.deployment().as_read.azimuth.unwrap_or_default();
+        if name(ui, "Azimuth turns", own.map(|_| read.title().to_owned())) {
+            changed.put_right.azimuth = None;
+        }
+        let mut sense = self.now.azimuth.unwrap_or_default();
+        ui.horizontal_wrapped(|ui| {
+            for choice in AzimuthSense::ALL {
+                ui.radio_value(&mut sense, choice, choice.title())
+                    .on_hover_text("Seen from above, as the files' azimuths grow");
+            }
+        });
+        if sense != self.now.azimuth.unwrap_or_default() {
+            changed.put_right.azimuth = Some(sense);
+        }
+    }
+
+    /// Where what is put right goes.
+    fn keep(&self, ui: &mut egui::Ui, commands: &mut Commands) {
+        let any = !self.extras.is_empty();
+        let in_folder = self.open.source.as_ref().is_some_and(|source| source.path().is_some());
+        ui.horizontal_wrapped(|ui| {
+            let write =
+                ui.add_enabled(any && in_folder, egui::Button::new("Write to deployment.toml…"));
+            let why_not =
+                if in_folder { "Nothing is put right" } else { "A built-in sample has no folder" };
+            let hint = "Then the folder says it by itself. Until then it is kept in the session.";
+            if write.on_hover_text(hint).on_disabled_hover_text(why_not).clicked() {
+                commands.push(Command::WriteDeploymentToml);
+            }
+            let all = ui.add_enabled(any, egui::Button::new("Take all back"));
+            if all.on_hover_text("Everything as the files say").clicked() {
+                commands.push(Command::PutRight(Extras::default()));
+            }
+        });
+    }
+}
+
+/// Fields for the three distances, also where none is known; they count once all three are there.
+pub fn distance_fields(
+    ui: &mut egui::Ui,
+    open: &OpenDeployment,
+    known_m: Option<[f64; 3]>,
+    changed: &mut Extras,
+) {
+    // What was typed so far, where nothing is known.
+    let typed_id = egui::Id::unique("distances typed").with(open.id);
+    let typed: Option<[f64; 3]> = ui.data(|data| data.get_temp(typed_id)).unwrap_or_default();
+    let mut all_m = known_m.or(typed).unwrap_or_default();
+    let mut entered = false;
+    ui.horizontal_wrapped(|ui| {
+        for (pair, distance_m) in all_m.iter_mut().enumerate() {
+            let label = format!("Distance of prisms {}", pair_label(pair));
+            // A name does not stand at the end of a line and its number on the next.
+            ui.horizontal(|ui| {
+                ui.label(pair_label(pair));
+                entered |= number(ui, &label, distance_m, 4, " m");
+            });
+        }
+    });
+    if entered && all_m.iter().all(|m| *m > 0.0) {
+        changed.put_right.inter_prism_m = Some(all_m);
+    } else if entered {
+        ui.data_mut(|data| data.insert_temp(typed_id, Some(all_m)));
+    }
+}

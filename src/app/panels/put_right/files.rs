@@ -1,0 +1,59 @@
+//! Files of the rig and of control points.
+
+use eframe::egui::{self, RichText};
+
+use super::{Shown, name};
+use crate::app::state::put_right::without_control_points;
+use crate::app::state::{Command, Commands};
+use crate::deployment::Extras;
+
+impl Shown<'_> {
+    pub(super) fn files(&self, ui: &mut egui::Ui, changed: &mut Extras, commands: &mut Commands) {
+        let put_right = &self.extras.put_right;
+        let own_rig = self.extras.rig.is_some() || put_right.rig.is_some();
+        if name(ui, "Rig", own_rig.then(|| "what lies with the tracks".to_owned())) {
+            (changed.rig, changed.put_right.rig) = (None, None);
+        }
+        let file_name = |path: &std::path::Path| {
+            path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+        };
+        let choose = "Choose a rig file…";
+        ui.horizontal_wrapped(|ui| {
+            if let Some(path) = &self.extras.rig {
+                ui.label(RichText::new(file_name(path)).small())
+                    .on_hover_text(path.display().to_string());
+            }
+            if ui
+                .button(choose)
+                .on_hover_text("Distances, or a station's reading of the prisms")
+                .clicked()
+            {
+                commands.push(Command::ChooseRigDialog);
+            }
+        });
+        let own_points = !self.extras.gcp.is_empty()
+            || self.extras.gcp_instead
+            || put_right.control_points.is_some();
+        if name(ui, "Control points", own_points.then(|| "what lies with the tracks".to_owned())) {
+            (changed.gcp, changed.gcp_instead) = (Vec::new(), false);
+            changed.put_right.control_points = None;
+        }
+        for set in &self.deployment().control_points {
+            ui.horizontal(|ui| {
+                let cross = ui.add(egui::Button::new("×").small().frame(false));
+                let short = file_name(std::path::Path::new(&set.file));
+                let label = format!("Do not use {short}");
+                cross.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
+                if cross.on_hover_text(&label).clicked() {
+                    *changed = without_control_points(self.extras, self.deployment(), &set.file);
+                }
+                let text = format!("{short}: {} points", set.points.len());
+                ui.add(egui::Label::new(RichText::new(text).small()).truncate())
+                    .on_hover_text(&set.file);
+            });
+        }
+        if ui.button("Add control points…").clicked() {
+            commands.push(Command::AddControlPointsDialog);
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Clocks over time: each station's own against the synchronised time, and what the calibration estimates of stations 2
+//! and 3 against station 1.
+
+use std::fmt::Write;
+
+use eframe::egui::{self, RichText};
+use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
+
+use super::time_plot::{self, Times, time_axis};
+use super::{round_marks, station_switches};
+use crate::analysis::Analysis;
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::state::{Commands, State};
+use crate::app::theme;
+use crate::calibration::inter_prism::Estimate;
+use crate::palette;
+
+/// The least height of the plot (ms): less is noise of the drawing.
+const LEAST_MS: f64 = 1.0;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let Some((open, analysis)) = state.analysed() else {
+        ui.centered_and_justified(|ui| ui.weak("No clocks to plot."));
+        return;
+    };
+    let times = Times::of(open, state);
+    let estimated = Estimated::of(analysis);
+    let told = |station: usize| open.plots.readings.clocks[station].median_s.is_some();
+    if !(0..3).any(told) && estimated.is_none() {
+        nothing(ui);
+        return;
+    }
+    time_plot::head(ui, |ui| {
+        station_switches(ui, state, commands);
+        time_plot::selection(ui, &times, commands);
+        time_plot::hint(ui, "");
+    });
+    ui.add(
+        egui::Label::new(RichText::new(caption(open, state, estimated.as_ref())).small()).wrap(),
+    );
+    let plot = Plot::new(("clocks", open.id))
+        .custom_x_axes(vec![time_axis(ui.available_width())])
+        .y_axis_label("clock (ms)")
+        .y_grid_spacer(round_marks)
+        .label_formatter(|position| match position {
+            HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                Some(format!("{plot_name}\n{:.1} s\n{:+.3} ms", position.x, position.y))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        });
+    let bounds_ms = bounds_ms(open, state, estimated.as_ref());
+    let columns = ui.available_width() as usize;
+    let (readings, stations) = (&open.plots.readings, state.visibility.stations);
+    let shown =
+        time_plot::show(ui, "clocks over time", &times, plot, bounds_ms, commands, |plot_ui| {
+            for station in (0..3).filter(|station| stations[*station]) {
+                let clock = &readings.clocks[station];
+                let colour = theme::rgb(palette::STATIONS[station]);
+                let name = |what: &str| format!("station {}, {what}", station + 1);
+                let dots = clock.readings.visible(times.window_s, columns);
+                let own = Points::new(name("own clock"), PlotPoints::Owned(dots));
+                plot_ui.points(own.color(colour).radius(1.4));
+                let dots = clock.corrections.visible(times.window_s, columns);
+                let told = Points::new(name("correction told"), PlotPoints::Owned(dots));
+                plot_ui.points(
+                    told.color(colour).shape(MarkerShape::Diamond).filled(false).radius(3.0),
+                );
+                let slot = station.checked_sub(1);
+                if let Some((estimated, slot)) = estimated.as_ref().zip(slot) {
+                    let line = PlotPoints::Owned(estimated.ends(slot, readings.start_s).to_vec());
+                    let line = Line::new(name("estimated, against station 1"), line);
+                    plot_ui.line(line.color(colour).width(2.0).style(LineStyle::dashed_loose()));
+                }
+            }
+        });
+    shown.paint_times(ui, &times);
+    shown.on_click(&times, commands, |_| None);
+}
+
+/// Rather than an empty plot.
+fn nothing(ui: &mut egui::Ui) {
+    egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
+        ui.strong("No file tells the stations' own clocks.");
+        ui.label(
+            "Bags have them (theodolite_time, and corrections of the time); a CSV has the synchronised time alone.",
+        );
+        ui.label(
+            "What the drive itself tells of the clocks of stations 2 and 3 is estimated by method D: Pipeline, \
+             Calibration, “robust”, or “clocks” among its parts.",
+        );
+    });
+}
+
+/// What the calibration found.
+struct Estimated {
+    /// Of stations 2 and 3, in the middle of the drive (s late, against station 1).
+    offsets_s: [Estimate; 2],
+    /// How they grow (s per s).
+    drifts: [f64; 2],
+    /// First and last triplet (s).
+    span_s: [f64; 2],
+}
+
+impl Estimated {
+    fn of(analysis: &Analysis) -> Option<Self> {
+        let estimates = analysis.answer.as_deref().ok()?.calibration.clock_estimates()?;
+        let time_s = &analysis.triplets().time_s;
+        Some(Self {
+            offsets_s: estimates.map(|(offset_s, _)| offset_s),
+            drifts: estimates.map(|(_, drift)| drift.map_or(0.0, |drift| drift.value)),
+            span_s: [*time_s.first()?, *time_s.last()?],
+        })
+    }
+
+    /// Of station 2 (slot 0) or 3 at both ends of the drive: s since `start_s`, ms.
+    fn ends(&self, slot: usize, start_s: f64) -> [PlotPoint; 2] {
+        let middle_s = 0.5 * (self.span_s[0] + self.span_s[1]);
+        self.span_s.map(|time_s| {
+            let late_s = self.offsets_s[slot].value + self.drifts[slot] * (time_s - middle_s);
+            PlotPoint::new(time_s - start_s, late_s * 1e3)
+        })
+    }
+}
+
+/// All that is shown, with some room about it.
+fn bounds_ms(open: &OpenDeployment, state: &State, estimated: Option<&Estimated>) -> [f64; 2] {
+    let stations = (0..3).filter(|station| state.visibility.stations[*station]);
+    let [mut low, mut high] = [-0.5 * LEAST_MS, 0.5 * LEAST_MS];
+    let mut widen = |ms: f64| (low, high) = (low.min(ms), high.max(ms));
+    for station in stations {
+        let clock = &open.plots.readings.clocks[station];
+        let ranges = [clock.readings.range_ms, clock.corrections.range_ms];
+        ranges.into_iter().flatten().flatten().for_each(&mut widen);
+        if let Some((estimated, slot)) = estimated.zip(station.checked_sub(1)) {
+            estimated.ends(slot, 0.0).iter().for_each(|end| widen(end.y));
+        }
+    }
+    let margin = 0.06 * (high - low);
+    [low - margin, high + margin]
+}
+
+/// Medians that were taken off, and what was estimated.
+fn caption(open: &OpenDeployment, state: &State, estimated: Option<&Estimated>) -> String {
+    let mut parts = Vec::new();
+    let stations = || (0..3).filter(|station| state.visibility.stations[*station]);
+    for station in stations() {
+        let clock = &open.plots.readings.clocks[station];
+        let Some(median_s) = clock.median_s else { continue };
+        let mut text = format!("{}: own clock − stamp {} (median)", station + 1, seconds(median_s));
+        if let Some(both) = &clock.comparison {
+            _ = write!(text, ", {:+.1} ppm", both.drift_ppm);
+            match both.jumps.len() {
+                0 => {}
+                1 => text += ", 1 jump",
+                count => _ = write!(text, ", {count} jumps"),
+            }
+        }
+        parts.push(text);
+    }
+    if parts.is_empty() {
+        parts.push("no file tells the stations' own clocks".to_owned());
+    }
+    let estimates = estimated.map(|estimated| {
+        stations().filter_map(|station| station.checked_sub(1)).map(move |slot| {
+            let Estimate { value, sigma } = estimated.offsets_s[slot];
+            let (late, sigma) = (value * 1e3, sigma * 1e3);
+            format!("{}: estimated {late:+.1} ± {sigma:.1} ms against 1 (dashed)", slot + 2)
+        })
+    });
+    parts.extend(estimates.into_iter().flatten());
+    parts.join("  ·  ")
+}
+
+/// With as many decimals as its size asks for: "+0.3012 s", "+3600.301 s".
+fn seconds(value_s: f64) -> String {
+    if value_s.abs() < 1.0 {
+        format!("{:+.1} ms", value_s * 1e3)
+    } else {
+        format!("{value_s:+.3} s")
+    }
+}

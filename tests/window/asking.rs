@@ -1,0 +1,209 @@
+//! What the window asks before it goes on: which files, topics and columns are what, and what files are for.
+
+use std::path::Path;
+
+use eframe::egui::Theme;
+use eframe::egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use resect::app::{Asked, Command, ResectWindow};
+use resect::deployment::{ColumnMapping, OneOrMany, Overrides, Question, Source, Topic};
+use resect::simulation::{Preset, simulate, write_folder};
+
+use crate::common::sample_folder;
+use crate::harness::{LARGE, SMALL, Window, click, send, settle, shown, snapshot, window};
+
+fn ask(harness: &mut Window, question: Question, source: Source) {
+    let window: &mut ResectWindow = harness.state_mut();
+    window.state.ask_of_data(question, source);
+    settle(harness);
+}
+
+fn asked(harness: &Window) -> &Asked {
+    harness.state().state.asked().expect("something is asked")
+}
+
+/// Chooses in a box that folds down.
+fn choose(harness: &mut Window, name: &str, choice: &str) {
+    harness.get_by_role_and_label(Role::ComboBox, name).click();
+    harness.run_steps(3);
+    harness.get_by_role_and_label(Role::Button, choice).click();
+    settle(harness);
+}
+
+fn put_right(harness: &Window) -> Overrides {
+    shown(harness).source.as_ref().expect("a source").extras.put_right.clone()
+}
+
+fn copy(name: &str, to: &Path) {
+    std::fs::copy(sample_folder("warthog").join(name), to).expect("copied");
+}
+
+#[test]
+fn two_recordings_in_a_folder_are_a_question() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("drive");
+    write_folder(&simulate(Preset::UnevenGround, 1), &path).expect("written");
+    copy("inter_prism.csv", &path.join("zz another.csv"));
+    let mut harness = window(LARGE, Theme::Dark);
+    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    assert!(harness.state().state.toasts.errors().next().is_none());
+    harness.get_by_label("Which file holds the tracks?");
+    // Nothing is chosen, so nothing is opened.
+    click(&mut harness, "Open");
+    assert!(matches!(asked(&harness), Asked::Tracks(_)));
+    click(&mut harness, "zz another.csv");
+    click(&mut harness, "Open");
+    assert!(harness.state().state.asked().is_none());
+    assert_eq!(put_right(&harness).tracks, Some(OneOrMany::One("zz another.csv".into())));
+    // It is remembered: read again, nothing is asked.
+    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    assert!(harness.state().state.asked().is_none());
+}
+
+#[test]
+fn a_question_can_be_left() {
+    let folder = tempfile::tempdir().expect("a folder");
+    copy("inter_prism.csv", &folder.path().join("a.csv"));
+    copy("inter_prism.csv", &folder.path().join("b.csv"));
+    let mut harness = window(SMALL, Theme::Light);
+    let name = shown(&harness).deployment.name.clone();
+    send(&mut harness, Command::OpenSource(Source::at(folder.path())));
+    snapshot(&mut harness, "asked-tracks-light");
+    harness.key_press(eframe::egui::Key::Escape);
+    settle(&mut harness);
+    assert!(harness.state().state.asked().is_none());
+    assert_eq!(shown(&harness).deployment.name, name);
+}
+
+#[test]
+fn topics_are_proposed_and_can_be_exchanged() {
+    let topic = |name: &str, messages| Topic {
+        name: name.to_owned(),
+        message_type: "geometry_msgs/PointStamped".to_owned(),
+        messages,
+    };
+    let topics = vec![topic("/rts10", 812), topic("/rts2", 790), topic("/rts1", 805)];
+    let question = Question::Topics { file: "drive.bag".to_owned(), topics };
+    let mut harness = window(SMALL, Theme::Dark);
+    ask(&mut harness, question, Source::at(sample_folder("warthog")));
+    let Asked::Stations(proposed) = asked(&harness) else { panic!("topics") };
+    assert_eq!(proposed.stations, [2, 1, 0]);
+    snapshot(&mut harness, "asked-topics-dark");
+    choose(
+        &mut harness,
+        "The topic of station 1",
+        "/rts2  (geometry_msgs/PointStamped, 790 messages)",
+    );
+    harness.get_by_label_contains("a topic of its own");
+    choose(
+        &mut harness,
+        "The topic of station 2",
+        "/rts1  (geometry_msgs/PointStamped, 805 messages)",
+    );
+    click(&mut harness, "Open");
+    let expected = ["/rts2", "/rts1", "/rts10"].map(str::to_owned);
+    assert_eq!(put_right(&harness).topics, Some(expected));
+}
+
+/// The sample's tracks under a header that no reader knows.
+fn foreign(folder: &Path) -> std::path::PathBuf {
+    let tracks = std::fs::read_to_string(sample_folder("warthog").join("inter_prism.csv"));
+    let tracks = tracks.expect("readable");
+    let (_, rows) = tracks.split_once('\n').expect("a header");
+    let path = folder.join("foreign.csv");
+    std::fs::write(&path, format!("aa,bb,cc,kk,ee\n{rows}")).expect("written");
+    path
+}
+
+#[test]
+fn columns_are_named_with_the_first_rows_in_sight() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = foreign(folder.path());
+    for (size, theme, name) in [
+        (LARGE, Theme::Dark, "asked-columns-dark"),
+        (SMALL, Theme::Light, "asked-columns-small-light"),
+    ] {
+        let mut harness = window(size, theme);
+        send(&mut harness, Command::OpenSource(Source::at(&path)));
+        let Asked::Columns(columns) = asked(&harness) else { panic!("columns") };
+        assert_eq!(columns.preview.header.len(), 5);
+        // Not all of it can be guessed: it cannot be opened yet.
+        assert!(!asked(&harness).is_answered());
+        click(&mut harness, "Open");
+        assert!(harness.state().state.asked().is_some());
+        choose(&mut harness, "Column of time", "aa");
+        choose(&mut harness, "Column of station", "bb");
+        choose(&mut harness, "Column of range", "cc");
+        choose(&mut harness, "Column of azimuth", "kk");
+        snapshot(&mut harness, &format!("{name}-unread"));
+        choose(&mut harness, "Column of vertical angle", "ee");
+        harness.get_by_label("The first rows read.");
+        snapshot(&mut harness, name);
+        click(&mut harness, "is in the ranges already");
+        click(&mut harness, "Open");
+        let own = put_right(&harness);
+        assert_eq!(own.ranges_include_prism_constant, Some(true));
+        let expected = ColumnMapping {
+            time: "aa".to_owned(),
+            station: Some("bb".to_owned()),
+            range: Some("cc".to_owned()),
+            azimuth: Some("kk".to_owned()),
+            vertical: Some("ee".to_owned()),
+            ..ColumnMapping::default()
+        };
+        assert_eq!(own.columns, Some(expected));
+        let opened = &shown(&harness).deployment;
+        assert_eq!(opened.name, "foreign");
+        assert!(opened.tracks.iter().all(|track| track.measurements.len() > 900));
+        assert!(opened.tracks.iter().all(|track| track.prism_constant_m == 0.0));
+    }
+}
+
+#[test]
+fn a_folder_with_only_a_rig_asks_what_it_is_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rig = folder.path().join("rig");
+    std::fs::create_dir(&rig).expect("made");
+    std::fs::write(rig.join("calibration_results.csv"), "0.9 1.0 1.1\n").expect("written");
+    let mut harness = window(SMALL, Theme::Dark);
+    let before = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
+    let name = shown(&harness).deployment.name.clone();
+    send(&mut harness, Command::OpenPaths(vec![rig.clone()]));
+    snapshot(&mut harness, "asked-files-dark");
+    assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
+    click(&mut harness, "Cancel");
+    assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
+    send(&mut harness, Command::OpenPaths(vec![rig.clone()]));
+    click(&mut harness, &format!("Use for {name}"));
+    let now = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
+    assert_eq!(now, [0.9, 1.0, 1.1]);
+    assert_eq!(harness.state().state.undo.undo_name(), "Undo rig as read → rig");
+    send(&mut harness, Command::Undo);
+    assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
+    // As a deployment it has no tracks, which is said.
+    send(&mut harness, Command::OpenPaths(vec![rig]));
+    click(&mut harness, "Open as a deployment of its own");
+    assert_eq!(harness.state().state.open.len(), 1);
+    let (text, _) = harness.state().state.toasts.errors().next().expect("said");
+    assert!(text.contains("no tracks of the stations"), "{text}");
+}
+
+#[test]
+fn a_recording_without_a_rig_ends_in_a_calibration() {
+    let folder = tempfile::tempdir().expect("a folder");
+    copy("inter_prism.csv", &folder.path().join("tracks.csv"));
+    let mut harness = window(LARGE, Theme::Dark);
+    let known = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
+    send(&mut harness, Command::OpenSource(Source::at(folder.path().join("tracks.csv"))));
+    assert!(harness.state().state.analysed().expect("open").1.answer.is_err());
+    snapshot(&mut harness, "no-rig-dark");
+    for (pair, distance_m) in ["1–2", "1–3", "2–3"].iter().zip(known) {
+        let name = format!("Distance of prisms {pair}");
+        harness.get_by_role_and_label(Role::SpinButton, &name).focus();
+        harness.run_steps(2);
+        crate::harness::type_and_enter_at_once(&mut harness, &format!("{distance_m}"));
+    }
+    let (open, analysis) = harness.state().state.analysed().expect("open");
+    assert_eq!(open.deployment.rig.as_ref().expect("given").inter_prism_m, known);
+    assert!(analysis.answer.is_ok());
+}

@@ -1,0 +1,293 @@
+//! What was read is put right: each correction changes the answer, undo brings it back, the session keeps it, and
+//! `deployment.toml` says it.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Event, Key, Modifiers, Theme};
+use egui_kittest::kittest::Queryable;
+use resect::app::persist::hashes::HashCache;
+use resect::app::persist::session;
+use resect::app::{Command, LayoutPreset, Pane, Picked};
+use resect::deployment::{AzimuthSense, Extras, Overrides, PrismConstants, Source};
+use resect::simulation::{Preset, simulate, write_folder};
+
+use crate::harness::{
+    LARGE, SMALL, Window, press, send, settle, shown, snapshot, triplets, window,
+};
+
+/// By its name, wherever it has been scrolled to.
+fn click(harness: &mut Window, name: &str) {
+    harness.get_by_label(name).click_accesskit();
+    settle(harness);
+}
+
+/// Types a number over the one in a field.
+fn enter(harness: &mut Window, name: &str, number: &str) {
+    harness.get_by_role_and_label(Role::SpinButton, name).focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run_steps(1);
+    harness.event(Event::Text(number.to_owned()));
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    settle(harness);
+}
+
+/// A simulated deployment in a folder of its own, open, with the lines of what can be put right in sight.
+fn opened(folder: &Path) -> (Window, PathBuf) {
+    let path = folder.join("drive");
+    write_folder(&simulate(Preset::UnevenGround, 1), &path).expect("written");
+    let mut harness = window(LARGE, Theme::Dark);
+    send(&mut harness, Command::UseLayout(LayoutPreset::Inspect));
+    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    click(&mut harness, "Put right");
+    (harness, path)
+}
+
+fn put_right(harness: &Window) -> Overrides {
+    shown(harness).source.as_ref().expect("a source").extras.put_right.clone()
+}
+
+/// Where station 3 stands in the frame of station 1 (m); nothing without an answer.
+fn station3(harness: &Window) -> Option<[f64; 3]> {
+    let answer = harness.state().state.analysed()?.1.answer.as_ref().ok()?;
+    Some(answer.calibration.station1_from_station[2].translation_m.into())
+}
+
+fn undo_name(harness: &Window) -> String {
+    harness.state().state.undo.undo_name()
+}
+
+/// Does something, expects another answer, takes it back, and expects the first.
+fn changes_and_comes_back(
+    harness: &mut Window,
+    name: &str,
+    put_right_by: impl FnOnce(&mut Window),
+    holds: impl Fn(&Overrides) -> bool,
+) {
+    let before = station3(harness);
+    let (cursor_s, settings) = (shown(harness).timeline.cursor_s, shown(harness).settings);
+    put_right_by(harness);
+    assert!(holds(&put_right(harness)), "{name}: {:?}", put_right(harness));
+    let after = station3(harness);
+    assert_ne!(before, after, "{name}");
+    assert!(undo_name(harness).starts_with(&format!("Undo {name}")), "{}", undo_name(harness));
+    assert_eq!(shown(harness).settings, settings);
+    assert_eq!(shown(harness).timeline.cursor_s, cursor_s);
+    send(harness, Command::Undo);
+    assert_eq!(station3(harness), before, "{name} is taken back");
+    send(harness, Command::Redo);
+    assert_eq!(station3(harness), after, "{name} is done again");
+    click(harness, &format!("Take back: {}", line_of(name)));
+    assert!(put_right(harness).is_empty(), "{:?}", put_right(harness));
+    assert_eq!(station3(harness), before);
+}
+
+/// The line of the pane, by what the Edit menu calls it.
+fn line_of(name: &str) -> &'static str {
+    match name {
+        "prism constant" => "Prism constant",
+        "inter-prism distances" => "Inter-prism distances",
+        "station numbers" => "Station numbers",
+        "azimuth" => "Azimuth turns",
+        "span of time" => "Times that are used",
+        _ => "Left out by hand",
+    }
+}
+
+#[test]
+fn each_correction_changes_the_answer_and_can_be_taken_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut harness, _) = opened(folder.path());
+    let harness = &mut harness;
+    changes_and_comes_back(
+        harness,
+        "prism constant",
+        |harness| enter(harness, "Prism constant of all stations", "-34.5"),
+        |own| own.prism_constant_m == Some(PrismConstants::All(-0.0345)),
+    );
+    changes_and_comes_back(
+        harness,
+        "inter-prism distances",
+        |harness| enter(harness, "Distance of prisms 1–2", "0.9"),
+        |own| own.inter_prism_m.is_some_and(|all| all[0] == 0.9),
+    );
+    changes_and_comes_back(
+        harness,
+        "station numbers",
+        |harness| click(harness, "Exchange stations 2 and 3"),
+        |own| own.stations == Some([1, 3, 2]),
+    );
+    changes_and_comes_back(
+        harness,
+        "azimuth",
+        |harness| click(harness, "counter-clockwise"),
+        |own| own.azimuth == Some(AzimuthSense::CounterClockwise),
+    );
+    let [start_s, end_s] = shown(harness).timeline.whole_s;
+    let half = [start_s, 0.5 * (start_s + end_s)];
+    send(harness, Command::Select(Some(half)));
+    let all = triplets(harness);
+    changes_and_comes_back(
+        harness,
+        "span of time",
+        |harness| {
+            click(harness, "Use only the selection");
+            assert!(triplets(harness) < all * 3 / 4);
+        },
+        |own| own.span_s == Some(half),
+    );
+    changes_and_comes_back(
+        harness,
+        "readings left out",
+        |harness| click(harness, "Leave out the selection of station 2"),
+        |own| own.masked.as_ref().is_some_and(|masked| masked.len() > 50),
+    );
+}
+
+#[test]
+fn a_constant_for_each_station_is_entered() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut harness, _) = opened(folder.path());
+    click(&mut harness, "each its own");
+    enter(&mut harness, "Prism constant of station 2", "0");
+    let constants = PrismConstants::Each([0.010, 0.0, 0.010]);
+    assert_eq!(put_right(&harness).prism_constant_m, Some(constants));
+    let tracks = &shown(&harness).deployment.tracks;
+    assert_eq!(tracks.each_ref().map(|track| track.prism_constant_m), [0.010, 0.0, 0.010]);
+}
+
+#[test]
+fn a_sample_can_be_put_right_and_nonsense_is_refused() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let before = station3(&harness);
+    click(&mut harness, "Put right");
+    click(&mut harness, "Exchange stations 1 and 2");
+    assert_ne!(station3(&harness), before);
+    assert!(!shown(&harness).placeholder);
+    send(&mut harness, Command::Undo);
+    assert_eq!(station3(&harness), before);
+    let mut extras = Extras::default();
+    extras.put_right.prism_constant_m = Some(PrismConstants::All(f64::NAN));
+    send(&mut harness, Command::PutRight(extras));
+    let (text, _) = harness.state().state.toasts.errors().next().expect("refused");
+    assert!(text.contains("prism_constant_m is NaN"), "{text}");
+    assert!(put_right(&harness).is_empty());
+    assert_eq!(undo_name(&harness), "Undo");
+}
+
+#[test]
+fn a_reading_is_left_out_and_used_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut harness, _) = opened(folder.path());
+    let picked = Picked { station: 1, index: 40 };
+    send(&mut harness, Command::ShowPane(Pane::Reading));
+    send(&mut harness, Command::PickInPlot(picked));
+    let before = triplets(&harness);
+    click(&mut harness, "Leave this reading out");
+    assert!(shown(&harness).deployment.tracks[1].is_left_out(40));
+    assert_eq!(shown(&harness).timeline.picked, Some(picked));
+    harness.get_by_label("left out by hand");
+    send(&mut harness, Command::ShowPane(Pane::Pipeline));
+    harness.get_by_label_contains("(1 left out by hand)");
+    send(&mut harness, Command::ShowPane(Pane::Reading));
+    assert_eq!(triplets(&harness), before);
+    // By its key, too.
+    press(&mut harness, Modifiers::NONE, Key::X);
+    assert!(!shown(&harness).deployment.tracks[1].is_left_out(40));
+    press(&mut harness, Modifiers::NONE, Key::X);
+    assert!(shown(&harness).deployment.tracks[1].is_left_out(40));
+    click(&mut harness, "Use it again");
+    assert!(put_right(&harness).is_empty());
+    // Renumbered, the same reading is left out.
+    click(&mut harness, "Leave this reading out");
+    click(&mut harness, "Exchange stations 2 and 3");
+    assert!(shown(&harness).deployment.tracks[2].is_left_out(40));
+}
+
+#[test]
+fn the_session_keeps_what_was_put_right() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut harness, _) = opened(folder.path());
+    click(&mut harness, "counter-clockwise");
+    enter(&mut harness, "Distance of prisms 2–3", "0.95");
+    let (expected, answer) = (put_right(&harness), station3(&harness));
+    let state = &harness.state().state;
+    let saved = state.session(harness.state().layout().describe());
+    let path = folder.path().join("x.resect.toml");
+    saved.save(&path, &HashCache::default()).expect("written");
+    let (session, findings) = session::load(&path).expect("own file");
+    assert!(findings.is_empty(), "{findings:?}");
+    assert_eq!(session.deployments[0].source.extras.put_right, expected);
+    let mut harness = window(SMALL, Theme::Dark);
+    send(&mut harness, Command::OpenPaths(vec![path]));
+    assert_eq!(put_right(&harness), expected);
+    assert_eq!(station3(&harness), answer);
+}
+
+#[test]
+fn it_is_written_to_the_folder_which_then_says_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut harness, path) = opened(folder.path());
+    let file = path.join("deployment.toml");
+    let old = std::fs::read_to_string(&file).unwrap_or_default() + "# measured twice\n";
+    std::fs::write(&file, &old).expect("written");
+    click(&mut harness, "Exchange stations 2 and 3");
+    click(&mut harness, "counter-clockwise");
+    let answer = station3(&harness);
+    click(&mut harness, "Write to deployment.toml…");
+    harness.get_by_label_contains("station numbers 1 2 3 → 1 3 2");
+    click(&mut harness, "Cancel");
+    assert_eq!(std::fs::read_to_string(&file).expect("there"), old);
+    click(&mut harness, "Write to deployment.toml…");
+    click(&mut harness, "Write");
+    let text = std::fs::read_to_string(&file).expect("there");
+    assert!(text.contains("stations = [1, 3, 2]") && text.contains("# measured twice"), "{text}");
+    assert!(put_right(&harness).is_empty());
+    assert_eq!(station3(&harness), answer);
+    // What the file says, undo cannot unsay.
+    assert_eq!(undo_name(&harness), "Undo");
+    // And back to the numbers of the files, over what the file says.
+    click(&mut harness, "Exchange stations 2 and 3");
+    assert_eq!(put_right(&harness).stations, Some([1, 2, 3]));
+    // Another window reads it by itself.
+    let mut harness = window(SMALL, Theme::Dark);
+    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    assert_eq!(station3(&harness), answer);
+}
+
+#[test]
+fn a_failed_correction_changes_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut harness, _) = opened(folder.path());
+    let before = station3(&harness);
+    // Not the sides of a triangle.
+    enter(&mut harness, "Distance of prisms 1–2", "4");
+    assert_eq!(harness.state().state.toasts.errors().count(), 1);
+    assert_eq!((station3(&harness), undo_name(&harness)), (before, "Undo".to_owned()));
+    assert!(put_right(&harness).is_empty());
+}
+
+#[test]
+fn the_lines_are_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("drive");
+    write_folder(&simulate(Preset::UnevenGround, 1), &path).expect("written");
+    for (size, theme, name) in [
+        (LARGE, Theme::Dark, "put-right-dark"),
+        (LARGE, Theme::Light, "put-right-light"),
+        (SMALL, Theme::Dark, "put-right-small-dark"),
+    ] {
+        let mut harness = window(size, theme);
+        send(&mut harness, Command::UseLayout(LayoutPreset::Inspect));
+        let mut extras = Extras::default();
+        extras.put_right.azimuth = Some(AzimuthSense::CounterClockwise);
+        extras.put_right.prism_constant_m = Some(PrismConstants::Each([0.010, 0.0, -0.0345]));
+        send(&mut harness, Command::OpenSource(Source::at(&path).with(extras)));
+        click(&mut harness, "Put right (2)");
+        harness.get_by_label("Station numbers").scroll_to_me();
+        settle(&mut harness);
+        snapshot(&mut harness, name);
+    }
+}
