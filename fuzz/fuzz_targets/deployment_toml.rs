@@ -1,0 +1,6 @@
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| resect_fuzz::open_beside_tracks(
+    "deployment.toml",
+    bytes
+));

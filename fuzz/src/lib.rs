@@ -1,0 +1,36 @@
+//! What the fuzz targets share: a file that the fuzzer made is opened the way a user's file is.
+
+use std::path::PathBuf;
+
+use resect::deployment::Source;
+use resect::progress::Progress;
+
+/// A drive that is read without complaint, beside which a damaged file of another kind lies.
+pub const TRACKS: &str = "timestamp,id,distance,ha,va\n\
+    1657569001.0,1,10.0,0.10,1.50\n1657569001.1,2,11.0,0.20,1.51\n1657569001.2,3,12.0,0.30,1.52\n\
+    1657569001.4,1,10.1,0.11,1.50\n1657569001.5,2,11.1,0.21,1.51\n1657569001.6,3,12.1,0.31,1.52\n";
+
+/// Reads a folder with nothing but this file. What comes of it does not matter, as long as it comes back.
+pub fn open_alone(name: &str, bytes: &[u8]) {
+    open(&[(name, bytes)]);
+}
+
+/// Reads a folder with this file and good tracks.
+pub fn open_beside_tracks(name: &str, bytes: &[u8]) {
+    open(&[(name, bytes), ("inter_prism.csv", TRACKS.as_bytes())]);
+}
+
+/// Reads a folder with these files.
+pub fn open(files: &[(&str, &[u8])]) {
+    let folder = tempfile::tempdir_in(place()).expect("a folder");
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).expect("writable");
+    }
+    _ = Source::at(folder.path()).open(&Progress::default());
+}
+
+/// In memory where the system has such a place: a target writes thousands of files a second.
+pub fn place() -> PathBuf {
+    let memory = PathBuf::from("/dev/shm");
+    if memory.is_dir() { memory } else { std::env::temp_dir() }
+}
