@@ -16,7 +16,7 @@ const LIMIT_M: f64 = 0.020;
 fn the_poses_carry_the_prisms_to_where_they_were_seen() {
     let deployment = Sample::Warthog.open().expect("built in");
     let analysis = analyse(&deployment, &Settings::default());
-    let transforms = &answer(&analysis).calibration.station1_from_station;
+    let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let triplets = &analysis.pipeline.triplets;
     let (trajectory, frame) =
         vehicle_trajectory(&deployment, triplets, analysis.offer.targets, transforms, LIMIT_M)
@@ -41,7 +41,7 @@ fn the_poses_carry_the_prisms_to_where_they_were_seen() {
 fn a_tighter_limit_drops_more_and_counts_them() {
     let deployment = Sample::Warthog.open().expect("built in");
     let analysis = analyse(&deployment, &Settings::default());
-    let transforms = &answer(&analysis).calibration.station1_from_station;
+    let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let dropped = |limit_m: f64| {
         let triplets = &analysis.pipeline.triplets;
         vehicle_trajectory(&deployment, triplets, analysis.offer.targets, transforms, limit_m)
@@ -64,7 +64,7 @@ fn the_frame_of_deployment_toml_is_taken_over() {
         &deployment,
         &analysis.pipeline.triplets,
         analysis.offer.targets,
-        &transforms,
+        Some(&transforms),
         LIMIT_M,
     )
     .expect("three prisms");
@@ -93,7 +93,7 @@ fn the_frame_of_deployment_toml_is_taken_over() {
 fn one_prism_has_no_orientation() {
     let deployment = simulate(Preset::SinglePrism, 1).deployment().expect("valid");
     let analysis = analyse(&deployment, &Settings::default());
-    let transforms = &answer(&analysis).calibration.station1_from_station;
+    let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let triplets = &analysis.pipeline.triplets;
     let error =
         vehicle_trajectory(&deployment, triplets, analysis.offer.targets, transforms, LIMIT_M)

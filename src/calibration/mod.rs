@@ -173,6 +173,19 @@ impl Calibration {
         self.checked_by.iter().any(|witness| witness.is_independent())
     }
 
+    /// Where the tracks stand in station 1's frame: this answer's transforms, or `None` where it is about the stations'
+    /// own frames and the tracks are in another.
+    pub fn placing_tracks(&self, deployment: &Deployment) -> Option<&[RigidTransform; 3]> {
+        let placed = deployment.track_frame == TrackFrame::Own || self.method.is_from_tracks();
+        placed.then_some(&self.station1_from_station)
+    }
+
+    /// The same for the control points, which the stations read in their own frames.
+    pub fn placing_control_points(&self, deployment: &Deployment) -> Option<&[RigidTransform; 3]> {
+        let placed = deployment.track_frame == TrackFrame::Own || !self.method.is_from_tracks();
+        placed.then_some(&self.station1_from_station)
+    }
+
     /// "good", "good, not independently checked", "weak" …
     pub fn verdict_in_words(&self) -> String {
         self.verdict.in_words(self.is_independently_checked())
@@ -285,7 +298,7 @@ pub fn solve_while(
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
         calibration.findings.push(doubt.clone());
     }
-    if deployment.track_frame == TrackFrame::Common && !method.is_from_tracks() {
+    if calibration.placing_tracks(deployment).is_none() {
         calibration.findings.push(Finding::warning(
             "this answer is about the stations' own frames, and the tracks are in another: it does not place them, and \
              nothing of the drive was held against it",

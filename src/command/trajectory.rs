@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         &deployment,
         analysis.triplets(),
         analysis.offer.targets,
-        &answer.calibration.station1_from_station,
+        answer.calibration.placing_tracks(&deployment),
         arguments.max_error / 1e3,
     )?;
     if trajectory.poses.is_empty() {

@@ -11,6 +11,7 @@ mod open;
 mod overrides;
 mod putting_right;
 mod reading_sense;
+mod recording;
 mod rig;
 mod sample;
 mod source;
@@ -25,10 +26,11 @@ pub use gnss::GnssFix;
 pub use open::{Ingredient, open, open_files};
 pub use overrides::{AzimuthSense, MaskedReading, OneOrMany, Overrides, PrismConstants};
 pub use putting_right::{AS_NUMBERED, OverrideChange, extras_changes, override_changes};
+pub use recording::{RawRecord, Recording};
 pub use rig::{Rig, pairwise_distances};
 pub use sample::Sample;
 pub use source::{Extras, Place, Source};
-pub use track::{Measurement, RawRecord, Recording, TimeCorrection, Track};
+pub use track::{Measurement, TimeCorrection, Track};
 pub use what_is::{Dropped, SESSION_KEY, Sorted, sort, what_is};
 
 /// Names of the pairs of prisms in the order of every `[f64; 3]` of distances: α, β, γ.

@@ -10,6 +10,7 @@ mod gnss;
 mod rig;
 mod surveys;
 mod tables;
+mod tracks;
 
 use std::path::Path;
 
@@ -20,15 +21,9 @@ pub use self::found::{FOLDER_DEPTH, FoundFile, find, in_memory, list_folder};
 use self::gnss::read_gnss;
 use self::rig::read_rig;
 use self::surveys::Surveys;
-use super::format::{self, Format, OpenError, Question};
-use super::{
-    AzimuthSense, ColumnMapping, Deployment, Finding, Measurement, OneOrMany, Overrides, Recording,
-    Track, TrackFrame, station_clocks,
-};
+use super::format::{self, Format, OpenError};
+use super::{Deployment, Finding, Overrides};
 use crate::progress::Progress;
-
-/// Stamps of one station this close are the same reading (s): text files round them to microseconds.
-const SAME_STAMP_S: f64 = 2e-6;
 
 /// A file that was looked at, and what became of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -69,48 +64,10 @@ pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenErr
     let mut used: Vec<&str> = Vec::new();
     used.extend(files.iter().filter(is_overrides).map(|f| f.file.as_str()));
 
-    // What the user answered goes before the file that was asked for, and that before what the folder says.
-    let answered = found.put_right.tracks.as_ref().map(OneOrMany::as_slice);
-    let named = overrides.tracks.as_ref().map(OneOrMany::as_slice);
-    let chosen = answered.or(found.chosen.as_ref().map(std::slice::from_ref)).or(named);
-    let columns = overrides.columns.as_ref();
-    let track_files = choose_tracks(&name, chosen, columns, files, progress)?;
-    findings.extend(bags::finding(&track_files, files));
-    let stations = tables::stations(&name, &track_files, columns, files, chosen.is_some())?;
-    let beside = files.iter().filter(|f| f.is_read_beside_tracks()).map(|f| f.bytes);
-    progress.expect(track_files.iter().map(|f| f.bytes).sum::<u64>() + beside.sum::<u64>());
-    used.extend(track_files.iter().map(|f| f.file.as_str()));
-    let counter_clockwise = overrides.azimuth == Some(AzimuthSense::CounterClockwise);
-    let mut recording = Recording::new(overrides.stations, counter_clockwise);
-    let mut track_frame = TrackFrame::Own;
-    if track_files.iter().all(|f| f.format == Format::CartesianTrack) {
-        let (frame, undone) = cartesian::read(&track_files, files, progress, &mut recording)?;
-        track_frame = frame;
-        used.extend(undone);
-    } else {
-        read_tracks(&track_files, &stations, &overrides, progress, &mut recording)?;
-    }
-    let time_corrections = std::mem::take(&mut recording.time_corrections);
-    let include_constant =
-        overrides.ranges_include_prism_constant.unwrap_or(recording.ranges_include_prism_constant);
-    let track_names = track_files.iter().map(|f| f.file.as_str()).collect::<Vec<_>>().join(", ");
-    findings.extend(recording.check_sense(&track_names)?);
-    let (mut tracks, track_findings) = recording.finish(&track_names);
-    findings.extend(track_findings);
-    findings.extend(station_clocks::findings(&tracks, &time_corrections));
-    if tracks.iter().all(|track| track.measurements.is_empty()) {
-        return Err(OpenError::file(
-            &track_names,
-            "no usable measurement of any station",
-            "stations are numbered 1, 2, 3 and a valid reading has status 0",
-        ));
-    }
-    let prism_constants_m = overrides.prism_constant_m.unwrap_or_default().each_m();
-    for (track, constant_m) in tracks.iter_mut().zip(prism_constants_m) {
-        track.prism_constant_m = if include_constant { 0.0 } else { constant_m };
-    }
-    findings.extend(dated::contradicts_folder(&found.name, &tracks));
-    leave_out(&mut tracks, &overrides, &mut findings);
+    let read = tracks::read(&name, found, &overrides, progress)?;
+    used.extend(read.files);
+    findings.extend(read.findings);
+    let prism_constants_m = read.prism_constants_m;
 
     let mut reading = Reading {
         files,
@@ -127,23 +84,7 @@ pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenErr
     let gnss = read_gnss(&mut reading)?;
     let mut as_read = in_folder;
     as_read.inter_prism_m = as_read.inter_prism_m.or(reading.distances_of_files_m);
-    let constant_from = match (found.put_right.prism_constant_m, overrides.prism_constant_m) {
-        (Some(_), _) => "the user",
-        (None, Some(_)) => "deployment.toml",
-        (None, None) => "the MT1000",
-    };
-    let constants = match prism_constants_m {
-        [a, b, c] if a == b && a == c => format!("{:+.1} mm", a * 1e3),
-        each => each.map(|own| format!("{:+.1}", own * 1e3)).join(", ") + " mm (stations 1, 2, 3)",
-    };
-    findings.push(Finding::note(if include_constant {
-        format!(
-            "prism constant of {constant_from}, {constants}, added to ranges of control points and rig; those of the \
-             tracks contain it"
-        )
-    } else {
-        format!("prism constant of {constant_from}, {constants}, added to every range")
-    }));
+    findings.push(read.about_prism_constant);
 
     let ingredients = files
         .iter()
@@ -155,13 +96,13 @@ pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenErr
         .collect();
     Ok(Deployment {
         name,
-        tracks,
-        track_frame,
+        tracks: read.tracks,
+        track_frame: read.frame,
         control_points,
         rig,
         prisms: overrides.prisms,
         gnss,
-        time_corrections,
+        time_corrections: read.time_corrections,
         overrides,
         as_read,
         ingredients,
@@ -181,108 +122,6 @@ struct Reading<'a, 'b> {
     /// Names of the files that were read.
     used: &'b mut Vec<&'a str>,
     findings: &'b mut Vec<Finding>,
-}
-
-/// Marks the readings that the user leaves out: those outside of the span, and the masked ones.
-fn leave_out(tracks: &mut [Track; 3], overrides: &Overrides, findings: &mut Vec<Finding>) {
-    if let Some([from_s, to_s]) = overrides.span_s {
-        for track in tracks.iter_mut() {
-            let used = |m: &Measurement| (from_s..=to_s).contains(&m.time_s);
-            track.left_out = track.measurements.iter().map(|m| !used(m)).collect();
-        }
-        findings.push(Finding::note(format!(
-            "only the {:.1} s from {from_s:.3} to {to_s:.3} s are used",
-            to_s - from_s
-        )));
-    }
-    let masked = overrides.masked.as_deref().unwrap_or_default();
-    let mut missing = 0;
-    for mask in masked {
-        let track = &mut tracks[usize::from(mask.station) - 1];
-        let same = |m: &Measurement| (m.time_s - mask.time_s).abs() < SAME_STAMP_S;
-        let near = track.measurements.partition_point(|m| m.time_s < mask.time_s - SAME_STAMP_S);
-        if track.measurements.get(near).is_some_and(same) {
-            track.left_out.resize(track.measurements.len(), false);
-            track.left_out[near] = true;
-        } else {
-            missing += 1;
-        }
-    }
-    if !masked.is_empty() {
-        let left_out = masked.len() - missing;
-        findings.push(Finding::note(format!("{left_out} readings are left out by hand")));
-    }
-    if missing > 0 {
-        findings.push(Finding::warning(format!(
-            "{missing} of the masked readings are not in the tracks; they were masked in other data"
-        )));
-    }
-}
-
-/// The files of tracks. Two representations in one folder are a question to the user.
-fn choose_tracks<'a>(
-    name: &str,
-    chosen: Option<&[String]>,
-    columns: Option<&ColumnMapping>,
-    files: &'a [FoundFile],
-    progress: &Progress,
-) -> Result<Vec<&'a FoundFile>, OpenError> {
-    // What may be a track is none unless it is asked for, or there is nothing else.
-    let is_asked_for = |f: &FoundFile| chosen.is_some() && f.format.may_be_track();
-    let candidates: Vec<_> =
-        files.iter().filter(|f| f.format.is_track() || is_asked_for(f)).collect();
-    let names = || candidates.iter().map(|f| f.file.clone()).collect::<Vec<_>>();
-    if let Some(positions) = cartesian::choose(name, chosen, &candidates)? {
-        return Ok(positions);
-    }
-    if let Some(chosen) = chosen {
-        let find = |chosen: &String| {
-            candidates.iter().find(|f| f.file == *chosen).copied().ok_or_else(|| {
-                OpenError::file(
-                    name,
-                    format!("`{chosen}` is no file with tracks (hidden files are not looked at)"),
-                    format!("the candidates here: {}", names().join(", ")),
-                )
-            })
-        };
-        return chosen.iter().map(find).collect();
-    }
-    match candidates[..] {
-        [only] => Ok(vec![only]),
-        [] if let Some(unknown) = tables::unknown(columns, files)? => Ok(unknown),
-        [] => {
-            let mut seen: Vec<_> =
-                files.iter().map(|f| format!("{} ({})", f.file, f.format.describe())).collect();
-            seen.truncate(4);
-            let seen = if seen.is_empty() { "no file".to_owned() } else { seen.join(", ") };
-            Err(OpenError::file(
-                name,
-                format!("no tracks of the stations among: {seen}"),
-                "open a folder with a polar CSV (timestamp,id,distance,ha,va) or a bag of ROS 1 or ROS 2",
-            ))
-        }
-        _ if let Some(pieces) = bags::of_one_drive(&candidates, progress)? => Ok(pieces),
-        _ if candidates.iter().all(|f| tables::is_one_stations(f, columns)) => Ok(candidates),
-        _ => Err(Question::Tracks { folder: name.to_owned(), files: names() }.into()),
-    }
-}
-
-/// Reads the chosen files one after the other; bags among them are one recording.
-fn read_tracks(
-    files: &[&FoundFile],
-    stations: &[Option<i64>],
-    overrides: &Overrides,
-    progress: &Progress,
-    into: &mut Recording,
-) -> Result<(), OpenError> {
-    let pieces: Vec<_> = files.iter().filter_map(|file| bags::piece(file)).collect();
-    if !pieces.is_empty() {
-        format::bag::read(&pieces, overrides.topics.as_ref(), progress, into)?;
-    }
-    for (file, station) in files.iter().zip(stations).filter(|(file, _)| !file.format.is_bag()) {
-        tables::read(file, *station, overrides.columns.as_ref(), progress, into)?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibration::inter_prism::distance_errors_m;
 use crate::calibration::{Calibration, Targets};
-use crate::deployment::{Deployment, TrackFrame};
+use crate::deployment::Deployment;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 
@@ -109,17 +109,14 @@ pub fn evaluate_answer(
         .and_then(|refined| refined.distances_m)
         .map(|distances| distances.map(|distance| distance.value))
         .or_else(|| known_distances_m(deployment, targets));
-    // Where the tracks are in another frame than the control points, an answer is about one of the two.
-    let common = deployment.track_frame == TrackFrame::Common;
-    let from_tracks = calibration.method.is_from_tracks();
-    let distances_m = distances_m.filter(|_| from_tracks || !common);
+    let distances_m = distances_m.filter(|_| calibration.placing_tracks(deployment).is_some());
     let mut evaluation = evaluate(
         deployment,
         corrected.as_ref().unwrap_or(triplets),
         distances_m,
         &calibration.station1_from_station,
     );
-    if common && from_tracks {
+    if calibration.placing_control_points(deployment).is_none() {
         evaluation.control_points_mm.clear();
     }
     (corrected, evaluation)

@@ -22,6 +22,11 @@ pub enum NoTrajectory {
     NoRig(String),
     #[error("{0}: the three prisms lie on a line, which has no orientation")]
     PrismsOnALine(String),
+    #[error(
+        "{0}: this answer is about the stations' own frames, and the tracks are in another: it does not place them; take \
+         method C or D"
+    )]
+    OtherFrame(String),
 }
 
 /// What the vehicle's frame is.
@@ -69,17 +74,21 @@ pub fn prisms_in_vehicle(rig: &Rig) -> Option<([Vector3<f64>; 3], VehicleFrame)>
 }
 
 /// One pose for every triplet whose inter-prism distances are within the limit.
+///
+/// `station1_from_station` is what places the tracks ([`crate::calibration::Calibration::placing_tracks`]).
 pub fn vehicle_trajectory(
     deployment: &Deployment,
     triplets: &Triplets,
     targets: Targets,
-    station1_from_station: &[RigidTransform; 3],
+    station1_from_station: Option<&[RigidTransform; 3]>,
     largest_inter_prism_error_m: f64,
 ) -> Result<(Trajectory, VehicleFrame), NoTrajectory> {
     let name = || deployment.name.clone();
     if targets == Targets::OnePrism {
         return Err(NoTrajectory::OnePrism(name()));
     }
+    let station1_from_station =
+        station1_from_station.ok_or_else(|| NoTrajectory::OtherFrame(name()))?;
     let rig = deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?;
     let (prisms_m, frame) =
         prisms_in_vehicle(rig).ok_or_else(|| NoTrajectory::PrismsOnALine(name()))?;

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::axis::{number, round_down};
 use super::drawing::{Anchor, Drawing, Ink, Mark, text_width};
 use super::frame::{Frame, NUMBER};
-use crate::deployment::Deployment;
+use crate::deployment::ControlPointSet;
 use crate::geometry::RigidTransform;
 use crate::palette;
 use crate::pipeline::Triplets;
@@ -25,15 +25,15 @@ const CORNER: f32 = 8.0;
 /// Points of a track closer than this on the picture say nothing more.
 const STEP: f32 = 1.0;
 
-/// `triplets` are those that the transforms hold for. As wide as asked, as high as the scene asks.
+/// `triplets` and control points are those that the transforms hold for. As wide as asked, as high as the scene asks.
 pub fn draw(
-    deployment: &Deployment,
+    control_points: &[ControlPointSet],
     triplets: &Triplets,
     station1_from_station: &[RigidTransform; 3],
     width: f32,
 ) -> Drawing {
     let stations = station1_from_station.each_ref().map(|transform| transform.translation_m);
-    let control_points = control_points_m(deployment, station1_from_station);
+    let control_points = control_points_m(control_points, station1_from_station);
     let tracks = tracks_m(triplets, station1_from_station);
     // Control points may stand far off; they must not press the rest into a corner.
     let all = || stations.iter().chain(tracks.iter().flatten().flatten());
@@ -93,10 +93,10 @@ fn tracks_m(
 
 /// Each control point where the first station that read it puts it. Pillars may stand kilometres away: left out.
 fn control_points_m(
-    deployment: &Deployment,
+    control_points: &[ControlPointSet],
     station1_from_station: &[RigidTransform; 3],
 ) -> Vec<Vector3<f64>> {
-    let sets = deployment.control_points.iter().filter(|set| !set.pillars);
+    let sets = control_points.iter().filter(|set| !set.pillars);
     sets.flat_map(|set| &set.points)
         .filter_map(|point| {
             let read = point.readings.iter().zip(station1_from_station);
@@ -242,7 +242,6 @@ mod tests {
     use super::*;
 
     fn scene(x_m: f64, y_m: f64) -> Drawing {
-        let deployment = crate::deployment::Sample::Warthog.open().expect("built in");
         let corners = [[0.0, 0.0], [x_m, 0.0], [x_m, y_m]];
         let points: Vec<_> = corners.map(|[x, y]| Vector3::new(x, y, 0.0)).to_vec();
         let triplets = Triplets::new(
@@ -250,8 +249,7 @@ mod tests {
             vec![0; 3],
             [points.clone(), points.clone(), points],
         );
-        let deployment = Deployment { control_points: Vec::new(), ..deployment };
-        draw(&deployment, &triplets, &[RigidTransform::IDENTITY; 3], 700.0)
+        draw(&[], &triplets, &[RigidTransform::IDENTITY; 3], 700.0)
     }
 
     fn tracks(drawing: &Drawing) -> Vec<Vec<[f32; 2]>> {

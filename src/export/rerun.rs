@@ -72,6 +72,10 @@ fn log_all(
     let answer = analysis.answer.as_ref().ok();
     let transforms =
         answer.map_or([RigidTransform::IDENTITY; 3], |a| a.calibration.station1_from_station);
+    // What another frame holds is left out: it would stand in the wrong place.
+    let places_tracks = answer.is_none_or(|a| a.calibration.placing_tracks(deployment).is_some());
+    let places_points =
+        answer.is_none_or(|a| a.calibration.placing_control_points(deployment).is_some());
     let triplets = analysis.triplets();
     recording.log_static("world", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
     for station in 0..3 {
@@ -86,6 +90,9 @@ fn log_all(
             root.as_str(),
             &points([here], colour, 0.15).with_labels([format!("station {}", station + 1)]),
         )?;
+        if !places_tracks {
+            continue;
+        }
         let track = &deployment.tracks[station];
         for fate in SampleFate::ALL {
             let readings = track.measurements.iter().zip(&analysis.pipeline.fates[station].each);
@@ -112,7 +119,7 @@ fn log_all(
             Points3D::new(prism).columns_of_unit_batches()?,
         )?;
     }
-    for set in &deployment.control_points {
+    for set in deployment.control_points.iter().filter(|_| places_points) {
         for station in 0..3 {
             let seen: Vec<_> =
                 set.points.iter().filter_map(|p| Some((p.marker, p.readings[station]?))).collect();

@@ -63,11 +63,14 @@ fn two_recordings_in_a_folder_are_a_question() {
 #[test]
 fn a_question_can_be_left() {
     let folder = tempfile::tempdir().expect("a folder");
-    copy("inter_prism.csv", &folder.path().join("a.csv"));
-    copy("inter_prism.csv", &folder.path().join("b.csv"));
+    // Its name is in the picture.
+    let drive = folder.path().join("drive");
+    std::fs::create_dir(&drive).expect("created");
+    copy("inter_prism.csv", &drive.join("a.csv"));
+    copy("inter_prism.csv", &drive.join("b.csv"));
     let mut harness = window(SMALL, Theme::Light);
     let name = shown(&harness).deployment.name.clone();
-    send(&mut harness, Command::OpenSource(Source::at(folder.path())));
+    send(&mut harness, Command::OpenSource(Source::at(&drive)));
     snapshot(&mut harness, "asked-tracks-light");
     harness.key_press(eframe::egui::Key::Escape);
     settle(&mut harness);

@@ -115,6 +115,8 @@ pub struct SceneContent {
     pub ruler: Layer,
     /// Of stations 1–3 into the world.
     pub station1_from_station: [Option<RigidTransform>; 3],
+    /// Of their tracks: none where the answer is about another frame than theirs.
+    pub station1_from_tracks: [Option<RigidTransform>; 3],
     pub labels: Vec<Label>,
     pub landmarks: Vec<Landmark>,
     /// Corners of the box around stations and tracks (m); `None` when there is nothing.
@@ -149,6 +151,14 @@ fn placed(analysis: &Analysis) -> [Option<RigidTransform>; 3] {
     }
 }
 
+/// The same for their tracks, which an answer from control points may not place.
+fn placed_tracks(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTransform>; 3] {
+    match &analysis.answer {
+        Ok(answer) if answer.calibration.placing_tracks(deployment).is_none() => [None; 3],
+        _ => placed(analysis),
+    }
+}
+
 /// Where a raw reading is, in station 1's frame; `None` if there is no such reading, or its station has no place.
 pub fn reading_m(
     deployment: &Deployment,
@@ -157,7 +167,7 @@ pub fn reading_m(
 ) -> Option<Vector3<f64>> {
     let track = deployment.tracks.get(picked.station)?;
     let position_m = track.position_m(track.measurements.get(picked.index)?);
-    Some(placed(analysis)[picked.station]?.apply(&position_m))
+    Some(placed_tracks(deployment, analysis)[picked.station]?.apply(&position_m))
 }
 
 impl SceneContent {
@@ -196,6 +206,7 @@ impl SceneContent {
         grid_colour: [u8; 4],
     ) {
         self.station1_from_station = placed(analysis);
+        self.station1_from_tracks = placed_tracks(deployment, analysis);
         self.data.clear();
         self.labels.clear();
         self.landmarks.clear();
@@ -204,15 +215,21 @@ impl SceneContent {
         self.station_exaggeration = None;
         let transforms = self.station1_from_station;
         let shown = |station: usize| transforms[station].is_some() && visibility.stations[station];
-        self.raw_shown = [0, 1, 2].map(|station| visibility.raw && shown(station));
-        self.tracks_shown = [0, 1, 2].map(|station| visibility.tracks && shown(station));
+        let tracks = self.station1_from_tracks;
+        let track_shown = |station: usize| tracks[station].is_some() && shown(station);
+        self.raw_shown = [0, 1, 2].map(|station| visibility.raw && track_shown(station));
+        self.tracks_shown = [0, 1, 2].map(|station| visibility.tracks && track_shown(station));
+        let points_placed = match &analysis.answer {
+            Ok(answer) => answer.calibration.placing_control_points(deployment).is_some(),
+            Err(_) => true,
+        };
         if visibility.uncertainty {
-            let stations: Vec<usize> = (0..3).filter(|station| shown(*station)).collect();
+            let stations: Vec<usize> = (0..3).filter(|station| track_shown(*station)).collect();
             self.exaggeration = overlays::add_uncertainty(self, analysis, &stations);
         }
         for (station, transform) in transforms.iter().enumerate() {
             let Some(transform) = transform.filter(|_| shown(station)) else { continue };
-            if visibility.control_points {
+            if visibility.control_points && points_placed {
                 self.add_control_points(deployment, station, &transform);
             }
             self.add_station(station, &transform);
@@ -240,7 +257,8 @@ impl SceneContent {
             let fates = &analysis.pipeline.fates[station].each;
             let step = points.len().div_ceil(ASKED_POINTS).max(1);
             // Outliers may lie anywhere; they must not push the rest into a corner.
-            let seen = points.iter().zip(fates).step_by(step);
+            let placed = self.station1_from_tracks[station].is_some();
+            let seen = points.iter().zip(fates).step_by(step).filter(|_| placed);
             let seen = seen
                 .filter(|(_, fate)| {
                     none_kept || !matches!(fate, SampleFate::Rejected(_) | SampleFate::LeftOut)

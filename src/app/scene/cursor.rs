@@ -18,7 +18,7 @@ impl SceneContent {
         self.cursor.clear();
         (self.prisms_m, self.pose) = (None, None);
         let Some(instant) = instant else { return };
-        if let [Some(a), Some(b), Some(c)] = self.station1_from_station {
+        if let [Some(a), Some(b), Some(c)] = self.station1_from_tracks {
             let [p, q, r] = analysis.triplets().triplet_m(instant);
             self.prisms_m = Some([a.apply(&p), b.apply(&q), c.apply(&r)]);
             self.pose = overlays::pose_at(deployment, analysis, instant);
@@ -53,7 +53,7 @@ impl SceneContent {
         alpha: u8,
     ) -> (Vec<PointVertex>, Vec<LineVertex>) {
         let corners = analysis.triplets().triplet_m(instant).map(|p| f32s(&p));
-        let placed = |station: &usize| self.station1_from_station[*station].is_some();
+        let placed = |station: &usize| self.station1_from_tracks[*station].is_some();
         let points: Vec<_> = (0..3)
             .filter(placed)
             .map(|station| {

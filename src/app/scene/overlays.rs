@@ -28,7 +28,7 @@ pub const AXES: [(Vector3<f64>, Rgb); 3] = [
 /// Poses at some of the instants; none where there is no rig or no answer.
 fn poses(deployment: &Deployment, analysis: &Analysis, instants: &[usize]) -> Vec<Pose> {
     let Ok(answer) = &analysis.answer else { return Vec::new() };
-    let transforms = &answer.calibration.station1_from_station;
+    let transforms = answer.calibration.placing_tracks(deployment);
     let some = analysis.triplets().select(instants);
     vehicle_trajectory(deployment, &some, analysis.offer.targets, transforms, LARGEST_POSE_ERROR_M)
         .map_or(Vec::new(), |(trajectory, _)| trajectory.poses)

@@ -37,7 +37,7 @@ impl UnderPointer {
         let nearest = |cloud: &Cloud, shown: &[bool; 3], reach: f32| -> Option<(usize, Hit)> {
             let mut best: Option<(usize, Hit)> = None;
             for station in (0..3).filter(|station| shown[*station]) {
-                let Some(transform) = &content.station1_from_station[station] else { continue };
+                let Some(transform) = &content.station1_from_tracks[station] else { continue };
                 let view = projection.pick_view(transform, at, reach);
                 let hit = cloud.trees[station].nearest(cloud.station(station), &view);
                 if let Some(hit) = hit.filter(|hit| hit.beats(best.as_ref().map(|(_, best)| best)))
@@ -75,7 +75,7 @@ impl UnderPointer {
             Self::Reading(picked) => reading_m(&open.deployment, analysis, picked),
             Self::Track { station, index } => {
                 let point_m = analysis.triplets().points_m[station].get(index)?;
-                Some(content.station1_from_station[station]?.apply(point_m))
+                Some(content.station1_from_tracks[station]?.apply(point_m))
             }
         }
     }

@@ -129,7 +129,7 @@ fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<Strin
         deployment,
         analysis.triplets(),
         analysis.offer.targets,
-        &answer.calibration.station1_from_station,
+        answer.calibration.placing_tracks(deployment),
         LARGEST_POSE_ERROR_M,
     )
     .map_err(|error| error.to_string())?;

@@ -14,7 +14,7 @@ pub use shown::control_points_apart_m;
 
 use self::shown::{Agreement, Shown, Witnesses};
 use super::{Calibration, Method, Offer, Targets, Verdict, Witness};
-use crate::deployment::{Deployment, Finding, TrackFrame};
+use crate::deployment::{Deployment, Finding};
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
@@ -30,9 +30,10 @@ pub fn check(
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     let Some(rig) = &deployment.rig else { return Ok(()) };
-    let other_frame =
-        deployment.track_frame == TrackFrame::Common && !calibration.method.is_from_tracks();
-    if calibration.method == Method::DynamicGcp || offer.targets == Targets::OnePrism || other_frame
+    let nothing_to_hold = calibration.placing_tracks(deployment).is_none();
+    if calibration.method == Method::DynamicGcp
+        || offer.targets == Targets::OnePrism
+        || nothing_to_hold
     {
         return Ok(());
     }

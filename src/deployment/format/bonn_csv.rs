@@ -172,7 +172,7 @@ mod tests {
         let mut recording = Recording::default();
         read("b.csv", text.as_bytes(), 2, &Progress::default(), &mut recording).expect("readable");
         let included = recording.ranges_include_prism_constant;
-        let ([_, track, _], findings) = recording.finish("b.csv");
+        let ([_, track, _], findings) = recording.finish("b.csv").expect("readings");
         let said = findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
         (track.measurements, said, included)
     }

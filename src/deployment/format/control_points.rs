@@ -4,7 +4,7 @@
 //! the stations are not comparable, so the stamps are not read.
 
 use super::{OpenError, table};
-use crate::deployment::track::station_index;
+use crate::deployment::recording::station_index;
 use crate::deployment::{ControlPoint, ControlPointSet, Finding};
 use crate::geometry::Polar;
 

@@ -12,7 +12,7 @@ use super::found::FoundFile;
 use crate::deployment::format::applied_transforms::{self, AppliedTransforms};
 use crate::deployment::format::cartesian_tracks::{self, Position, own_from_theirs};
 use crate::deployment::format::{Format, OpenError, Question};
-use crate::deployment::track::station_index;
+use crate::deployment::recording::station_index;
 use crate::deployment::{Finding, Measurement, PAIRS, RawRecord, Recording, TrackFrame};
 use crate::geometry::{Polar, RigidTransform};
 use crate::progress::Progress;

@@ -10,7 +10,7 @@ use super::cartesian::station_in_name;
 use super::found::{FoundFile, Standing};
 use crate::deployment::format::survey::Survey;
 use crate::deployment::format::{Format, OpenError, gsi, jobxml};
-use crate::deployment::track::station_index;
+use crate::deployment::recording::station_index;
 use crate::deployment::{ControlPoint, ControlPointSet, Finding, OneOrMany, PrismConstants};
 use crate::geometry::Polar;
 

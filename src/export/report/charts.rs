@@ -8,14 +8,27 @@ use crate::deployment::Deployment;
 use crate::export::drawing::Drawing;
 use crate::export::svg::{Colours, to_svg};
 use crate::export::{plan_view, residual_chart};
+use crate::pipeline::Triplets;
 
 /// At this width texts have their own size on the screen, and on paper nearly.
 const WIDTH: f32 = 800.0;
 
 pub fn plan(deployment: &Deployment, answer: &Answer) -> Markup {
-    let transforms = &answer.calibration.station1_from_station;
-    let drawing = plan_view::draw(deployment, &answer.triplets, transforms, WIDTH);
-    figure(&drawing, "plan view", &html! { "From above, both axes to the same scale." })
+    let calibration = &answer.calibration;
+    let points = calibration.placing_control_points(deployment);
+    let points = points.map_or(&[][..], |_| &deployment.control_points);
+    let nothing = Triplets::default();
+    let tracks = calibration.placing_tracks(deployment);
+    let triplets = tracks.map_or(&nothing, |_| &*answer.triplets);
+    let drawing = plan_view::draw(points, triplets, &calibration.station1_from_station, WIDTH);
+    let caption = html! {
+        "From above, both axes to the same scale."
+        @if tracks.is_none() { " The tracks are in another frame than this answer, and are not drawn." }
+        @if points.is_empty() && !deployment.control_points.is_empty() {
+            " The control points are in another frame than the tracks, and are not drawn."
+        }
+    };
+    figure(&drawing, "plan view", &caption)
 }
 
 pub fn residuals(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {

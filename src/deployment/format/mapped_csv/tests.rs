@@ -29,7 +29,7 @@ fn what_is_suggested_reads_the_same_reading_from_every_table() {
         read("x", text.as_bytes(), &mapping, None, &progress, &mut recording).expect(text);
         assert_eq!(progress.done(), text.trim_start_matches('\u{feff}').len() as u64);
         assert_eq!(recording.ranges_include_prism_constant, mapping.x.is_some());
-        let (tracks, _) = recording.finish("x");
+        let (tracks, _) = recording.finish("x").expect("readings");
         assert_eq!(tracks[1].measurements.len(), 1);
     }
 }
