@@ -1,8 +1,11 @@
-//! Writes what the targets start from into `fuzz/corpus`: a simulated drive in every format that the program writes, and
-//! the fixtures of the tests.
+//! Writes what the targets start from into `fuzz/corpus`: a simulated drive in every format that the program writes, the
+//! fixtures of the tests, and a few lines of every other format.
 
 use std::path::Path;
 
+use resect::analysis::Settings;
+use resect::app::persist::session::{Files, SavedDeployment, Session};
+use resect::deployment::Source;
 use resect::simulation::{Preset, simulate, write_folder};
 
 /// Longer seeds make the fuzzer slow and find nothing more.
@@ -13,13 +16,17 @@ fn main() {
     let folder = tempfile::tempdir().expect("a folder");
     let drive = folder.path().join("drive");
     write_folder(&simulate(Preset::Warthog, 1), &drive).expect("written");
-    let seed = |target: &str, from: &Path| {
-        let mut bytes = std::fs::read(from).expect("a seed");
-        bytes.truncate(LONGEST_SEED_BYTES);
+    let write = |target: &str, name: &str, bytes: &[u8]| {
         let into = corpus.join(target);
         std::fs::create_dir_all(&into).expect("a folder");
-        let name = from.file_name().expect("a file");
         std::fs::write(into.join(name), bytes).expect("written");
+    };
+    let seed = |target: &str, from: &Path| {
+        let mut bytes = std::fs::read(from).expect("a seed");
+        if target != "ros2_sqlite" {
+            bytes.truncate(LONGEST_SEED_BYTES);
+        }
+        write(target, &from.file_name().expect("a file").to_string_lossy(), &bytes);
     };
     for (target, name) in [
         ("polar_csv", "inter_prism.csv"),
@@ -45,16 +52,99 @@ fn main() {
                     continue;
                 }
                 Some("bag" | "active") => "ros1_bag",
-                Some("db3") => "ros2_sqlite",
+                Some("zstd") if name.contains(".db3") => {
+                    let packed = std::fs::read(&path).expect("a seed");
+                    let database = zstd::decode_all(&packed[..]).expect("a database");
+                    write("ros2_sqlite", "sqlite.db3", &database);
+                    "compressed_bag"
+                }
                 Some("mcap") => "mcap",
                 Some("zstd") => "compressed_bag",
-                Some("gsi") => "gsi",
-                Some("jxl" | "jobxml") => "jobxml",
-                Some("csv") if name.contains("bonn") => "bonn_csv",
-                Some("csv") => "mapped_csv",
                 _ => continue,
             };
             seed(target, &path);
         }
     }
+    for (target, name, text) in TEXTS {
+        write(target, name, text.as_bytes());
+    }
+    let deployments = vec![SavedDeployment {
+        source: Source::at("drive"),
+        settings: Settings::default(),
+        cursor_s: Some(12.5),
+        window_s: None,
+        selection_s: Some([10.0, 20.0]),
+        files: Files::marked(Vec::new()),
+    }];
+    let session = Session { deployments, ..Session::default() };
+    let text = session.text(&corpus, &Default::default()).expect("text");
+    write("session", "one.resect.toml", text.as_bytes());
 }
+
+/// Target, name and content of formats that the program does not write.
+const TEXTS: [(&str, &str, &str); 10] = [
+    (
+        "bonn_csv",
+        "raw.csv",
+        "ref_time, ts_time, h_angle, v_angle, distance, num_chars, geocom_return_code, rpc_return_code\n\
+         1700000000.004,4321000.0,0.5,1.55,20.25,87,0,0\n1700000000.055,4321050.0,0.5,1.55,20.25,87,0,0\n\
+         1700000000.103,4321100.0,0.5,1.55,20.25,87,0,1284\n",
+    ),
+    (
+        "gsi",
+        "both_lengths.gsi",
+        "410001+0000CODE 42....+00000001\n\
+         110002+00000P01 21.324+35545100 22.324+09117510 31..00+00013825 51....+0017-034\n\
+         *110005+0000000000000P04 21.022+0000000020000000 22.022+0000000010000000 31..08+0000000001382511\n",
+    ),
+    (
+        "jobxml",
+        "job.jxl",
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<JOBFile jobName=\"x\" version=\"5.72\"><FieldBook>\n\
+         <AtmosphereRecord ID=\"1\"><PPM>10</PPM><ApplyPPMToRawDistances>true</ApplyPPMToRawDistances></AtmosphereRecord>\n\
+         <StationRecord ID=\"2\"><StationName>S</StationName><AtmosphereID>1</AtmosphereID></StationRecord>\n\
+         <TargetRecord ID=\"3\"><PrismConstant>0.0100</PrismConstant></TargetRecord>\n\
+         <PointRecord ID=\"9\"><Name>A</Name><Circle><HorizontalCircle>223.5</HorizontalCircle>\
+         <VerticalCircle>92.25</VerticalCircle><EDMDistance>100.0</EDMDistance><Face>Face1</Face></Circle>\
+         <StationID>2</StationID><TargetID>3</TargetID></PointRecord>\n\
+         <PointRecord><Name>K</Name><Grid><North>2</North><East>1</East><Elevation>3</Elevation></Grid></PointRecord>\n\
+         </FieldBook></JOBFile>\n",
+    ),
+    (
+        "mapped_csv",
+        "calendar.csv",
+        "t,s,sd,hz,v\n2022-07-11T12:30:01.25Z,1,10.5,355 45 10.0,91-17-51.0\n\
+         2022-07-11 12:30:01.50+02:00,2,10.5,10\u{b0}0'1.5\",91.5\n11/07/2022 12:30:02,3,9,1,90\n",
+    ),
+    (
+        "mapped_csv",
+        "semicolons.csv",
+        "# a comment\nTime [ms];Station;Slope distance (m);Hz (gon);V (gon)\n1657569001000;1;10,5;100,25;99,5\n",
+    ),
+    (
+        "cartesian_track",
+        "three.csv",
+        "1657569001.5 -5.25 -17.0 -0.5\n1657569001.9 -5.24 -17.1 -0.5\n1657569002.3 -5.2 -17.2 -0.5\n\
+         1657569001.6 5.25 -7.0 -0.4\n1657569001.8 5.24 -7.1 -0.4\n1657569002.2 5.2 -7.2 -0.4\n\n\
+         1657569001.5 0.25 -1.0 -0.3\n1657569001.9 0.24 -1.1 -0.3\n1657569002.3 0.2 -1.2 -0.3\n",
+    ),
+    (
+        "control_points",
+        "two_stations.txt",
+        "1 ; 1 ; 10.0 ; 0.1 ; 1.5 ; 0 ; 0\n1 ; 2 ; 11.0 ; 0.2 ; 1.5 ; 0 ; 0\n2 ; 1 ; 12.0 ; 0.3 ; 1.5 ; 0 ; 0\n",
+    ),
+    (
+        "rig",
+        "sensor_positions.csv",
+        "0.1 0.2 0.3 1.0 0 0 0 0 0 0 0 0 0\n0.8 0.2 0.3 1.0 0 0 0 0 0 0 0 0 0\n0.4 0.9 0.5 1.0 0 0 0 0 0 0 0 0 0\n",
+    ),
+    ("rig", "distances.csv", "0.7290 0.8740 1.0490\n"),
+    (
+        "deployment_toml",
+        "all.toml",
+        "name = \"d\"\ntracks = [\"inter_prism.csv\"]\nstations = [1, 2, 3]\nazimuth = \"counter-clockwise\"\n\
+         prism_constant_m = [0.01, 0.02, 0.03]\ninter_prism_m = [0.7, 0.9, 1.0]\nspan_s = [0.0, 2e9]\n\
+         masked = [{ station = 1, time_s = 1657569001.0 }]\nranges_include_prism_constant = true\n\
+         [columns]\ntime = \"timestamp\"\nrange = \"distance\"\n",
+    ),
+];

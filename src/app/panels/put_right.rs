@@ -25,12 +25,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
     let header = egui::CollapsingHeader::new(title).id_salt("put right").show(ui, |ui| {
         let mut changed = extras.clone();
         let shown = Shown { open, extras, now: effective(extras, &open.deployment) };
-        // A line that is too long must not make those below it longer.
-        let width = ui.available_width();
         shown.constants(ui, &mut changed);
-        ui.set_max_width(width);
         shown.distances(ui, &mut changed);
-        ui.set_max_width(width);
         shown.stations(ui, &mut changed);
         shown.azimuth(ui, &mut changed);
         shown.times(ui, &mut changed);
@@ -83,13 +79,14 @@ fn name(ui: &mut egui::Ui, name: &str, as_read: Option<String>) -> bool {
     .inner
 }
 
-/// A number that is typed: it counts once it is entered, because the data is read again with it.
 fn number(ui: &mut egui::Ui, label: &str, value: &mut f64, decimals: usize, unit: &str) -> bool {
-    let field = egui::DragValue::new(value)
-        .speed(0.0)
-        .fixed_decimals(decimals)
-        .suffix(unit)
-        .update_while_editing(false);
+    let field = egui::DragValue::new(value).fixed_decimals(decimals).suffix(unit);
+    typed(ui, label, field)
+}
+
+/// A field for a number that counts once it is entered, because the data is read again with it.
+fn typed(ui: &mut egui::Ui, label: &str, field: egui::DragValue<'_>) -> bool {
+    let field = field.speed(0.0).update_while_editing(false);
     let response = ui.add(field).accessible_name(label);
     let changed = response.changed();
     response.on_hover_text(format!("{label}: click to type"));
@@ -232,17 +229,18 @@ pub fn distance_fields(
 ) {
     // What was typed so far, where nothing is known.
     let typed_id = egui::Id::unique("distances typed").with(open.id);
-    let typed: Option<[f64; 3]> = ui.data(|data| data.get_temp(typed_id)).unwrap_or_default();
-    let mut all_m = known_m.or(typed).unwrap_or_default();
+    let so_far: Option<[f64; 3]> = ui.data(|data| data.get_temp(typed_id)).unwrap_or_default();
+    let mut all_m = known_m.or(so_far).unwrap_or_default();
     let mut entered = false;
     ui.horizontal_wrapped(|ui| {
         for (pair, distance_m) in all_m.iter_mut().enumerate() {
             let label = format!("Distance of prisms {}", pair_label(pair));
-            // A name does not stand at the end of a line and its number on the next.
-            ui.horizontal(|ui| {
-                ui.label(pair_label(pair));
-                entered |= number(ui, &label, distance_m, 4, " m");
-            });
+            // Its name is in the field: it cannot stand at the end of a line and the number on the next.
+            let field = egui::DragValue::new(distance_m)
+                .prefix(format!("{}:  ", pair_label(pair)))
+                .fixed_decimals(4)
+                .suffix(" m");
+            entered |= typed(ui, &label, field);
         }
     });
     if entered && all_m.iter().all(|m| *m > 0.0) {

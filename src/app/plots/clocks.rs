@@ -17,6 +17,8 @@ use crate::palette;
 
 /// The least height of the plot (ms): less is noise of the drawing.
 const LEAST_MS: f64 = 1.0;
+/// In a lower pane than this the numbers take one line, so that the plot has the rest (points).
+const ROOM_FOR_WORDS: f32 = 200.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, analysis)) = state.analysed() else {
@@ -35,9 +37,13 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         time_plot::selection(ui, &times, commands);
         time_plot::hint(ui, "");
     });
-    ui.add(
-        egui::Label::new(RichText::new(caption(open, state, estimated.as_ref())).small()).wrap(),
-    );
+    let caption = caption(open, state, estimated.as_ref());
+    let label = egui::Label::new(RichText::new(&caption).small());
+    if ui.available_height() < ROOM_FOR_WORDS {
+        ui.add(label.truncate()).on_hover_text(caption.replace("  ·  ", "\n"));
+    } else {
+        ui.add(label.wrap());
+    }
     let plot = Plot::new(("clocks", open.id))
         .custom_x_axes(vec![time_axis(ui.available_width())])
         .y_axis_label("clock (ms)")

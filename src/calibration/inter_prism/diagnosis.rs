@@ -10,11 +10,9 @@ use crate::calibration::checks::{
     FREE_SIGMA_M, POOR_FIT_M, WEAK_SIGMA_M, control_points_contradict,
 };
 use crate::calibration::{ResolvedBy, TransformSigma, Verdict};
-use crate::deployment::{Deployment, Finding, Severity, pairwise_distances};
+use crate::deployment::{Deployment, Finding, Severity};
 use crate::geometry::RigidTransform;
 
-/// A reading of the rig, to the millimetre and with 2 mm of noise, may differ this much from the distances (m).
-const RIG_DISTANCE_M: f64 = 0.010;
 /// A minimum that is no mirror twin makes the answer ambiguous below this cost ratio.
 const CLOSE_RIVAL: f64 = 2.0;
 
@@ -57,7 +55,7 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     let control_points = evidence.sigma.and_then(|sigma| {
         control_points_contradict(evidence.deployment, evidence.station1_from_station, &sigma)
     });
-    let doubts = [control_points, rig_contradicts(evidence), poor_fit(evidence)];
+    let doubts = [control_points, poor_fit(evidence)];
     for finding in doubts.into_iter().flatten() {
         lower(Verdict::Weak, finding);
     }
@@ -172,19 +170,6 @@ fn rival(evidence: &Evidence<'_>) -> Option<Finding> {
     Some(Finding::warning(format!(
         "another solution {apart_m:.2} m away costs only {cost_ratio:.2} times as much; turn to both sides while driving"
     )))
-}
-
-/// The rig's own reading against the distances.
-fn rig_contradicts(evidence: &Evidence<'_>) -> Option<Finding> {
-    let rig = evidence.deployment.rig.as_ref()?;
-    let read_m = pairwise_distances(&rig.prisms_m?);
-    let off_m = (0..3).map(|i| (read_m[i] - rig.inter_prism_m[i]).abs()).fold(0.0, f64::max);
-    (off_m > RIG_DISTANCE_M).then(|| {
-        Finding::warning(format!(
-            "the inter-prism distances and the reading of the rig disagree by {:.0} mm; one of them is wrong",
-            off_m * 1e3
-        ))
-    })
 }
 
 /// Errors larger than noise, interpolation and the distances explain.

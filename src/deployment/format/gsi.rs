@@ -9,8 +9,9 @@
 //! (`31` beside `51`: ppm and mm that were applied), so nothing is added to it here. V is taken for a zenith
 //! angle, as it is by default. Feet are international ones. Lines that hold codes (41) are passed over.
 //!
-//! Written after these documents, and not tried on a recording of a calibration of three stations. There are no stamps finer than
-//! whole seconds, so a file of it is no track.
+//! Written after these documents and tried on the public jobs of totalopenstation and geocompy (one of which is a single
+//! line without ends of lines), not on a calibration of three stations. There are no stamps finer than whole seconds, so
+//! a file of it is no track.
 
 use std::f64::consts::TAU;
 
@@ -33,7 +34,7 @@ pub fn looks_like(line: &str) -> bool {
         && block[2..6].iter().all(|byte| byte.is_ascii_digit() || *byte == b'.')
 }
 
-/// What stands on one line.
+/// What is said of one point.
 #[derive(Default)]
 struct Block<'a> {
     point: Option<&'a str>,
@@ -52,13 +53,17 @@ pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
     let mut constants_m: Vec<f64> = Vec::new();
     let mut station_m: Option<[Option<f64>; 3]> = None;
     let (mut of_other_set_ups, mut without_range) = (0, 0);
+    let mut all: Vec<Block<'_>> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         if !looks_like(line) {
             continue;
         }
-        let block = block(line.trim()).map_err(|what| {
+        let blocks = blocks(line.trim()).map_err(|what| {
             OpenError::line(file, index + 1, what, "export the job again, as GSI-8 or GSI-16")
         })?;
+        all.extend(blocks);
+    }
+    for block in &all {
         let Some(point) = block.point else { continue };
         // A set-up writes its coordinates on a line of its own, or on every line.
         if block.station_m.iter().any(Option::is_some) {
@@ -114,12 +119,13 @@ pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
     Ok(survey)
 }
 
-fn block(line: &str) -> Result<Block<'_>, String> {
+/// Every block of a line: one as a rule, all of the job where a download lost its ends of lines.
+fn blocks(line: &str) -> Result<Vec<Block<'_>>, String> {
     let (words, length) = match line.strip_prefix('*') {
         Some(words) => (words, 23),
         None => (line, 15),
     };
-    let mut block = Block::default();
+    let mut blocks: Vec<Block<'_>> = Vec::new();
     let mut rest = words;
     while !rest.is_empty() {
         // Names may have characters of more than a byte.
@@ -127,12 +133,17 @@ fn block(line: &str) -> Result<Block<'_>, String> {
         let end = end.ok_or_else(|| format!("the word `{rest}` is cut short"))?;
         let word = &rest[..end];
         rest = rest[end..].trim_start();
+        rest = rest.strip_prefix('*').unwrap_or(rest);
         let parts =
             word.get(..2).zip(word.get(6..)).filter(|(_, data)| data.starts_with(['+', '-']));
         let Some((index, data)) = parts else { return Err(format!("`{word}` is not a word")) };
         let unit = word.as_bytes()[5];
         let length_m = || length_m(data, unit).ok_or_else(|| format!("`{word}` is not a length"));
         let angle_rad = || angle_rad(data, unit).ok_or_else(|| format!("`{word}` is not an angle"));
+        if matches!(index, "11" | "41") || blocks.is_empty() {
+            blocks.push(Block::default());
+        }
+        let block = blocks.last_mut().expect("there is one");
         match index {
             "11" => block.point = Some(name(data)),
             "21" => block.azimuth_rad = Some(angle_rad()?),
@@ -154,7 +165,7 @@ fn block(line: &str) -> Result<Block<'_>, String> {
             _ => {}
         }
     }
-    Ok(block)
+    Ok(blocks)
 }
 
 /// A name without the zeros it is filled up with.
@@ -233,6 +244,18 @@ mod tests {
             said[1].contains("-34.0, +10.0 mm") && said[1].contains("nothing is added"),
             "{said:?}"
         );
+    }
+
+    #[test]
+    fn a_job_without_ends_of_lines_is_read_block_by_block() {
+        let words = |point: usize| {
+            format!(
+                "11{point:04}+{point:08} 21.102+1000000{point} 22.102+10000000 31..00+00001000 "
+            )
+        };
+        let survey = read("a.gsi", &(1..4).map(words).collect::<String>()).expect("good");
+        let points: Vec<&str> = survey.sightings.iter().map(|s| s.point.as_str()).collect();
+        assert_eq!(points, ["1", "2", "3"]);
     }
 
     #[test]

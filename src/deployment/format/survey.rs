@@ -1,5 +1,6 @@
 //! Readings of named points by one instrument: what the surveyors' formats have in common.
 
+use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
@@ -11,6 +12,9 @@ use crate::geometry::{Polar, wrap_to_pi};
 const SAME_POINT_M: f64 = 0.05;
 /// Half of all points steeper than this (zenith angle, rad) are no control points: the angles count from the horizon.
 const STEEP_RAD: f64 = PI / 6.0;
+
+/// Cases of one kind that a finding names.
+const NAMED: usize = 3;
 
 /// What a file of one instrument holds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,40 +56,51 @@ impl Survey {
         file: &str,
         prism_constant_m: f64,
     ) -> (Vec<(String, Polar)>, Vec<Finding>) {
-        let mut findings = Vec::new();
         let mut names: Vec<&str> = Vec::new();
+        let mut by_name: HashMap<&str, [Vec<Polar>; 2]> = HashMap::new();
+        let (mut unusable, mut apart) = (Several::default(), Several::default());
         for sighting in &self.sightings {
-            if !names.contains(&sighting.point.as_str()) {
-                names.push(&sighting.point);
+            let (mut polar, second) = sighting.in_face_one();
+            polar.range_m += if sighting.complete { 0.0 } else { prism_constant_m };
+            if !polar.is_plausible() {
+                unusable.add(|| sighting.point.clone());
+                continue;
             }
+            let faces = by_name.entry(&sighting.point).or_insert_with(|| {
+                names.push(&sighting.point);
+                Default::default()
+            });
+            faces[usize::from(second)].push(polar);
         }
         let mut points = Vec::new();
         for name in names {
-            let mut faces: [Vec<Polar>; 2] = Default::default();
-            for sighting in self.sightings.iter().filter(|s| s.point == name) {
-                let (mut polar, second) = sighting.in_face_one();
-                polar.range_m += if sighting.complete { 0.0 } else { prism_constant_m };
-                if polar.is_plausible() {
-                    faces[usize::from(second)].push(polar);
-                } else {
-                    let line = format!("{file}: a reading of {name} left out: not a usable one");
-                    findings.push(Finding::warning(line));
-                }
-            }
-            let all: Vec<Polar> = faces.iter().flatten().copied().collect();
-            let Some(first) = all.first() else { continue };
+            let faces = &by_name[name];
+            let all = || faces.iter().flatten();
+            let Some(first) = all().next() else { continue };
             let apart_m = |p: &Polar| (p.to_cartesian() - first.to_cartesian()).norm();
-            let apart_m = all.iter().map(apart_m).fold(0.0, f64::max);
+            let apart_m = all().map(apart_m).fold(0.0, f64::max);
             if apart_m > SAME_POINT_M {
-                findings.push(Finding::warning(format!(
-                    "{file}: {name} left out: its {} readings are up to {apart_m:.2} m apart; give different points \
-                     different names",
-                    all.len()
-                )));
+                apart.add(|| format!("{name}: {} up to {apart_m:.2} m apart", all().count()));
                 continue;
             }
             let means: Vec<Polar> = faces.iter().filter_map(|face| mean(face)).collect();
             points.extend(mean(&means).map(|polar| (name.to_owned(), polar)));
+        }
+        let mut findings = Vec::new();
+        if unusable.count > 0 {
+            findings.push(Finding::warning(format!(
+                "{file}: {} readings without a usable range or angle left out ({})",
+                unusable.count,
+                unusable.in_words()
+            )));
+        }
+        if apart.count > 0 {
+            findings.push(Finding::warning(format!(
+                "{file}: {} points left out, whose readings are not of one point ({}); give different points different \
+                 names, and each set-up a file of its own",
+                apart.count,
+                apart.in_words()
+            )));
         }
         let steep = points.iter().filter(|(_, p)| p.zenith_rad < STEEP_RAD).count();
         if 2 * steep > points.len() {
@@ -95,6 +110,26 @@ impl Survey {
             )));
         }
         (points, findings)
+    }
+}
+
+/// Cases of one kind: how many, and the first of them in words.
+#[derive(Default)]
+struct Several {
+    count: usize,
+    first: Vec<String>,
+}
+
+impl Several {
+    fn add(&mut self, words: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.first.len() < NAMED {
+            self.first.push(words());
+        }
+    }
+
+    fn in_words(&self) -> String {
+        self.first.join("; ") + if self.count > NAMED { "; …" } else { "" }
     }
 }
 

@@ -129,7 +129,7 @@ pub fn read_rig<'a>(
         let worst = (0..3).map(|i| (measured[i] - inter_prism_m[i]).abs()).fold(0.0, f64::max);
         if worst > RIG_TOLERANCE_M {
             findings.push(Finding::doubt(format!(
-                "the inter-prism distances and the reading of the rig ({file}) disagree by {:.1} mm",
+                "the inter-prism distances and the reading of the rig ({file}) disagree by {:.1} mm; one of them is wrong",
                 worst * 1e3
             )));
         }

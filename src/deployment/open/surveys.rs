@@ -3,6 +3,8 @@
 //! One file is one instrument in one place. Whose it is, the number at the end of its name says, or `surveys` of
 //! `deployment.toml`. Files whose names differ in that number only make one set of control points.
 
+use std::collections::HashMap;
+
 use nalgebra::Vector3;
 
 use super::Reading;
@@ -72,7 +74,7 @@ impl<'a> Surveys<'a> {
             let listed = overrides.control_points.as_ref();
             !rig.contains(&file.file) && (named || listed.is_none_or(|l| l.contains(&file.file)))
         };
-        let mut coordinates: Vec<(&str, Vector3<f64>)> = Vec::new();
+        let mut coordinates: HashMap<&str, Vector3<f64>> = HashMap::new();
         let mut groups: Vec<Group<'_>> = Vec::new();
         for (file, survey) in self.files.iter().filter(|(file, _)| wanted(file)) {
             let name = file.file.as_str();
@@ -83,7 +85,9 @@ impl<'a> Surveys<'a> {
                 if survey.coordinates.is_empty() {
                     reading.findings.push(Finding::warning(format!("{name}: no usable reading")));
                 } else if by_name {
-                    coordinates.extend(survey.coordinates.iter().map(|(n, p)| (n.as_str(), *p)));
+                    for (point, position_m) in &survey.coordinates {
+                        coordinates.entry(point).or_insert(*position_m);
+                    }
                     reading.used.push(name);
                 } else {
                     reading.findings.push(Finding::warning(format!(
@@ -174,10 +178,11 @@ impl Group<'_> {
     fn set(
         &self,
         prism_constants_m: &[f64; 3],
-        coordinates: &[(&str, Vector3<f64>)],
+        coordinates: &HashMap<&str, Vector3<f64>>,
         findings: &mut Vec<Finding>,
     ) -> ControlPointSet {
         let mut points: Vec<(String, ControlPoint)> = Vec::new();
+        let mut index_of: HashMap<String, usize> = HashMap::new();
         let mut files = Vec::new();
         for (station, own) in self.stations.iter().enumerate() {
             let Some((file, survey)) = own else { continue };
@@ -185,10 +190,8 @@ impl Group<'_> {
             let (read, said) = survey.points(file, prism_constants_m[station]);
             findings.extend(said);
             for (name, polar) in read {
-                let index = points.iter().position(|(known, _)| *known == name);
-                let index = index.unwrap_or_else(|| {
-                    let known = coordinates.iter().find(|(known, _)| *known == name);
-                    let known_m = known.map(|(_, position_m)| *position_m);
+                let index = *index_of.entry(name.clone()).or_insert_with(|| {
+                    let known_m = coordinates.get(name.as_str()).copied();
                     points.push((name, ControlPoint { marker: 0, readings: [None; 3], known_m }));
                     points.len() - 1
                 });

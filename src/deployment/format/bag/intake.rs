@@ -298,6 +298,7 @@ impl<'a> Intake<'a> {
         if let Some(first) = &losses.first {
             let more = match losses.count {
                 1 => String::new(),
+                2 => ", and one more place".to_owned(),
                 count => format!(", and {} more places", count - 1),
             };
             let bytes = match losses.bytes {
