@@ -182,6 +182,19 @@ fn no_mistake_in_a_sample_is_good_or_goes_unnamed() {
 }
 
 #[test]
+fn what_contradicts_is_said_with_both_sides() {
+    let sample = Sample::Warthog.open().expect("built in");
+    for (mistake, words) in [
+        (Mistake::Azimuth, "seen from above, prisms 1, 2, 3 lie"),
+        (Mistake::Numbers([1, 2, 0], ""), "prism 1 stands"),
+    ] {
+        let wrong = mistake.make(&Beside::RigReading.of(&sample).expect("has a reading"));
+        let (_, said) = said(&wrong, &Settings::default());
+        assert!(said.contains(words), "{mistake:?}:\n{said}");
+    }
+}
+
+#[test]
 fn no_mistake_in_a_simulated_drive_is_good_or_goes_unnamed() {
     let presets = [Preset::FlatFloor, Preset::ShortBaselines];
     let drives = simulated(&presets, 1..2);
@@ -235,6 +248,25 @@ fn what_was_read_right_stays_good_and_says_what_checked_it() {
         );
         assert_eq!(calibration.verdict, Verdict::Good, "{name}: {said:?}");
     }
+}
+
+#[test]
+fn control_points_check_an_answer_only_where_they_hold_one_that_agrees() {
+    let right = Sample::Warthog.open().expect("built in");
+    let checked = |deployment: &Deployment| {
+        solved(deployment, &Settings::default()).checked_by.contains(&Witness::ControlPoints)
+    };
+    assert!(checked(&right));
+    let mut turned = right.clone();
+    for point in turned.control_points.iter_mut().flat_map(|set| &mut set.points) {
+        point.readings[1].iter_mut().for_each(|polar| polar.azimuth_rad += 3e-3);
+    }
+    assert!(!checked(&turned), "station 2 was turned by 3 mrad between points and drive");
+    let mut few = right;
+    few.control_points.retain(|set| !set.pillars);
+    few.control_points.truncate(1);
+    few.control_points[0].points.truncate(2);
+    assert!(!checked(&few), "two points agree with anything");
 }
 
 /// Control points can be misread as well as tracks: what the rig's reading goes with is right.
