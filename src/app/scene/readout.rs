@@ -52,7 +52,13 @@ fn cursor_lines(
     let since_s = open.timeline.cursor_s? - open.start_s();
     let time = format!("{since_s:.2} s");
     let Some(prisms_m) = &content.prisms_m else {
-        return Some(vec![format!("{time}  no triplet here")]);
+        let answer = analysis.answer.as_ref().map(|answer| &answer.calibration);
+        let why = match answer.map(|answer| answer.placing_tracks(&open.deployment)) {
+            Err(_) => "no result places the prisms",
+            Ok(None) => "the tracks are in another frame than this answer",
+            Ok(Some(_)) => "no triplet here",
+        };
+        return Some(vec![format!("{time}  {why}")]);
     };
     let Some(pose) = &content.pose else {
         return Some(vec![format!("{time}  prism 1 {}", position(&prisms_m[0], units))]);

@@ -221,6 +221,9 @@ impl State {
         if let Asked::Columns(columns) = &mut asked
             && let Some(head) = &columns.head
         {
+            if let Asked::Columns(before) = &waiting.asked {
+                mapped_csv::suggest_meanings(&head.text, &before.mapping, &mut columns.mapping);
+            }
             columns.preview = mapped_csv::preview(&head.text, &columns.mapping);
         }
         waiting.asked = asked;

@@ -8,10 +8,11 @@ mod suggestion;
 mod values;
 
 use std::borrow::Cow;
+use std::f64::consts::TAU;
 use std::io::Read;
 
 use self::stamps::Stamps;
-pub use self::suggestion::suggest;
+pub use self::suggestion::{suggest, suggest_meanings};
 use self::values::{angle_rad, metres, number, station_number};
 use super::column_mapping::VerticalAngle;
 use super::table::{self, shown};
@@ -45,7 +46,9 @@ pub fn preview(head: &str, mapping: &ColumnMapping) -> Preview {
     let mut stamps = Stamps::default();
     let read = rows.iter().map(|(line, row)| match (&columns, row) {
         (Err(what), _) | (_, Err(what)) => Err(what.clone()),
-        (Ok(columns), Ok(row)) => columns.understand(row, *line, Some(1), &mut stamps),
+        (Ok(columns), Ok(row)) => {
+            columns.understand(row, *line, Some(1), &mut stamps).and_then(within_a_turn)
+        }
     });
     let read = read.collect();
     let text = |fields: &[Cow<'_, str>]| fields.iter().map(|field| shown(field)).collect();
@@ -57,6 +60,19 @@ pub fn preview(head: &str, mapping: &ColumnMapping) -> Preview {
             .collect(),
         read,
     }
+}
+
+/// Refuses a reading whose angles cannot be in the unit that was chosen.
+fn within_a_turn(record: RawRecord) -> Result<RawRecord, String> {
+    let Measurement { azimuth_rad, zenith_rad, .. } = record.measurement;
+    if azimuth_rad.abs() > TAU || zenith_rad.abs() > TAU {
+        return Err(format!(
+            "azimuth {:.1}°, zenith angle {:.1}°: more than a turn; the angles are in another unit",
+            azimuth_rad.to_degrees(),
+            zenith_rad.to_degrees()
+        ));
+    }
+    Ok(record)
 }
 
 /// Reads all of a table; `progress` counts its bytes. `station` is whose file it is where no column tells.

@@ -2,13 +2,15 @@ use super::super::column_mapping::{TableAngle, TableLength, TimeFormat};
 use super::*;
 
 /// The same reading, 12.5 m away at azimuth 1 rad and zenith angle 1.6 rad, as foreign tables may write it.
-const TABLES: [&str; 6] = [
+const TABLES: [&str; 8] = [
     "time_s,station,slope_distance,azimuth,zenith\n1657569001.5,2,12.5,1.0,1.6\n",
     "Stamp;RTS;Range [mm];Hz;V\n1657569001500;2;12500,0;63,661977236758;101,859163578813\n",
     "date\tinstrument\tdist\tbearing\televation angle\n2022-07-11T19:50:01.5Z\tS2\t12.5\t57.29577951308232\t-1.6732472\n",
     "timestamp,id,distance_ft,h_angle,v_angle\n1657569001.5,2,41.01049868766404,57°17'44.8062\",91°40'23.6899\"\n",
     "status|t|id|x|y|z\n0|1657569001.5|2|6.75089903|-10.51390230|-0.36499403\n",
     "\u{feff}\"timestamp\",\"id\",\"range\",\"ha\",\"va\"\r\n\"1657569001.5\",\"2\",\"12.5\",\"1.0\",\"1.6\"\r\n",
+    "Zeit;Standpunkt;Schrägstrecke (m);Richtung [gon];Zenit [gon];Bemerkung\n1657569001,5;2;12,5;63,661977236758;101,859163578813;x\n",
+    "Time (s);Station;Dist_m;Hz_deg;V_deg\n1657569001.5;2;12.5;57.29577951308232;91.6732472209\n",
 ];
 
 #[test]
@@ -36,7 +38,7 @@ fn what_is_suggested_reads_the_same_reading_from_every_table() {
 
 #[test]
 fn what_is_suggested_says_the_units() {
-    let [_, gon, calendar, dms, xyz, _] = TABLES.map(suggest);
+    let [_, gon, calendar, dms, xyz, _, german, _] = TABLES.map(suggest);
     assert_eq!(
         (gon.time_format, gon.length_unit),
         (TimeFormat::Milliseconds, TableLength::Millimetres)
@@ -47,7 +49,35 @@ fn what_is_suggested_says_the_units() {
         (dms.angle_unit, dms.length_unit),
         (TableAngle::DegreesMinutesSeconds, TableLength::Feet)
     );
+    assert_eq!((german.angle_unit, german.length_unit), (TableAngle::Gon, TableLength::Metres));
+    // Steeply down, which by the numbers alone could be gon.
+    let down = suggest("t,id,sd,hz_deg,v_deg\n1,2,12.5,57.0,96.5\n");
+    assert_eq!(down.angle_unit, TableAngle::Degrees);
     assert_eq!((xyz.status.as_deref(), xyz.range), (Some("status"), None));
+}
+
+#[test]
+fn naming_a_column_suggests_its_unit_and_leaves_the_others_as_they_are() {
+    let text = "a;b [mm];c;d\n1657569001,5;12500;63,66;101,86\n";
+    let before =
+        ColumnMapping { time: "a".into(), time_format: TimeFormat::TimeOfDay, ..suggest("") };
+    let mut mapping = ColumnMapping { azimuth: Some("c".into()), ..before.clone() };
+    mapping.vertical = Some("d".into());
+    suggest_meanings(text, &before, &mut mapping);
+    assert_eq!(mapping.angle_unit, TableAngle::Gon);
+    let units = (mapping.time_format, mapping.length_unit);
+    assert_eq!(units, (TimeFormat::TimeOfDay, TableLength::Metres));
+    let before = mapping.clone();
+    mapping.range = Some("b [mm]".into());
+    suggest_meanings(text, &before, &mut mapping);
+    assert_eq!(mapping.length_unit, TableLength::Millimetres);
+}
+
+#[test]
+fn a_preview_shows_angles_in_the_wrong_unit() {
+    let mapping = ColumnMapping { angle_unit: TableAngle::Radians, ..suggest(TABLES[6]) };
+    let said = preview(TABLES[6], &mapping).read[0].clone().expect_err("5000 degrees");
+    assert!(said.contains("more than a turn"), "{said}");
 }
 
 fn polar() -> ColumnMapping {
