@@ -116,7 +116,8 @@ pub fn control_points_contradict(
     )))
 }
 
-/// The same for the inter-prism distances of the drive.
+/// Inter-prism distances of the drive that the answer misses by more than any good one does, whatever its own σ allows:
+/// method D holds the same drive to 1 to 2 mm.
 fn distances_contradict(
     rig: &Rig,
     triplets: &Triplets,
@@ -129,14 +130,24 @@ fn distances_contradict(
     let median_m = median(&errors_m)?;
     let range_m = triplets.points_m[0][triplets.len() / 2].norm();
     let expected_m = expected_m(sigma, range_m, DISTANCE_SIGMA_M);
-    (median_m > CONTRADICTION * expected_m).then(|| {
-        Finding::warning(format!(
+    let line = if median_m > CONTRADICTION * expected_m {
+        format!(
             "the drive contradicts this answer: its inter-prism distances are off by {:.1} mm (median) where about \
              {:.0} mm are expected; a station moved between the two, or a bias is not modelled",
             median_m * 1e3,
             expected_m * 1e3
-        ))
-    })
+        )
+    } else if median_m > POOR_FIT_M {
+        format!(
+            "this answer does not hold the drive together: its inter-prism distances are off by {:.1} mm (median), which \
+             its σ allows ({:.0} mm) and a good answer does not show (1 to 2 mm)",
+            median_m * 1e3,
+            expected_m * 1e3
+        )
+    } else {
+        return None;
+    };
+    Some(Finding::warning(line))
 }
 
 /// What two stations may disagree by at a range (m): the answer's σ, and at least `floor_m`.

@@ -201,25 +201,13 @@ impl Calibration {
         }
     }
 
-    /// By how much all ranges are too long (m), where that was estimated.
-    pub fn prism_constant_error_m(&self) -> Option<f64> {
-        let refinement = self.inter_prism()?.refinement.as_ref()?;
-        Some(refinement.prism_constant_error_m?.value)
-    }
-
     /// The triplets with what was estimated beside the transforms taken into account: clocks and the prism constant.
     /// `None` where nothing was.
     pub fn corrected(&self, triplets: &Triplets) -> Option<Triplets> {
-        let (clocks, longer_m) = (self.clocks(), self.prism_constant_error_m());
-        if clocks.is_none() && longer_m.is_none() {
-            return None;
+        match &self.details {
+            Details::InterPrism(details) => Some(details.refinement.as_ref()?.corrected(triplets)),
+            _ => Some(inter_prism::with_clocks(triplets, self.clocks()?)),
         }
-        let mut corrected =
-            clocks.map_or_else(|| triplets.clone(), |c| inter_prism::with_clocks(triplets, c));
-        for point in corrected.points_m.iter_mut().flatten() {
-            *point -= longer_m.unwrap_or(0.0) * point.normalize();
-        }
-        Some(corrected)
     }
 
     /// Correlations of what [`Calibration::covariance`] is of, from −1 to 1.

@@ -2,7 +2,7 @@
 //! how far they pull an answer by least squares.
 
 use super::{CentredTriplets, Minimum, NormalEquations, distance_errors_m};
-use crate::calibration::TransformSigma;
+use crate::calibration::{TransformSigma, Verdict};
 use crate::deployment::Finding;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
@@ -14,6 +14,8 @@ const WILD_M: f64 = 0.02;
 const WILD_TIMES: f64 = 5.0;
 /// Mean squares this many times that of the triplets that fit have a tail that least squares feels.
 const LONG_TAIL: f64 = 1.3;
+/// An answer that leaves out this share of the triplets rests on a choice, and not on the drive.
+const TOO_MANY: f64 = 0.2;
 /// A pull is worth a warning when it is more than this (m) and as much as the answer's own σ.
 pub const NOTABLE_PULL_M: f64 = 0.002;
 
@@ -42,6 +44,23 @@ fn limit_m(worst_m: impl Iterator<Item = f64>) -> Option<f64> {
 /// Errors of the three distances of each triplet out of a list of them all.
 fn in_triplets(errors_m: &[f64]) -> impl Iterator<Item = [f64; 3]> + '_ {
     errors_m.chunks_exact(3).map(|pairs| [pairs[0], pairs[1], pairs[2]])
+}
+
+/// What is said of triplets that a robust answer leaves out as wild; a doubt where they are many.
+pub fn left_out(count: usize, of: usize) -> Vec<(Verdict, Finding)> {
+    if count == 0 {
+        return Vec::new();
+    }
+    let line = format!("{count} triplets that cannot be right were left out");
+    if (count as f64) < TOO_MANY * of as f64 {
+        return vec![(Verdict::Good, Finding::note(line))];
+    }
+    let line = format!(
+        "{line}, {:.0} % of all: the rest may be wrong as well; find out what station followed another prism, or whose \
+         distances are another rig's",
+        1e2 * count as f64 / of as f64
+    );
+    vec![(Verdict::Weak, Finding::warning(line))]
 }
 
 /// Triplets that fit an answer.

@@ -7,6 +7,8 @@
 //! prior ([`closed_form`] or [`prior_search`]) → [`search`] of all its minima → these on the exact cost, the best one
 //! and its mirror twin finished on all triplets ([`minima`]; [`normal_equations`] is the one fused pass over the data)
 //! → [`mirror`] decides between the two → [`uncertainty`] → [`observability`] and [`drive_shape`] → [`diagnosis`].
+//! What goes beyond the paper is [`refinement`]; its answer then takes the place of the published one in all that follows
+//! ([`refined_answer`]).
 
 mod centred;
 mod closed_form;
@@ -22,6 +24,7 @@ mod normal_equations;
 pub mod observability;
 mod prior_search;
 mod published;
+mod refined_answer;
 mod refinement;
 pub mod refinement_in_words;
 mod search;
@@ -148,48 +151,47 @@ pub fn solve(
         used = Cow::Owned(triplets.select(&kept));
         published = solve_published(&used);
     }
-    let left_out = triplets.len() - used.len();
+    let (all, mut left_out) = (triplets.len(), triplets.len() - used.len());
+    let mut doubts = Vec::new();
     let triplets = used.as_ref();
-    let Published {
-        data,
-        thinned,
-        answer,
-        choice,
-        basins,
-        rival,
-        prior_search,
-        mut findings,
-        prior_ms,
-    } = published;
-    if left_out > 0 {
-        findings.push(Finding::note(format!(
-            "{left_out} triplets that cannot be right were left out before anything else"
-        )));
-    }
-    let fitting = observability::fitting(&thinned, &answer.parameters);
-    let uncertainty = uncertainty::estimate(
-        &data,
+    let prior_search = published.prior_search.take();
+    let prior_ms = published.prior_ms;
+    let plain = published.choice.answer.station1_from_station;
+    let mut fitting = observability::fitting(&published.thinned, &published.answer.parameters);
+    let mut uncertainty = uncertainty::estimate(
+        &published.data,
         &fitting,
         &triplets.time_s,
         &triplets.interval,
-        &answer,
+        &published.answer,
         settings,
     );
     // Where a direction is free, there is nothing to refine.
     let refinement = (settings.refines() && uncertainty.covariance.is_some())
-        .then(|| {
-            let plain = &choice.answer.station1_from_station;
-            refinement::refine(triplets, plain, &rig.inter_prism_m, settings, progress)
-        })
+        .then(|| refinement::refine(triplets, &plain, &rig.inter_prism_m, settings, progress))
         .flatten();
     progress.check()?;
-    let plain = choice.answer.station1_from_station.map(RigidTransform::from);
-    let (station1_from_station, sigma, covariance) = match &refinement {
-        Some(refined) => {
-            (refined.station1_from_station, Some(refined.sigma), Some(refined.covariance))
-        }
-        None => (plain, uncertainty.sigma(), uncertainty.covariance),
-    };
+    // From here on the refined answer stands in the place of the published one, on the readings that it put right.
+    let mut station1_from_station = plain.map(RigidTransform::from);
+    if let Some(refined) = &refinement {
+        let points = deployment.comparable_control_points();
+        let answer = refined_answer::solve(refined, rig, points, triplets, settings.loss);
+        let findings = std::mem::replace(&mut published, answer.found).findings;
+        published.findings = findings;
+        left_out += answer.set_aside;
+        fitting = observability::fitting(&published.thinned, &published.answer.parameters);
+        uncertainty = uncertainty::of_covariance(
+            &published.data,
+            &fitting,
+            &published.answer,
+            refined.covariance,
+        );
+        station1_from_station = refined.station1_from_station;
+        doubts.extend(answer.doubt);
+        doubts.extend(refinement_in_words::doubts(refined, &rig.inter_prism_m, settings));
+    }
+    let Published { data, thinned, answer, choice, basins, rival, mut findings, .. } = published;
+    let sigma = uncertainty.sigma();
     let observability = observability::observe(&fitting, &answer.parameters, &uncertainty);
     let evidence = Evidence {
         deployment,
@@ -203,46 +205,45 @@ pub fn solve(
         sigma,
     };
     let mut verdict = diagnosis::judge(&evidence, &mut findings);
-    if settings.loss == Loss::Squared
-        && let Some(finding) = gross_errors::pull(&data, &thinned, &answer, sigma.as_ref())
-    {
-        verdict = verdict.max(Verdict::Weak);
-        findings.push(finding);
+    let mut lower = |to: Verdict, more: Vec<Finding>| {
+        verdict = if more.is_empty() { verdict } else { verdict.max(to) };
+        findings.extend(more);
+    };
+    if settings.loss == Loss::Squared {
+        let pull = gross_errors::pull(&data, &thinned, &answer, sigma.as_ref());
+        lower(Verdict::Weak, pull.into_iter().collect());
     }
     if !settings.estimate.clocks
         && uncertainty.covariance.is_some()
         && let Some(clocks) = refinement::suspected_clocks(
             triplets,
-            &choice.answer.station1_from_station,
+            &plain,
             &rig.inter_prism_m,
             settings.inter_prism_sigma_m,
         )
     {
-        let mut suspicions = refinement_in_words::suspicions(&clocks.offsets_s);
-        suspicions.extend(refinement_in_words::suspected_jumps(&clocks.jumps_s));
-        if !suspicions.is_empty() {
-            verdict = verdict.max(Verdict::Weak);
-        }
-        findings.extend(suspicions);
+        lower(Verdict::Weak, refinement_in_words::suspicions(&clocks.offsets_s));
+        lower(Verdict::Weak, refinement_in_words::suspected_jumps(&clocks.jumps_s));
     }
     if let Some(refined) = &refinement {
-        let uneven = refinement_in_words::uneven_clocks(refined);
-        if !uneven.is_empty() {
-            verdict = verdict.max(Verdict::Weak);
-        }
-        findings.extend(uneven);
+        lower(Verdict::Weak, refinement_in_words::uneven_clocks(refined));
         findings.extend(refinement_in_words::findings(refined, &rig.inter_prism_m));
     } else if settings.refines() {
-        verdict = verdict.max(Verdict::Weak);
-        findings.push(Finding::warning(
-            "nothing was refined: the data does not hold all that was to be estimated",
-        ));
+        let line = "nothing was refined: the data does not hold all that was to be estimated";
+        lower(Verdict::Weak, vec![Finding::warning(line)]);
+    }
+    doubts.extend(gross_errors::left_out(left_out, all));
+    // The answer's own evidence against it comes first.
+    for (to, finding) in doubts.into_iter().rev() {
+        verdict = verdict.max(to);
+        let at = if to == Verdict::Good { findings.len() } else { 0 };
+        findings.insert(at, finding);
     }
     Ok(Calibration {
         method: Method::InterPrism,
         station1_from_station,
         sigma,
-        covariance,
+        covariance: uncertainty.covariance,
         verdict,
         findings,
         checked_by: Vec::new(),

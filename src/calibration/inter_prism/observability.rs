@@ -39,7 +39,7 @@ pub struct Observability {
 pub struct Direction {
     /// How much the distances resist, over the direction in which they resist most.
     pub relative: f64,
-    /// Standard deviation along it (m), of the published method's answer; `None` where a direction is free.
+    /// Standard deviation along it (m), of the answer; `None` where a direction is free.
     pub sigma_m: Option<f64>,
     pub hold: Hold,
     pub words: String,

@@ -1,6 +1,9 @@
 //! What a refinement found, in words: what is off and which way, whether the data supports it, what moved.
 
-use super::refinement::{ClockJump, Estimate, NoiseLevels, Refinement, Support};
+use super::refinement::{
+    ClockJump, Estimate, NoiseLevels, PRISM_CONSTANT_SIGMA_M, Refinement, Support, TILT_SIGMA_RAD,
+};
+use crate::calibration::{CalibrationSettings, Verdict};
 use crate::deployment::{Finding, pair_label};
 
 /// Smaller than this many σ, an estimate is not told from what was assumed.
@@ -12,6 +15,10 @@ const SUSPICIOUS_SIGMAS: f64 = 3.5;
 const SUSPICIOUS_OFFSET_S: f64 = 0.002;
 /// Four times what the prior allows (s per s).
 const IMPLAUSIBLE_DRIFT: f64 = 20e-6;
+/// An estimate further than this many σ of its prior from where that puts it has another cause than chance.
+const MOST_PRIOR_SIGMAS: f64 = 5.0;
+/// No rig is measured better than this (m).
+const LEAST_DISTANCE_SIGMA_M: f64 = 1e-4;
 const MILLIRADIAN_PER_ARCSECOND: f64 = std::f64::consts::PI / 180.0 / 3.6;
 
 pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
@@ -52,10 +59,55 @@ pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> 
         moves[..4].join(", "),
         moves[4..].join(", ")
     )));
-    if !refined.converged {
-        findings.push(Finding::warning("the refinement stopped before it reached the minimum"));
-    }
     findings
+}
+
+/// What the refinement found that speaks against itself: no minimum, or estimates that their priors do not allow.
+pub fn doubts(
+    refined: &Refinement,
+    inter_prism_m: &[f64; 3],
+    settings: &CalibrationSettings,
+) -> Vec<(Verdict, Finding)> {
+    let mut doubts = Vec::new();
+    if !refined.converged {
+        doubts.push(
+            "the estimate did not converge: it stopped before it reached a minimum".to_owned(),
+        );
+    }
+    let distance_sigma_m = settings.inter_prism_sigma_m.max(LEAST_DISTANCE_SIGMA_M);
+    for (pair, distance) in refined.distances_m.iter().flatten().enumerate() {
+        let off_m = distance.value - inter_prism_m[pair];
+        if off_m.abs() > MOST_PRIOR_SIGMAS * distance_sigma_m {
+            doubts.push(format!(
+                "prisms {} would be {:+.1} mm from their measured distance, which is known to {:.1} mm (1 σ): the rig, its \
+                 units or the stations' numbers are wrong",
+                pair_label(pair),
+                off_m * 1e3,
+                distance_sigma_m * 1e3
+            ));
+        }
+    }
+    for (slot, tilts) in refined.tilts_rad.iter().flatten().enumerate() {
+        let leans_rad = tilts.map(|tilt| tilt.value.abs()).into_iter().fold(0.0, f64::max);
+        if leans_rad > MOST_PRIOR_SIGMAS * TILT_SIGMA_RAD {
+            doubts.push(format!(
+                "station {} would lean by {:.0}″, which its compensator does not leave (1″, 1 σ): it was knocked, or \
+                 something else bends the answer",
+                slot + 2,
+                leans_rad * 1e3 / MILLIRADIAN_PER_ARCSECOND
+            ));
+        }
+    }
+    if let Some(constant) = refined.prism_constant_error_m
+        && constant.value.abs() > MOST_PRIOR_SIGMAS * PRISM_CONSTANT_SIGMA_M
+    {
+        doubts.push(format!(
+            "ranges would be {:+.1} mm too long, where the prism constant is known to {:.1} mm (1 σ): check it",
+            constant.value * 1e3,
+            PRISM_CONSTANT_SIGMA_M * 1e3
+        ));
+    }
+    doubts.into_iter().map(|line| (Verdict::Weak, Finding::warning(line))).collect()
 }
 
 /// What the clocks of stations 2 and 3 were found to do.

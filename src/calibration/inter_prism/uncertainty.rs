@@ -70,15 +70,8 @@ pub fn estimate(
     }
     let blocks = blocks.len();
 
-    // Yaw in metres at the track's radius, so that directions can be compared.
     let radius_m = super::levenberg_marquardt::track_radius_m(data);
-    let scale = SMatrix::<f64, 8, 8>::from_fn(|i, j| match (i == j, i % 4) {
-        (true, 3) => 1.0 / radius_m,
-        (true, _) => 1.0,
-        _ => 0.0,
-    });
-    let of_fitting = NormalEquations::at(fitting, &answer.parameters).matrix;
-    let spectrum = (scale * of_fitting * scale).symmetric_eigen();
+    let spectrum = spectrum(fitting, &answer.parameters, radius_m);
     let free = |spectrum: SymmetricEigen<f64, Const<8>>| Uncertainty {
         covariance: None,
         centred_m2: None,
@@ -115,12 +108,37 @@ pub fn estimate(
         return free(spectrum);
     }
 
-    let unscale = scale.try_inverse().expect("diagonal, positive");
+    let covariance = at_the_stations(data, &answer.parameters) * centred;
+    let covariance = covariance * at_the_stations(data, &answer.parameters).transpose();
+    known(covariance, centred, spectrum, radius_m)
+}
+
+/// Of an answer whose covariance at the stations is known already.
+pub fn of_covariance(
+    data: &CentredTriplets,
+    fitting: &CentredTriplets,
+    answer: &Minimum,
+    covariance: SMatrix<f64, 8, 8>,
+) -> Uncertainty {
+    let radius_m = super::levenberg_marquardt::track_radius_m(data);
+    let spectrum = spectrum(fitting, &answer.parameters, radius_m);
+    // What turns a station about the track's centroid has ones on its diagonal.
+    let back = at_the_stations(data, &answer.parameters).try_inverse().expect("a shear");
+    known(covariance, back * covariance * back.transpose(), spectrum, radius_m)
+}
+
+fn known(
+    covariance: SMatrix<f64, 8, 8>,
+    centred: SMatrix<f64, 8, 8>,
+    spectrum: SymmetricEigen<f64, Const<8>>,
+    radius_m: f64,
+) -> Uncertainty {
+    let unscale = yaw_in_metres(1.0 / radius_m);
     let centred_m2 = unscale * centred * unscale;
     let in_metres = centred_m2.symmetric_eigen();
     let worst = in_metres.eigenvalues.imax();
     Uncertainty {
-        covariance: Some(at_the_stations(data, &answer.parameters, &centred)),
+        covariance: Some(covariance),
         centred_m2: Some(centred_m2),
         weakest: in_metres.eigenvectors.column(worst).into_owned(),
         weakest_sigma_m: in_metres.eigenvalues[worst].max(0.0).sqrt(),
@@ -129,12 +147,27 @@ pub fn estimate(
     }
 }
 
-/// From centred parameters to (translation, yaw): t = t' − R c + const, so ∂t/∂ψ = −R' c.
-fn at_the_stations(
-    data: &CentredTriplets,
+/// Of JᵀJ, with yaw in metres at the track's radius, so that directions can be compared.
+fn spectrum(
+    fitting: &CentredTriplets,
     parameters: &Parameters,
-    centred: &SMatrix<f64, 8, 8>,
-) -> SMatrix<f64, 8, 8> {
+    radius_m: f64,
+) -> SymmetricEigen<f64, Const<8>> {
+    let scale = yaw_in_metres(radius_m);
+    (scale * NormalEquations::at(fitting, parameters).matrix * scale).symmetric_eigen()
+}
+
+/// Divides yaws by a radius (m).
+fn yaw_in_metres(radius_m: f64) -> SMatrix<f64, 8, 8> {
+    SMatrix::from_fn(|i, j| match (i == j, i % 4) {
+        (true, 3) => 1.0 / radius_m,
+        (true, _) => 1.0,
+        _ => 0.0,
+    })
+}
+
+/// Derivative of (translation, yaw) by the centred parameters: t = t' − R c + const, so ∂t/∂ψ = −R' c.
+fn at_the_stations(data: &CentredTriplets, parameters: &Parameters) -> SMatrix<f64, 8, 8> {
     let transforms = data.transforms(parameters);
     let mut jacobian = SMatrix::<f64, 8, 8>::identity();
     for slot in 0..2 {
@@ -142,5 +175,5 @@ fn at_the_stations(
         jacobian[(4 * slot, 4 * slot + 3)] = turned.y;
         jacobian[(4 * slot + 1, 4 * slot + 3)] = -turned.x;
     }
-    jacobian * centred * jacobian.transpose()
+    jacobian
 }

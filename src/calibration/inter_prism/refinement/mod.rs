@@ -113,6 +113,18 @@ pub struct Refinement {
 }
 
 impl Refinement {
+    /// The triplets with clocks and prism constant put right.
+    pub fn corrected(&self, triplets: &Triplets) -> Triplets {
+        let mut corrected =
+            self.clocks().map_or_else(|| triplets.clone(), |clocks| with_clocks(triplets, clocks));
+        if let Some(longer_m) = self.prism_constant_error_m {
+            for point in corrected.points_m.iter_mut().flatten() {
+                *point -= longer_m.value * point.normalize();
+            }
+        }
+        corrected
+    }
+
     /// How late the stamps of stations 2 and 3 are, where that was estimated.
     pub fn clocks(&self) -> Option<[Clock; 2]> {
         let (offsets_s, drifts) = (self.clock_offsets_s?, self.clock_drifts?);
