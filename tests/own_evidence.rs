@@ -125,3 +125,11 @@ fn a_refined_answer_is_judged_as_itself() {
     let direct = details.mirror.twin.as_ref().map(|twin| details.cost_ratio(twin));
     assert_eq!(direct.map(|ratio| ratio > 10.0), Some(true), "{direct:?}");
 }
+
+#[test]
+fn a_switch_that_does_nothing_is_said_to() {
+    let both = CalibrationSettings { weigh_by_noise: true, ..CalibrationSettings::robust() };
+    let said = |settings| format!("{:?}", solved(&sample(), settings).findings);
+    assert!(said(both).contains("changes nothing here"));
+    assert!(!said(CalibrationSettings::robust()).contains("changes nothing here"));
+}

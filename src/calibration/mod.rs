@@ -10,6 +10,7 @@ pub mod dynamic_gcp;
 pub mod inter_prism;
 mod method;
 mod point_to_point;
+mod sandwich;
 mod sense;
 mod settings;
 pub mod static_gcp;

@@ -239,8 +239,10 @@ fn parts(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
     ui.checkbox(&mut settings.continuous_time, "readings, not triplets").on_hover_text(
         "The motion is estimated from the readings themselves, in continuous time, and so is their noise",
     );
-    ui.checkbox(&mut settings.weigh_by_noise, "weigh by noise")
-        .on_hover_text("Each distance counts by the noise of its two readings: 2 mm + 2 ppm, 1″");
+    let by_noise = egui::Checkbox::new(&mut settings.weigh_by_noise, "weigh by noise");
+    ui.add_enabled(!settings.continuous_time, by_noise)
+        .on_hover_text("Each distance counts by the noise of its two readings: 2 mm + 2 ppm, 1″")
+        .on_disabled_hover_text("Readings count by their own noise anyway");
 }
 
 /// A frame with a title: dotted and with a switch when the module is optional.

@@ -42,7 +42,7 @@ pub use centred::{CentredTriplets, Parameters};
 pub use closed_form::closed_form_priors;
 use diagnosis::Evidence;
 pub use levenberg_marquardt::{Minimum, minimise};
-pub use normal_equations::{NormalEquations, Pulls};
+pub use normal_equations::{NormalEquations, distance_pulls};
 use observability::Observability;
 pub use prior_search::{PriorSearch, SearchRun};
 use published::Published;
@@ -224,6 +224,9 @@ pub fn solve(
     {
         lower(Verdict::Weak, refinement_in_words::suspicions(&clocks.offsets_s));
         lower(Verdict::Weak, refinement_in_words::suspected_jumps(&clocks.jumps_s));
+    }
+    if settings.weigh_by_noise && settings.continuous_time {
+        lower(Verdict::Good, vec![Finding::note(refinement_in_words::WEIGHED_ANYWAY)]);
     }
     if let Some(refined) = &refinement {
         lower(Verdict::Weak, refinement_in_words::uneven_clocks(refined));

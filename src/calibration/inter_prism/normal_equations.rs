@@ -22,14 +22,6 @@ pub struct NormalEquations {
     pub cost: f64,
 }
 
-/// Jᵀr and Σ ∂r/∂p of each pair, over some of the triplets: what the uncertainty needs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pulls {
-    pub gradient: SVector<f64, 8>,
-    /// What an error of an inter-prism distance pulls at.
-    pub by_pair: [SVector<f64, 8>; 3],
-}
-
 impl NormalEquations {
     pub fn of(sums: &[Sums<1>; 3]) -> Self {
         Self { matrix: matrix(sums), gradient: gradient(sums), cost: cost(sums) }
@@ -37,15 +29,18 @@ impl NormalEquations {
 
     /// Of the distances themselves (`paper.tex`, eq. `cost_function_2`).
     pub fn at(data: &CentredTriplets, parameters: &Parameters) -> Self {
-        Self::of(&sums_over(data, parameters, 0..data.len(), true))
+        Self::over(data, parameters, 0..data.len())
+    }
+
+    /// Of some of the triplets.
+    pub fn over(data: &CentredTriplets, parameters: &Parameters, instants: Range<usize>) -> Self {
+        Self::of(&sums_over(data, parameters, instants, true))
     }
 }
 
-impl Pulls {
-    pub fn over(data: &CentredTriplets, parameters: &Parameters, instants: Range<usize>) -> Self {
-        let sums = sums_over(data, parameters, instants, false);
-        Self { gradient: gradient(&sums), by_pair: by_pair(&sums) }
-    }
+/// Σ ∂r/∂p of each pair: what an error of an inter-prism distance pulls at.
+pub fn distance_pulls(data: &CentredTriplets, parameters: &Parameters) -> [SVector<f64, 8>; 3] {
+    by_pair(&sums_over(data, parameters, 0..data.len(), false))
 }
 
 fn sums_over(
@@ -226,8 +221,7 @@ pub(super) mod tests {
     fn gradient_and_pulls_match_numerical_differences() {
         let (data, parameters) = irregular(29);
         let normal = NormalEquations::at(&data, &parameters);
-        let pulls = Pulls::over(&data, &parameters, 0..data.len());
-        assert!((normal.gradient - pulls.gradient).amax() < 1e-12 * normal.gradient.amax());
+        let pulls = distance_pulls(&data, &parameters);
         for k in 0..8 {
             let step = 1e-6;
             let shifted = |by: f64| {
@@ -246,7 +240,7 @@ pub(super) mod tests {
             let mut other = data.clone();
             other.inter_prism_m[pair] += 1e-3;
             let change = NormalEquations::at(&other, &parameters).gradient - normal.gradient;
-            assert!((change / 1e-3 + pulls.by_pair[pair]).amax() < 1e-6 * normal.gradient.amax());
+            assert!((change / 1e-3 + pulls[pair]).amax() < 1e-6 * normal.gradient.amax());
         }
     }
 
@@ -259,7 +253,7 @@ pub(super) mod tests {
             for pair in 0..3 {
                 // One instant, one pair: its gradient over its residual is the row of J.
                 let one = data.select(&[i]);
-                let row = Pulls::over(&one, &parameters, 0..1).by_pair[pair];
+                let row = distance_pulls(&one, &parameters)[pair];
                 expected += row * row.transpose();
             }
         }
@@ -269,16 +263,14 @@ pub(super) mod tests {
     #[test]
     fn parts_add_up_to_the_whole_at_any_cut() {
         let (data, parameters) = irregular(37);
-        let whole = Pulls::over(&data, &parameters, 0..37);
+        let whole = NormalEquations::at(&data, &parameters);
         for cut in [0, 1, 7, 8, 9, 36, 37] {
-            let left = Pulls::over(&data, &parameters, 0..cut);
-            let right = Pulls::over(&data, &parameters, cut..37);
+            let left = NormalEquations::over(&data, &parameters, 0..cut);
+            let right = NormalEquations::over(&data, &parameters, cut..37);
             let off = left.gradient + right.gradient - whole.gradient;
             assert!(off.amax() < 1e-9 * whole.gradient.amax());
-            for pair in 0..3 {
-                let off = left.by_pair[pair] + right.by_pair[pair] - whole.by_pair[pair];
-                assert!(off.amax() < 1e-9 * whole.by_pair[pair].amax());
-            }
+            let off = left.matrix + right.matrix - whole.matrix;
+            assert!(off.amax() < 1e-9 * whole.matrix.amax());
         }
     }
 }

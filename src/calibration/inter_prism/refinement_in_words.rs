@@ -21,6 +21,10 @@ const MOST_PRIOR_SIGMAS: f64 = 5.0;
 const LEAST_DISTANCE_SIGMA_M: f64 = 1e-4;
 const MILLIRADIAN_PER_ARCSECOND: f64 = std::f64::consts::PI / 180.0 / 3.6;
 
+/// Said where two switches are on of which one does nothing.
+pub const WEIGHED_ANYWAY: &str = "“weigh by noise” changes nothing here: it is about triplets, and this estimate uses the \
+    readings, each by the noise that it finds";
+
 pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
     let mut findings = Vec::new();
     if let (Some(offsets_s), Some(drifts)) = (&refined.clock_offsets_s, &refined.clock_drifts) {

@@ -1,14 +1,15 @@
 //! How far the answer may be off: a covariance that does not take interpolated points for measurements.
 //!
 //! Ten triplets a second from 2.5 readings a second share their errors, and so do the chords of one bend, so the
-//! inverse of JᵀJ alone is several times too small. The sandwich estimator H⁻¹ (Σ g gᵀ) H⁻¹ with one
-//! gradient g for each block of consecutive time asks only that blocks be independent (Liang & Zeger 1986).
+//! inverse of JᵀJ alone is several times too small. The [`sandwich`] by blocks of consecutive time asks only that these
+//! be independent.
 //! Errors of the inter-prism distances act on every triplet alike, so no residual shows them; they are
 //! propagated with their own σ.
 
-use nalgebra::{Const, SMatrix, SVector, SymmetricEigen, Vector3};
+use nalgebra::{Const, DMatrix, DVector, SMatrix, SVector, SymmetricEigen, Vector3};
 
-use super::{CentredTriplets, Minimum, NormalEquations, Parameters, Pulls};
+use super::{CentredTriplets, Minimum, NormalEquations, Parameters, distance_pulls};
+use crate::calibration::sandwich::{self, Block};
 use crate::calibration::{CalibrationSettings, TransformSigma, time_blocks};
 
 /// The sandwich needs clearly more blocks than unknowns.
@@ -58,17 +59,7 @@ pub fn estimate(
     settings: &CalibrationSettings,
 ) -> Uncertainty {
     let normal = &answer.normal;
-    let mut meat = SMatrix::<f64, 8, 8>::zeros();
-    let mut by_pair = [SVector::<f64, 8>::zeros(); 3];
     let blocks = time_blocks::of(time_s, interval);
-    for block in &blocks {
-        let pulls = Pulls::over(data, &answer.parameters, block.clone());
-        meat += pulls.gradient * pulls.gradient.transpose();
-        for (sum, pull) in by_pair.iter_mut().zip(pulls.by_pair) {
-            *sum += pull;
-        }
-    }
-    let blocks = blocks.len();
 
     let radius_m = super::levenberg_marquardt::track_radius_m(data);
     let spectrum = spectrum(fitting, &answer.parameters, radius_m);
@@ -88,9 +79,19 @@ pub fn estimate(
         return free(spectrum);
     };
 
-    let mut centred = if blocks >= FEWEST_BLOCKS {
-        let few_blocks = blocks as f64 / (blocks as f64 - 1.0);
-        inverse * meat * inverse * few_blocks
+    let mut centred = if blocks.len() >= FEWEST_BLOCKS {
+        let information = DMatrix::from_column_slice(8, 8, normal.matrix.as_slice());
+        let each = blocks.iter().map(|block| {
+            let own = NormalEquations::over(data, &answer.parameters, block.clone());
+            Block {
+                information: DMatrix::from_column_slice(8, 8, own.matrix.as_slice()),
+                gradient: DVector::from_column_slice(own.gradient.as_slice()),
+            }
+        });
+        match sandwich::covariance(&information, each) {
+            Some(found) => SMatrix::from_column_slice(found.as_slice()),
+            None => return free(spectrum),
+        }
     } else {
         // Too few blocks: one residual variance, and as many independent triplets as readings.
         let duration_s: f64 = time_s.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap < 1.0).sum();
@@ -99,9 +100,9 @@ pub fn estimate(
         let variance = normal.cost / data.len() as f64 * independent / degrees;
         inverse * variance * (data.len() as f64 / independent)
     };
-    for sum in by_pair {
-        let pull = inverse * sum * settings.inter_prism_sigma_m;
-        centred += pull * pull.transpose();
+    for pull in distance_pulls(data, &answer.parameters) {
+        let moved = inverse * pull * settings.inter_prism_sigma_m;
+        centred += moved * moved.transpose();
     }
 
     if centred.iter().any(|entry| !entry.is_finite()) {

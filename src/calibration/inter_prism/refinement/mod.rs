@@ -151,9 +151,11 @@ pub fn refine(
         let loss = settings.loss;
         let found =
             continuous_time::estimate(triplets, &start, &estimated, &precision, loss, progress)?;
+        // The estimate weighs readings against priors by their noise; what they scatter more than that widens its error,
+        // A⁻¹ (φH + P) A⁻¹, and does not make it lean more on the priors, as (H/φ + P)⁻¹ would have it.
         let sums = Sums {
             hessian: found.information,
-            middle: found.information,
+            middle: found.information * found.overdispersion,
             ..Sums::zeros(usize::MAX)
         };
         let covariance =

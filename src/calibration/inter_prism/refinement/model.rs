@@ -36,7 +36,7 @@ pub fn clock(state: &State, slot: usize) -> Clock {
 /// Triplets with the velocities of their prisms, each in its station's frame.
 pub struct MovingTriplets<'a> {
     pub triplets: Cow<'a, Triplets>,
-    /// m/s; by differences with the neighbours of the same interval.
+    /// m/s; by differences with the neighbours of the same interval, none of which was left out.
     velocity_m_per_s: [Vec<Vector3<f64>>; 3],
     /// What a clock's second unknown counts by, for each triplet.
     growth: Vec<f64>,
@@ -67,12 +67,19 @@ impl<'a> MovingTriplets<'a> {
     }
 }
 
+/// A step this many times the usual one bridges triplets that were left out.
+const BRIDGE: f64 = 1.5;
+
 fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
     let last = triplets.len().saturating_sub(1);
+    let longest_s = BRIDGE * usual_step_s(triplets).unwrap_or(f64::INFINITY);
     let velocity = |station: usize| {
         let points = &triplets.points_m[station];
         let at = |i: usize| {
-            let same = |j: usize| triplets.interval[j] == triplets.interval[i];
+            let same = |j: usize| {
+                let apart_s = (triplets.time_s[j] - triplets.time_s[i]).abs();
+                triplets.interval[j] == triplets.interval[i] && apart_s <= longest_s
+            };
             let before = if i > 0 && same(i - 1) { i - 1 } else { i };
             let after = if i < last && same(i + 1) { i + 1 } else { i };
             let span_s = triplets.time_s[after] - triplets.time_s[before];
@@ -81,6 +88,17 @@ fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
         (0..triplets.len()).step_by(stride).map(at).collect()
     };
     [velocity(0), velocity(1), velocity(2)]
+}
+
+/// The median step between triplets of one interval (s).
+fn usual_step_s(triplets: &Triplets) -> Option<f64> {
+    let pairs = triplets.time_s.windows(2).zip(triplets.interval.windows(2));
+    let mut steps_s: Vec<f64> =
+        pairs.filter(|(_, i)| i[0] == i[1]).map(|(t, _)| t[1] - t[0]).collect();
+    let middle = steps_s.len() / 2;
+    let (_, step_s, _) =
+        (!steps_s.is_empty()).then(|| steps_s.select_nth_unstable_by(middle, f64::total_cmp))?;
+    Some(*step_s)
 }
 
 /// The middle of a drive (s).
@@ -287,5 +305,21 @@ mod tests {
             (along - 0.0022).abs() < 1e-9 && (across - 0.0005).abs() < 1e-9,
             "{along} {across}"
         );
+    }
+
+    #[test]
+    fn velocities_do_not_bridge_what_was_left_out() {
+        let point = |i: usize| Vector3::new((i as f64 * 0.1).powi(3), 0.0, 0.0);
+        let points: Vec<_> = (0..60).map(point).collect();
+        let time_s = (0..60).map(|i| i as f64 * 0.1).collect();
+        let all = Triplets::new(time_s, vec![0; 60], [points.clone(), points.clone(), points]);
+        let kept: Vec<usize> = (0..60).filter(|i| !(20..45).contains(i)).collect();
+        let some = all.select(&kept);
+        let data = MovingTriplets::all(&some);
+        for (place, index) in kept.iter().enumerate().filter(|(_, i)| (15..50).contains(*i)) {
+            let velocity = data.velocity_m_per_s[1][place].x;
+            let truth = 3.0 * (*index as f64 * 0.1).powi(2);
+            assert!((velocity / truth - 1.0).abs() < 0.08, "{index}: {velocity} for {truth}");
+        }
     }
 }

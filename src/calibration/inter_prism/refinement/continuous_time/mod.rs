@@ -46,8 +46,10 @@ const LEAST_JUMP_S: f64 = 0.002;
 /// What was found.
 pub struct Found {
     pub state: State,
-    /// What the readings say of the global unknowns, without their priors.
+    /// What the readings say of the global unknowns, without their priors, by their noise alone.
     pub information: Matrix,
+    /// How much more they scatter than that: 1 or more.
+    pub overdispersion: f64,
     pub noise: NoiseLevels,
     /// Of stations 2 and 3.
     pub clock_jumps: [Option<ClockJump>; 2],
@@ -103,7 +105,8 @@ pub fn estimate(
     let scatter = scatter(&drive, &at, &by, &eliminated, places)?;
     Some(Found {
         state: at.global,
-        information: eliminated.information / scatter.overdispersion.max(1.0),
+        information: eliminated.information,
+        overdispersion: scatter.overdispersion.max(1.0),
         noise: by.noise,
         clock_jumps: scatter.clock_jumps,
         converged,
@@ -278,30 +281,32 @@ fn jump(
     drift: f64,
     overdispersion: f64,
 ) -> Option<ClockJump> {
-    // Offset (s) without the common one, and information.
-    let offsets: Vec<(f64, f64)> = parts
+    // Offset (s) without the common one, information, and the part's place in the drive: pauses have none.
+    let offsets: Vec<(f64, f64, usize)> = parts
         .iter()
         .enumerate()
         .filter(|(_, (_, information))| *information > 0.0)
         .map(|(part, (pull, information))| {
             let drifted_s = drift * (part as f64 + 0.5 - 0.5 * PARTS as f64) * part_s;
-            (drifted_s - pull / information, *information)
+            (drifted_s - pull / information, *information, part)
         })
         .collect();
     let by_drift: f64 = parts.iter().filter(|p| p.1 > 0.0).map(|(g, i)| g * g / i).sum();
-    let level = |offsets: &[(f64, f64)]| {
-        let information: f64 = offsets.iter().map(|(_, i)| i).sum();
-        let mean_s = offsets.iter().map(|(o, i)| o * i).sum::<f64>() / information;
-        let squares: f64 = offsets.iter().map(|(o, i)| i * (o - mean_s).powi(2)).sum();
+    let level = |offsets: &[(f64, f64, usize)]| {
+        let information: f64 = offsets.iter().map(|(_, i, _)| i).sum();
+        let mean_s = offsets.iter().map(|(o, i, _)| o * i).sum::<f64>() / information;
+        let squares: f64 = offsets.iter().map(|(o, i, _)| i * (o - mean_s).powi(2)).sum();
         (mean_s, information, squares)
     };
     (1..offsets.len().saturating_sub(1))
-        .map(|part| {
-            let (before, after) = (level(&offsets[..part]), level(&offsets[part..]));
+        .map(|first| {
+            let (before, after) = (level(&offsets[..first]), level(&offsets[first..]));
             let sigma = (overdispersion * (1.0 / before.1 + 1.0 / after.1)).sqrt();
             let by_s = Estimate { value: after.0 - before.0, sigma };
             let better = (by_drift - before.2 - after.2) / overdispersion;
-            (better, ClockJump { at_s: part as f64 * part_s, by_s })
+            // Somewhere between the last part before it and the first after it.
+            let at_parts = 0.5 * (offsets[first - 1].2 + 1 + offsets[first].2) as f64;
+            (better, ClockJump { at_s: at_parts * part_s, by_s })
         })
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|(better, jump)| {
@@ -317,4 +322,23 @@ fn random_sign(number: u64) -> f64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     if (z ^ (z >> 31)) & 1 == 0 { 1.0 } else { -1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_jump_is_where_it_was_also_after_a_pause() {
+        // Nothing was recorded in parts 2 to 6; the clock jumps by 10 ms between parts 8 and 9.
+        let mut parts = [(0.0, 0.0); PARTS];
+        for (part, own) in parts.iter_mut().enumerate().filter(|(part, _)| !(2..7).contains(part)) {
+            let information = 1e8;
+            let late_s = if part < 9 { -0.004 } else { 0.006 };
+            *own = (-late_s * information, information);
+        }
+        let found = jump(&parts, 30.0, 0.0, 1.0).expect("a jump");
+        assert_eq!(found.at_s, 270.0);
+        assert!((found.by_s.value - 0.010).abs() < 1e-9, "{found:?}");
+    }
 }
