@@ -80,7 +80,7 @@ fn ours(path: &Path) -> usize {
     let mut recording = Recording::default();
     let file = std::fs::File::open(path).expect("readable");
     polar_csv::read("bench.csv", file, &Progress::default(), &mut recording).expect("plain");
-    let (tracks, _) = recording.finish("bench.csv");
+    let (tracks, _) = recording.finish("bench.csv").expect("readings");
     tracks.iter().map(|track| track.measurements.len()).sum()
 }
 

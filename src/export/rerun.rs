@@ -127,11 +127,8 @@ fn log_all(
                 let p = transforms[station].apply(&polar.to_cartesian());
                 [p.x as f32, p.y as f32, p.z as f32]
             });
-            let path = format!(
-                "world/control_points/{}/station_{}",
-                set.file.replace('.', "_"),
-                station + 1
-            );
+            let kind = if set.pillars { blueprint::PILLARS } else { "world/control_points" };
+            let path = format!("{kind}/{}/station_{}", set.file.replace('.', "_"), station + 1);
             recording.log_static(
                 path,
                 &points(positions, palette::STATIONS[station], 0.08)
@@ -146,7 +143,9 @@ fn log_all(
         Ok(answer) => text::calibration(deployment, analysis, answer),
         Err(error) => error.to_string(),
     };
-    recording.log_static(VERDICT, &TextDocument::new(verdict))?;
+    // Its columns stand one below the other only in letters of one width.
+    let verdict = format!("```text\n{verdict}\n```");
+    recording.log_static(VERDICT, &TextDocument::from_markdown(verdict))?;
     if let Some(answer) = answer {
         for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
             let name = format!("{}{}", a + 1, b + 1);

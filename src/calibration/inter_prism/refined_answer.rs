@@ -60,7 +60,7 @@ pub fn solve(
     // Whether the refinement itself converged is judged apart.
     found.answer = Minimum { parameters, normal, converged: true, passes: 1 };
     let answer = basin(&found.data, &found.answer);
-    let other = std::mem::replace(&mut found.choice.answer, answer.clone());
+    let other = std::mem::replace(&mut found.choice.answer, answer);
     let same = |basin: &Basin| same_solution(&basin.station1_from_station, &level);
     if let Some(own) = found.basins.iter_mut().find(|basin| same(basin)) {
         *own = answer;

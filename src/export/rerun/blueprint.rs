@@ -7,6 +7,8 @@ use rerun::blueprint::{
 
 /// Entity of the verdict and its reasons.
 pub const VERDICT: &str = "verdict";
+/// Entity above the pillars. They may stand hundreds of metres away: with them in it, the view would show nothing else.
+pub const PILLARS: &str = "world/pillars";
 /// Entity above the distance errors of the three pairs.
 pub const DISTANCE_ERRORS: &str = "distance_error_mm";
 
@@ -27,7 +29,9 @@ pub const RATES: [RateView; 3] = [
 /// The scene over the distance errors on the left, the verdict over the rates on the right.
 pub fn blueprint() -> Blueprint {
     use rerun::blueprint::components::PanelState;
-    let scene = Spatial3DView::new("scene").with_origin("world");
+    let scene = Spatial3DView::new("scene")
+        .with_origin("world")
+        .with_contents(["$origin/**".to_owned(), format!("- {PILLARS}/**")]);
     let errors =
         TimeSeriesView::new("inter-prism distance errors (mm)").with_origin(DISTANCE_ERRORS);
     let verdict = TextDocumentView::new("verdict").with_origin(VERDICT);
