@@ -8,7 +8,7 @@ mod blueprint;
 use std::path::Path;
 
 use rerun::{
-    LineStrips3D, Points3D, RecordingStream, RecordingStreamBuilder, Scalars, SeriesPoints,
+    LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamBuilder, Scalars, SeriesPoints,
     TextDocument, TimeColumn,
 };
 
@@ -88,7 +88,7 @@ fn log_all(
         let here = to_world(nalgebra::Vector3::zeros());
         recording.log_static(
             root.as_str(),
-            &points([here], colour, 0.15).with_labels([format!("station {}", station + 1)]),
+            &points([here], colour, 5.0).with_labels([format!("station {}", station + 1)]),
         )?;
         if !places_tracks {
             continue;
@@ -101,7 +101,7 @@ fn log_all(
                 .map(|(m, _)| to_world(track.position_m(m)))
                 .collect();
             let path = format!("{root}/raw/{}", fate.label().replace([' ', ':'], "_"));
-            recording.log_static(path, &points(positions, palette::fate(fate), 0.03))?;
+            recording.log_static(path, &points(positions, palette::fate(fate), 1.5))?;
         }
         let strips: Vec<Vec<[f32; 3]>> = (0..triplets.len())
             .collect::<Vec<_>>()
@@ -110,7 +110,9 @@ fn log_all(
             .collect();
         recording.log_static(
             format!("{root}/track"),
-            &LineStrips3D::new(strips).with_colors([colour]).with_radii([0.015]),
+            &LineStrips3D::new(strips)
+                .with_colors([colour])
+                .with_radii([Radius::new_ui_points(1.0)]),
         )?;
         let prism = triplets.points_m[station].iter().map(|p| to_world(*p));
         recording.send_columns(
@@ -131,7 +133,7 @@ fn log_all(
             let path = format!("{kind}/{}/station_{}", set.file.replace('.', "_"), station + 1);
             recording.log_static(
                 path,
-                &points(positions, palette::STATIONS[station], 0.08)
+                &points(positions, palette::STATIONS[station], 3.0)
                     .with_labels(seen.iter().map(|(marker, _)| marker.to_string())),
             )?;
         }
@@ -191,8 +193,14 @@ fn log_rates(
     Ok(())
 }
 
-fn points(positions: impl IntoIterator<Item = [f32; 3]>, colour: Rgb, radius_m: f32) -> Points3D {
-    Points3D::new(positions).with_colors([colour]).with_radii([radius_m])
+/// As large on the screen from anywhere: a drive is a hundred metres, and its readings millimetres apart.
+fn points(
+    positions: impl IntoIterator<Item = [f32; 3]>,
+    colour: Rgb,
+    radius_points: f32,
+) -> Points3D {
+    let radius = Radius::new_ui_points(radius_points);
+    Points3D::new(positions).with_colors([colour]).with_radii([radius])
 }
 
 fn time_column(time_s: &[f64]) -> TimeColumn {

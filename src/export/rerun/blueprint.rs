@@ -39,7 +39,7 @@ pub fn blueprint() -> Blueprint {
     let left = Vertical::new([scene.into(), errors.into()]).with_row_shares([2.0, 1.0]);
     let right =
         Vertical::new([verdict.into(), Tabs::new(rates).into()]).with_row_shares([2.0, 1.0]);
-    Blueprint::new(Horizontal::new([left.into(), right.into()]).with_column_shares([3.0, 2.0]))
+    Blueprint::new(Horizontal::new([left.into(), right.into()]).with_column_shares([1.0, 1.0]))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Collapsed))
         .with_time_panel(TimePanel::new().with_state(PanelState::Collapsed))
 }
