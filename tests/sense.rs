@@ -265,8 +265,16 @@ fn control_points_check_an_answer_only_where_they_hold_one_that_agrees() {
     let mut few = right;
     few.control_points.retain(|set| !set.pillars);
     few.control_points.truncate(1);
-    few.control_points[0].points.truncate(2);
-    assert!(!checked(&few), "two points agree with anything");
+    // Three points at nearly one place hold no yaw: B is not good, and agrees with anything.
+    let points = &mut few.control_points[0].points;
+    points.truncate(1);
+    for shift in [1e-3, 2e-3] {
+        let mut next = points[0].clone();
+        next.marker += 100 + (shift * 1e3) as i64;
+        next.readings.iter_mut().flatten().for_each(|polar| polar.range_m += shift);
+        points.push(next);
+    }
+    assert!(!checked(&few), "points at one place agree with anything");
 }
 
 /// Control points can be misread as well as tracks: what the rig's reading goes with is right.
