@@ -11,7 +11,9 @@ use resect::calibration::inter_prism::Refinement;
 use resect::calibration::{CalibrationSettings, Estimated, Loss, Verdict};
 use resect::deployment::open;
 use resect::progress::{Cancelled, Progress};
-use resect::simulation::{ARCSECOND_RAD, Preset, SystematicErrors, simulate, simulate_scenario};
+use resect::simulation::{
+    ARCSECOND_RAD, ClockStep, Preset, SystematicErrors, simulate, simulate_scenario,
+};
 
 fn settings(loss: Loss, estimate: Estimated) -> Settings {
     let mut settings = Settings::default();
@@ -121,7 +123,8 @@ fn the_field_data_has_a_late_station_3_and_the_robust_estimate_is_better() {
 #[test]
 fn a_clock_that_jumps_is_said_with_when_and_by_how_much() {
     for (seed, by_s) in [(11, 0.020), (12, -0.012)] {
-        let errors = SystematicErrors { clock_step: Some((3, by_s)), ..Default::default() };
+        let clock_steps = vec![ClockStep { station: 2, at_s: 210.0, by_s }];
+        let errors = SystematicErrors { clock_steps, ..Default::default() };
         let simulated = with_errors(errors, seed);
         let deployment = simulated.deployment().expect("valid");
         let mut robust = Settings::default();

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Failure, print};
-use crate::simulation::{ARCSECOND_RAD, Preset, Scenario, simulate_scenario, write_folder};
+use crate::simulation::{
+    ARCSECOND_RAD, ClockStep, Preset, Scenario, simulate_scenario, write_folder,
+};
 
 #[derive(Args)]
 pub struct Arguments {
@@ -152,7 +154,11 @@ fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
             let line = format!("--clock-step names station {station}; stations are 1, 2, 3");
             return Err(Failure::Usage(line));
         }
-        errors.clock_step = Some((station as usize, step_ms * 1e-3));
+        errors.clock_steps.push(ClockStep {
+            station: station as usize - 1,
+            at_s: 0.5 * scenario.duration_s,
+            by_s: step_ms * 1e-3,
+        });
     }
     Ok(scenario)
 }

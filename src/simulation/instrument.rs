@@ -5,13 +5,14 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
+use super::errors::{SystematicErrors, WanderingRange};
 use super::motion::Motion;
+use super::random::{Stream, normal};
 use super::scenario::{Path, Scenario};
 use super::{Simulated, Truth, gnss};
 use crate::deployment::{ControlPoint, ControlPointSet, Measurement, PAIRS, RawRecord};
-use crate::geometry::{LevelTransform, Polar};
+use crate::geometry::{LevelTransform, Polar, RigidTransform};
 
 /// Unix time of the first reading (s); any will do.
 pub const EPOCH_S: f64 = 1_760_000_000.0;
@@ -30,8 +31,7 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
 
     let mut records = Vec::new();
     let (mut outliers, mut lost_readings) = (0, 0);
-    for (station, station1_from_this) in station1_from_station.iter().enumerate() {
-        let this_from_station1 = station1_from_this.inverse();
+    for (station, set_up) in station1_from_station.iter().enumerate() {
         // Drawn in any case: an option must not change what others draw.
         let drawn_s = rng.random_range(0.0..1.0 / scenario.rate_hz);
         let stagger_s = scenario.stagger_s.map_or(drawn_s, |given| given[station]);
@@ -43,6 +43,9 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
             1.0..4.0,
             &mut ChaCha8Rng::seed_from_u64(seed ^ (0x7a26e7 + station as u64)),
         );
+        let mut wandering =
+            scenario.errors.range_wander.map(|wander| WanderingRange::new(wander, seed, station));
+        let mut jittering = Stream::StampJitter(station).rng(seed);
         let readings = ((scenario.duration_s - stagger_s) * scenario.rate_hz) as usize;
         for k in 0..readings {
             let jitter_s = 0.001 * normal(&mut rng);
@@ -50,20 +53,31 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
             let within =
                 |spans: &[[f64; 2]]| spans.iter().any(|[from, to]| (*from..*to).contains(&t));
             let prism = if within(&mistaken) { (station + 1) % 3 } else { station };
-            outliers += usize::from(prism != station);
-            let level = this_from_station1.apply(&motion.position_m(&scenario.prisms_m[prism], t));
-            let position = scenario.errors.lean(station, &level);
-            let mut polar = noisy(position, scenario, 1.0, &mut rng);
-            if rng.random_bool(scenario.noise.outlier_share) {
+            let see = |time_s: f64| {
+                let point_m = motion.position_m(&scenario.prisms_m[prism], time_s);
+                let frame = scenario.errors.settled(station, set_up, time_s);
+                sight(&scenario.errors, station, set_up, &frame, &point_m)
+            };
+            let angles = see(t - scenario.errors.latency_s[station]);
+            let whole = Polar { range_m: see(t).range_m, ..angles };
+            let mut seen = scenario.errors.misread(station, Some(prism), whole);
+            seen.range_m += wandering.as_mut().map_or(0.0, |range| range.at_m(t));
+            let mut polar = noisy(seen, scenario, 1.0, &mut rng);
+            let stamp_error_s = scenario.errors.stamp_jitter_s * normal(&mut jittering);
+            let blundered = rng.random_bool(scenario.noise.outlier_share);
+            if blundered {
                 blunder(&mut polar, &mut rng);
-                outliers += 1;
             }
+            if within(&scenario.pauses_s) {
+                continue;
+            }
+            outliers += usize::from(prism != station) + usize::from(blundered);
             if within(&silences) {
                 lost_readings += 1;
                 continue;
             }
             let measurement = Measurement {
-                time_s: EPOCH_S + scenario.errors.stamp_s(station, t, scenario.duration_s),
+                time_s: EPOCH_S + scenario.errors.stamp_s(station, t) + stamp_error_s,
                 range_m: polar.range_m - scenario.prism_constant_m,
                 azimuth_rad: polar.azimuth_rad.rem_euclid(TAU),
                 zenith_rad: polar.zenith_rad,
@@ -85,9 +99,11 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     // The rig is read from a few metres away; the vehicle stands level and turned by some angle.
     let heading: f64 = rng.random_range(0.0..TAU);
     let beside = LevelTransform::new(Vector3::new(3.5, -0.6, -1.7), heading);
-    let rig_reading = scenario
-        .prisms_m
-        .map(|prism| noisy(beside.apply(&prism), scenario, 1.0 / RIG_READINGS.sqrt(), &mut rng));
+    let rig_reading = std::array::from_fn(|prism| {
+        let place = beside.apply(&scenario.prisms_m[prism]);
+        let seen = standing(&scenario.errors, 0, &LevelTransform::IDENTITY, Some(prism), &place);
+        noisy(seen, scenario, 1.0 / RIG_READINGS.sqrt(), &mut rng)
+    });
     let prisms_m = scenario.prisms_m;
     let inter_prism_m = PAIRS.map(|(a, b)| (prisms_m[a] - prisms_m[b]).norm());
 
@@ -111,13 +127,30 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     }
 }
 
-pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    StandardNormal.sample(rng)
+/// A point of station 1's set-up frame from the axes of a station whose frame is in some place by now.
+fn sight(
+    errors: &SystematicErrors,
+    station: usize,
+    set_up: &LevelTransform,
+    frame: &RigidTransform,
+    point_m: &Vector3<f64>,
+) -> Polar {
+    let axes = errors.frame_from_axes(station, set_up);
+    Polar::from_cartesian(axes.inverse() * frame.inverse().apply(point_m))
 }
 
-fn noisy(position_m: Vector3<f64>, scenario: &Scenario, share: f64, rng: &mut ChaCha8Rng) -> Polar {
-    let mut polar = Polar::from_cartesian(position_m);
-    polar.range_m += scenario.errors.prism_constant_m;
+/// What a station makes of a target that stands still, right after it was set up.
+fn standing(
+    errors: &SystematicErrors,
+    station: usize,
+    set_up: &LevelTransform,
+    prism: Option<usize>,
+    point_m: &Vector3<f64>,
+) -> Polar {
+    errors.misread(station, prism, sight(errors, station, set_up, &(*set_up).into(), point_m))
+}
+
+fn noisy(mut polar: Polar, scenario: &Scenario, share: f64, rng: &mut ChaCha8Rng) -> Polar {
     polar.range_m += share * scenario.noise.range_sigma_m * normal(rng);
     polar.azimuth_rad += share * scenario.noise.angle_sigma_rad * normal(rng);
     polar.zenith_rad += share * scenario.noise.angle_sigma_rad * normal(rng);
@@ -171,8 +204,9 @@ fn pillars(
             let surveyed_m = known_m + 0.001 * Vector3::from_fn(|_, _| normal(rng));
             let place = station1_from_line.apply(&surveyed_m);
             let readings = std::array::from_fn(|station| {
-                let level = station1_from_station[station].inverse().apply(&place);
-                Some(noisy(scenario.errors.lean(station, &level), scenario, 1.0, rng))
+                let set_up = &station1_from_station[station];
+                let seen = standing(&scenario.errors, station, set_up, None, &place);
+                Some(noisy(seen, scenario, 1.0, rng))
             });
             ControlPoint { marker: index as i64 + 1, readings, known_m: Some(known_m) }
         })
@@ -203,8 +237,9 @@ fn control_point_set(
                 height,
             );
             let readings = std::array::from_fn(|station| {
-                let level = station1_from_station[station].inverse().apply(&point);
-                Some(noisy(scenario.errors.lean(station, &level), scenario, 1.0, rng))
+                let set_up = &station1_from_station[station];
+                let seen = standing(&scenario.errors, station, set_up, None, &point);
+                Some(noisy(seen, scenario, 1.0, rng))
             });
             ControlPoint { marker: i64::from(marker) + 1, readings, known_m: None }
         })

@@ -7,10 +7,11 @@ mod errors;
 mod gnss;
 mod instrument;
 mod motion;
+mod random;
 mod scenario;
 mod write;
 
-pub use errors::SystematicErrors;
+pub use errors::{ClockStep, Curvature, Settling, SystematicErrors, Wander};
 pub use instrument::EPOCH_S;
 pub use motion::Motion;
 pub use scenario::{ARCSECOND_RAD, Path, Preset, Scenario};
@@ -19,7 +20,7 @@ pub use write::write_folder;
 use nalgebra::Vector3;
 
 use crate::deployment::{ControlPointSet, Deployment, GnssFix, OpenError, RawRecord, open_files};
-use crate::geometry::{LevelTransform, Polar};
+use crate::geometry::{LevelTransform, Polar, RigidTransform};
 
 /// Everything that was measured, and the truth behind it.
 #[derive(Clone, Debug)]
@@ -60,6 +61,18 @@ pub fn simulate_scenario(scenario: &Scenario, seed: u64) -> Simulated {
 }
 
 impl Simulated {
+    /// Where the frame of each station is at a time of the drive (s, 0 at [`EPOCH_S`]), settling included.
+    ///
+    /// It maps the station's frame of that moment into station 1's frame at set-up, which is the frame of all
+    /// truth here. Station 1's own is the identity only until it settles. A frame is what the tripod carries, so the
+    /// leaning of [`Settling`] is in it; tilt and plumb line are errors of the axes against it, and are not.
+    pub fn station1_from_station_at(&self, time_s: f64) -> [RigidTransform; 3] {
+        let errors = &self.scenario.errors;
+        std::array::from_fn(|station| {
+            errors.settled(station, &self.truth.station1_from_station[station], time_s)
+        })
+    }
+
     /// The deployment that a reader makes of the written files, without the disk.
     pub fn deployment(&self) -> Result<Deployment, OpenError> {
         let files = write::files(self);

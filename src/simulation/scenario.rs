@@ -101,6 +101,8 @@ pub struct Scenario {
     pub control_point_sets: usize,
     /// Surveyed pillars on a line, for method A.
     pub pillars: bool,
+    /// From when to when (s of the drive) nothing is recorded of any station, wherever the vehicle goes meanwhile.
+    pub pauses_s: Vec<[f64; 2]>,
     /// Added by the user to every range; the simulated instruments leave it off.
     pub prism_constant_m: f64,
     pub errors: SystematicErrors,
@@ -166,6 +168,7 @@ impl Preset {
                 instrument_height_m: 1.6,
                 control_point_sets: 2,
                 pillars: true,
+                pauses_s: Vec::new(),
                 prism_constant_m: 0.010,
                 errors: SystematicErrors::default(),
             },
@@ -218,6 +221,7 @@ impl Preset {
                 instrument_height_m: 1.5,
                 control_point_sets: 0,
                 pillars: false,
+                pauses_s: Vec::new(),
                 prism_constant_m: 0.010,
                 errors: SystematicErrors::default(),
             },

@@ -20,7 +20,9 @@ use rayon::prelude::*;
 use resect::analysis::{Analysis, Settings};
 use resect::calibration::{CalibrationSettings, Verdict};
 use resect::geometry::wrap_to_pi;
-use resect::simulation::{ARCSECOND_RAD, Preset, Scenario, Simulated, simulate_scenario};
+use resect::simulation::{
+    ARCSECOND_RAD, ClockStep, Preset, Scenario, Simulated, simulate_scenario,
+};
 
 const PRESETS: [Preset; 10] = [
     Preset::Warthog,
@@ -60,7 +62,9 @@ fn random_scenario(preset: Preset, seed: u64) -> Scenario {
     if rng.random_bool(JUMPS) {
         let by_s = rng.random_range(0.005..0.03);
         let signed_s = if rng.random_bool(0.5) { by_s } else { -by_s };
-        errors.clock_step = Some((rng.random_range(1..4), signed_s));
+        let station = rng.random_range(0..3);
+        let at_s = 0.5 * scenario.duration_s;
+        errors.clock_steps = vec![ClockStep { station, at_s, by_s: signed_s }];
     }
     let mut normal = |sigma: f64| -> f64 {
         let deviate: f64 = StandardNormal.sample(&mut rng);
@@ -88,7 +92,7 @@ struct Outcome {
 
 impl Outcome {
     fn new(analysis: &Analysis, simulated: &Simulated) -> Self {
-        let jumps = simulated.scenario.errors.clock_step.is_some();
+        let jumps = !simulated.scenario.errors.clock_steps.is_empty();
         let nothing = SVector::zeros();
         let Ok(answer) = &analysis.answer else {
             return Self { verdict: None, error: nothing, covariance: None, bound: None, jumps };
