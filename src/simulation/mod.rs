@@ -2,8 +2,10 @@
 //!
 //! [`scenario`] says what is driven where, [`motion`] moves the vehicle over the ground, [`instrument`] measures
 //! it as three stations would, [`gnss`] as three antennas would, and [`write`] puts the readings into the formats of real deployments.
+//! What instruments get wrong beyond noise is in [`errors`], and how large that is in the field in [`field_errors`].
 
 mod errors;
+mod field_errors;
 mod gnss;
 mod instrument;
 mod motion;
@@ -12,6 +14,7 @@ mod scenario;
 mod write;
 
 pub use errors::{ClockStep, Curvature, Settling, SystematicErrors, Wander};
+pub use field_errors::{ErrorKind, draw};
 pub use instrument::EPOCH_S;
 pub use motion::Motion;
 pub use scenario::{ARCSECOND_RAD, Path, Preset, Scenario};
@@ -25,6 +28,7 @@ use crate::geometry::{LevelTransform, Polar, RigidTransform};
 /// Everything that was measured, and the truth behind it.
 #[derive(Clone, Debug)]
 pub struct Simulated {
+    /// With the errors that were drawn.
     pub scenario: Scenario,
     pub seed: u64,
     /// In order of time; ranges lack the prism constant.
@@ -57,7 +61,7 @@ pub fn simulate(preset: Preset, seed: u64) -> Simulated {
 
 /// Simulates any scenario.
 pub fn simulate_scenario(scenario: &Scenario, seed: u64) -> Simulated {
-    instrument::measure(scenario, seed)
+    instrument::measure(&scenario.clone().draw_errors(seed), seed)
 }
 
 impl Simulated {

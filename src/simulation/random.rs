@@ -8,13 +8,15 @@ pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
-/// What draws from a stream of its own, so that an option never changes what others draw. The main one is 0.
+/// What draws from a stream of its own, so that an option never changes what others draw; the main stream is 0.
 #[derive(Clone, Copy)]
 pub enum Stream {
     /// The wandering ranges of a station (0 to 2).
     RangeWander(usize),
     /// The jittering stamps of a station (0 to 2).
     StampJitter(usize),
+    /// The sizes of the errors of one kind, by its place among the kinds.
+    ErrorKind(usize),
 }
 
 impl Stream {
@@ -22,6 +24,7 @@ impl Stream {
         let number = match self {
             Self::RangeWander(station) => 100 + station,
             Self::StampJitter(station) => 200 + station,
+            Self::ErrorKind(kind) => 300 + kind,
         };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(number as u64);

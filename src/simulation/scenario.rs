@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::errors::SystematicErrors;
+use super::field_errors::ErrorKind;
 
 /// The ready-made scenarios.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -27,6 +28,8 @@ pub enum Preset {
     Circle,
     /// Two straight legs on flat ground: only the turn between them holds the answer.
     LShape,
+    /// The Warthog with all the errors of real instruments, drawn from the seed as large as in the field.
+    FieldErrors,
 }
 
 /// Where the vehicle goes.
@@ -106,6 +109,8 @@ pub struct Scenario {
     /// Added by the user to every range; the simulated instruments leave it off.
     pub prism_constant_m: f64,
     pub errors: SystematicErrors,
+    /// Kinds of errors that the seed draws, in place of those above.
+    pub drawn_errors: Vec<ErrorKind>,
 }
 
 pub const ARCSECOND_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
@@ -123,6 +128,7 @@ impl Preset {
             Self::StraightLine => "straight-line",
             Self::Circle => "circle",
             Self::LShape => "l-shape",
+            Self::FieldErrors => "field-errors",
         }
     }
 
@@ -171,6 +177,7 @@ impl Preset {
                 pauses_s: Vec::new(),
                 prism_constant_m: 0.010,
                 errors: SystematicErrors::default(),
+                drawn_errors: Vec::new(),
             },
             Self::FlatFloor => Scenario { name: self.name(), ground: flat, ..warthog() },
             Self::UnevenGround => Scenario {
@@ -197,6 +204,9 @@ impl Preset {
             Self::StraightLine => driven(STRAIGHT, 100.0),
             Self::Circle => driven(CIRCLE, 300.0),
             Self::LShape => driven(TWO_LEGS, 150.0),
+            Self::FieldErrors => {
+                Scenario { name: self.name(), drawn_errors: ErrorKind::ALL.to_vec(), ..warthog() }
+            }
             Self::Hd2Tunnel => Scenario {
                 name: "hd2-tunnel",
                 duration_s: 400.0,
@@ -224,6 +234,7 @@ impl Preset {
                 pauses_s: Vec::new(),
                 prism_constant_m: 0.010,
                 errors: SystematicErrors::default(),
+                drawn_errors: Vec::new(),
             },
         }
     }

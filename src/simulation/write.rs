@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::Simulated;
+use super::{Simulated, SystematicErrors};
 use crate::deployment::format::{control_points, pillars, polar_csv, rig_files, rtklib_pos};
 use crate::deployment::{OpenError, pairwise_distances};
 use crate::geometry::Polar;
@@ -77,12 +77,17 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
 }
 
 #[derive(Serialize)]
-struct TruthFile {
+struct TruthFile<'a> {
     preset: &'static str,
     seed: u64,
     outliers: usize,
     lost_readings: usize,
     inter_prism_m: [f64; 3],
+    /// When nothing was recorded; left out, as the errors are, where there is nothing to say.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pauses_s: &'a [[f64; 2]],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    errors: Option<&'a SystematicErrors>,
     transforms: Vec<TransformEntry>,
 }
 
@@ -96,6 +101,7 @@ struct TransformEntry {
 
 fn truth_text(simulated: &Simulated) -> String {
     let truth = &simulated.truth;
+    let errors = &simulated.scenario.errors;
     let transforms = (1..3)
         .map(|station| {
             let transform = &truth.station1_from_station[station];
@@ -113,6 +119,8 @@ fn truth_text(simulated: &Simulated) -> String {
         outliers: truth.outliers,
         lost_readings: truth.lost_readings,
         inter_prism_m: truth.inter_prism_m,
+        pauses_s: &simulated.scenario.pauses_s,
+        errors: (*errors != SystematicErrors::default()).then_some(errors),
         transforms,
     };
     toml::to_string(&file).expect("plain data")

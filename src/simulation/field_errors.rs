@@ -1,0 +1,230 @@
+//! Errors at the size that they have in the field, drawn at random.
+
+use std::f64::consts::E;
+
+use nalgebra::Vector3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::errors::{ClockStep, Curvature, Settling, Wander};
+use super::random::{Stream, normal};
+use super::scenario::{ARCSECOND_RAD, Scenario};
+
+// Where nothing else is said, a size is 1 σ of a normal distribution about nothing; `[a, b]` is from a to b.
+
+/// Tripods turn by tens of microradians in hours, says common surveying experience; more in sun and soft ground.
+const TURN_RAD: f64 = 30e-6;
+/// And they move by about a millimetre.
+const MOVE_M: f64 = 0.0005;
+/// A compensator takes out most of what a tripod leans.
+const LEAN_RAD: f64 = ARCSECOND_RAD;
+/// Share of drives in which tripods give way at once, not slowly: assumed.
+const AT_ONCE: f64 = 0.5;
+/// A tripod that settles slowly takes this share of the drive's rest: assumed.
+const SLOW_SHARE: [f64; 2] = [0.2, 1.0];
+/// Centring and constants of prisms are off by 0.3 mm (GPH1P) to 2 mm (360°), says Leica's manual of the iCR70.
+const PRISM_OFFSET_M: f64 = 0.0007;
+/// Zero points of the stations' ranges are taken for as good as those of prisms.
+const RANGE_OFFSET_M: f64 = 0.0007;
+/// The air is 1 ppm per kelvin and 0.3 ppm per hectopascal, says the EDM formula: five degrees off.
+const RANGE_SCALE: f64 = 5e-6;
+/// Turning 360° and tilted prisms are up to 2 to 5 mm off (Lackner and Lienhart 2016).
+const WANDER_M: f64 = 0.001;
+/// And that lasts seconds to minutes; as likely in every octave.
+const WANDER_CORRELATION_S: [f64; 2] = [2.0, 60.0];
+/// Angles lag ranges by 0 to about 30 ms, by instrument (the Bonn rts-network's own calibration; a report on an
+/// MS50); a fit to the published drives finds 0 ± 2 ms.
+const LATENCY_S: [f64; 2] = [0.0, 0.015];
+/// Stamps are given when a serial message arrives, which jitters by 1 to 15 ms in the authors' system.
+const STAMP_JITTER_S: [f64; 2] = [0.0, 0.005];
+/// Station 3 of the published drives is 4 ms late.
+const CLOCK_OFFSET_S: f64 = 0.004;
+/// The authors' synchronised clocks drift by parts per million.
+const CLOCK_DRIFT: f64 = 5e-6;
+/// Share of drives in which clocks jump once: seen in the authors' system, how often is assumed.
+const JUMPING_ONCE: f64 = 0.08;
+/// Share of drives in which they jump twice.
+const JUMPING_TWICE: f64 = 0.02;
+/// How far they jump, either way.
+const JUMP_S: [f64; 2] = [0.005, 0.030];
+/// Share of drives whose recording pauses: assumed, as are number and lengths.
+const PAUSING: f64 = 0.5;
+const MOST_PAUSES: usize = 3;
+const PAUSE_S: [f64; 2] = [5.0, 60.0];
+/// The axes of an instrument are 1″ to 10″ off, say the manuals.
+const INDEX_RAD: f64 = 4.0 * ARCSECOND_RAD;
+const COLLIMATION_RAD: f64 = 3.0 * ARCSECOND_RAD;
+const TILT_RAD: f64 = 1.5 * ARCSECOND_RAD;
+/// Geodesy takes k = 0.13 in general; it changes with hour and ground.
+const REFRACTION: [f64; 2] = [0.05, 0.25];
+/// What is left of two prisms' centring in the distance between them, GPR1.
+const DISTANCE_M: f64 = 0.001;
+/// The constant of a GPH1P, in Leica's manual of the iCR70.
+const PRISM_CONSTANT_M: f64 = 0.0003;
+
+/// The errors that come together, being of one cause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorKind {
+    Settling,
+    /// Of each station, and of each prism.
+    RangeOffset,
+    RangeScale,
+    RangeWander,
+    Latency,
+    StampJitter,
+    /// And drift.
+    ClockOffset,
+    /// And pauses of the recording.
+    ClockJumps,
+    Index,
+    Collimation,
+    Tilt,
+    Curvature,
+    Distances,
+    PrismConstant,
+}
+
+impl ErrorKind {
+    pub const ALL: [Self; 14] = [
+        Self::Settling,
+        Self::RangeOffset,
+        Self::RangeScale,
+        Self::RangeWander,
+        Self::Latency,
+        Self::StampJitter,
+        Self::ClockOffset,
+        Self::ClockJumps,
+        Self::Index,
+        Self::Collimation,
+        Self::Tilt,
+        Self::Curvature,
+        Self::Distances,
+        Self::PrismConstant,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Settling => "settling",
+            Self::RangeOffset => "range offset",
+            Self::RangeScale => "range scale",
+            Self::RangeWander => "range wander",
+            Self::Latency => "latency",
+            Self::StampJitter => "stamp jitter",
+            Self::ClockOffset => "clock offset and drift",
+            Self::ClockJumps => "clock jumps and pauses",
+            Self::Index => "vertical index",
+            Self::Collimation => "collimation",
+            Self::Tilt => "tilt",
+            Self::Curvature => "curvature and refraction",
+            Self::Distances => "inter-prism distances",
+            Self::PrismConstant => "prism constant",
+        }
+    }
+
+    /// The random numbers of this kind alone, so that leaving it out leaves the others as they are.
+    pub fn rng(self, seed: u64) -> ChaCha8Rng {
+        Stream::ErrorKind(self as usize).rng(seed)
+    }
+}
+
+/// Gives a scenario errors of one kind, in place of those that it has of it.
+pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
+    let duration_s = scenario.duration_s;
+    let errors = &mut scenario.errors;
+    match kind {
+        ErrorKind::Settling => {
+            let at_once = rng.random_bool(AT_ONCE);
+            errors.settling = (0..3)
+                .map(|station| {
+                    let from_s = rng.random_range(0.0..duration_s);
+                    let slow_s = between(SLOW_SHARE, rng) * (duration_s - from_s);
+                    Settling {
+                        station,
+                        from_s,
+                        over_s: if at_once { 0.0 } else { slow_s },
+                        turn_rad: TURN_RAD * normal(rng),
+                        move_m: Vector3::from(normals(MOVE_M, rng)),
+                        lean_rad: normals(LEAN_RAD, rng),
+                    }
+                })
+                .collect();
+        }
+        ErrorKind::RangeOffset => {
+            errors.range_offset_m = normals(RANGE_OFFSET_M, rng);
+            errors.prism_offset_m = normals(PRISM_OFFSET_M, rng);
+            // One prism that all stations follow has one offset.
+            let [first, second, third] = scenario.prisms_m;
+            if first == second && first == third {
+                errors.prism_offset_m = [errors.prism_offset_m[0]; 3];
+            }
+        }
+        ErrorKind::RangeScale => errors.range_scale = normals(RANGE_SCALE, rng),
+        ErrorKind::RangeWander => {
+            let sigma_m = (WANDER_M * normal(rng)).abs();
+            let correlation_s = E.powf(between(WANDER_CORRELATION_S.map(f64::ln), rng));
+            errors.range_wander = Some(Wander { sigma_m, correlation_s });
+        }
+        ErrorKind::Latency => errors.latency_s = std::array::from_fn(|_| between(LATENCY_S, rng)),
+        ErrorKind::StampJitter => errors.stamp_jitter_s = between(STAMP_JITTER_S, rng),
+        ErrorKind::ClockOffset => {
+            // Station 1's clock is the one that the others are held against.
+            let ([offset_2, offset_3], [drift_2, drift_3]) =
+                (normals(CLOCK_OFFSET_S, rng), normals(CLOCK_DRIFT, rng));
+            errors.clock_offset_s = [0.0, offset_2, offset_3];
+            errors.clock_drift = [0.0, drift_2, drift_3];
+        }
+        ErrorKind::ClockJumps => {
+            let chance = rng.random_range(0.0..1.0);
+            let jumps = usize::from(chance < JUMPING_TWICE + JUMPING_ONCE)
+                + usize::from(chance < JUMPING_TWICE);
+            errors.clock_steps = (0..jumps)
+                .map(|_| {
+                    let station = rng.random_range(0..3);
+                    let at_s = rng.random_range(0.0..duration_s);
+                    let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+                    ClockStep { station, at_s, by_s: sign * between(JUMP_S, rng) }
+                })
+                .collect();
+            let pauses =
+                if rng.random_bool(PAUSING) { rng.random_range(1..=MOST_PAUSES) } else { 0 };
+            scenario.pauses_s = (0..pauses)
+                .map(|_| {
+                    let from_s = rng.random_range(0.0..duration_s);
+                    [from_s, (from_s + between(PAUSE_S, rng)).min(duration_s)]
+                })
+                .collect();
+        }
+        ErrorKind::Index => errors.index_rad = normals(INDEX_RAD, rng),
+        ErrorKind::Collimation => errors.collimation_rad = normals(COLLIMATION_RAD, rng),
+        ErrorKind::Tilt => errors.tilt_rad = std::array::from_fn(|_| normals(TILT_RAD, rng)),
+        ErrorKind::Curvature => {
+            let refraction = between(REFRACTION, rng);
+            errors.curvature = Some(Curvature { refraction, ..Curvature::STANDARD });
+        }
+        ErrorKind::Distances => errors.inter_prism_m = normals(DISTANCE_M, rng),
+        ErrorKind::PrismConstant => errors.prism_constant_m = PRISM_CONSTANT_M * normal(rng),
+    }
+}
+
+impl Scenario {
+    /// The same with errors of all kinds, as large as they are in the field.
+    pub fn with_field_errors(self, seed: u64) -> Self {
+        Self { drawn_errors: ErrorKind::ALL.to_vec(), ..self }.draw_errors(seed)
+    }
+
+    /// The same with the errors that are still to be drawn: afterwards they are its own.
+    pub fn draw_errors(mut self, seed: u64) -> Self {
+        for kind in std::mem::take(&mut self.drawn_errors) {
+            draw(kind, &mut self, &mut kind.rng(seed));
+        }
+        self
+    }
+}
+
+fn normals<const N: usize>(sigma: f64, rng: &mut ChaCha8Rng) -> [f64; N] {
+    std::array::from_fn(|_| sigma * normal(rng))
+}
+
+fn between([from, to]: [f64; 2], rng: &mut ChaCha8Rng) -> f64 {
+    rng.random_range(from..to)
+}
