@@ -1,13 +1,17 @@
 //! `resect simulate`: a deployment with known truth, as files.
 
+mod error_args;
+mod limits;
+
 use std::path::PathBuf;
+use std::slice::from_mut;
 
 use clap::Args;
 
+use self::error_args::ErrorArguments;
+use self::limits::{Limits, replace};
 use super::{Failure, print};
-use crate::simulation::{
-    ARCSECOND_RAD, ClockStep, Preset, Scenario, simulate_scenario, write_folder,
-};
+use crate::simulation::{ARCSECOND_RAD, Preset, Scenario, simulate_scenario, write_folder};
 
 #[derive(Args)]
 pub struct Arguments {
@@ -44,24 +48,8 @@ pub struct Arguments {
     /// How long is driven (s)
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
-    /// By how much the stamps of stations 1, 2, 3 are late (ms)
-    #[arg(long, value_name = "MS,MS,MS", value_delimiter = ',', allow_negative_numbers = true)]
-    clock_offset: Vec<f64>,
-    /// How fast they fall behind (parts per million)
-    #[arg(long, value_name = "PPM,PPM,PPM", value_delimiter = ',', allow_negative_numbers = true)]
-    clock_drift: Vec<f64>,
-    /// A station whose stamps jump halfway, and by how much (ms): 3,20
-    #[arg(long, value_name = "STATION,MS", value_delimiter = ',', allow_negative_numbers = true)]
-    clock_step: Vec<f64>,
-    /// Lean of stations 1, 2, 3 about x and y: x1,y1,x2,y2,x3,y3 (arcseconds)
-    #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_negative_numbers = true)]
-    tilt: Vec<f64>,
-    /// Errors of the inter-prism distances 12, 13, 23 that are written (mm)
-    #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_negative_numbers = true)]
-    distance_error: Vec<f64>,
-    /// Error of the prism constant (mm)
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    prism_constant_error: Option<f64>,
+    #[command(flatten)]
+    errors: ErrorArguments,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -81,84 +69,62 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The preset with what the flags change.
+/// The preset with what the options change.
 fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
     let mut scenario = arguments.preset.scenario();
     let noise = &mut scenario.noise;
-    let between = |name: &str, value: Option<f64>, low: f64, high: f64| match value {
-        Some(value) if !(low..=high).contains(&value) => {
-            Err(Failure::Usage(format!("--{name} is {value}; it must be from {low} to {high}")))
-        }
-        value => Ok(value),
-    };
-    let set = |name: &str, value: Option<f64>, [low, high]: [f64; 2], unit: f64, to: &mut f64| {
-        between(name, value, low, high).map(|value| {
-            if let Some(value) = value {
-                *to = value * unit;
-            }
-        })
-    };
-    set("range-noise", arguments.range_noise, [0.0, 1000.0], 1e-3, &mut noise.range_sigma_m)?;
-    let arcsecond = ARCSECOND_RAD;
-    set(
-        "angle-noise",
-        arguments.angle_noise,
-        [0.0, 3600.0],
-        arcsecond,
-        &mut noise.angle_sigma_rad,
-    )?;
-    set("outliers", arguments.outliers, [0.0, 1.0], 1.0, &mut noise.outlier_share)?;
-    set("lost-locks", arguments.lost_locks, [0.0, 60.0], 1.0, &mut noise.lost_locks_per_minute)?;
-    set(
-        "wrong-targets",
-        arguments.wrong_targets,
-        [0.0, 60.0],
-        1.0,
-        &mut noise.wrong_targets_per_minute,
-    )?;
-    set("rate", arguments.rate, [0.1, 50.0], 1.0, &mut scenario.rate_hz)?;
-    set("duration", arguments.duration, [10.0, 20_000.0], 1.0, &mut scenario.duration_s)?;
-    let constant = &mut scenario.errors.prism_constant_m;
-    set("prism-constant-error", arguments.prism_constant_error, [-100.0, 100.0], 1e-3, constant)?;
-    let errors = &mut scenario.errors;
-    let copy = |from: &[f64], unit: f64, to: &mut [f64]| {
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = from * unit);
-    };
-    for (name, given, wanted) in [
-        ("stagger", arguments.stagger.len(), 3),
-        ("clock-offset", arguments.clock_offset.len(), 3),
-        ("clock-drift", arguments.clock_drift.len(), 3),
-        ("clock-step", arguments.clock_step.len(), 2),
-        ("tilt", arguments.tilt.len(), 6),
-        ("distance-error", arguments.distance_error.len(), 3),
+    let mut stagger_s = [0.0; 3];
+    let per_minute = Limits::up_to(60.0, 1.0);
+    for (name, given, limits, to) in [
+        (
+            "range-noise",
+            arguments.range_noise.as_slice(),
+            Limits::up_to(1000.0, 1e-3),
+            from_mut(&mut noise.range_sigma_m),
+        ),
+        (
+            "angle-noise",
+            arguments.angle_noise.as_slice(),
+            Limits::up_to(3600.0, ARCSECOND_RAD),
+            from_mut(&mut noise.angle_sigma_rad),
+        ),
+        (
+            "outliers",
+            arguments.outliers.as_slice(),
+            Limits::up_to(1.0, 1.0),
+            from_mut(&mut noise.outlier_share),
+        ),
+        (
+            "lost-locks",
+            arguments.lost_locks.as_slice(),
+            per_minute,
+            from_mut(&mut noise.lost_locks_per_minute),
+        ),
+        (
+            "wrong-targets",
+            arguments.wrong_targets.as_slice(),
+            per_minute,
+            from_mut(&mut noise.wrong_targets_per_minute),
+        ),
+        (
+            "rate",
+            arguments.rate.as_slice(),
+            Limits { low: 0.1, high: 50.0, unit: 1.0 },
+            from_mut(&mut scenario.rate_hz),
+        ),
+        (
+            "duration",
+            arguments.duration.as_slice(),
+            Limits { low: 10.0, high: 20_000.0, unit: 1.0 },
+            from_mut(&mut scenario.duration_s),
+        ),
+        ("stagger", &arguments.stagger, Limits::up_to(5000.0, 1e-3), &mut stagger_s),
     ] {
-        if given != 0 && given != wanted {
-            let line = format!("--{name} has {given} numbers; give {wanted}, separated by commas");
-            return Err(Failure::Usage(line));
-        }
+        replace(name, given, limits, to)?;
     }
-    copy(&arguments.clock_offset, 1e-3, &mut errors.clock_offset_s);
-    copy(&arguments.clock_drift, 1e-6, &mut errors.clock_drift);
-    copy(&arguments.tilt, arcsecond, errors.tilt_rad.as_flattened_mut());
-    copy(&arguments.distance_error, 1e-3, &mut errors.inter_prism_m);
-    if let [first, second, third] = arguments.stagger[..] {
-        let stagger_ms = [first, second, third];
-        if let Some(wrong) = stagger_ms.iter().find(|ms| !(0.0..=5000.0).contains(*ms)) {
-            let line = format!("--stagger is {wrong}; it must be from 0 to 5000");
-            return Err(Failure::Usage(line));
-        }
-        scenario.stagger_s = Some(stagger_ms.map(|ms| ms * 1e-3));
+    if !arguments.stagger.is_empty() {
+        scenario.stagger_s = Some(stagger_s);
     }
-    if let [station, step_ms] = arguments.clock_step[..] {
-        if ![1.0, 2.0, 3.0].contains(&station) {
-            let line = format!("--clock-step names station {station}; stations are 1, 2, 3");
-            return Err(Failure::Usage(line));
-        }
-        errors.clock_steps.push(ClockStep {
-            station: station as usize - 1,
-            at_s: 0.5 * scenario.duration_s,
-            by_s: step_ms * 1e-3,
-        });
-    }
-    Ok(scenario)
+    // Last, since errors happen within the drive.
+    arguments.errors.apply(scenario, arguments.seed)
 }

@@ -11,6 +11,8 @@ mod instrument;
 mod motion;
 mod random;
 mod scenario;
+#[cfg(test)]
+mod tests;
 mod write;
 
 pub use errors::{ClockStep, Curvature, Settling, SystematicErrors, Wander};

@@ -1,0 +1,331 @@
+//! Options for what instruments get wrong beyond noise, and how they go into a scenario.
+
+use std::slice::from_mut;
+
+use clap::Args;
+use nalgebra::Vector3;
+
+use super::super::Failure;
+use super::limits::{Limits, List, replace, replace_row, station};
+use crate::simulation::{ARCSECOND_RAD, ClockStep, Curvature, Scenario, Settling, Wander};
+
+#[derive(Args)]
+#[command(next_help_heading = "Errors of instruments")]
+pub struct ErrorArguments {
+    /// All that follow, drawn from the seed as large as in the field; an option given beside it overrules it
+    #[arg(long)]
+    field_errors: bool,
+    /// A station that turns, moves and maybe leans about x and y, from a time on and over so long; may be repeated
+    #[arg(
+        long,
+        value_name = "STATION,FROM_S,OVER_S,TURN_MRAD,MOVE_X_MM,MOVE_Y_MM,MOVE_Z_MM[,ARCSEC,ARCSEC]",
+        allow_hyphen_values = true
+    )]
+    settle: Vec<List>,
+    /// Added to the ranges of stations 1, 2, 3 (mm)
+    #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
+    range_offset: Vec<f64>,
+    /// By how much of itself they measure a range too long (parts per million)
+    #[arg(long, value_name = "PPM,PPM,PPM", value_delimiter = ',', allow_hyphen_values = true)]
+    range_scale: Vec<f64>,
+    /// Added to the ranges to prisms 1, 2, 3 (mm)
+    #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
+    prism_offset: Vec<f64>,
+    /// Error of the prism constant (mm)
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
+    prism_constant_error: Option<f64>,
+    /// Errors of ranges that last: 1 σ (mm), and after how long 37 % of one is left (s)
+    #[arg(long, value_name = "MM,S", value_delimiter = ',', allow_hyphen_values = true)]
+    range_wander: Vec<f64>,
+    /// How much earlier than its range stations 1, 2, 3 take the angles of a reading (ms)
+    #[arg(long, value_name = "MS,MS,MS", value_delimiter = ',', allow_hyphen_values = true)]
+    latency: Vec<f64>,
+    /// Error of every stamp on its own, 1 σ (ms)
+    #[arg(long, value_name = "MS", allow_hyphen_values = true)]
+    stamp_jitter: Option<f64>,
+    /// By how much the stamps of stations 1, 2, 3 are late (ms)
+    #[arg(long, value_name = "MS,MS,MS", value_delimiter = ',', allow_hyphen_values = true)]
+    clock_offset: Vec<f64>,
+    /// How fast they fall behind (parts per million)
+    #[arg(long, value_name = "PPM,PPM,PPM", value_delimiter = ',', allow_hyphen_values = true)]
+    clock_drift: Vec<f64>,
+    /// A station whose stamps jump, by how much (ms) and when (s, halfway if left out): 3,20; may be repeated
+    #[arg(long, value_name = "STATION,MS[,S]", allow_hyphen_values = true)]
+    clock_step: Vec<List>,
+    /// From when to when nothing is recorded (s); may be repeated
+    #[arg(long, value_name = "FROM_S,TO_S", allow_hyphen_values = true)]
+    pause: Vec<List>,
+    /// Added to the zenith angles of stations 1, 2, 3 (arcseconds)
+    #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_hyphen_values = true)]
+    index: Vec<f64>,
+    /// How far off square their lines of sight are to their horizontal axes (arcseconds)
+    #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_hyphen_values = true)]
+    collimation: Vec<f64>,
+    /// Lean of stations 1, 2, 3 about x and y: x1,y1,x2,y2,x3,y3 (arcseconds)
+    #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_hyphen_values = true)]
+    tilt: Vec<f64>,
+    /// A round earth, whose plumb lines part and where light is bent by a coefficient (0.13 if left out)
+    #[arg(long, value_name = "K", num_args = 0..=1, require_equals = true)]
+    curvature: Option<Option<f64>>,
+    /// Errors of the inter-prism distances 12, 13, 23 that are written (mm)
+    #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
+    distance_error: Vec<f64>,
+}
+
+const MILLI: f64 = 1e-3;
+const SECONDS: Limits = Limits::up_to(100_000.0, 1.0);
+const MILLISECONDS: Limits = Limits::either_way(1000.0, MILLI);
+/// Clocks that nobody set are off by anything.
+const CLOCK_MILLISECONDS: Limits = Limits::either_way(1e7, MILLI);
+const MILLIMETRES: Limits = Limits::either_way(1000.0, MILLI);
+const PARTS_PER_MILLION: Limits = Limits::either_way(1000.0, 1e-6);
+const MILLIRADIANS: Limits = Limits::either_way(100.0, MILLI);
+const ARCSECONDS: Limits = Limits::either_way(3600.0, ARCSECOND_RAD);
+const STATION: Limits = Limits { low: 1.0, high: 3.0, unit: 1.0 };
+
+impl ErrorArguments {
+    /// Draws the errors that are to be drawn, then puts those in their place that are given.
+    pub fn apply(&self, scenario: Scenario, seed: u64) -> Result<Scenario, Failure> {
+        let mut scenario = if self.field_errors {
+            scenario.with_field_errors(seed)
+        } else {
+            scenario.draw_errors(seed)
+        };
+        self.replace_constant(&mut scenario)?;
+        self.replace_at_times(&mut scenario)?;
+        Ok(scenario)
+    }
+
+    /// Errors that are the same during all of the drive.
+    fn replace_constant(&self, scenario: &mut Scenario) -> Result<(), Failure> {
+        let errors = &mut scenario.errors;
+        let prism_constant = self.prism_constant_error.as_slice();
+        let jitter = Limits { low: 0.0, ..MILLISECONDS };
+        for (name, given, limits, to) in [
+            ("range-offset", &self.range_offset[..], MILLIMETRES, &mut errors.range_offset_m[..]),
+            ("range-scale", &self.range_scale, PARTS_PER_MILLION, &mut errors.range_scale),
+            ("prism-offset", &self.prism_offset, MILLIMETRES, &mut errors.prism_offset_m),
+            (
+                "prism-constant-error",
+                prism_constant,
+                Limits::either_way(100.0, MILLI),
+                from_mut(&mut errors.prism_constant_m),
+            ),
+            ("latency", &self.latency, MILLISECONDS, &mut errors.latency_s),
+            (
+                "stamp-jitter",
+                self.stamp_jitter.as_slice(),
+                jitter,
+                from_mut(&mut errors.stamp_jitter_s),
+            ),
+            ("clock-offset", &self.clock_offset, CLOCK_MILLISECONDS, &mut errors.clock_offset_s),
+            ("clock-drift", &self.clock_drift, PARTS_PER_MILLION, &mut errors.clock_drift),
+            ("index", &self.index, ARCSECONDS, &mut errors.index_rad),
+            ("collimation", &self.collimation, ARCSECONDS, &mut errors.collimation_rad),
+            ("tilt", &self.tilt, ARCSECONDS, errors.tilt_rad.as_flattened_mut()),
+            ("distance-error", &self.distance_error, MILLIMETRES, &mut errors.inter_prism_m),
+        ] {
+            replace(name, given, limits, to)?;
+        }
+        if !self.range_wander.is_empty() {
+            let mut row = [0.0; 2];
+            let limits = [Limits { low: 0.0, ..MILLIMETRES }, Limits { low: 0.001, ..SECONDS }];
+            replace_row("range-wander", &self.range_wander, 2, &limits, &mut row)?;
+            let [sigma_m, correlation_s] = row;
+            errors.range_wander = Some(Wander { sigma_m, correlation_s });
+        }
+        if let Some(coefficient) = self.curvature {
+            let mut refraction = Curvature::STANDARD.refraction;
+            let limits = Limits::either_way(5.0, 1.0);
+            replace("curvature", coefficient.as_slice(), limits, from_mut(&mut refraction))?;
+            errors.curvature = Some(Curvature { refraction, ..Curvature::STANDARD });
+        }
+        Ok(())
+    }
+
+    /// Errors that begin at some time, any number of them.
+    fn replace_at_times(&self, scenario: &mut Scenario) -> Result<(), Failure> {
+        let duration_s = scenario.duration_s;
+        // What is outside of the drive would do nothing.
+        let moment = Limits::up_to(duration_s, 1.0);
+        let settling = self.settle.iter().map(|given| {
+            let station = station("settle", given)?;
+            let limits = [
+                STATION,
+                moment,
+                SECONDS,
+                MILLIRADIANS,
+                MILLIMETRES,
+                MILLIMETRES,
+                MILLIMETRES,
+                ARCSECONDS,
+                ARCSECONDS,
+            ];
+            let mut row = [0.0; 9];
+            replace_row("settle", &given.0, 7, &limits, &mut row)?;
+            let [_, from_s, over_s, turn_rad, x_m, y_m, z_m, lean_x_rad, lean_y_rad] = row;
+            Ok(Settling {
+                station,
+                from_s,
+                over_s,
+                turn_rad,
+                move_m: Vector3::new(x_m, y_m, z_m),
+                lean_rad: [lean_x_rad, lean_y_rad],
+            })
+        });
+        let clock_steps = self.clock_step.iter().map(|given| {
+            let station = station("clock-step", given)?;
+            let mut row = [0.0, 0.0, 0.5 * duration_s];
+            let limits = [STATION, CLOCK_MILLISECONDS, moment];
+            replace_row("clock-step", &given.0, 2, &limits, &mut row)?;
+            let [_, by_s, at_s] = row;
+            Ok(ClockStep { station, at_s, by_s })
+        });
+        let pauses_s = self.pause.iter().map(|given| {
+            let mut pause_s = [0.0; 2];
+            replace_row("pause", &given.0, 2, &[moment; 2], &mut pause_s)?;
+            let [from_s, to_s] = pause_s;
+            if from_s >= to_s {
+                let line =
+                    format!("--pause is from {from_s} to {to_s} s; give the earlier time first");
+                return Err(Failure::Usage(line));
+            }
+            Ok(pause_s)
+        });
+        replace_all(settling, &mut scenario.errors.settling)?;
+        replace_all(clock_steps, &mut scenario.errors.clock_steps)?;
+        replace_all(pauses_s, &mut scenario.pauses_s)
+    }
+}
+
+/// Puts a list in place of another; an empty one leaves it as it is.
+fn replace_all<T>(
+    given: impl ExactSizeIterator<Item = Result<T, Failure>>,
+    to: &mut Vec<T>,
+) -> Result<(), Failure> {
+    if given.len() > 0 {
+        *to = given.collect::<Result<_, _>>()?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::simulation::{Preset, SystematicErrors};
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        errors: ErrorArguments,
+    }
+
+    fn scenario_of(words: &str) -> Result<Scenario, Failure> {
+        let line = Line::try_parse_from(["simulate"].into_iter().chain(words.split_whitespace()));
+        line.expect("parses").errors.apply(Preset::Warthog.scenario(), 1)
+    }
+
+    fn errors(words: &str) -> SystematicErrors {
+        scenario_of(words).expect("in range").errors
+    }
+
+    fn complaint(words: &str) -> String {
+        match scenario_of(words) {
+            Err(Failure::Usage(line)) => line,
+            other => panic!("{words} gave {other:?}"),
+        }
+    }
+
+    #[test]
+    fn nothing_is_wrong_unless_it_is_asked_for() {
+        assert_eq!(scenario_of("").expect("fine"), Preset::Warthog.scenario());
+    }
+
+    #[test]
+    fn every_option_reaches_its_error_in_its_unit() {
+        let errors = errors(
+            "--range-offset -1,2,3 --range-scale=40,-5,0 --prism-offset 0.5,0,-0.5 \
+             --prism-constant-error -2 --range-wander 1.5,20 --latency 0,10,15 --stamp-jitter 4 \
+             --clock-offset -4,0,8 --clock-drift 0,-5,5 --index 3600,0,0 --collimation 0,-3600,0 \
+             --tilt 3600,0,0,0,0,-3600 --curvature=0.2 --distance-error 1,-2,3 \
+             --settle 1,100,0,0.2,5,0,-5 --settle 3,50,60,0,0,0,0,-3600,3600 \
+             --clock-step 3,20 --clock-step 1,-5,17.5",
+        );
+        let degree = 1.0_f64.to_radians();
+        let rounded = |value: f64| (value * 1e12).round() / 1e12;
+        let close = |found: &[f64], expected: &[f64]| {
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(expected) {
+                assert_eq!(rounded(*found), rounded(*expected));
+            }
+        };
+        close(&errors.range_offset_m, &[-0.001, 0.002, 0.003]);
+        close(&errors.range_scale, &[40e-6, -5e-6, 0.0]);
+        close(&errors.prism_offset_m, &[0.0005, 0.0, -0.0005]);
+        close(&[errors.prism_constant_m], &[-0.002]);
+        let wander = errors.range_wander.expect("given");
+        close(&[wander.sigma_m, wander.correlation_s], &[0.0015, 20.0]);
+        close(&errors.latency_s, &[0.0, 0.010, 0.015]);
+        close(&[errors.stamp_jitter_s], &[0.004]);
+        close(&errors.clock_offset_s, &[-0.004, 0.0, 0.008]);
+        close(&errors.clock_drift, &[0.0, -5e-6, 5e-6]);
+        close(&errors.index_rad, &[degree, 0.0, 0.0]);
+        close(&errors.collimation_rad, &[0.0, -degree, 0.0]);
+        close(errors.tilt_rad.as_flattened(), &[degree, 0.0, 0.0, 0.0, 0.0, -degree]);
+        close(&[errors.curvature.expect("given").refraction], &[0.2]);
+        close(&errors.inter_prism_m, &[0.001, -0.002, 0.003]);
+        let [first, second] = errors.settling[..] else { panic!("{:?}", errors.settling) };
+        assert_eq!((first.station, second.station), (0, 2));
+        close(&[first.from_s, first.over_s, first.turn_rad], &[100.0, 0.0, 0.0002]);
+        close(first.move_m.as_slice(), &[0.005, 0.0, -0.005]);
+        assert_eq!(first.lean_rad, [0.0; 2]);
+        close(&[second.from_s, second.over_s], &[50.0, 60.0]);
+        close(&second.lean_rad, &[-degree, degree]);
+        let [half_way, given] = errors.clock_steps[..] else { panic!("{:?}", errors.clock_steps) };
+        assert_eq!(half_way, ClockStep { station: 2, at_s: 210.0, by_s: 0.020 });
+        assert_eq!(given, ClockStep { station: 0, at_s: 17.5, by_s: -0.005 });
+    }
+
+    #[test]
+    fn pauses_and_a_round_earth() {
+        let scenario = scenario_of("--pause 10,20 --pause 30,31.5 --curvature").expect("fine");
+        assert_eq!(scenario.pauses_s, [[10.0, 20.0], [30.0, 31.5]]);
+        assert_eq!(scenario.errors.curvature, Some(Curvature::STANDARD));
+    }
+
+    #[test]
+    fn an_option_overrules_what_is_drawn_and_leaves_the_rest() {
+        let drawn = Preset::Warthog.scenario().with_field_errors(1);
+        let given = scenario_of("--field-errors --latency 0,0,9 --settle 2,0,0,0.2,0,0,0");
+        let mut expected = drawn.clone();
+        expected.errors.latency_s = [0.0, 0.0, 9.0 * MILLI];
+        let given = given.expect("fine");
+        assert_eq!(given.errors.settling.len(), 1);
+        expected.errors.settling.clone_from(&given.errors.settling);
+        assert_eq!(given, expected);
+        assert_ne!(drawn.errors.latency_s, expected.errors.latency_s);
+    }
+
+    #[test]
+    fn what_no_instrument_does_is_refused_in_a_line() {
+        for (words, line) in [
+            ("--latency 1,2", "--latency has 2 numbers; give 3, separated by commas"),
+            ("--latency 0,0,2000", "--latency is 2000; it must be from -1000 to 1000"),
+            ("--stamp-jitter -1", "--stamp-jitter is -1; it must be from 0 to 1000"),
+            ("--index 0,NaN,0", "--index is NaN; it must be from -3600 to 3600"),
+            ("--range-wander 1,0", "--range-wander is 0; it must be from 0.001 to 100000"),
+            ("--curvature=9", "--curvature is 9; it must be from -5 to 5"),
+            ("--clock-step 4,20", "--clock-step names station 4; stations are 1, 2, 3"),
+            ("--clock-step 3", "--clock-step has 1 numbers; give 2 or 3, separated by commas"),
+            ("--clock-step 3,20,421", "--clock-step is 421; it must be from 0 to 420"),
+            ("--settle 0,0,0,0,0,0,0", "--settle names station 0; stations are 1, 2, 3"),
+            ("--settle 1,0,0,0", "--settle has 4 numbers; give 7 or 9, separated by commas"),
+            ("--settle 1,0,0,101,0,0,0", "--settle is 101; it must be from -100 to 100"),
+            ("--pause 20,10", "--pause is from 20 to 10 s; give the earlier time first"),
+        ] {
+            assert_eq!(complaint(words), line);
+        }
+    }
+}

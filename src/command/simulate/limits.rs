@@ -1,0 +1,78 @@
+//! Numbers on the command line: how many an option takes, what each may be, and its unit.
+
+use std::str::FromStr;
+
+use super::super::Failure;
+
+/// What a number may be, and how much of the scenario's unit it counts.
+#[derive(Clone, Copy)]
+pub struct Limits {
+    pub low: f64,
+    pub high: f64,
+    pub unit: f64,
+}
+
+impl Limits {
+    /// As far below zero as above.
+    pub const fn either_way(most: f64, unit: f64) -> Self {
+        Self { low: -most, high: most, unit }
+    }
+
+    pub const fn up_to(high: f64, unit: f64) -> Self {
+        Self { low: 0.0, high, unit }
+    }
+}
+
+/// Numbers with commas between them, for options that may be given again.
+#[derive(Clone)]
+pub struct List(pub Vec<f64>);
+
+impl FromStr for List {
+    type Err = std::num::ParseFloatError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        text.split(',').map(str::parse).collect::<Result<_, _>>().map(Self)
+    }
+}
+
+/// Puts the numbers of an option, all of one sort, in place of those of the scenario; none leave them as they are.
+pub fn replace(name: &str, given: &[f64], limits: Limits, to: &mut [f64]) -> Result<(), Failure> {
+    if given.is_empty() {
+        return Ok(());
+    }
+    let row = vec![limits; to.len()];
+    replace_row(name, given, to.len(), &row, to)
+}
+
+/// Puts a row of numbers, each with limits of its own, in place of others; those after the least ones may be left out.
+pub fn replace_row(
+    name: &str,
+    given: &[f64],
+    least: usize,
+    limits: &[Limits],
+    to: &mut [f64],
+) -> Result<(), Failure> {
+    let most = limits.len();
+    if given.len() != least && given.len() != most {
+        let wanted = if least == most { most.to_string() } else { format!("{least} or {most}") };
+        let count = given.len();
+        let line = format!("--{name} has {count} numbers; give {wanted}, separated by commas");
+        return Err(Failure::Usage(line));
+    }
+    for ((value, Limits { low, high, unit }), to) in given.iter().zip(limits).zip(to) {
+        if !(*low..=*high).contains(value) {
+            let line = format!("--{name} is {value}; it must be from {low} to {high}");
+            return Err(Failure::Usage(line));
+        }
+        *to = value * unit;
+    }
+    Ok(())
+}
+
+/// The index of a station that an option names first in its list.
+pub fn station(name: &str, given: &List) -> Result<usize, Failure> {
+    let number = given.0.first().copied().unwrap_or_default();
+    (0..3).find(|index| number == (index + 1) as f64).ok_or_else(|| {
+        Failure::Usage(format!("--{name} names station {number}; stations are 1, 2, 3"))
+    })
+}
