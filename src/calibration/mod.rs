@@ -8,6 +8,7 @@ mod common_errors;
 mod disagreement;
 pub mod dynamic_gcp;
 pub mod inter_prism;
+pub mod joint;
 mod method;
 mod point_to_point;
 mod sandwich;

@@ -1,0 +1,284 @@
+//! The motion eliminated: normal equations whose local unknowns are a band, each knot tied to the next three, with the
+//! columns of the drive's parts as a border.
+//!
+//! A part's columns act on its own knots, and through the band on those after them, where it fades. A border of two parts'
+//! width, which moves along, is enough: what is left of a part where the next but one begins is given to that one, which is
+//! exact for what is the same in all parts, and as good as that for what is slow. What stays is a chain: the information of
+//! each part, of each part with the next one, and the gradient.
+//!
+//! One row of a knot is its own block, the blocks of the next three knots, and the border, in one array, so that the inner
+//! loops run over neighbours in memory; `multiversion` picks AVX-512 or AVX2 where the processor has it.
+
+use multiversion::multiversion;
+use nalgebra::{SMatrix, SVector};
+
+/// Unknowns of a part of the drive: shifts of stations 2 and 3 (m, station 1's frame), their lateness (s), latencies of
+/// stations 1 to 3 (s), inter-prism distances (m).
+pub const PART: usize = 14;
+/// Knots that a knot is tied to, itself included.
+pub const TIED: usize = 4;
+/// Places in the border: parts with even numbers, parts with odd numbers, the gradient, and probes.
+const GRADIENT: usize = 2 * PART;
+const FIRST_PROBE: usize = GRADIENT + 1;
+/// What redundancies are asked with.
+pub const PROBES: usize = 4;
+pub const BORDER: usize = 36;
+
+pub type PartMatrix = SMatrix<f64, PART, PART>;
+pub type PartVector = SVector<f64, PART>;
+
+/// One span's equations: `LOCAL` unknowns a knot, `ROW` = 4 × `LOCAL` + [`BORDER`].
+pub struct Band<const LOCAL: usize, const ROW: usize> {
+    /// The upper triangle, and after elimination its factor.
+    rows: Vec<[[f64; ROW]; LOCAL]>,
+    /// The first knot of each part.
+    first_knots: Vec<usize>,
+    pub parts: Vec<Part>,
+    /// Squares of the probes as the motion takes them up.
+    pub taken_up: [f64; PROBES],
+}
+
+/// What is left of a part.
+#[derive(Clone, Debug)]
+pub struct Part {
+    pub information: PartMatrix,
+    /// With the part after it.
+    pub with_next: PartMatrix,
+    pub gradient: PartVector,
+}
+
+impl Part {
+    const NOTHING: Self = Self {
+        information: PartMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; PART]; PART])),
+        with_next: PartMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; PART]; PART])),
+        gradient: PartVector::from_array_storage(nalgebra::ArrayStorage([[0.0; PART]; 1])),
+    };
+}
+
+impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
+    /// Without any equation; parts begin at these knots, the first at 0.
+    pub fn new(knots: usize, first_knots: Vec<usize>) -> Self {
+        let parts = vec![Part::NOTHING; first_knots.len()];
+        Self { rows: vec![[[0.0; ROW]; LOCAL]; knots], first_knots, parts, taken_up: [0.0; PROBES] }
+    }
+
+    /// Adds equations that tie four knots from `first` on by `weights`, about `SIZE` unknowns of each from `at` on: their
+    /// information, their border with the part's `columns`, and their gradient.
+    pub fn add<const SIZE: usize>(
+        &mut self,
+        first: usize,
+        at: usize,
+        weights: &[f64; TIED],
+        information: &SMatrix<f64, SIZE, SIZE>,
+        gradient: &SVector<f64, SIZE>,
+    ) {
+        for k in 0..TIED {
+            for i in 0..SIZE {
+                let row = &mut self.rows[first + k][at + i];
+                for l in k..TIED {
+                    let both = weights[k] * weights[l];
+                    let block = &mut row[LOCAL * (l - k) + at..][..SIZE];
+                    for j in 0..SIZE {
+                        block[j] += both * information[(i, j)];
+                    }
+                }
+                row[TIED * LOCAL + GRADIENT] += weights[k] * gradient[i];
+            }
+        }
+    }
+
+    /// Adds what such equations have in common with one unknown of a part.
+    pub fn add_border<const SIZE: usize>(
+        &mut self,
+        first: usize,
+        at: usize,
+        weights: &[f64; TIED],
+        part: usize,
+        column: usize,
+        values: &SVector<f64, SIZE>,
+    ) {
+        let column = TIED * LOCAL + PART * (part % 2) + column;
+        for k in 0..TIED {
+            for i in 0..SIZE {
+                self.rows[first + k][at + i][column] += weights[k] * values[i];
+            }
+        }
+    }
+
+    /// Adds to a probe.
+    pub fn add_probe<const SIZE: usize>(
+        &mut self,
+        first: usize,
+        at: usize,
+        weights: &[f64; TIED],
+        probe: usize,
+        values: &SVector<f64, SIZE>,
+    ) {
+        let column = TIED * LOCAL + FIRST_PROBE + probe;
+        for k in 0..TIED {
+            for i in 0..SIZE {
+                self.rows[first + k][at + i][column] += weights[k] * values[i];
+            }
+        }
+    }
+
+    pub fn add_probe_at(&mut self, knot: usize, unknown: usize, probe: usize, value: f64) {
+        self.rows[knot][unknown][TIED * LOCAL + FIRST_PROBE + probe] += value;
+    }
+
+    /// The parts in both places of the border at a knot: the last even and the last odd one that has begun.
+    fn owners(&self, knot: usize) -> [Option<usize>; 2] {
+        let begun = self.first_knots.partition_point(|first| *first <= knot);
+        let last = begun - 1;
+        let mut owners = [None; 2];
+        owners[last % 2] = Some(last);
+        owners[(last + 1) % 2] = last.checked_sub(1);
+        owners
+    }
+
+    /// Eliminates the motion; `false` where it is not held.
+    pub fn eliminate(&mut self) -> bool {
+        let knots = self.rows.len();
+        let mut gram = [[0.0; BORDER]; BORDER];
+        for knot in 0..knots {
+            let owners = self.owners(knot);
+            let last = owners.into_iter().flatten().max().unwrap_or(0);
+            let next_begins = self.first_knots.get(last + 1).copied().unwrap_or(usize::MAX);
+            let (own, after) = self.rows[knot..].split_first_mut().expect("a knot");
+            if !factorise(own) {
+                return false;
+            }
+            for (k, target) in after.iter_mut().take(TIED - 1).enumerate() {
+                subtract(own, target, k + 1);
+            }
+            add_gram(&mut gram, own);
+            let ends = |part: usize| knot + 1 == knots || (part < last && next_begins == knot + 1);
+            for part in last.saturating_sub(1)..=last {
+                if ends(part) {
+                    self.retire(part, &mut gram);
+                }
+            }
+        }
+        for (probe, sum) in self.taken_up.iter_mut().enumerate() {
+            *sum = gram[FIRST_PROBE + probe][FIRST_PROBE + probe];
+        }
+        true
+    }
+
+    /// Moves what was gathered about a part out of the border; the one after it, if any, is in the other place.
+    fn retire(&mut self, part: usize, gram: &mut [[f64; BORDER]; BORDER]) {
+        let place = PART * (part % 2);
+        let other = PART - place;
+        let sum = |gram: &[[f64; BORDER]; BORDER], i: usize, j: usize| gram[i.min(j)][i.max(j)];
+        for i in 0..PART {
+            for j in 0..PART {
+                self.parts[part].information[(i, j)] -= sum(gram, place + i, place + j);
+                if part + 1 < self.parts.len() {
+                    self.parts[part].with_next[(i, j)] -= sum(gram, place + i, other + j);
+                }
+            }
+            self.parts[part].gradient[i] -= sum(gram, place + i, GRADIENT);
+        }
+        for i in place..place + PART {
+            for j in 0..BORDER {
+                gram[i.min(j)][i.max(j)] = 0.0;
+            }
+        }
+    }
+
+    /// The step of the local unknowns, given those of the parts; all are to be subtracted.
+    pub fn local_step(&self, of_parts: &[PartVector]) -> Vec<f64> {
+        let knots = self.rows.len();
+        let mut step = vec![0.0; knots * LOCAL];
+        for knot in (0..knots).rev() {
+            let owners = self.owners(knot);
+            for m in (0..LOCAL).rev() {
+                let row = &self.rows[knot][m];
+                let mut value = row[TIED * LOCAL + GRADIENT];
+                for part in owners.into_iter().flatten() {
+                    let columns = &row[TIED * LOCAL + PART * (part % 2)..][..PART];
+                    value -= columns.iter().zip(&of_parts[part]).map(|(a, b)| a * b).sum::<f64>();
+                }
+                let beyond = (TIED * LOCAL).min((knots - knot) * LOCAL);
+                let known = &step[knot * LOCAL + m + 1..knot * LOCAL + beyond];
+                value -= row[m + 1..beyond].iter().zip(known).map(|(a, b)| a * b).sum::<f64>();
+                step[knot * LOCAL + m] = value / row[m];
+            }
+        }
+        step
+    }
+
+}
+
+/// Divides a knot's rows by the root of its own block; `false` where that is not positive definite.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn factorise<const LOCAL: usize, const ROW: usize>(rows: &mut [[f64; ROW]; LOCAL]) -> bool {
+    let before: [f64; LOCAL] = std::array::from_fn(|m| rows[m][m]);
+    for m in 0..LOCAL {
+        let (above, below) = rows.split_at_mut(m + 1);
+        let row = &mut above[m];
+        let pivot = row[m];
+        // A pivot that is lost in rounding is none.
+        if pivot.is_nan() || pivot <= 1e-13 * before[m] {
+            return false;
+        }
+        let inverse = 1.0 / pivot.sqrt();
+        row.iter_mut().for_each(|value| *value *= inverse);
+        for (offset, other) in below.iter_mut().enumerate() {
+            let factor = row[m + 1 + offset];
+            for (value, own) in other.iter_mut().zip(row.iter()) {
+                *value -= factor * own;
+            }
+        }
+    }
+    true
+}
+
+/// Subtracts what an eliminated knot says of the `away`-th knot after it.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn subtract<const LOCAL: usize, const ROW: usize>(
+    own: &[[f64; ROW]; LOCAL],
+    target: &mut [[f64; ROW]; LOCAL],
+    away: usize,
+) {
+    let shift = LOCAL * away;
+    let mut panel = [[0.0; ROW]; LOCAL];
+    for (to, from) in panel.iter_mut().zip(own) {
+        // As the target's row: its own block first, nothing where no knot is tied to both, and the border.
+        let band = TIED * LOCAL - shift;
+        to[..band].copy_from_slice(&from[shift..TIED * LOCAL]);
+        to[TIED * LOCAL..].copy_from_slice(&from[TIED * LOCAL..]);
+    }
+    for (r, row) in target.iter_mut().enumerate() {
+        let mut sum = *row;
+        for from in &panel {
+            let factor = from[r];
+            for (value, own) in sum.iter_mut().zip(from) {
+                *value -= factor * own;
+            }
+        }
+        *row = sum;
+    }
+}
+
+/// Adds the products of a knot's border with itself.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn add_gram<const LOCAL: usize, const ROW: usize>(
+    gram: &mut [[f64; BORDER]; BORDER],
+    own: &[[f64; ROW]; LOCAL],
+) {
+    let mut borders = [[0.0; BORDER]; LOCAL];
+    for (to, from) in borders.iter_mut().zip(own) {
+        to.copy_from_slice(&from[TIED * LOCAL..]);
+    }
+    for (i, row) in gram.iter_mut().enumerate() {
+        let mut sum = *row;
+        for border in &borders {
+            let factor = border[i];
+            for (value, own) in sum.iter_mut().zip(border) {
+                *value += factor * own;
+            }
+        }
+        *row = sum;
+    }
+}

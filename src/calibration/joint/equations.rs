@@ -1,0 +1,329 @@
+//! What is observed, as equations of one stretch: readings, the rig's distances, and how smooth a drive is.
+
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+
+use super::band::{Band, PROBES, PartVector, TIED};
+use super::motion::{Place, Stretch};
+use super::unknowns::{PART_DISTANCES, PART_LATE, PART_LATENCIES, Sight, Station};
+use crate::deployment::PAIRS;
+
+/// How far the rig's distances vary on the way (m, 1 σ): masts flex, and prisms are not seen in their very centre.
+const RIGID_M: f64 = 0.0005;
+/// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, "Experiments").
+const RANGE_M: f64 = 0.002;
+const RANGE_SHARE: f64 = 2e-6;
+pub const ANGLE_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+/// Errors that are together this many times what is usual count half (Cauchy's loss).
+const LOSS_SCALE: f64 = 2.4;
+
+/// How well stations read, and how jerky a drive is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Levels {
+    /// What the stated noise of a range is multiplied by.
+    pub range: f64,
+    /// One standard deviation of an angle (rad).
+    pub angle_rad: f64,
+    /// One standard deviation of a stamp (s).
+    pub jitter_s: f64,
+    /// Third derivative of the prisms' positions, 1 σ (m/s³).
+    pub jerk_m_per_s3: f64,
+}
+
+impl Levels {
+    /// Of a range of no length (m).
+    pub fn range_m(&self) -> f64 {
+        self.range * RANGE_M
+    }
+}
+
+/// One reading of one station.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    pub time_s: f64,
+    pub sight: Sight,
+}
+
+impl Reading {
+    pub fn new(time_s: f64, point_m: &Vector3<f64>) -> Self {
+        Self { time_s, sight: Sight::at(point_m) }
+    }
+}
+
+/// A stretch with its readings by station.
+pub struct Piece {
+    pub stretch: Stretch,
+    pub readings: [Vec<Reading>; 3],
+}
+
+/// Where everything is taken to be.
+pub struct At<'a> {
+    pub stations: &'a [Station; 3],
+    /// Inter-prism distances (m); `None` where all stations follow one prism.
+    pub distances_m: Option<[f64; 3]>,
+    /// Drifts of clocks count from here (s).
+    pub middle_s: f64,
+    /// What is slow, by part of this stretch.
+    pub slow: &'a [PartVector],
+    /// Of the splines: x, y, z of each prism by knot (m).
+    pub coefficients_m: &'a [f64],
+}
+
+/// What equations count by.
+#[derive(Clone, Copy)]
+pub struct Weighing<'a> {
+    pub levels: Levels,
+    /// The share of a reading's errors that the motion does not take up.
+    pub redundancy: f64,
+    /// The weights of readings and of knots in their order, once they have settled.
+    pub held: Option<&'a [f64]>,
+}
+
+/// Squares of errors by what makes them, and what these would be on average if nothing were fitted to them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Squares {
+    pub found: [f64; PROBES],
+    pub expected: [f64; PROBES],
+    /// Which the motion has taken up.
+    pub taken_up: [f64; PROBES],
+}
+
+pub const OF_RANGES: usize = 0;
+pub const OF_ANGLES: usize = 1;
+pub const OF_STAMPS: usize = 2;
+pub const OF_JERKS: usize = 3;
+
+impl Squares {
+    pub fn add(&mut self, other: &Self) {
+        for kind in 0..PROBES {
+            self.found[kind] += other.found[kind];
+            self.expected[kind] += other.expected[kind];
+            self.taken_up[kind] += other.taken_up[kind];
+        }
+    }
+}
+
+/// The equations of a stretch, not yet eliminated.
+pub struct Equations<const LOCAL: usize, const ROW: usize> {
+    pub band: Band<LOCAL, ROW>,
+    pub squares: Squares,
+    pub weights: Vec<f64>,
+}
+
+pub fn equations<const LOCAL: usize, const ROW: usize>(
+    piece: &Piece,
+    at: &At<'_>,
+    by: &Weighing<'_>,
+) -> Equations<LOCAL, ROW> {
+    let stretch = &piece.stretch;
+    let mut building = Building::<LOCAL, ROW> {
+        band: Band::new(stretch.knots, stretch.first_knots()),
+        squares: Squares::default(),
+        weights: Vec::new(),
+        at,
+        by,
+        signs: Signs(0x5eed),
+    };
+    for (station, readings) in piece.readings.iter().enumerate() {
+        for reading in readings {
+            building.reading(stretch, station, reading);
+        }
+    }
+    if let Some(distances_m) = at.distances_m {
+        building.distances(stretch, &distances_m);
+    }
+    building.jerks(stretch);
+    Equations { band: building.band, squares: building.squares, weights: building.weights }
+}
+
+struct Building<'a, const LOCAL: usize, const ROW: usize> {
+    band: Band<LOCAL, ROW>,
+    squares: Squares,
+    weights: Vec<f64>,
+    at: &'a At<'a>,
+    by: &'a Weighing<'a>,
+    signs: Signs,
+}
+
+impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
+    fn sum(&self, place: &Place, weights: &[f64; TIED], prism: usize) -> Vector3<f64> {
+        let mut sum = Vector3::zeros();
+        for (k, weight) in weights.iter().enumerate() {
+            let at = LOCAL * (place.first + k) + 3 * prism;
+            sum += *weight * Vector3::from_column_slice(&self.at.coefficients_m[at..at + 3]);
+        }
+        sum
+    }
+
+    /// Cauchy's, of an error of this many σ squared, unless weights are held.
+    fn weight(&mut self, square: f64) -> f64 {
+        let weight = match self.by.held {
+            Some(held) => held[self.weights.len()],
+            None => 1.0 / (1.0 + square / (LOSS_SCALE * LOSS_SCALE)),
+        };
+        self.weights.push(weight);
+        weight
+    }
+
+    /// Range and two angles of a reading, whose stamp may be off.
+    fn reading(&mut self, stretch: &Stretch, station: usize, reading: &Reading) {
+        let own = &self.at.stations[station];
+        let mut late_s = own.late_s + own.drift * (reading.time_s - self.at.middle_s);
+        let part = stretch.part(reading.time_s - late_s);
+        let slow = &self.at.slow[part];
+        let mut placed = own.turn * own.corrected(&reading.sight) + own.place_m;
+        if station > 0 {
+            late_s += slow[PART_LATE + station - 1];
+            placed += slow.fixed_rows::<3>(3 * (station - 1));
+        }
+        let prism = if LOCAL == 3 { 0 } else { station };
+        let place = stretch.place(reading.time_s - late_s);
+        let velocity = self.sum(&place, &place.velocity, prism);
+        let sight = &reading.sight;
+        let axes = own.turn * Matrix3::from_columns(&[sight.along, sight.side, sight.up]);
+        let along = axes.column(0).into_owned();
+        let across = velocity - along * along.dot(&velocity);
+        let error = self.sum(&place, &place.position, prism) - across * own.latency_s - placed;
+
+        let levels = &self.by.levels;
+        let range_sigma_m = levels.range * (RANGE_M + RANGE_SHARE * sight.range_m);
+        let across_sigma_m = levels.angle_rad * sight.range_m;
+        let precision = Vector3::new(
+            range_sigma_m.powi(-2),
+            across_sigma_m.powi(-2),
+            across_sigma_m.powi(-2),
+        );
+        // Sherman & Morrison: a stamp that is off moves the reading along its velocity.
+        let jitter = axes.tr_mul(&velocity) * levels.jitter_s;
+        let spread = precision.component_mul(&jitter);
+        let information = Matrix3::from_diagonal(&precision)
+            - spread * spread.transpose() / (1.0 + spread.dot(&jitter));
+        let errors = axes.tr_mul(&error);
+        let pulls = information * errors;
+        let weight = self.weight(errors.dot(&pulls) / (3.0 * self.by.redundancy));
+        let information_m2 = axes * information * axes.transpose();
+        let probe = |axis: Vector3<f64>| (information * axis, (information * axis).dot(&axis));
+
+        // What of the errors is made by which noise.
+        let kinds = [
+            (OF_RANGES, Vector3::x() * range_sigma_m),
+            (OF_ANGLES, Vector3::y() * across_sigma_m),
+            (OF_ANGLES, Vector3::z() * across_sigma_m),
+            (OF_STAMPS, jitter),
+        ];
+        for (kind, axis) in kinds {
+            let (pull, expected) = probe(axis);
+            self.squares.found[kind] += weight * pull.dot(&errors).powi(2);
+            self.squares.expected[kind] += weight * expected;
+            if self.by.held.is_none() {
+                let values = axes * pull * (weight.sqrt() * self.signs.next());
+                self.band.add_probe(place.first, 3 * prism, &place.position, kind, &values);
+            }
+        }
+        let weighted = information_m2 * weight;
+        let pull = weighted * error;
+        self.band.add(place.first, 3 * prism, &place.position, &weighted, &pull);
+
+        let mut columns = [(PART_LATENCIES + station, -across), (0, Vector3::zeros()), (0, Vector3::zeros()), (0, Vector3::zeros()), (0, Vector3::zeros())];
+        let mut count = 1;
+        if let Some(slot) = station.checked_sub(1) {
+            columns[1] = (3 * slot, -Vector3::x());
+            columns[2] = (3 * slot + 1, -Vector3::y());
+            columns[3] = (3 * slot + 2, -Vector3::z());
+            columns[4] = (PART_LATE + slot, -velocity);
+            count = 5;
+        }
+        for (i, (column, moved)) in columns[..count].iter().enumerate() {
+            let values = weighted * moved;
+            self.band.add_border(
+                place.first,
+                3 * prism,
+                &place.position,
+                part,
+                *column,
+                &values,
+            );
+            let part = &mut self.band.parts[part];
+            part.gradient[*column] += moved.dot(&pull);
+            for (other, other_moved) in &columns[..=i] {
+                let value = values.dot(other_moved);
+                part.information[(*column, *other)] += value;
+                if other != column {
+                    part.information[(*other, *column)] += value;
+                }
+            }
+        }
+    }
+
+    /// That the splines keep the distances of the rig, twice a knot.
+    fn distances(&mut self, stretch: &Stretch, distances_m: &[f64; 3]) {
+        const PRISMS: usize = 9;
+        let half_knot_s = 0.5 * stretch.knot_s;
+        let steps = ((stretch.end_s - stretch.start_s) / half_knot_s).ceil() as usize;
+        let weight = RIGID_M.powi(-2);
+        for step in 0..=steps {
+            let time_s = (stretch.start_s + half_knot_s * step as f64).min(stretch.end_s);
+            let place = stretch.place(time_s);
+            let part = stretch.part(time_s);
+            let points: [Vector3<f64>; 3] =
+                std::array::from_fn(|prism| self.sum(&place, &place.position, prism));
+            let mut information = SMatrix::<f64, PRISMS, PRISMS>::zeros();
+            let mut gradient = SVector::<f64, PRISMS>::zeros();
+            for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+                let between = points[a] - points[b];
+                let length_m = between.norm().max(1e-9);
+                let along = between / length_m;
+                let error_m = length_m - distances_m[pair];
+                let mut row = SVector::<f64, PRISMS>::zeros();
+                row.fixed_rows_mut::<3>(3 * a).copy_from(&along);
+                row.fixed_rows_mut::<3>(3 * b).copy_from(&-along);
+                information.ger(weight, &row, &row, 1.0);
+                gradient.axpy(weight * error_m, &row, 1.0);
+                let column = PART_DISTANCES + pair;
+                let values = row * -weight;
+                self.band.add_border(place.first, 0, &place.position, part, column, &values);
+                let part = &mut self.band.parts[part];
+                part.information[(column, column)] += weight;
+                part.gradient[column] -= weight * error_m;
+            }
+            self.band.add(place.first, 0, &place.position, &information, &gradient);
+        }
+    }
+
+    /// That the motion is smooth: one equation a coordinate and knot.
+    fn jerks(&mut self, stretch: &Stretch) {
+        let scale = 1.0 / (self.by.levels.jerk_m_per_s3 * stretch.knot_s.powi(3));
+        let factors = [-scale, 3.0 * scale, -3.0 * scale, scale];
+        for first in 0..stretch.knots - (TIED - 1) {
+            let errors = SVector::<f64, LOCAL>::from_fn(|coordinate, _| {
+                let at = |k: usize| self.at.coefficients_m[LOCAL * (first + k) + coordinate];
+                factors.iter().enumerate().map(|(k, factor)| factor * at(k)).sum()
+            });
+            // Vehicles start and stop.
+            let square = errors.norm_squared();
+            let weight = self.weight(square / LOCAL as f64);
+            self.squares.found[OF_JERKS] += weight * square;
+            self.squares.expected[OF_JERKS] += weight * LOCAL as f64;
+            if self.by.held.is_none() {
+                let root = weight.sqrt();
+                let values = SVector::<f64, LOCAL>::from_fn(|_, _| root * self.signs.next());
+                self.band.add_probe(first, 0, &factors, OF_JERKS, &values);
+            }
+            let information = SMatrix::<f64, LOCAL, LOCAL>::identity() * weight;
+            self.band.add(first, 0, &factors, &information, &(errors * weight));
+        }
+    }
+}
+
+/// +1 and −1 by chance; the same every time (Steele, Lea & Flood 2014, "splitmix64").
+struct Signs(u64);
+
+impl Signs {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        if (z ^ (z >> 31)) & 1 == 0 { 1.0 } else { -1.0 }
+    }
+}
+

@@ -1,0 +1,619 @@
+//! The joint estimate: motion, transforms, clocks, rig and the errors of the instruments, out of the readings themselves.
+//!
+//! Nothing is interpolated: the prisms move along splines that keep the rig's distances, and each reading counts by its
+//! own noise (continuous-time batch estimation: Furgale, Barfoot & Sibley 2012). What instruments do wrong and the data may
+//! not show is unknown as well, with a prior of its physical size ([`unknowns::ErrorSizes`]): it is estimated where the data
+//! tells, and otherwise it widens σ.
+//!
+//! One step of Gauss & Newton: [`equations`] of each stretch → [`band`] eliminates the motion, which leaves a [`chain`] of
+//! the drive's parts → constants and slow changes → and back. The noise of ranges, angles and stamps and the drive's
+//! smoothness are learned on the way as Helmert's variance components, their redundancies by random probes (Girard 1989).
+
+mod band;
+mod chain;
+mod equations;
+mod motion;
+mod stability;
+mod unknowns;
+
+use nalgebra::{Matrix4, SMatrix, SVector, Vector3};
+use rayon::prelude::*;
+
+use self::band::{BORDER, Band, PartVector, TIED};
+use self::chain::{Columns, Data, Factor, Link, SlowPrecisions, SlowPriors, Wander, deviations};
+use self::equations::{
+    At, Levels, OF_ANGLES, OF_JERKS, OF_RANGES, OF_STAMPS, Piece, Reading, Squares, Weighing,
+    equations,
+};
+use self::motion::stretches;
+pub use self::stability::{Step, Stepped};
+pub use self::unknowns::ErrorSizes;
+use self::unknowns::{
+    CLOCKS, CONSTANTS, Constants, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, Outlook,
+    SCALES, Slow, Station, moves, precisions, start,
+};
+use super::TransformSigma;
+use super::inter_prism::Estimate;
+use crate::geometry::LevelTransform;
+use crate::pipeline::Triplets;
+use crate::progress::{Cancelled, Progress};
+
+/// Noise and weights settle within this many steps; then they are held, and what is left is nearly linear.
+const SETTLING_STEPS: usize = 8;
+const MOST_STEPS: usize = 20;
+/// A step whose square is this share of the answer's variances changes nothing that anyone can see.
+const SMALL_STEP: f64 = 1e-4;
+/// What is learned begins here: what is stated, and a motion that is free to follow the readings.
+const FIRST_LEVELS: Levels =
+    Levels { range: 1.0, angle_rad: equations::ANGLE_RAD, jitter_s: 0.001, jerk_m_per_s3: 1.0 };
+/// No vehicle is smoother than this (m/s³), and no instrument ten times as good as it says.
+const LEAST_JERK_M_PER_S3: f64 = 0.01;
+const LEAST_NOISE_FACTOR: f64 = 0.1;
+const LEAST_JITTER_S: f64 = 1e-5;
+
+/// Wanderings of ranges that are tried.
+const WANDER_SIGMAS_M: [f64; 7] = [1e-4, 3e-4, 6e-4, 0.001, 0.0016, 0.0027, 0.0045];
+const WANDER_TIMES_S: [f64; 3] = [3.0, 12.0, 50.0];
+
+/// Steps of stations and clocks that are looked for, at most.
+const MOST_STEPS_FOUND: usize = 4;
+/// A step this many times the size of what is usual is none of that.
+const UNUSUAL: f64 = 4.0;
+const LEAST_JUMP_S: f64 = 0.002;
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct JointEstimate {
+    /// Level frames of the stations into station 1's, as they stood on average.
+    pub station1_from_station: [LevelTransform; 3],
+    /// Of (x, y, z, yaw) of stations 2 and 3 (m, rad).
+    pub covariance: SMatrix<f64, 8, 8>,
+    /// What each of these variances is made of.
+    pub budget: Vec<(&'static str, SVector<f64, 8>)>,
+    pub clock_offsets_s: [Estimate; 2],
+    pub clock_drifts: [Estimate; 2],
+    pub latencies_s: [Estimate; 3],
+    pub distances_m: Option<[Estimate; 3]>,
+    pub leans_rad: [[Estimate; 2]; 3],
+    pub range_offsets_m: [Estimate; 3],
+    pub range_scales: [Estimate; 3],
+    pub indices_rad: [Estimate; 3],
+    pub levels: Levels,
+    pub wander: Wander,
+    /// Stations and clocks that did not stay as they were, the clearest first.
+    pub stepped: Vec<Step>,
+    pub converged: bool,
+    pub steps: usize,
+}
+
+impl JointEstimate {
+    pub fn sigma(&self) -> [TransformSigma; 2] {
+        let sigma = self.covariance.diagonal().map(f64::sqrt);
+        [0, 1].map(|slot| TransformSigma {
+            translation_m: sigma.fixed_rows::<3>(4 * slot).into(),
+            yaw_rad: sigma[4 * slot + 3],
+        })
+    }
+}
+
+/// Estimates everything from `plain` on, the answer of a published method. `inter_prism_m` is `None` where all stations
+/// follow one prism. `Ok(None)` without readings, or where they leave a direction free.
+pub fn estimate(
+    triplets: &Triplets,
+    plain: &[LevelTransform; 3],
+    inter_prism_m: Option<&[f64; 3]>,
+    sizes: &ErrorSizes,
+    progress: &Progress,
+) -> Result<Option<JointEstimate>, Cancelled> {
+    const RIG: usize = 9;
+    const PRISM: usize = 3;
+    let Some(drive) = Drive::new(triplets) else { return Ok(None) };
+    let start = start(plain, inter_prism_m);
+    match inter_prism_m {
+        Some(_) => solve::<RIG, { TIED * RIG + BORDER }>(&drive, triplets, &start, sizes, progress),
+        None => {
+            solve::<PRISM, { TIED * PRISM + BORDER }>(&drive, triplets, &start, sizes, progress)
+        }
+    }
+}
+
+/// The readings of a drive, by stretch, and what its parts look like.
+struct Drive {
+    pieces: Vec<Piece>,
+    /// By part, over all stretches.
+    outlooks: Vec<[Outlook; 3]>,
+    part_times_s: Vec<f64>,
+    tied_to_next: Vec<bool>,
+    middle_s: f64,
+}
+
+impl Drive {
+    fn new(triplets: &Triplets) -> Option<Self> {
+        let (first_s, last_s) = (*triplets.time_s.first()?, *triplets.time_s.last()?);
+        let knot_s =
+            triplets.readings.iter().map(|track| median_step_s(&track.time_s)).fold(0.0, f64::max);
+        if !(0.01..=2.0).contains(&knot_s) {
+            return None;
+        }
+        let mut drive = Self {
+            pieces: Vec::new(),
+            outlooks: Vec::new(),
+            part_times_s: Vec::new(),
+            tied_to_next: Vec::new(),
+            middle_s: 0.5 * (first_s + last_s),
+        };
+        for stretch in stretches(&triplets.time_s, &triplets.interval, knot_s) {
+            let readings = triplets.readings.each_ref().map(|track| {
+                let from = track.time_s.partition_point(|t| *t < stretch.start_s);
+                let to = track.time_s.partition_point(|t| *t <= stretch.end_s);
+                let both = track.time_s[from..to].iter().zip(&track.position_m[from..to]);
+                both.map(|(time_s, point_m)| Reading::new(*time_s, point_m)).collect::<Vec<_>>()
+            });
+            if readings.iter().any(Vec::is_empty) {
+                continue;
+            }
+            for part in 0..stretch.parts {
+                drive.outlooks.push(readings.each_ref().map(|readings| {
+                    let of_part = readings.iter().filter(|r| stretch.part(r.time_s) == part);
+                    let all = readings.iter().map(|reading| reading.sight);
+                    Outlook::over(of_part.map(|reading| reading.sight))
+                        .or_else(|| Outlook::over(all))
+                        .unwrap_or_default()
+                }));
+                drive.part_times_s.push(stretch.part_time_s(part));
+                drive.tied_to_next.push(part + 1 < stretch.parts);
+            }
+            drive.pieces.push(Piece { stretch, readings });
+        }
+        (!drive.pieces.is_empty()).then_some(drive)
+    }
+
+    /// Splines through the triplets.
+    fn coefficients_m(
+        &self,
+        triplets: &Triplets,
+        plain: &[Station; 3],
+        prisms: usize,
+    ) -> Vec<Vec<f64>> {
+        let of = |piece: &Piece| {
+            let stretch = &piece.stretch;
+            let mut coefficients_m = Vec::with_capacity(stretch.knots * 3 * prisms);
+            for knot in 0..stretch.knots {
+                let time_s = stretch.knot_time_s(knot).clamp(stretch.start_s, stretch.end_s);
+                let after = triplets.time_s.partition_point(|t| *t < time_s);
+                let at = after.min(triplets.len() - 1);
+                for (prism, station) in plain.iter().enumerate().take(prisms) {
+                    let point_m = station.turn * triplets.points_m[prism][at] + station.place_m;
+                    coefficients_m.extend(point_m.iter());
+                }
+            }
+            coefficients_m
+        };
+        self.pieces.iter().map(of).collect()
+    }
+}
+
+/// Everything unknown.
+#[derive(Clone)]
+struct Estimates {
+    constants: Constants,
+    slow: Vec<Slow>,
+    /// By stretch.
+    coefficients_m: Vec<Vec<f64>>,
+}
+
+/// One stretch, eliminated.
+struct Eliminated<const LOCAL: usize, const ROW: usize> {
+    band: Band<LOCAL, ROW>,
+    squares: Squares,
+    weights: Vec<f64>,
+}
+
+fn solve<const LOCAL: usize, const ROW: usize>(
+    drive: &Drive,
+    triplets: &Triplets,
+    start: &Constants,
+    sizes: &ErrorSizes,
+    progress: &Progress,
+) -> Result<Option<JointEstimate>, Cancelled> {
+    let stations = [0, 1, 2].map(|station| Station::of(start, station));
+    let mut at = Estimates {
+        constants: *start,
+        slow: vec![Slow::zeros(); drive.outlooks.len()],
+        coefficients_m: drive.coefficients_m(triplets, &stations, LOCAL / 3),
+    };
+    let precision = precisions(sizes);
+    let mut priors = SlowPriors {
+        settling: settling(sizes, start),
+        clocks_s2: sizes.clock_wander_s.powi(2),
+        wander: Wander { sigma_m: WANDER_SIGMAS_M[0], correlation_s: WANDER_TIMES_S[1] },
+        steps: Vec::new(),
+    };
+    let mut stepped: Vec<Step> = Vec::new();
+    let mut levels = FIRST_LEVELS;
+    let mut redundancy = 0.5;
+    let mut held: Option<Vec<Vec<f64>>> = None;
+    let (mut converged, mut steps) = (false, 0);
+    loop {
+        let weighing = Weigh { levels, redundancy, held: held.as_deref() };
+        let Some(eliminated) = eliminate::<LOCAL, ROW>(drive, &at, &weighing, progress)? else {
+            eprintln!("band {steps}"); return Ok(None);
+        };
+        let links = links(drive, &at, &eliminated);
+        let data = Data::of(&links);
+        if sizes.ranges_wander && (steps == 4 || steps == SETTLING_STEPS) {
+            priors.wander = likeliest(&data, &precision, &priors, drive, &at, start);
+        }
+        if steps == 4 || steps == SETTLING_STEPS {
+            while priors.steps.len() < MOST_STEPS_FOUND
+                && let Some(step) = next_step(drive, &data, &precision, &priors, &at, start)
+            {
+                // What is no more than usual, priors have room for.
+                if is_usual(&step, sizes) {
+                    stepped.push(step);
+                    break;
+                }
+                priors.steps.push(step.part);
+                stepped.push(step);
+            }
+        }
+        let Some(slow_priors) = SlowPrecisions::new(&priors, &drive.part_times_s) else {
+            return Ok(None);
+        };
+        // On the way, what is slow may have to wait until the motion is known better.
+        let factor = Factor::new(&data, &precision, &slow_priors).or_else(|| {
+            (!converged).then(|| Factor::new(&data, &precision, &slow_priors.stiffer())).flatten()
+        });
+        let Some(factor) = factor else { eprintln!("factor {steps}"); return Ok(None) };
+        let gradient = with_priors(&data, &precision, &slow_priors, &at, start);
+        if converged || steps == MOST_STEPS {
+            let ending =
+                Ending { drive, data: &data, factor: &factor, priors: &priors, slow_priors: &slow_priors, links: &links };
+            let rig = LOCAL == 9;
+            let mut found = ending.summary(&at, &precision, start, levels, converged, steps, rig);
+            found.stepped = stepped;
+            return Ok(Some(found));
+        }
+        let step = factor.solve(&gradient);
+        let moved = step.dot(&data.times(&step))[0];
+        let of_parts: Vec<PartVector> = links
+            .iter()
+            .zip(&step.slow)
+            .map(|(link, slow)| link.by_constants * step.constants + link.by_slow * slow)
+            .collect();
+        at.constants -= step.constants;
+        at.slow.iter_mut().zip(&step.slow).for_each(|(slow, step)| *slow -= step);
+        let first_parts = first_parts(drive);
+        at.coefficients_m.par_iter_mut().zip(&eliminated).enumerate().for_each(
+            |(index, (coefficients_m, one))| {
+                let from = first_parts[index];
+                let parts = drive.pieces[index].stretch.parts;
+                let local = one.band.local_step(&of_parts[from..from + parts]);
+                coefficients_m.iter_mut().zip(&local).for_each(|(value, step)| *value -= step);
+            },
+        );
+        steps += 1;
+        if std::env::var_os("JOINT_TRACE").is_some() {
+            eprintln!("{steps}: moved {moved:.3e} {levels:?} {:?} redundancy {redundancy:.2}", priors.wander);
+        }
+        if held.is_some() {
+            converged = moved < SMALL_STEP;
+        } else if steps > 1 {
+            // The first step brings the motion to the readings; only then do errors tell of noise.
+            let mut squares = Squares::default();
+            eliminated.iter().for_each(|one| squares.add(&one.squares));
+            (levels, redundancy) = learned(&levels, &squares);
+            if steps >= SETTLING_STEPS {
+                held = Some(eliminated.into_iter().map(|one| one.weights).collect());
+            }
+        }
+    }
+}
+
+struct Weigh<'a> {
+    levels: Levels,
+    redundancy: f64,
+    held: Option<&'a [Vec<f64>]>,
+}
+
+/// `None` where the motion is not held.
+fn eliminate<const LOCAL: usize, const ROW: usize>(
+    drive: &Drive,
+    at: &Estimates,
+    by: &Weigh<'_>,
+    progress: &Progress,
+) -> Result<Option<Vec<Eliminated<LOCAL, ROW>>>, Cancelled> {
+    let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
+    let distances_m = (LOCAL == 9).then(|| {
+        let distances = at.constants.fixed_rows::<3>(DISTANCES);
+        [distances[0], distances[1], distances[2]]
+    });
+    let slow: Vec<PartVector> = drive
+        .outlooks
+        .iter()
+        .zip(&drive.part_times_s)
+        .zip(&at.slow)
+        .map(|((outlooks, time_s), slow)| moves(&stations, outlooks, time_s - drive.middle_s).1 * slow)
+        .collect();
+    let first_parts = first_parts(drive);
+    let one = |(index, piece): (usize, &Piece)| {
+        progress.check()?;
+        let from = first_parts[index];
+        let here = At {
+            stations: &stations,
+            distances_m,
+            middle_s: drive.middle_s,
+            slow: &slow[from..from + piece.stretch.parts],
+            coefficients_m: &at.coefficients_m[index],
+        };
+        let held = by.held.map(|held| &held[index][..]);
+        let weighing = Weighing { levels: by.levels, redundancy: by.redundancy, held };
+        let mut found = equations::<LOCAL, ROW>(piece, &here, &weighing);
+        let is_held = found.band.eliminate();
+        found.squares.taken_up = found.band.taken_up;
+        let (band, squares, weights) = (found.band, found.squares, found.weights);
+        Ok(is_held.then_some(Eliminated { band, squares, weights }))
+    };
+    let all: Result<Vec<_>, Cancelled> = drive.pieces.par_iter().enumerate().map(one).collect();
+    Ok(all?.into_iter().collect())
+}
+
+fn first_parts(drive: &Drive) -> Vec<usize> {
+    let mut next = 0;
+    let of = |piece: &Piece| {
+        next += piece.stretch.parts;
+        next - piece.stretch.parts
+    };
+    drive.pieces.iter().map(of).collect()
+}
+
+fn links<'a, const LOCAL: usize, const ROW: usize>(
+    drive: &Drive,
+    at: &Estimates,
+    eliminated: &'a [Eliminated<LOCAL, ROW>],
+) -> Vec<Link<'a>> {
+    let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
+    let parts = eliminated.iter().flat_map(|one| &one.band.parts);
+    parts
+        .enumerate()
+        .map(|(index, part)| {
+            let time_s = drive.part_times_s[index];
+            let (by_constants, by_slow) =
+                moves(&stations, &drive.outlooks[index], time_s - drive.middle_s);
+            let tied_to_next = drive.tied_to_next[index];
+            Link { part, tied_to_next, by_constants, by_slow, time_s }
+        })
+        .collect()
+}
+
+/// The gradient of everything but the motion.
+fn with_priors(
+    data: &Data,
+    precision: &Constants,
+    slow_priors: &SlowPrecisions,
+    at: &Estimates,
+    start: &Constants,
+) -> Columns<1> {
+    let mut gradient = data.gradient.clone();
+    gradient.constants += precision.component_mul(&(at.constants - start));
+    let pulls = slow_priors.times(&at.slow);
+    gradient.slow.iter_mut().zip(&pulls).for_each(|(slow, pull)| *slow += pull);
+    gradient
+}
+
+/// Whether a step is one that instruments in the field are expected to make.
+fn is_usual(step: &Step, sizes: &ErrorSizes) -> bool {
+    match &step.what {
+        Stepped::Clock(by_s) => by_s.value.abs() < LEAST_JUMP_S,
+        Stepped::Station { turned_rad, .. } => {
+            let moved_m = step.moved_m().map_or(0.0, |moved| moved.value);
+            turned_rad.value.abs() < UNUSUAL * sizes.settling_rad && moved_m < UNUSUAL * sizes.settling_m
+        }
+    }
+}
+
+/// The clearest step of a station or a clock beside those that are known.
+fn next_step(
+    drive: &Drive,
+    data: &Data,
+    precision: &Constants,
+    priors: &SlowPriors,
+    at: &Estimates,
+    start: &Constants,
+) -> Option<Step> {
+    stability::clearest_step(&stability::Search {
+        data,
+        precision,
+        priors,
+        part_times_s: &drive.part_times_s,
+        slow: &at.slow,
+        from_priors: &(at.constants - start),
+        known: &priors.steps,
+        places_m: [0, 1].map(|slot| at.constants.fixed_rows::<3>(4 * slot).into()),
+    })
+}
+
+/// The wandering of ranges that makes what was read likeliest, the motion being what it is.
+fn likeliest(
+    data: &Data,
+    precision: &Constants,
+    priors: &SlowPriors,
+    drive: &Drive,
+    at: &Estimates,
+    start: &Constants,
+) -> Wander {
+    let unlikeliness = |wander: Wander| {
+        let priors = SlowPriors { wander, ..priors.clone() };
+        let slow_priors = SlowPrecisions::new(&priors, &drive.part_times_s)?;
+        let factor = Factor::new(data, precision, &slow_priors)?;
+        let gradient = with_priors(data, precision, &slow_priors, at, start);
+        let pulls = slow_priors.times(&at.slow);
+        let held: f64 = at.slow.iter().zip(&pulls).map(|(slow, pull)| slow.dot(pull)).sum();
+        Some(factor.log_determinant + held - gradient.dot(&factor.solve(&gradient))[0])
+    };
+    let best = |all: &mut dyn Iterator<Item = Wander>, otherwise: Wander| {
+        all.filter_map(|wander| Some((unlikeliness(wander)?, wander)))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or(otherwise, |(_, wander)| wander)
+    };
+    let correlation_s = priors.wander.correlation_s;
+    let first = best(
+        &mut WANDER_SIGMAS_M.into_iter().map(|sigma_m| Wander { sigma_m, correlation_s }),
+        priors.wander,
+    );
+    best(
+        &mut WANDER_TIMES_S.into_iter().map(|correlation_s| Wander { correlation_s, ..first }),
+        first,
+    )
+}
+
+/// Variance of how stations 2 and 3 walk against station 1, which walks as well.
+fn settling(sizes: &ErrorSizes, start: &Constants) -> SMatrix<f64, 8, 8> {
+    let own = SVector::<f64, 4>::new(
+        sizes.settling_m.powi(2),
+        sizes.settling_m.powi(2),
+        sizes.settling_m.powi(2),
+        sizes.settling_rad.powi(2),
+    )
+    .map(|variance| variance.max(1e-14));
+    let mut by_first = SMatrix::<f64, 8, 4>::zeros();
+    for slot in 0..2 {
+        let place: Vector3<f64> = start.fixed_rows::<3>(4 * slot).into();
+        let mut turned = Matrix4::identity();
+        turned.fixed_view_mut::<3, 1>(0, 3).copy_from(&Vector3::z().cross(&place));
+        by_first.fixed_rows_mut::<4>(4 * slot).copy_from(&-turned);
+    }
+    let both = SVector::<f64, 8>::from_fn(|k, _| own[k % 4]);
+    SMatrix::from_diagonal(&both) + by_first * Matrix4::from_diagonal(&own) * by_first.transpose()
+}
+
+/// Noise levels out of the errors and their redundancies, and the mean redundancy of readings.
+fn learned(levels: &Levels, squares: &Squares) -> (Levels, f64) {
+    let left = |kind: usize| {
+        let expected = squares.expected[kind];
+        (expected - squares.taken_up[kind]).max(0.02 * expected)
+    };
+    let factor = |kind: usize| match squares.expected[kind] {
+        expected if expected > 0.0 => (squares.found[kind] / left(kind)).sqrt(),
+        _ => 1.0,
+    };
+    // The motion is hardly redundant where it is loosely held: expectation maximisation is slower and never astray.
+    let jerks = squares.expected[OF_JERKS].max(1.0);
+    let jerk_factor =
+        ((squares.found[OF_JERKS] + squares.taken_up[OF_JERKS]) / jerks).sqrt();
+    let least_rad = LEAST_NOISE_FACTOR * equations::ANGLE_RAD;
+    let levels = Levels {
+        range: (levels.range * factor(OF_RANGES)).max(LEAST_NOISE_FACTOR),
+        angle_rad: (levels.angle_rad * factor(OF_ANGLES)).max(least_rad),
+        jitter_s: if std::env::var_os("NOJIT").is_some() { 1e-5 } else { (levels.jitter_s * factor(OF_STAMPS)).clamp(LEAST_JITTER_S, 0.1) },
+        jerk_m_per_s3: (levels.jerk_m_per_s3 * jerk_factor).max(LEAST_JERK_M_PER_S3),
+    };
+    let expected = squares.expected[OF_RANGES] + squares.expected[OF_ANGLES];
+    (levels, ((left(OF_RANGES) + left(OF_ANGLES)) / expected.max(1e-9)).min(1.0))
+}
+
+struct Ending<'a> {
+    drive: &'a Drive,
+    data: &'a Data,
+    factor: &'a Factor,
+    priors: &'a SlowPriors,
+    slow_priors: &'a SlowPrecisions,
+    links: &'a [Link<'a>],
+}
+
+impl Ending<'_> {
+    #[allow(clippy::too_many_arguments)]
+    fn summary(
+        &self,
+        at: &Estimates,
+        precision: &Constants,
+        start: &Constants,
+        levels: Levels,
+        converged: bool,
+        steps: usize,
+        rig: bool,
+    ) -> JointEstimate {
+        let _ = deviations(self.links, &at.slow);
+        let parts = at.slow.len();
+        // The answer: where the stations stood on average over the parts.
+        let mut wanted = Columns::<8>::zeros(parts);
+        for k in 0..8 {
+            wanted.constants[(k, k)] = 1.0;
+            wanted.slow.iter_mut().for_each(|slow| slow[(k, k)] = 1.0 / parts as f64);
+        }
+        let by = self.factor.solve(&wanted);
+        let covariance = wanted.dot(&by);
+        let mean = wanted.dot(&Columns::<1> { slow: at.slow.clone(), constants: at.constants });
+        let level = |slot: usize| {
+            let at = mean.fixed_rows::<4>(4 * slot);
+            LevelTransform::new(Vector3::new(at[0], at[1], at[2]), at[3])
+        };
+        // A station that walks randomly is this far from its mean where it was set up.
+        let stray = self.priors.settling / 3.0;
+        let mut budget = vec![("noise", by.dot(&self.data.times(&by)).diagonal())];
+        let groups = [
+            ("clocks", CLOCKS..LATENCIES),
+            ("latencies", LATENCIES..DISTANCES),
+            ("inter-prism distances", DISTANCES..LEANS),
+            ("leans", LEANS..OFFSETS),
+            ("range offsets", OFFSETS..SCALES),
+            ("range scales", SCALES..INDICES),
+            ("vertical indices", INDICES..unknowns::COLLIMATIONS),
+            ("collimations", unknowns::COLLIMATIONS..CONSTANTS),
+        ];
+        for (name, places) in groups {
+            let share = |k: usize| places.clone().map(|p| by.constants[(p, k)].powi(2) * precision[p]).sum();
+            budget.push((name, SVector::from_fn(|k, _| share(k))));
+        }
+        let slow = self.slow_priors.times(&by.slow);
+        let mut by_slow = [SVector::<f64, 8>::zeros(); 3];
+        for (state, pull) in by.slow.iter().zip(&slow) {
+            for row in 0..unknowns::SLOW {
+                let which = match row {
+                    unknowns::SLOW_RANGES.. => 2,
+                    unknowns::SLOW_CLOCKS.. => 1,
+                    _ => 0,
+                };
+                for k in 0..8 {
+                    by_slow[which][k] += state[(row, k)] * pull[(row, k)];
+                }
+            }
+        }
+        budget.push(("settling", by_slow[0] + stray.diagonal()));
+        budget.push(("wandering clocks", by_slow[1]));
+        budget.push(("wandering ranges", by_slow[2]));
+        let mut each = Columns::<CONSTANTS>::zeros(parts);
+        each.constants = SMatrix::identity();
+        let constants = self.factor.solve(&each).constants;
+        let estimate = |place: usize| Estimate {
+            value: at.constants[place],
+            sigma: constants[(place, place)].max(0.0).sqrt(),
+        };
+        let _ = (start, self.drive);
+        JointEstimate {
+            station1_from_station: [LevelTransform::IDENTITY, level(0), level(1)],
+            covariance: covariance + stray,
+            budget,
+            clock_offsets_s: [0, 1].map(|slot| estimate(CLOCKS + slot)),
+            clock_drifts: [0, 1].map(|slot| estimate(DRIFTS + slot)),
+            latencies_s: [0, 1, 2].map(|station| estimate(LATENCIES + station)),
+            distances_m: rig.then(|| [0, 1, 2].map(|pair| estimate(DISTANCES + pair))),
+            leans_rad: [0, 1, 2]
+                .map(|station| [0, 1].map(|axis| estimate(LEANS + 2 * station + axis))),
+            range_offsets_m: [0, 1, 2].map(|station| estimate(OFFSETS + station)),
+            range_scales: [0, 1, 2].map(|station| estimate(SCALES + station)),
+            indices_rad: [0, 1, 2].map(|station| estimate(INDICES + station)),
+            levels,
+            wander: self.priors.wander,
+            stepped: Vec::new(),
+            converged,
+            steps,
+        }
+    }
+}
+
+fn median_step_s(time_s: &[f64]) -> f64 {
+    let mut steps_s: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
+    steps_s.sort_by(f64::total_cmp);
+    steps_s.get(steps_s.len() / 2).copied().unwrap_or(f64::NAN)
+}

@@ -1,0 +1,267 @@
+//! What is unknown of stations and instruments, how well it is known beforehand, and how it moves the parts of a drive.
+
+use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+
+use super::band::PART;
+use crate::geometry::LevelTransform;
+
+/// Constants of a drive: (x, y, z, yaw) of stations 2 and 3; then by station or pair what the places below name.
+pub const CONSTANTS: usize = 36;
+pub const CLOCKS: usize = 8;
+pub const DRIFTS: usize = 10;
+pub const LATENCIES: usize = 12;
+pub const DISTANCES: usize = 15;
+pub const LEANS: usize = 18;
+pub const OFFSETS: usize = 24;
+pub const SCALES: usize = 27;
+pub const INDICES: usize = 30;
+pub const COLLIMATIONS: usize = 33;
+/// What changes during a drive: (x, y, z, yaw) of stations 2 and 3, their clocks, and the ranges of stations 1 to 3.
+pub const SLOW: usize = 13;
+pub const SLOW_CLOCKS: usize = 8;
+pub const SLOW_RANGES: usize = 10;
+
+/// Places among the unknowns of a part.
+pub const PART_LATE: usize = 6;
+pub const PART_LATENCIES: usize = 8;
+pub const PART_DISTANCES: usize = 11;
+
+pub type Constants = SVector<f64, CONSTANTS>;
+pub type Slow = SVector<f64, SLOW>;
+
+/// The earth's radius, and how much less than it a sight bends (m, share): Gauss's coefficient.
+pub const EARTH_RADIUS_M: f64 = 6.371e6;
+pub const REFRACTION: f64 = 0.13;
+
+const ARCSECOND_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+
+/// How large the errors of instruments are before a drive says anything about them (1 σ).
+///
+/// Sources: manuals of total stations and prisms, and the papers that the README names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorSizes {
+    /// The clocks of stations 2 and 3 against station 1's (s): not known.
+    pub clock_offset_s: f64,
+    pub clock_drift: f64,
+    /// How much a clock wanders during a drive beside that (s).
+    pub clock_wander_s: f64,
+    /// Between the angles and the range of a reading (s).
+    pub latency_s: f64,
+    pub inter_prism_m: f64,
+    /// What a compensator leaves (rad).
+    pub lean_rad: f64,
+    /// Of a station's ranges to its prism: the prism's constant, its centring, the instrument's zero (m).
+    pub range_offset_m: f64,
+    /// Of a station's ranges: air and oscillator.
+    pub range_scale: f64,
+    /// Of the vertical circle (rad).
+    pub index_rad: f64,
+    /// Of the sight, or of the tracker on its prism (rad).
+    pub collimation_rad: f64,
+    /// How far a tripod turns (rad) and moves (m) during a drive.
+    pub settling_rad: f64,
+    pub settling_m: f64,
+    /// Whether ranges may wander for seconds to minutes, as prisms make them that are seen from changing sides.
+    pub ranges_wander: bool,
+}
+
+impl Default for ErrorSizes {
+    fn default() -> Self {
+        Self {
+            clock_offset_s: 1.0,
+            clock_drift: 5e-6,
+            clock_wander_s: 2e-4,
+            latency_s: 0.01,
+            inter_prism_m: 0.001,
+            lean_rad: 2.0 * ARCSECOND_RAD,
+            range_offset_m: 0.0012,
+            range_scale: 7e-6,
+            index_rad: 4.0 * ARCSECOND_RAD,
+            collimation_rad: 3.0 * ARCSECOND_RAD,
+            settling_rad: 30e-6,
+            settling_m: 0.0006,
+            ranges_wander: true,
+        }
+    }
+}
+
+/// 1/σ² of the constants; zero where nothing is known beforehand.
+pub fn precisions(sizes: &ErrorSizes) -> Constants {
+    // What is known exactly is what is hardly estimated.
+    let of = |sigma: f64, least: f64| sigma.max(least).powi(-2);
+    let mut precision = Constants::zeros();
+    let mut fill = |places: std::ops::Range<usize>, value: f64| {
+        precision.rows_mut(places.start, places.len()).fill(value);
+    };
+    fill(CLOCKS..DRIFTS, of(sizes.clock_offset_s, 1e-7));
+    fill(DRIFTS..LATENCIES, of(sizes.clock_drift, 1e-9));
+    fill(LATENCIES..DISTANCES, of(sizes.latency_s, 1e-7));
+    fill(DISTANCES..LEANS, of(sizes.inter_prism_m, 1e-6));
+    fill(LEANS..OFFSETS, of(sizes.lean_rad, 1e-9));
+    fill(OFFSETS..SCALES, of(sizes.range_offset_m, 1e-6));
+    fill(SCALES..INDICES, of(sizes.range_scale, 1e-8));
+    fill(INDICES..COLLIMATIONS, of(sizes.index_rad, 1e-9));
+    fill(COLLIMATIONS..CONSTANTS, of(sizes.collimation_rad, 1e-9));
+    precision
+}
+
+/// The constants as the plain answer, the rig and a round earth have them.
+pub fn start(plain: &[LevelTransform; 3], inter_prism_m: Option<&[f64; 3]>) -> Constants {
+    let mut constants = Constants::zeros();
+    for slot in 0..2 {
+        let transform = &plain[slot + 1];
+        constants.fixed_rows_mut::<3>(4 * slot).copy_from(&transform.translation_m);
+        constants[4 * slot + 3] = transform.yaw_rad;
+        // Up there leans away from station 1.
+        let away = Vector3::new(transform.translation_m.x, transform.translation_m.y, 0.0);
+        let lean = transform.inverse().rotate(&Vector3::z().cross(&away)) / EARTH_RADIUS_M;
+        constants.fixed_rows_mut::<2>(LEANS + 2 * (slot + 1)).copy_from(&lean.xy());
+    }
+    constants
+        .fixed_rows_mut::<3>(DISTANCES)
+        .copy_from_slice(inter_prism_m.unwrap_or(&[0.0; 3]));
+    constants
+}
+
+/// One station's frame and instrument.
+#[derive(Clone, Debug)]
+pub struct Station {
+    /// Turns what the station reads upright, and into station 1's directions.
+    pub turn: Matrix3<f64>,
+    pub place_m: Vector3<f64>,
+    pub offset_m: f64,
+    pub scale: f64,
+    pub index_rad: f64,
+    pub collimation_rad: f64,
+    pub latency_s: f64,
+    pub late_s: f64,
+    pub drift: f64,
+}
+
+impl Station {
+    pub fn of(constants: &Constants, station: usize) -> Self {
+        let lean = LEANS + 2 * station;
+        let lean = Rotation3::new(Vector3::new(constants[lean], constants[lean + 1], 0.0));
+        let slot = station.checked_sub(1);
+        let yaw_rad = slot.map_or(0.0, |slot| constants[4 * slot + 3]);
+        let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw_rad);
+        Self {
+            turn: *(yaw * lean).matrix(),
+            place_m: slot
+                .map_or_else(Vector3::zeros, |slot| constants.fixed_rows::<3>(4 * slot).into()),
+            offset_m: constants[OFFSETS + station],
+            scale: constants[SCALES + station],
+            index_rad: constants[INDICES + station],
+            collimation_rad: constants[COLLIMATIONS + station],
+            latency_s: constants[LATENCIES + station],
+            late_s: slot.map_or(0.0, |slot| constants[CLOCKS + slot]),
+            drift: slot.map_or(0.0, |slot| constants[DRIFTS + slot]),
+        }
+    }
+
+    /// Where a reading really points at (m, the upright station's own axes not yet turned).
+    pub fn corrected(&self, sight: &Sight) -> Vector3<f64> {
+        let range_m = sight.range_m * (1.0 - self.scale) - self.offset_m;
+        let raised = self.index_rad - 0.5 * REFRACTION * sight.range_m / EARTH_RADIUS_M;
+        sight.along * range_m
+            + sight.up * (raised * sight.range_m)
+            - sight.side * (self.collimation_rad * sight.range_m)
+    }
+}
+
+/// A reading's direction in the station's own frame: unit vectors along it, to its right, and up.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight {
+    pub range_m: f64,
+    pub along: Vector3<f64>,
+    pub side: Vector3<f64>,
+    pub up: Vector3<f64>,
+}
+
+impl Sight {
+    pub fn at(point_m: &Vector3<f64>) -> Self {
+        let range_m = point_m.norm().max(1e-9);
+        let along = point_m / range_m;
+        let side = along.cross(&Vector3::z()).try_normalize(1e-6).unwrap_or_else(Vector3::x);
+        Self { range_m, along, side, up: side.cross(&along) }
+    }
+}
+
+/// Where the readings of one station point at during a part, on average.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outlook {
+    pub along: Vector3<f64>,
+    /// Lengths of the ranges along, up and to the right (m).
+    pub point_m: Vector3<f64>,
+    pub up_m: Vector3<f64>,
+    pub side_m: Vector3<f64>,
+}
+
+impl Outlook {
+    pub fn over(sights: impl Iterator<Item = Sight>) -> Option<Self> {
+        let mut sum = Self::default();
+        let mut count = 0.0;
+        for sight in sights {
+            sum.along += sight.along;
+            sum.point_m += sight.along * sight.range_m;
+            sum.up_m += sight.up * sight.range_m;
+            sum.side_m += sight.side * sight.range_m;
+            count += 1.0;
+        }
+        (count > 0.0).then(|| Self {
+            along: sum.along / count,
+            point_m: sum.point_m / count,
+            up_m: sum.up_m / count,
+            side_m: sum.side_m / count,
+        })
+    }
+}
+
+/// How the unknowns of a part move with the constants, and with what is slow.
+pub fn moves(
+    stations: &[Station; 3],
+    outlooks: &[Outlook; 3],
+    since_middle_s: f64,
+) -> (SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>) {
+    let mut by_constants = SMatrix::<f64, PART, CONSTANTS>::zeros();
+    let mut by_slow = SMatrix::<f64, PART, SLOW>::zeros();
+    for (station, (own, outlook)) in stations.iter().zip(outlooks).enumerate() {
+        let turned = |vector: Vector3<f64>| own.turn * vector;
+        let along = -turned(outlook.along);
+        let columns = [
+            (LEANS + 2 * station, turned(Vector3::x().cross(&outlook.point_m))),
+            (LEANS + 2 * station + 1, turned(Vector3::y().cross(&outlook.point_m))),
+            (OFFSETS + station, along),
+            (SCALES + station, -turned(outlook.point_m)),
+            (INDICES + station, turned(outlook.up_m)),
+            (COLLIMATIONS + station, -turned(outlook.side_m)),
+        ];
+        // A shift of station 1 is one of the other two, the other way.
+        let shifted: &[(usize, f64)] = match station {
+            0 => &[(0, -1.0), (3, -1.0)],
+            1 => &[(0, 1.0)],
+            _ => &[(3, 1.0)],
+        };
+        for (row, sign) in shifted {
+            for (column, vector) in &columns {
+                by_constants.fixed_view_mut::<3, 1>(*row, *column).copy_from(&(vector * *sign));
+            }
+            let ranges = SLOW_RANGES + station;
+            by_slow.fixed_view_mut::<3, 1>(*row, ranges).copy_from(&(along * *sign));
+        }
+        by_constants[(PART_LATENCIES + station, LATENCIES + station)] = 1.0;
+        by_constants[(PART_DISTANCES + station, DISTANCES + station)] = 1.0;
+        let Some(slot) = station.checked_sub(1) else { continue };
+        let arm = Vector3::z().cross(&turned(outlook.point_m));
+        for axis in 0..3 {
+            by_constants[(3 * slot + axis, 4 * slot + axis)] = 1.0;
+            by_slow[(3 * slot + axis, 4 * slot + axis)] = 1.0;
+            by_constants[(3 * slot + axis, 4 * slot + 3)] = arm[axis];
+            by_slow[(3 * slot + axis, 4 * slot + 3)] = arm[axis];
+        }
+        by_constants[(PART_LATE + slot, CLOCKS + slot)] = 1.0;
+        by_constants[(PART_LATE + slot, DRIFTS + slot)] = since_middle_s;
+        by_slow[(PART_LATE + slot, SLOW_CLOCKS + slot)] = 1.0;
+    }
+    (by_constants, by_slow)
+}
