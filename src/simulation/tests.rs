@@ -429,12 +429,13 @@ fn the_preset_draws_its_errors_from_the_seed() {
 
 #[test]
 fn errors_are_drawn_as_large_as_in_the_field() {
+    type Pick = fn(&SystematicErrors) -> f64;
     let drawn: Vec<Scenario> = (0..1000).map(|seed| noiseless().with_field_errors(seed)).collect();
-    let rms = |pick: fn(&SystematicErrors) -> f64| {
+    let rms = |pick: Pick| {
         let squares = drawn.iter().map(|scenario| pick(&scenario.errors).powi(2));
         (squares.sum::<f64>() / drawn.len() as f64).sqrt()
     };
-    let sizes: [(f64, fn(&SystematicErrors) -> f64); 14] = [
+    let sizes: [(f64, Pick); 14] = [
         (30e-6, |e| e.settling[0].turn_rad),
         (0.0005, |e| e.settling[1].move_m.z),
         (1.0 * ARCSECOND_RAD, |e| e.settling[2].lean_rad[1]),
