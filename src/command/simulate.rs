@@ -49,7 +49,7 @@ pub struct Arguments {
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
     #[command(flatten)]
-    errors: ErrorArguments,
+    errors: Box<ErrorArguments>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {

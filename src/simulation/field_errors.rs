@@ -47,13 +47,17 @@ const JUMPING_ONCE: f64 = 0.08;
 const JUMPING_TWICE: f64 = 0.02;
 /// How far they jump, either way.
 const JUMP_S: [f64; 2] = [0.005, 0.030];
-/// Share of drives whose recording pauses: assumed, as are number and lengths.
+/// Share of drives whose recording pauses: assumed.
 const PAUSING: f64 = 0.5;
+/// The most pauses of one drive: assumed.
 const MOST_PAUSES: usize = 3;
+/// How long a pause is: assumed.
 const PAUSE_S: [f64; 2] = [5.0, 60.0];
-/// The axes of an instrument are 1″ to 10″ off, say the manuals.
+/// The vertical index is 1″ to 10″ off, say the manuals of instruments, as are collimation and tilt.
 const INDEX_RAD: f64 = 4.0 * ARCSECOND_RAD;
+/// See the vertical index.
 const COLLIMATION_RAD: f64 = 3.0 * ARCSECOND_RAD;
+/// See the vertical index; a compensator takes out the most of it.
 const TILT_RAD: f64 = 1.5 * ARCSECOND_RAD;
 /// Geodesy takes k = 0.13 in general; it changes with hour and ground.
 const REFRACTION: [f64; 2] = [0.05, 0.25];
@@ -62,25 +66,36 @@ const DISTANCE_M: f64 = 0.001;
 /// The constant of a GPH1P, in Leica's manual of the iCR70.
 const PRISM_CONSTANT_M: f64 = 0.0003;
 
-/// The errors that come together, being of one cause.
+/// A kind of errors that instruments and rig make: what is drawn together, or left out together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
+    /// Tripods turn, move and lean during the drive.
     Settling,
-    /// Of each station, and of each prism.
+    /// Ranges are off by a constant of each station, and one of each prism.
     RangeOffset,
+    /// Ranges are off by a share of themselves.
     RangeScale,
+    /// Ranges are off by what changes within seconds to minutes.
     RangeWander,
+    /// The angles of a reading are of an earlier moment than its range.
     Latency,
+    /// Every stamp is off on its own.
     StampJitter,
-    /// And drift.
+    /// Clocks are off by a constant, and drift.
     ClockOffset,
-    /// And pauses of the recording.
+    /// Clocks jump, and the recording pauses.
     ClockJumps,
+    /// Zenith angles are off by a constant.
     Index,
+    /// Lines of sight are not square to their horizontal axes.
     Collimation,
+    /// Vertical axes are not upright.
     Tilt,
+    /// The earth is round, and light bends.
     Curvature,
+    /// The distances between prisms that are written are wrong.
     Distances,
+    /// All ranges are off by the same constant.
     PrismConstant,
 }
 
@@ -127,7 +142,7 @@ impl ErrorKind {
     }
 }
 
-/// Gives a scenario errors of one kind, in place of those that it has of it.
+/// Gives a scenario errors of one kind as large as in the field, in place of those that it has of that kind.
 pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     let duration_s = scenario.duration_s;
     let errors = &mut scenario.errors;

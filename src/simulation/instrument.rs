@@ -29,6 +29,7 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
         LevelTransform::new(scenario.stations_m[1], yaws[1]),
     ];
 
+    let errors = &scenario.errors;
     let mut records = Vec::new();
     let (mut outliers, mut lost_readings) = (0, 0);
     for (station, set_up) in station1_from_station.iter().enumerate() {
@@ -44,7 +45,7 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
             &mut ChaCha8Rng::seed_from_u64(seed ^ (0x7a26e7 + station as u64)),
         );
         let mut wandering =
-            scenario.errors.range_wander.map(|wander| WanderingRange::new(wander, seed, station));
+            errors.range_wander.map(|wander| WanderingRange::new(wander, seed, station));
         let mut jittering = Stream::StampJitter(station).rng(seed);
         let readings = ((scenario.duration_s - stagger_s) * scenario.rate_hz) as usize;
         for k in 0..readings {
@@ -55,15 +56,16 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
             let prism = if within(&mistaken) { (station + 1) % 3 } else { station };
             let see = |time_s: f64| {
                 let point_m = motion.position_m(&scenario.prisms_m[prism], time_s);
-                let frame = scenario.errors.settled(station, set_up, time_s);
-                sight(&scenario.errors, station, set_up, &frame, &point_m)
+                let frame = errors.settled(station, set_up, time_s);
+                sight(errors, station, set_up, &frame, &point_m)
             };
-            let angles = see(t - scenario.errors.latency_s[station]);
-            let whole = Polar { range_m: see(t).range_m, ..angles };
-            let mut seen = scenario.errors.misread(station, Some(prism), whole);
+            // Range and angles need not be of the same moment.
+            let angles = see(t - errors.latency_s[station]);
+            let sight = Polar { range_m: see(t).range_m, ..angles };
+            let mut seen = errors.misread(station, Some(prism), sight);
             seen.range_m += wandering.as_mut().map_or(0.0, |range| range.at_m(t));
             let mut polar = noisy(seen, scenario, 1.0, &mut rng);
-            let stamp_error_s = scenario.errors.stamp_jitter_s * normal(&mut jittering);
+            let stamp_error_s = errors.stamp_jitter_s * normal(&mut jittering);
             let blundered = rng.random_bool(scenario.noise.outlier_share);
             if blundered {
                 blunder(&mut polar, &mut rng);
@@ -77,7 +79,7 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
                 continue;
             }
             let measurement = Measurement {
-                time_s: EPOCH_S + scenario.errors.stamp_s(station, t) + stamp_error_s,
+                time_s: EPOCH_S + errors.stamp_s(station, t) + stamp_error_s,
                 range_m: polar.range_m - scenario.prism_constant_m,
                 azimuth_rad: polar.azimuth_rad.rem_euclid(TAU),
                 zenith_rad: polar.zenith_rad,
@@ -101,7 +103,7 @@ pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let beside = LevelTransform::new(Vector3::new(3.5, -0.6, -1.7), heading);
     let rig_reading = std::array::from_fn(|prism| {
         let place = beside.apply(&scenario.prisms_m[prism]);
-        let seen = standing(&scenario.errors, 0, &LevelTransform::IDENTITY, Some(prism), &place);
+        let seen = standing(errors, 0, &LevelTransform::IDENTITY, Some(prism), &place);
         noisy(seen, scenario, 1.0 / RIG_READINGS.sqrt(), &mut rng)
     });
     let prisms_m = scenario.prisms_m;

@@ -45,6 +45,7 @@ pub struct Simulated {
 /// What no calibration may look at.
 #[derive(Clone, Debug)]
 pub struct Truth {
+    /// How the stations were set up, level by station 1's plumb line: what is wrong besides is in the errors.
     pub station1_from_station: [LevelTransform; 3],
     pub inter_prism_m: [f64; 3],
     /// Prisms about the vehicle's origin: x ahead, y left, z up (m).

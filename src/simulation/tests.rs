@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::errors::WanderingRange;
 use super::*;
 use crate::deployment::{Measurement, pairwise_distances};
 use crate::geometry::wrap_to_pi;
@@ -210,30 +211,38 @@ fn readings_fit_the_truth_through_the_frames_of_their_moments() {
 
 #[test]
 fn wandering_ranges_have_the_spread_and_memory_that_were_asked_for() {
-    let range_wander = Some(Wander { sigma_m: 0.002, correlation_s: 4.0 });
-    let long = |range_wander| {
-        let errors = SystematicErrors { range_wander, ..none() };
-        simulate_scenario(&Scenario { errors, duration_s: 20_000.0, ..noiseless() }, 5)
-    };
-    let (right, wrong) = (long(None), long(range_wander));
-    let wandered_m: [Vec<f64>; 3] = std::array::from_fn(|station| {
-        let (right, wrong) = (readings(&right, station), readings(&wrong, station));
-        assert!(right.iter().zip(&wrong).all(|(a, b)| a.azimuth_rad == b.azimuth_rad));
-        right.iter().zip(&wrong).map(|(right, wrong)| wrong.range_m - right.range_m).collect()
+    const STEP_S: f64 = 0.4;
+    let wander = Wander { sigma_m: 0.002, correlation_s: 4.0 };
+    let mean = |values: &mut dyn Iterator<Item = f64>, of: usize| values.sum::<f64>() / of as f64;
+    let wandered: [Vec<f64>; 3] = std::array::from_fn(|station| {
+        let mut range = WanderingRange::new(wander, 5, station);
+        (0..100_000).map(|k| range.at_m(f64::from(k) * STEP_S) / wander.sigma_m).collect()
     });
-    let product = |a: &[f64], b: &[f64]| {
-        let products = a.iter().zip(b).map(|(a, b)| a * b);
-        products.sum::<f64>() / a.len().min(b.len()) as f64
-    };
-    for station in &wandered_m {
-        let variance = product(station, station);
-        near(variance.sqrt(), 0.002, 0.0001);
-        // Ten readings are 4 s.
-        near(product(station, &station[10..]) / variance, (-1.0_f64).exp(), 0.05);
+    let product =
+        |a: &[f64], b: &[f64]| mean(&mut a.iter().zip(b).map(|(a, b)| a * b), a.len().min(b.len()));
+    for station in &wandered {
+        near(product(station, station), 1.0, 0.05);
+        for steps in [1, 10, 20] {
+            let left = (-STEP_S * steps as f64 / wander.correlation_s).exp();
+            near(product(station, &station[steps..]), left, 0.05);
+        }
     }
-    near(product(&wandered_m[0], &wandered_m[1]) / 4e-6, 0.0, 0.05);
-    let standing = standing(SystematicErrors { range_wander, ..none() });
-    assert!(standing.iter().all(|(_, _, right, wrong)| right == wrong));
+    near(product(&wandered[0], &wandered[1]), 0.0, 0.05);
+}
+
+#[test]
+fn wandering_ranges_are_in_the_readings_of_the_drive_alone() {
+    let wander = Wander { sigma_m: 0.002, correlation_s: 4.0 };
+    let errors = || SystematicErrors { range_wander: Some(wander), ..none() };
+    for (station, pairs) in side_by_side(errors()).iter().enumerate() {
+        let mut range = WanderingRange::new(wander, 5, station);
+        for (right, wrong) in pairs {
+            // Stamps of this size resolve a quarter of a microsecond.
+            near(wrong.range_m - right.range_m, range.at_m(right.time_s), 1e-6);
+            assert_eq!(*wrong, Measurement { range_m: wrong.range_m, ..*right });
+        }
+    }
+    assert!(standing(errors()).iter().all(|(_, _, right, wrong)| right == wrong));
 }
 
 #[test]
@@ -429,12 +438,13 @@ fn the_preset_draws_its_errors_from_the_seed() {
 
 #[test]
 fn errors_are_drawn_as_large_as_in_the_field() {
+    type Pick = fn(&SystematicErrors) -> f64;
     let drawn: Vec<Scenario> = (0..1000).map(|seed| noiseless().with_field_errors(seed)).collect();
-    let rms = |pick: fn(&SystematicErrors) -> f64| {
+    let rms = |pick: Pick| {
         let squares = drawn.iter().map(|scenario| pick(&scenario.errors).powi(2));
         (squares.sum::<f64>() / drawn.len() as f64).sqrt()
     };
-    let sizes: [(f64, fn(&SystematicErrors) -> f64); 14] = [
+    let sizes: [(f64, Pick); 14] = [
         (30e-6, |e| e.settling[0].turn_rad),
         (0.0005, |e| e.settling[1].move_m.z),
         (1.0 * ARCSECOND_RAD, |e| e.settling[2].lean_rad[1]),

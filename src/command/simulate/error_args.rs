@@ -65,7 +65,7 @@ pub struct ErrorArguments {
     #[arg(long, value_name = "ARCSEC,…", value_delimiter = ',', allow_hyphen_values = true)]
     tilt: Vec<f64>,
     /// A round earth, whose plumb lines part and where light is bent by a coefficient (0.13 if left out)
-    #[arg(long, value_name = "K", num_args = 0..=1, require_equals = true)]
+    #[arg(long, value_name = "K", num_args = 0..=1, allow_negative_numbers = true)]
     curvature: Option<Option<f64>>,
     /// Errors of the inter-prism distances 12, 13, 23 that are written (mm)
     #[arg(long, value_name = "MM,MM,MM", value_delimiter = ',', allow_hyphen_values = true)]
@@ -249,7 +249,7 @@ mod tests {
             "--range-offset -1,2,3 --range-scale=40,-5,0 --prism-offset 0.5,0,-0.5 \
              --prism-constant-error -2 --range-wander 1.5,20 --latency 0,10,15 --stamp-jitter 4 \
              --clock-offset -4,0,8 --clock-drift 0,-5,5 --index 3600,0,0 --collimation 0,-3600,0 \
-             --tilt 3600,0,0,0,0,-3600 --curvature=0.2 --distance-error 1,-2,3 \
+             --tilt 3600,0,0,0,0,-3600 --curvature 0.2 --distance-error 1,-2,3 \
              --settle 1,100,0,0.2,5,0,-5 --settle 3,50,60,0,0,0,0,-3600,3600 \
              --clock-step 3,20 --clock-step 1,-5,17.5",
         );
