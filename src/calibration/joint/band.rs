@@ -122,10 +122,6 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         }
     }
 
-    pub fn add_probe_at(&mut self, knot: usize, unknown: usize, probe: usize, value: f64) {
-        self.rows[knot][unknown][TIED * LOCAL + FIRST_PROBE + probe] += value;
-    }
-
     /// The parts in both places of the border at a knot: the last even and the last odd one that has begun.
     fn owners(&self, knot: usize) -> [Option<usize>; 2] {
         let begun = self.first_knots.partition_point(|first| *first <= knot);
@@ -280,5 +276,88 @@ fn add_gram<const LOCAL: usize, const ROW: usize>(
             }
         }
         *row = sum;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use rand::{RngExt, SeedableRng};
+
+    const LOCAL: usize = 3;
+    const ROW: usize = TIED * LOCAL + BORDER;
+    const KNOTS: usize = 40;
+
+    /// A band of random equations in three parts, and the same as one dense matrix and gradient over all local unknowns and
+    /// those of one part that the whole drive has.
+    fn example() -> (Band<LOCAL, ROW>, DMatrix<f64>, DVector<f64>) {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        let first_knots = vec![0, 13, 26];
+        let mut band = Band::<LOCAL, ROW>::new(KNOTS, first_knots);
+        let size = KNOTS * LOCAL + PART;
+        let (mut full, mut gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));
+        for first in 0..KNOTS - (TIED - 1) {
+            let part = [0, 13, 26].iter().filter(|begin| **begin <= first).count() - 1;
+            for _ in 0..3 {
+                let weights: [f64; TIED] = std::array::from_fn(|_| rng.random_range(0.0..1.0));
+                let direction = SVector::<f64, LOCAL>::from_fn(|_, _| rng.random_range(-1.0..1.0));
+                let columns = PartVector::from_fn(|_, _| rng.random_range(-1.0..1.0));
+                let error: f64 = rng.random_range(-1.0..1.0);
+                let information = direction * direction.transpose();
+                band.add(first, 0, &weights, &information, &(direction * error));
+                for column in 0..PART {
+                    let values = direction * columns[column];
+                    band.add_border(first, 0, &weights, part, column, &values);
+                }
+                band.parts[part].information += columns * columns.transpose();
+                band.parts[part].gradient += columns * error;
+                let mut row = DVector::zeros(size);
+                for k in 0..TIED {
+                    for i in 0..LOCAL {
+                        row[(first + k) * LOCAL + i] = weights[k] * direction[i];
+                    }
+                }
+                row.rows_mut(KNOTS * LOCAL, PART).copy_from(&columns);
+                full.ger(1.0, &row, &row, 1.0);
+                gradient.axpy(error, &row, 1.0);
+            }
+        }
+        for knot in 0..KNOTS - (TIED - 1) {
+            let weights = [0.3, 0.0, 0.0, 0.0];
+            let information = SMatrix::<f64, LOCAL, LOCAL>::identity();
+            band.add(knot, 0, &weights, &information, &SVector::zeros());
+            (0..LOCAL).for_each(|i| full[(knot * LOCAL + i, knot * LOCAL + i)] += 0.09);
+        }
+        for knot in KNOTS - (TIED - 1)..KNOTS {
+            let weights = [0.0, 0.0, 0.0, 0.3];
+            let information = SMatrix::<f64, LOCAL, LOCAL>::identity();
+            band.add(knot - (TIED - 1), 0, &weights, &information, &SVector::zeros());
+            (0..LOCAL).for_each(|i| full[(knot * LOCAL + i, knot * LOCAL + i)] += 0.09);
+        }
+        (band, full, gradient)
+    }
+
+    #[test]
+    fn what_all_parts_have_in_common_is_the_dense_solution() {
+        let (mut band, full, gradient) = example();
+        assert!(band.eliminate());
+        let (mut information, mut pull) = (PartMatrix::zeros(), PartVector::zeros());
+        for part in &band.parts {
+            information += part.information + part.with_next + part.with_next.transpose();
+            pull += part.gradient;
+        }
+        let locals = KNOTS * LOCAL;
+        let dense = full.clone().cholesky().expect("definite").solve(&gradient);
+        let inverse = full.try_inverse().expect("definite");
+        let expected = inverse.view((locals, locals), (PART, PART)).into_owned();
+        let expected = expected.try_inverse().expect("definite");
+        assert!((information - &expected).amax() < 1e-9 * expected.amax(), "{information} {expected}");
+        let step = information.cholesky().expect("definite").solve(&pull);
+        assert!((step - dense.rows(locals, PART)).amax() < 1e-8, "{step}");
+        let local = band.local_step(&[step; 3]);
+        for (found, expected) in local.iter().zip(dense.iter()) {
+            assert!((found - expected).abs() < 1e-8, "{found} {expected}");
+        }
     }
 }

@@ -6,10 +6,10 @@
 //! and clocks walk randomly from part to part; ranges wander as an Ornstein–Uhlenbeck process. The slow states are
 //! eliminated along the chain, as in a Kalman smoother (Rauch, Tung & Striebel 1965).
 
-use nalgebra::{Cholesky, Const, SMatrix, SVector};
+use nalgebra::{Cholesky, Const, SMatrix};
 
-use super::band::{PART, Part, PartVector};
-use super::unknowns::{CONSTANTS, Constants, SLOW, SLOW_CLOCKS, SLOW_RANGES, Slow};
+use super::band::{PART, Part};
+use super::unknowns::{CONSTANTS, Constants, SLOW, SLOW_CLOCKS, SLOW_RANGES};
 
 type SlowMatrix = SMatrix<f64, SLOW, SLOW>;
 type Between = SMatrix<f64, SLOW, CONSTANTS>;
@@ -42,9 +42,8 @@ pub struct Link<'a> {
     pub part: &'a Part,
     /// Whether the next part belongs to the same stretch.
     pub tied_to_next: bool,
-    pub by_constants: SMatrix<f64, PART, CONSTANTS>,
-    pub by_slow: SMatrix<f64, PART, SLOW>,
-    pub time_s: f64,
+    pub by_constants: &'a SMatrix<f64, PART, CONSTANTS>,
+    pub by_slow: &'a SMatrix<f64, PART, SLOW>,
 }
 
 /// A right-hand side, or a solution: `K` columns for each part's slow states and for the constants.
@@ -276,10 +275,3 @@ impl Factor {
         solution
     }
 }
-
-/// How the parts' unknowns are off by their slow states.
-pub fn deviations(links: &[Link<'_>], slow: &[Slow]) -> Vec<PartVector> {
-    links.iter().zip(slow).map(|(link, slow)| link.by_slow * slow).collect()
-}
-
-pub type Vector8 = SVector<f64, 8>;

@@ -50,6 +50,7 @@ impl Reading {
 }
 
 /// A stretch with its readings by station.
+#[derive(Clone)]
 pub struct Piece {
     pub stretch: Stretch,
     pub readings: [Vec<Reading>; 3],

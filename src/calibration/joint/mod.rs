@@ -19,8 +19,8 @@ mod unknowns;
 use nalgebra::{Matrix4, SMatrix, SVector, Vector3};
 use rayon::prelude::*;
 
-use self::band::{BORDER, Band, PartVector, TIED};
-use self::chain::{Columns, Data, Factor, Link, SlowPrecisions, SlowPriors, Wander, deviations};
+use self::band::{BORDER, Band, PART, PartVector, TIED};
+use self::chain::{Columns, Data, Factor, Link, SlowPrecisions, SlowPriors, Wander};
 use self::equations::{
     At, Levels, OF_ANGLES, OF_JERKS, OF_RANGES, OF_STAMPS, Piece, Reading, Squares, Weighing,
     equations,
@@ -30,7 +30,7 @@ pub use self::stability::{Step, Stepped};
 pub use self::unknowns::ErrorSizes;
 use self::unknowns::{
     CLOCKS, CONSTANTS, Constants, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, Outlook,
-    SCALES, Slow, Station, moves, precisions, start,
+    SCALES, SLOW, Slow, Station, moves, precisions, start,
 };
 use super::TransformSigma;
 use super::inter_prism::Estimate;
@@ -38,11 +38,20 @@ use crate::geometry::LevelTransform;
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
-/// Noise and weights settle within this many steps; then they are held, and what is left is nearly linear.
-const SETTLING_STEPS: usize = 8;
 const MOST_STEPS: usize = 20;
+/// What is slow is constant for about this long (s). Longer where the data holds a direction so weakly that a part's end
+/// matters, and at last for as long as a stretch.
+const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
+/// A step whose square is below this many of the answer's variances brings the motion near the readings.
+const NEAR: f64 = 1e3;
+/// Noise is learned from stretches of about so many knots, in so many steps.
+const LEARNING_KNOTS: usize = 200;
+const LEARNING_STEPS: usize = 6;
+/// How far the published answer may be off meanwhile (1 σ).
+const NEAR_M: f64 = 0.1;
+const NEAR_RAD: f64 = 0.002;
 /// A step whose square is this share of the answer's variances changes nothing that anyone can see.
-const SMALL_STEP: f64 = 1e-4;
+const SMALL_STEP: f64 = 1e-3;
 /// What is learned begins here: what is stated, and a motion that is free to follow the readings.
 const FIRST_LEVELS: Levels =
     Levels { range: 1.0, angle_rad: equations::ANGLE_RAD, jitter_s: 0.001, jerk_m_per_s3: 1.0 };
@@ -52,7 +61,7 @@ const LEAST_NOISE_FACTOR: f64 = 0.1;
 const LEAST_JITTER_S: f64 = 1e-5;
 
 /// Wanderings of ranges that are tried.
-const WANDER_SIGMAS_M: [f64; 7] = [1e-4, 3e-4, 6e-4, 0.001, 0.0016, 0.0027, 0.0045];
+const WANDER_SIGMAS_M: [f64; 6] = [1e-4, 4e-4, 8e-4, 0.0014, 0.0025, 0.0045];
 const WANDER_TIMES_S: [f64; 3] = [3.0, 12.0, 50.0];
 
 /// Steps of stations and clocks that are looked for, at most.
@@ -107,14 +116,22 @@ pub fn estimate(
 ) -> Result<Option<JointEstimate>, Cancelled> {
     const RIG: usize = 9;
     const PRISM: usize = 3;
-    let Some(drive) = Drive::new(triplets) else { return Ok(None) };
     let start = start(plain, inter_prism_m);
-    match inter_prism_m {
-        Some(_) => solve::<RIG, { TIED * RIG + BORDER }>(&drive, triplets, &start, sizes, progress),
-        None => {
-            solve::<PRISM, { TIED * PRISM + BORDER }>(&drive, triplets, &start, sizes, progress)
+    for part_s in PARTS_S {
+        let Some(drive) = Drive::new(triplets, part_s) else { return Ok(None) };
+        let found = match inter_prism_m {
+            Some(_) => {
+                solve::<RIG, { TIED * RIG + BORDER }>(&drive, triplets, &start, sizes, progress)
+            }
+            None => {
+                solve::<PRISM, { TIED * PRISM + BORDER }>(&drive, triplets, &start, sizes, progress)
+            }
+        }?;
+        if found.is_some() {
+            return Ok(found);
         }
     }
+    Ok(None)
 }
 
 /// The readings of a drive, by stretch, and what its parts look like.
@@ -128,7 +145,7 @@ struct Drive {
 }
 
 impl Drive {
-    fn new(triplets: &Triplets) -> Option<Self> {
+    fn new(triplets: &Triplets, part_s: f64) -> Option<Self> {
         let (first_s, last_s) = (*triplets.time_s.first()?, *triplets.time_s.last()?);
         let knot_s =
             triplets.readings.iter().map(|track| median_step_s(&track.time_s)).fold(0.0, f64::max);
@@ -142,7 +159,7 @@ impl Drive {
             tied_to_next: Vec::new(),
             middle_s: 0.5 * (first_s + last_s),
         };
-        for stretch in stretches(&triplets.time_s, &triplets.interval, knot_s) {
+        for stretch in stretches(&triplets.time_s, &triplets.interval, knot_s, part_s) {
             let readings = triplets.readings.each_ref().map(|track| {
                 let from = track.time_s.partition_point(|t| *t < stretch.start_s);
                 let to = track.time_s.partition_point(|t| *t <= stretch.end_s);
@@ -166,6 +183,31 @@ impl Drive {
             drive.pieces.push(Piece { stretch, readings });
         }
         (!drive.pieces.is_empty()).then_some(drive)
+    }
+
+    /// Every so many stretches, of about so many knots together.
+    fn sample(&self, knots: usize) -> Self {
+        let all: usize = self.pieces.iter().map(|piece| piece.stretch.knots).sum();
+        let stride = (all / knots).max(1);
+        let first_parts = self.first_parts();
+        let taken: Vec<usize> = (stride / 2..self.pieces.len()).step_by(stride).collect();
+        let parts = || taken.iter().flat_map(|index| first_parts[*index]..first_parts[*index + 1]);
+        Self {
+            pieces: taken.iter().map(|index| self.pieces[*index].clone()).collect(),
+            outlooks: parts().map(|part| self.outlooks[part]).collect(),
+            part_times_s: parts().map(|part| self.part_times_s[part]).collect(),
+            tied_to_next: parts().map(|part| self.tied_to_next[part]).collect(),
+            middle_s: self.middle_s,
+        }
+    }
+
+    /// The first part of each stretch, and the number of all parts.
+    fn first_parts(&self) -> Vec<usize> {
+        let mut first = vec![0];
+        for piece in &self.pieces {
+            first.push(first[first.len() - 1] + piece.stretch.parts);
+        }
+        first
     }
 
     /// Splines through the triplets.
@@ -216,111 +258,214 @@ fn solve<const LOCAL: usize, const ROW: usize>(
     sizes: &ErrorSizes,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
-    let stations = [0, 1, 2].map(|station| Station::of(start, station));
-    let mut at = Estimates {
-        constants: *start,
-        slow: vec![Slow::zeros(); drive.outlooks.len()],
-        coefficients_m: drive.coefficients_m(triplets, &stations, LOCAL / 3),
+    let model = Model {
+        precision: precisions(sizes),
+        start: *start,
+        priors: SlowPriors {
+            settling: settling(sizes, start),
+            clocks_s2: sizes.clock_wander_s.powi(2),
+            wander: Wander { sigma_m: WANDER_SIGMAS_M[0], correlation_s: WANDER_TIMES_S[1] },
+            steps: Vec::new(),
+        },
     };
-    let precision = precisions(sizes);
-    let mut priors = SlowPriors {
-        settling: settling(sizes, start),
-        clocks_s2: sizes.clock_wander_s.powi(2),
-        wander: Wander { sigma_m: WANDER_SIGMAS_M[0], correlation_s: WANDER_TIMES_S[1] },
-        steps: Vec::new(),
-    };
-    let mut stepped: Vec<Step> = Vec::new();
-    let mut levels = FIRST_LEVELS;
-    let mut redundancy = 0.5;
-    let mut held: Option<Vec<Vec<f64>>> = None;
-    let (mut converged, mut steps) = (false, 0);
-    loop {
-        let weighing = Weigh { levels, redundancy, held: held.as_deref() };
-        let Some(eliminated) = eliminate::<LOCAL, ROW>(drive, &at, &weighing, progress)? else {
-            eprintln!("band {steps}"); return Ok(None);
-        };
-        let links = links(drive, &at, &eliminated);
-        let data = Data::of(&links);
-        if sizes.ranges_wander && (steps == 4 || steps == SETTLING_STEPS) {
-            priors.wander = likeliest(&data, &precision, &priors, drive, &at, start);
-        }
-        if steps == 4 || steps == SETTLING_STEPS {
-            while priors.steps.len() < MOST_STEPS_FOUND
-                && let Some(step) = next_step(drive, &data, &precision, &priors, &at, start)
-            {
-                // What is no more than usual, priors have room for.
-                if is_usual(&step, sizes) {
-                    stepped.push(step);
-                    break;
-                }
-                priors.steps.push(step.part);
-                stepped.push(step);
-            }
-        }
-        let Some(slow_priors) = SlowPrecisions::new(&priors, &drive.part_times_s) else {
+    // How noisy the readings are is learned from a share of a long drive, and from all of a short one.
+    let mut by = Weigh { levels: FIRST_LEVELS, redundancy: 0.5, held: None };
+    let mut constants = *start;
+    let sample = drive.sample(LEARNING_KNOTS);
+    let mut at = Estimates::start(&sample, triplets, start, LOCAL / 3);
+    let mut near = Model { priors: model.priors.clone(), ..model };
+    // A share of the drive may leave open what the whole one holds.
+    for place in 0..CLOCKS {
+        let sigma = if place % 4 == 3 { NEAR_RAD } else { NEAR_M };
+        near.precision[place] = sigma.powi(-2);
+    }
+    for steps in 0..LEARNING_STEPS {
+        let Some(pass) = pass::<LOCAL, ROW>(&sample, &at, &by, &near, progress)? else {
             return Ok(None);
         };
-        // On the way, what is slow may have to wait until the motion is known better.
-        let factor = Factor::new(&data, &precision, &slow_priors).or_else(|| {
-            (!converged).then(|| Factor::new(&data, &precision, &slow_priors.stiffer())).flatten()
-        });
-        let Some(factor) = factor else { eprintln!("factor {steps}"); return Ok(None) };
-        let gradient = with_priors(&data, &precision, &slow_priors, &at, start);
+        // The first step brings the motion to the readings; only then do errors tell of noise.
+        if steps > 0 {
+            (by.levels, by.redundancy) = learned(&by.levels, &pass.squares());
+        }
+        pass.walk(&sample, &mut at);
+        constants = at.constants;
+    }
+    let model = &mut { model };
+    at = Estimates::start(drive, triplets, &constants, LOCAL / 3);
+    let mut stepped = Vec::new();
+    // Steps since the motion of all stretches is near its readings: only then do errors tell of noise.
+    let mut near = 0;
+    for steps in 1..=MOST_STEPS {
+        let Some(mut pass) = pass::<LOCAL, ROW>(drive, &at, &by, model, progress)? else {
+            return Ok(None);
+        };
+        match near {
+            1 => (by.levels, by.redundancy) = learned(&by.levels, &pass.squares()),
+            2 => {
+                if sizes.ranges_wander {
+                    model.priors.wander = likeliest(&pass.data, model, drive, &at);
+                }
+                stepped = steps_found(&pass.data, model, drive, &at, sizes);
+                if !pass.solve(drive, &at, model) {
+                    return Ok(None);
+                }
+            }
+            _ => {}
+        }
+        let moved = pass.walk(drive, &mut at);
+        if std::env::var_os("JOINT_TRACE").is_some() {
+            eprintln!("{steps}: moved {moved:.3e} {:?} {:?} redundancy {:.2}", by.levels, model.priors.wander, by.redundancy);
+        }
+        let converged = near > 2 && moved < SMALL_STEP;
         if converged || steps == MOST_STEPS {
-            let ending =
-                Ending { drive, data: &data, factor: &factor, priors: &priors, slow_priors: &slow_priors, links: &links };
             let rig = LOCAL == 9;
-            let mut found = ending.summary(&at, &precision, start, levels, converged, steps, rig);
-            found.stepped = stepped;
+            let mut found = pass.summary(model, &at, by.levels, rig);
+            (found.stepped, found.converged, found.steps) = (stepped, converged, steps);
             return Ok(Some(found));
         }
-        let step = factor.solve(&gradient);
-        let moved = step.dot(&data.times(&step))[0];
-        let of_parts: Vec<PartVector> = links
-            .iter()
-            .zip(&step.slow)
-            .map(|(link, slow)| link.by_constants * step.constants + link.by_slow * slow)
-            .collect();
-        at.constants -= step.constants;
-        at.slow.iter_mut().zip(&step.slow).for_each(|(slow, step)| *slow -= step);
-        let first_parts = first_parts(drive);
-        at.coefficients_m.par_iter_mut().zip(&eliminated).enumerate().for_each(
-            |(index, (coefficients_m, one))| {
-                let from = first_parts[index];
-                let parts = drive.pieces[index].stretch.parts;
-                let local = one.band.local_step(&of_parts[from..from + parts]);
-                coefficients_m.iter_mut().zip(&local).for_each(|(value, step)| *value -= step);
-            },
-        );
-        steps += 1;
-        if std::env::var_os("JOINT_TRACE").is_some() {
-            eprintln!("{steps}: moved {moved:.3e} {levels:?} {:?} redundancy {redundancy:.2}", priors.wander);
+        if near == 2 {
+            by.held = Some(pass.eliminated.into_iter().map(|one| one.weights).collect());
         }
-        if held.is_some() {
-            converged = moved < SMALL_STEP;
-        } else if steps > 1 {
-            // The first step brings the motion to the readings; only then do errors tell of noise.
-            let mut squares = Squares::default();
-            eliminated.iter().for_each(|one| squares.add(&one.squares));
-            (levels, redundancy) = learned(&levels, &squares);
-            if steps >= SETTLING_STEPS {
-                held = Some(eliminated.into_iter().map(|one| one.weights).collect());
-            }
+        near += usize::from(near > 0 || moved < NEAR);
+    }
+    Ok(None)
+}
+
+/// What is known beforehand.
+struct Model {
+    precision: Constants,
+    start: Constants,
+    priors: SlowPriors,
+}
+
+impl Estimates {
+    fn start(drive: &Drive, triplets: &Triplets, constants: &Constants, prisms: usize) -> Self {
+        let stations = [0, 1, 2].map(|station| Station::of(constants, station));
+        Self {
+            constants: *constants,
+            slow: vec![Slow::zeros(); drive.outlooks.len()],
+            coefficients_m: drive.coefficients_m(triplets, &stations, prisms),
         }
     }
 }
 
-struct Weigh<'a> {
+/// Everything linear about some estimates, and the step from there.
+struct Pass<const LOCAL: usize, const ROW: usize> {
+    eliminated: Vec<Eliminated<LOCAL, ROW>>,
+    moves: Vec<(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)>,
+    data: Data,
+    slow_priors: SlowPrecisions,
+    factor: Factor,
+    step: Columns<1>,
+}
+
+/// `None` where a direction stays free.
+fn pass<const LOCAL: usize, const ROW: usize>(
+    drive: &Drive,
+    at: &Estimates,
+    by: &Weigh,
+    model: &Model,
+    progress: &Progress,
+) -> Result<Option<Pass<LOCAL, ROW>>, Cancelled> {
+    let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
+    let moves: Vec<_> = drive
+        .outlooks
+        .iter()
+        .zip(&drive.part_times_s)
+        .map(|(outlooks, time_s)| moves(&stations, outlooks, time_s - drive.middle_s))
+        .collect();
+    let Some(eliminated) = eliminate::<LOCAL, ROW>(drive, at, by, &moves, progress)? else {
+        return Ok(None);
+    };
+    let parts = eliminated.iter().flat_map(|one| &one.band.parts);
+    let links: Vec<_> = parts
+        .zip(&moves)
+        .zip(&drive.tied_to_next)
+        .map(|((part, (by_constants, by_slow)), tied_to_next)| Link {
+            part,
+            tied_to_next: *tied_to_next,
+            by_constants,
+            by_slow,
+        })
+        .collect();
+    let data = Data::of(&links);
+    Ok(solved(&data, drive, at, model).map(|(slow_priors, factor, step)| Pass {
+        eliminated,
+        moves,
+        data,
+        slow_priors,
+        factor,
+        step,
+    }))
+}
+
+fn solved(
+    data: &Data,
+    drive: &Drive,
+    at: &Estimates,
+    model: &Model,
+) -> Option<(SlowPrecisions, Factor, Columns<1>)> {
+    let slow_priors = SlowPrecisions::new(&model.priors, &drive.part_times_s)?;
+    // On the way, what is slow may have to wait until the motion is known better.
+    let factor = Factor::new(data, &model.precision, &slow_priors)
+        .or_else(|| Factor::new(data, &model.precision, &slow_priors.stiffer()))?;
+    let step = factor.solve(&with_priors(data, model, &slow_priors, at));
+    Some((slow_priors, factor, step))
+}
+
+impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
+    fn squares(&self) -> Squares {
+        let mut squares = Squares::default();
+        self.eliminated.iter().for_each(|one| squares.add(&one.squares));
+        squares
+    }
+
+    /// Again with other priors.
+    fn solve(&mut self, drive: &Drive, at: &Estimates, model: &Model) -> bool {
+        let found = solved(&self.data, drive, at, model);
+        let is_held = found.is_some();
+        if let Some((slow_priors, factor, step)) = found {
+            (self.slow_priors, self.factor, self.step) = (slow_priors, factor, step);
+        }
+        is_held
+    }
+
+    /// Takes the step; its square in units of the covariance.
+    fn walk(&self, drive: &Drive, at: &mut Estimates) -> f64 {
+        let step = &self.step;
+        let of_parts: Vec<PartVector> = self
+            .moves
+            .iter()
+            .zip(&step.slow)
+            .map(|((by_constants, by_slow), slow)| by_constants * step.constants + by_slow * slow)
+            .collect();
+        at.constants -= step.constants;
+        at.slow.iter_mut().zip(&step.slow).for_each(|(slow, step)| *slow -= step);
+        let first_parts = drive.first_parts();
+        at.coefficients_m.par_iter_mut().zip(&self.eliminated).enumerate().for_each(
+            |(index, (coefficients_m, one))| {
+                let parts = first_parts[index]..first_parts[index + 1];
+                let local = one.band.local_step(&of_parts[parts]);
+                coefficients_m.iter_mut().zip(&local).for_each(|(value, step)| *value -= step);
+            },
+        );
+        step.dot(&self.data.times(step))[0]
+    }
+}
+
+/// What equations count by; the weights are by stretch.
+struct Weigh {
     levels: Levels,
     redundancy: f64,
-    held: Option<&'a [Vec<f64>]>,
+    held: Option<Vec<Vec<f64>>>,
 }
 
 /// `None` where the motion is not held.
 fn eliminate<const LOCAL: usize, const ROW: usize>(
     drive: &Drive,
     at: &Estimates,
-    by: &Weigh<'_>,
+    by: &Weigh,
+    moves: &[(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)],
     progress: &Progress,
 ) -> Result<Option<Vec<Eliminated<LOCAL, ROW>>>, Cancelled> {
     let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
@@ -328,25 +473,19 @@ fn eliminate<const LOCAL: usize, const ROW: usize>(
         let distances = at.constants.fixed_rows::<3>(DISTANCES);
         [distances[0], distances[1], distances[2]]
     });
-    let slow: Vec<PartVector> = drive
-        .outlooks
-        .iter()
-        .zip(&drive.part_times_s)
-        .zip(&at.slow)
-        .map(|((outlooks, time_s), slow)| moves(&stations, outlooks, time_s - drive.middle_s).1 * slow)
-        .collect();
-    let first_parts = first_parts(drive);
+    let slow: Vec<PartVector> =
+        moves.iter().zip(&at.slow).map(|((_, by_slow), slow)| by_slow * slow).collect();
+    let first_parts = drive.first_parts();
     let one = |(index, piece): (usize, &Piece)| {
         progress.check()?;
-        let from = first_parts[index];
         let here = At {
             stations: &stations,
             distances_m,
             middle_s: drive.middle_s,
-            slow: &slow[from..from + piece.stretch.parts],
+            slow: &slow[first_parts[index]..first_parts[index + 1]],
             coefficients_m: &at.coefficients_m[index],
         };
-        let held = by.held.map(|held| &held[index][..]);
+        let held = by.held.as_ref().map(|held| &held[index][..]);
         let weighing = Weighing { levels: by.levels, redundancy: by.redundancy, held };
         let mut found = equations::<LOCAL, ROW>(piece, &here, &weighing);
         let is_held = found.band.eliminate();
@@ -358,44 +497,15 @@ fn eliminate<const LOCAL: usize, const ROW: usize>(
     Ok(all?.into_iter().collect())
 }
 
-fn first_parts(drive: &Drive) -> Vec<usize> {
-    let mut next = 0;
-    let of = |piece: &Piece| {
-        next += piece.stretch.parts;
-        next - piece.stretch.parts
-    };
-    drive.pieces.iter().map(of).collect()
-}
-
-fn links<'a, const LOCAL: usize, const ROW: usize>(
-    drive: &Drive,
-    at: &Estimates,
-    eliminated: &'a [Eliminated<LOCAL, ROW>],
-) -> Vec<Link<'a>> {
-    let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
-    let parts = eliminated.iter().flat_map(|one| &one.band.parts);
-    parts
-        .enumerate()
-        .map(|(index, part)| {
-            let time_s = drive.part_times_s[index];
-            let (by_constants, by_slow) =
-                moves(&stations, &drive.outlooks[index], time_s - drive.middle_s);
-            let tied_to_next = drive.tied_to_next[index];
-            Link { part, tied_to_next, by_constants, by_slow, time_s }
-        })
-        .collect()
-}
-
 /// The gradient of everything but the motion.
 fn with_priors(
     data: &Data,
-    precision: &Constants,
+    model: &Model,
     slow_priors: &SlowPrecisions,
     at: &Estimates,
-    start: &Constants,
 ) -> Columns<1> {
     let mut gradient = data.gradient.clone();
-    gradient.constants += precision.component_mul(&(at.constants - start));
+    gradient.constants += model.precision.component_mul(&(at.constants - model.start));
     let pulls = slow_priors.times(&at.slow);
     gradient.slow.iter_mut().zip(&pulls).for_each(|(slow, pull)| *slow += pull);
     gradient
@@ -412,41 +522,46 @@ fn is_usual(step: &Step, sizes: &ErrorSizes) -> bool {
     }
 }
 
-/// The clearest step of a station or a clock beside those that are known.
-fn next_step(
-    drive: &Drive,
+/// Steps of stations and clocks, the clearest first; what is none of the usual gets room in the priors.
+fn steps_found(
     data: &Data,
-    precision: &Constants,
-    priors: &SlowPriors,
+    model: &mut Model,
+    drive: &Drive,
     at: &Estimates,
-    start: &Constants,
-) -> Option<Step> {
-    stability::clearest_step(&stability::Search {
-        data,
-        precision,
-        priors,
-        part_times_s: &drive.part_times_s,
-        slow: &at.slow,
-        from_priors: &(at.constants - start),
-        known: &priors.steps,
-        places_m: [0, 1].map(|slot| at.constants.fixed_rows::<3>(4 * slot).into()),
-    })
+    sizes: &ErrorSizes,
+) -> Vec<Step> {
+    let mut found = Vec::new();
+    while found.len() < MOST_STEPS_FOUND {
+        let step = stability::clearest_step(&stability::Search {
+            data,
+            precision: &model.precision,
+            priors: &model.priors,
+            part_times_s: &drive.part_times_s,
+            slow: &at.slow,
+            from_priors: &(at.constants - model.start),
+            known: &model.priors.steps,
+            places_m: [0, 1].map(|slot| at.constants.fixed_rows::<3>(4 * slot).into()),
+        });
+        let Some(step) = step else { break };
+        let usual = is_usual(&step, sizes);
+        if !usual {
+            model.priors.steps.push(step.part);
+        }
+        found.push(step);
+        if usual {
+            break;
+        }
+    }
+    found
 }
 
 /// The wandering of ranges that makes what was read likeliest, the motion being what it is.
-fn likeliest(
-    data: &Data,
-    precision: &Constants,
-    priors: &SlowPriors,
-    drive: &Drive,
-    at: &Estimates,
-    start: &Constants,
-) -> Wander {
+fn likeliest(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> Wander {
     let unlikeliness = |wander: Wander| {
-        let priors = SlowPriors { wander, ..priors.clone() };
+        let priors = SlowPriors { wander, ..model.priors.clone() };
         let slow_priors = SlowPrecisions::new(&priors, &drive.part_times_s)?;
-        let factor = Factor::new(data, precision, &slow_priors)?;
-        let gradient = with_priors(data, precision, &slow_priors, at, start);
+        let factor = Factor::new(data, &model.precision, &slow_priors)?;
+        let gradient = with_priors(data, model, &slow_priors, at);
         let pulls = slow_priors.times(&at.slow);
         let held: f64 = at.slow.iter().zip(&pulls).map(|(slow, pull)| slow.dot(pull)).sum();
         Some(factor.log_determinant + held - gradient.dot(&factor.solve(&gradient))[0])
@@ -456,10 +571,10 @@ fn likeliest(
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .map_or(otherwise, |(_, wander)| wander)
     };
-    let correlation_s = priors.wander.correlation_s;
+    let correlation_s = model.priors.wander.correlation_s;
     let first = best(
         &mut WANDER_SIGMAS_M.into_iter().map(|sigma_m| Wander { sigma_m, correlation_s }),
-        priors.wander,
+        model.priors.wander,
     );
     best(
         &mut WANDER_TIMES_S.into_iter().map(|correlation_s| Wander { correlation_s, ..first }),
@@ -512,28 +627,8 @@ fn learned(levels: &Levels, squares: &Squares) -> (Levels, f64) {
     (levels, ((left(OF_RANGES) + left(OF_ANGLES)) / expected.max(1e-9)).min(1.0))
 }
 
-struct Ending<'a> {
-    drive: &'a Drive,
-    data: &'a Data,
-    factor: &'a Factor,
-    priors: &'a SlowPriors,
-    slow_priors: &'a SlowPrecisions,
-    links: &'a [Link<'a>],
-}
-
-impl Ending<'_> {
-    #[allow(clippy::too_many_arguments)]
-    fn summary(
-        &self,
-        at: &Estimates,
-        precision: &Constants,
-        start: &Constants,
-        levels: Levels,
-        converged: bool,
-        steps: usize,
-        rig: bool,
-    ) -> JointEstimate {
-        let _ = deviations(self.links, &at.slow);
+impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
+    fn summary(&self, model: &Model, at: &Estimates, levels: Levels, rig: bool) -> JointEstimate {
         let parts = at.slow.len();
         // The answer: where the stations stood on average over the parts.
         let mut wanted = Columns::<8>::zeros(parts);
@@ -549,7 +644,7 @@ impl Ending<'_> {
             LevelTransform::new(Vector3::new(at[0], at[1], at[2]), at[3])
         };
         // A station that walks randomly is this far from its mean where it was set up.
-        let stray = self.priors.settling / 3.0;
+        let stray = model.priors.settling / 3.0;
         let mut budget = vec![("noise", by.dot(&self.data.times(&by)).diagonal())];
         let groups = [
             ("clocks", CLOCKS..LATENCIES),
@@ -562,13 +657,13 @@ impl Ending<'_> {
             ("collimations", unknowns::COLLIMATIONS..CONSTANTS),
         ];
         for (name, places) in groups {
-            let share = |k: usize| places.clone().map(|p| by.constants[(p, k)].powi(2) * precision[p]).sum();
+            let share = |k: usize| places.clone().map(|p| by.constants[(p, k)].powi(2) * model.precision[p]).sum();
             budget.push((name, SVector::from_fn(|k, _| share(k))));
         }
         let slow = self.slow_priors.times(&by.slow);
         let mut by_slow = [SVector::<f64, 8>::zeros(); 3];
         for (state, pull) in by.slow.iter().zip(&slow) {
-            for row in 0..unknowns::SLOW {
+            for row in 0..SLOW {
                 let which = match row {
                     unknowns::SLOW_RANGES.. => 2,
                     unknowns::SLOW_CLOCKS.. => 1,
@@ -589,7 +684,6 @@ impl Ending<'_> {
             value: at.constants[place],
             sigma: constants[(place, place)].max(0.0).sqrt(),
         };
-        let _ = (start, self.drive);
         JointEstimate {
             station1_from_station: [LevelTransform::IDENTITY, level(0), level(1)],
             covariance: covariance + stray,
@@ -604,10 +698,10 @@ impl Ending<'_> {
             range_scales: [0, 1, 2].map(|station| estimate(SCALES + station)),
             indices_rad: [0, 1, 2].map(|station| estimate(INDICES + station)),
             levels,
-            wander: self.priors.wander,
+            wander: model.priors.wander,
             stepped: Vec::new(),
-            converged,
-            steps,
+            converged: false,
+            steps: 0,
         }
     }
 }

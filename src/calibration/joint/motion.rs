@@ -10,9 +10,8 @@ const MARGIN_S: f64 = 0.25;
 const FEWEST_KNOTS: f64 = 4.0;
 /// Instants further apart than this many of their own steps belong to different stretches.
 const STEPS_APART: f64 = 2.5;
-/// What is slow is constant for about this long (s), and for this many knots at least.
-const PART_SECONDS: f64 = 5.0;
-const PART_KNOTS: f64 = 10.0;
+/// What is slow is constant for this many knots at least.
+const PART_KNOTS: f64 = 16.0;
 
 /// One unbroken stretch of the drive.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,8 +33,8 @@ pub struct Place {
     pub velocity: [f64; TIED],
 }
 
-/// The stretches of consecutive instants of the same interval; what is too short is left out.
-pub fn stretches(time_s: &[f64], interval: &[u32], knot_s: f64) -> Vec<Stretch> {
+/// The stretches of consecutive instants of the same interval, in parts of about `part_s`; what is too short is left out.
+pub fn stretches(time_s: &[f64], interval: &[u32], knot_s: f64, part_s: f64) -> Vec<Stretch> {
     let mut steps_s: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
     steps_s.sort_by(f64::total_cmp);
     let apart_s = STEPS_APART * steps_s.get(steps_s.len() / 2).copied().unwrap_or(1.0);
@@ -45,7 +44,7 @@ pub fn stretches(time_s: &[f64], interval: &[u32], knot_s: f64) -> Vec<Stretch> 
         .filter(|(start_s, end_s)| end_s - start_s >= FEWEST_KNOTS * knot_s)
         .map(|(start_s, end_s)| {
             let knots = ((end_s - start_s + 2.0 * MARGIN_S) / knot_s).ceil() as usize + 3;
-            let part_s = PART_SECONDS.max(PART_KNOTS * knot_s);
+            let part_s = part_s.max(PART_KNOTS * knot_s);
             let parts = ((end_s - start_s) / part_s).floor().max(1.0) as usize;
             Stretch { start_s, end_s, knot_s, knots, parts }
         })
@@ -119,7 +118,7 @@ mod tests {
     #[test]
     fn a_line_is_met_exactly_and_velocities_are_the_differences() {
         let time_s: Vec<f64> = (0..50).map(|i| f64::from(i) * 0.1).collect();
-        let stretch = &stretches(&time_s, &[0; 50], 0.4)[0];
+        let stretch = &stretches(&time_s, &[0; 50], 0.4, 6.0)[0];
         let knot = |k: usize| 2.0 * stretch.knot_time_s(k) - 1.0;
         for at in [-0.2, 0.0, 0.13, 2.0, 4.9, 5.1] {
             let place = stretch.place(at);
@@ -139,7 +138,7 @@ mod tests {
     #[test]
     fn what_is_left_out_breaks_a_stretch() {
         let time_s = [0.0, 0.1, 0.2, 5.0, 5.1, 5.2, 5.3, 9.0];
-        let stretches = stretches(&time_s, &[0, 0, 0, 0, 0, 1, 1, 1], 0.02);
+        let stretches = stretches(&time_s, &[0, 0, 0, 0, 0, 1, 1, 1], 0.02, 6.0);
         let ends: Vec<_> = stretches.iter().map(|s| (s.start_s, s.end_s)).collect();
         assert_eq!(ends, [(0.0, 0.2), (5.0, 5.1), (5.2, 5.3)]);
     }
