@@ -52,7 +52,7 @@ impl State {
                 self.looking.retain(|looking| *looking != number);
                 self.session.done(number);
                 for open in &mut self.open {
-                    open.analysing = open.analysing.filter(|(newest, _)| *newest != number);
+                    open.analysing = open.analysing.filter(|newest| newest.number != number);
                 }
                 self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);
                 self.toasts.error(
@@ -88,12 +88,14 @@ impl State {
         let shown = self.active().map(|open| open.id);
         let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
         let analysis = Arc::clone(&answered.analysis);
-        let first = open.analysis.is_none();
+        let (first, joint_follows) = (!open.answered, answered.joint_follows);
         let before = open.summary.clone();
         if !open.take(number, answered) {
             return;
         }
-        if let Ok(answer) = &analysis.answer {
+        if let Ok(answer) = analysis.answer.as_ref()
+            && !joint_follows
+        {
             let findings = &answer.calibration.findings;
             if first {
                 // The result's pane tells them; news is what a change of the settings brings.
@@ -109,6 +111,9 @@ impl State {
             // Prisms are found anew; everything else stands elsewhere now.
             self.ruler.ends.retain(|end| end.prism.is_some());
         }
-        self.remember_run(id, &analysis);
+        // What is told, remembered and pinned is the joint estimate.
+        if !joint_follows {
+            self.remember_run(id, &analysis);
+        }
     }
 }
