@@ -95,7 +95,7 @@ fn without_a_method_the_joint_estimate_answers_and_has_the_papers_beside_it() {
     let said = stdout(&["calibrate", text(&path)]);
     assert!(said.contains(" · the joint estimate · verdict: "), "{said}");
     let millimetres = number(&beside["moved"][0]["distance_m"]) * 1e3;
-    let line = format!("  T12 by {millimetres:.2} mm (");
+    let line = format!("  T12 {millimetres:.2} mm (");
     assert!(said.contains("the paper's D (method inter-prism, verdict "), "{said}");
     assert!(said.contains(&line), "{line} is not in {said}");
 }

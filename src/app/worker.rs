@@ -321,16 +321,14 @@ fn reply(request: Request, known: &mut HashMap<u64, Known>) -> (Option<Reply>, O
                 None => analyst.run_published_while(&settings, &progress),
                 Some(_) => Ok(None),
             };
-            // Where the paper's method has no answer, there is nothing to show before the joint estimate.
-            let first = first.map(|first| first.filter(|analysis| analysis.answer.is_ok()));
-            let joint_follows = matches!(first, Ok(Some(_)));
-            let analysis = match first {
-                Ok(Some(analysis)) => Ok(analysis),
-                Ok(None) => analyst.run_while(&settings, &progress),
+            let found = match first {
+                // Where the paper's method has no answer, there is nothing to show before the joint estimate.
+                Ok(Some(published)) if published.answer.is_ok() => Ok((published, true)),
+                Ok(_) => analyst.run_while(&settings, &progress).map(|analysis| (analysis, false)),
                 Err(cancelled) => Err(cancelled),
             };
-            let Ok(mut analysis) = analysis else { return (None, None) };
-            let rest = joint_follows.then(|| Request::Analyse {
+            let Ok((mut analysis, joint_follows)) = found else { return (None, None) };
+            let rest = joint_follows.then_some(Request::Analyse {
                 number,
                 id,
                 deployment,
@@ -356,7 +354,73 @@ fn reply(request: Request, known: &mut HashMap<u64, Known>) -> (Option<Reply>, O
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibration::Method;
     use crate::deployment::Sample;
+
+    fn settings(tau_l_seconds: f64) -> Settings {
+        let mut settings = Settings::default();
+        settings.pipeline.thresholds.tau_l_seconds = tau_l_seconds;
+        settings
+    }
+
+    /// Number, method and whether another follows, of every answer until nothing follows the request with this number.
+    fn answers_until(worker: &Worker, last: u64) -> Vec<(u64, Method, bool)> {
+        let mut answers = Vec::new();
+        while let Some(reply) = worker.wait_reply() {
+            let Reply::Analysed { number, answered, .. } = reply else { panic!("an answer") };
+            let answer = answered.analysis.answer.as_ref().expect("an answer");
+            answers.push((number, answer.calibration.method, answered.joint_follows));
+            if number == last && !answered.joint_follows {
+                break;
+            }
+        }
+        answers
+    }
+
+    #[test]
+    fn the_papers_answer_comes_first_and_the_joint_estimate_follows() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let mut worker = Worker::start(egui::Context::default());
+        let number = worker.analyse(7, Arc::clone(&deployment), Settings::default());
+        let both = [(number, Method::InterPrism, true), (number, Method::Joint, false)];
+        assert_eq!(answers_until(&worker, number), both);
+        // The paper's method itself has nothing that follows.
+        let mut published = Settings::default();
+        published.calibration.method = Some(Method::InterPrism);
+        let number = worker.analyse(7, deployment, published);
+        assert_eq!(answers_until(&worker, number), [(number, Method::InterPrism, false)]);
+    }
+
+    #[test]
+    fn a_newer_request_takes_the_place_of_a_joint_estimate_that_is_under_way() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let mut worker = Worker::start(egui::Context::default());
+        let first = worker.analyse(7, Arc::clone(&deployment), settings(6.0));
+        let Some(Reply::Analysed { answered, .. }) = worker.wait_reply() else { panic!("one") };
+        assert!(answered.joint_follows);
+        let second = worker.analyse(7, deployment, settings(7.0));
+        let answers = answers_until(&worker, second);
+        // Unless it was there already.
+        let own: Vec<_> = answers.iter().filter(|(number, ..)| *number != first).collect();
+        assert_eq!(own, [&(second, Method::InterPrism, true), &(second, Method::Joint, false)]);
+    }
+
+    #[test]
+    fn first_answers_go_before_joint_estimates_and_a_closed_deployment_has_none() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let analyse = |number, id, published_after_ms| Request::Analyse {
+            number,
+            id,
+            deployment: Arc::clone(&deployment),
+            settings: Settings::default(),
+            progress: Arc::default(),
+            published_after_ms,
+        };
+        assert!(analyse(1, 7, Some(2.0)).can_wait() && !analyse(2, 8, None).can_wait());
+        let waiting = vec![analyse(1, 7, Some(2.0)), analyse(2, 8, Some(2.0)), Request::Forget(7)];
+        let left: Vec<u64> = without_overtaken(waiting).iter().map(Request::id).collect();
+        assert_eq!(left, [8, 7], "only the closed one's");
+    }
 
     #[test]
     fn of_several_analyses_of_a_deployment_only_the_newest_is_run() {

@@ -45,7 +45,7 @@ pub struct StationDifference {
 }
 
 impl StationDifference {
-    /// "T12 by 4.2 mm (3.1 σ; x +3.1, y -2.7, z +0.8) and +0.021 mrad of yaw (1.9 σ)".
+    /// "T12 4.20 mm (3.1 σ; x +3.10, y -2.70, z +0.80), yaw +0.0210 mrad (1.9 σ)".
     pub fn in_words(&self) -> String {
         let [x, y, z] = self.translation_m.map(|along| along.value * 1e3);
         let sigmas = |deviation: Deviation| match deviation.sigmas {
@@ -53,7 +53,7 @@ impl StationDifference {
             None => "no σ".to_owned(),
         };
         format!(
-            "T1{} by {:.2} mm ({}; x {x:+.2}, y {y:+.2}, z {z:+.2}) and {:+.4} mrad of yaw ({})",
+            "T1{} {:.2} mm ({}; x {x:+.2}, y {y:+.2}, z {z:+.2}), yaw {:+.4} mrad ({})",
             self.station,
             self.distance_m.value * 1e3,
             sigmas(self.distance_m),

@@ -149,7 +149,7 @@ fn mirror(details: &InterPrismDetails) -> Markup {
             }
         }
         @if details.refinement.is_some() {
-            p.weak { "Both by the published method, which the refinement below starts from." }
+            p.weak { "Both on the readings as the refinement below puts them right." }
         }
     }
 }
