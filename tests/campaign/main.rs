@@ -17,7 +17,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use resect::analysis::{Analysis, Settings};
+use resect::analysis::Analysis;
 use resect::calibration::{Method, Verdict};
 use resect::geometry::wrap_to_pi;
 use resect::simulation::{ARCSECOND_RAD, Preset, Scenario, Simulated, simulate_scenario};

@@ -91,16 +91,16 @@ fn the_papers_answer_is_one_click_away_and_the_joint_estimate_one_back() {
     assert_eq!(method(&harness), Method::Joint);
     assert!(harness.query_by_label("The paper's D: moved by").is_some());
     // Of method D they are switches; the joint estimate has its own.
-    harness.get_by_role_and_label(Role::RadioButton, "Cauchy").click();
-    settle(&mut harness);
-    assert_eq!(harness.state().state.settings().calibration.loss, Loss::Squared);
+    let can_choose_a_loss = |harness: &Window| {
+        let radio = harness.get_by_role_and_label(Role::RadioButton, "Cauchy");
+        !radio.accesskit_node().is_disabled()
+    };
+    assert!(!can_choose_a_loss(&harness));
 
     click(&mut harness, "Show the paper's D");
     assert_eq!(method(&harness), Method::InterPrism);
     assert!(harness.query_by_label("The paper's D: moved by").is_none());
-    harness.get_by_role_and_label(Role::RadioButton, "Cauchy").click();
-    settle(&mut harness);
-    assert_eq!(harness.state().state.settings().calibration.loss, Loss::Cauchy);
+    assert!(can_choose_a_loss(&harness));
 
     click(&mut harness, "Reset to the defaults");
     assert_eq!(method(&harness), Method::Joint);
@@ -123,7 +123,7 @@ fn the_joint_estimate_is_said_to_follow() {
         }
         harness.run_steps(1);
         let said = harness.query_by_label("the joint estimate follows…").is_some()
-            && harness.query_by_label("D  inter-prism distances").is_some();
+            && harness.query_by_role_and_label(Role::Label, "D  inter-prism distances").is_some();
         settle(&mut harness);
         said
     });

@@ -210,7 +210,7 @@ fn a_comparison_is_run_and_drawn() {
         harness.get_by_label("Run").click();
         settle(&mut harness);
         let result = harness.state().state.studies.result.clone().expect("it ran");
-        assert_eq!(result.study().groups.len(), 4);
+        assert_eq!(result.study().groups.len(), 5);
         snapshot(&mut harness, name);
     }
 }

@@ -83,7 +83,7 @@ fn pinned(ui: &mut egui::Ui, pin: &Pin, commands: &mut Commands) {
         numbers(ui, summary);
     });
     let changed = changes_in_words(&setting_changes(&Settings::default(), &summary.settings));
-    let words = if changed.is_empty() { "the paper's settings".to_owned() } else { changed };
+    let words = if changed.is_empty() { "the default settings".to_owned() } else { changed };
     ui.horizontal(|ui| {
         ui.add_space(INDENT);
         ui.add(egui::Label::new(RichText::new(words).small()).wrap());
