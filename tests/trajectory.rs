@@ -4,7 +4,8 @@ mod common;
 
 use std::process::Command;
 
-use common::{analyse, answer, field_data, published, sample_folder};
+use common::{analyse, answer, by, field_data, published, sample_folder};
+use resect::calibration::Method;
 use resect::deployment::{Sample, open};
 use resect::evaluation::vehicle::{NoTrajectory, VehicleFrame, vehicle_trajectory};
 use resect::simulation::{Preset, simulate};
@@ -91,7 +92,7 @@ fn the_frame_of_deployment_toml_is_taken_over() {
 #[test]
 fn one_prism_has_no_orientation() {
     let deployment = simulate(Preset::SinglePrism, 1).deployment().expect("valid");
-    let analysis = analyse(&deployment, &published());
+    let analysis = analyse(&deployment, &by(Method::DynamicGcp));
     let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let triplets = &analysis.pipeline.triplets;
     let error =

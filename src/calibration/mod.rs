@@ -336,12 +336,7 @@ fn estimate_jointly(
             return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
         }
         let settings = CalibrationSettings { alignment: Alignment::Level, ..settings };
-        let mut calibration = dynamic_gcp::solve(deployment, triplets, &settings, offer)?;
-        calibration.findings.insert(
-            0,
-            Finding::note("all three stations follow one prism: its tracks are aligned"),
-        );
-        calibration
+        dynamic_gcp::solve(deployment, triplets, &settings, offer)?
     } else {
         let settings = CalibrationSettings { continuous_time: true, ..settings };
         inter_prism::solve(deployment, triplets, &settings, offer, progress)?

@@ -8,7 +8,9 @@ use eframe::egui::{self, Shape, Stroke};
 use super::scrolled;
 use crate::analysis::{Analysis, Settings};
 use crate::app::state::{Command, Commands, State};
-use crate::calibration::{Alignment, CalibrationSettings, Loss, Method, Offer, PriorMethod};
+use crate::calibration::{
+    Alignment, CalibrationSettings, Loss, Method, Offer, PriorMethod, Targets,
+};
 use crate::deployment::Deployment;
 use crate::pipeline::{Interpolation, Interval, PipelineSettings, SampleFate, Thresholds};
 
@@ -175,6 +177,8 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
         }
         match method {
             Method::TwoPoint => {}
+            // One prism has no distances.
+            Method::Joint if offer.is_some_and(|offer| offer.targets == Targets::OnePrism) => {}
             Method::StaticGcp | Method::DynamicGcp => {
                 ui.horizontal(|ui| {
                     ui.label("alignment");
