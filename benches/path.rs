@@ -9,7 +9,7 @@ use std::sync::Arc;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra_peer::{DVector, Dyn, Matrix, OMatrix, OVector, Owned, U8, Vector3};
 use resect::analysis::{Analysis, Analyst, Settings};
-use resect::calibration::{self, CalibrationSettings, Offer, PriorMethod};
+use resect::calibration::{self, CalibrationSettings, Method, Offer, PriorMethod};
 use resect::deployment::{Deployment, PAIRS};
 use resect::export;
 use resect::geometry::RigidTransform;
@@ -31,7 +31,8 @@ fn benchmarks(criterion: &mut Criterion) {
     std::fs::create_dir_all(&folder).expect("target can be written");
     for size in [2_000, 20_000, 200_000] {
         let deployment = deployment(size);
-        let settings = Settings::default();
+        let mut settings = Settings::default();
+        settings.calibration.method = Some(Method::InterPrism);
         let analysis = Analyst::new(Arc::clone(&deployment)).run(&settings);
         let triplets = Arc::clone(&analysis.pipeline.triplets);
         write_for_peers(&deployment, &analysis, &folder.join(format!("{size}")));
@@ -53,9 +54,17 @@ fn benchmarks(criterion: &mut Criterion) {
         for (name, prior) in
             [("d-closed-form", PriorMethod::ClosedForm), ("d-search", PriorMethod::Search)]
         {
-            let settings = CalibrationSettings { prior, ..Default::default() };
+            let method = Some(Method::InterPrism);
+            let settings = CalibrationSettings { method, prior, ..Default::default() };
             let offer = Offer::of(&deployment, &triplets);
             group.bench_function(BenchmarkId::new(name, size), |b| {
+                b.iter(|| calibration::solve(&deployment, black_box(&triplets), &settings, &offer));
+            });
+        }
+        if size < 100_000 {
+            let (settings, offer) =
+                (CalibrationSettings::default(), Offer::of(&deployment, &triplets));
+            group.bench_function(BenchmarkId::new("joint", size), |b| {
                 b.iter(|| calibration::solve(&deployment, black_box(&triplets), &settings, &offer));
             });
         }

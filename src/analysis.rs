@@ -12,9 +12,9 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::calibration::{self, Calibration, CalibrationError, CalibrationSettings, Offer};
+use crate::calibration::{self, Calibration, CalibrationError, CalibrationSettings, Method, Offer};
 use crate::deployment::format::deployment_toml::parse_toml;
-use crate::deployment::{Deployment, OpenError};
+use crate::deployment::{Deployment, Finding, OpenError};
 use crate::evaluation::{self, Evaluation};
 use crate::pipeline::{PipelineOutput, PipelineSettings, StagedPipeline, Triplets};
 use crate::progress::{Cancelled, Progress};
@@ -28,12 +28,14 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Those of a TOML file; what it does not name is the paper's. A file that cannot be read is
-    /// [`OpenError::Io`], what it says wrong an error with its line.
-    pub fn read(path: &Path) -> Result<Self, OpenError> {
+    /// Those of a TOML file; what it does not name is the default. A file that cannot be read is
+    /// [`OpenError::Io`], what it says wrong an error with its line; what this version has no setting for is a finding.
+    pub fn read(path: &Path) -> Result<(Self, Vec<Finding>), OpenError> {
         let text = std::fs::read_to_string(path)
             .map_err(|error| OpenError::Io { path: path.to_owned(), error })?;
-        parse_toml(&path.display().to_string(), &text)
+        let mut settings: Self = parse_toml(&path.display().to_string(), &text)?;
+        let findings = settings.calibration.take_removed();
+        Ok((settings, findings))
     }
 
     /// The first setting that makes no sense, as one line.
@@ -133,5 +135,25 @@ impl Analyst {
         });
         let evaluation_ms = started.elapsed().as_secs_f64() * 1e3;
         Ok(Analysis { settings: *settings, pipeline, offer, answer, pipeline_ms, evaluation_ms })
+    }
+
+    /// The paper's answer alone, which is there at once where these settings ask for the joint estimate; `None` where they
+    /// do not.
+    pub fn run_published_while(
+        &mut self,
+        settings: &Settings,
+        progress: &Progress,
+    ) -> Result<Option<Analysis>, Cancelled> {
+        if settings.calibration.method.unwrap_or_default() != Method::Joint {
+            return Ok(None);
+        }
+        let started = Instant::now();
+        let pipeline = self.pipeline.run(&self.deployment, &settings.pipeline);
+        let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
+        let method = Offer::of(&self.deployment, &pipeline.triplets).published_method();
+        let calibration = settings.calibration.plain(method);
+        let mut analysis = self.run_while(&Settings { calibration, ..*settings }, progress)?;
+        analysis.pipeline_ms += pipeline_ms;
+        Ok(Some(analysis))
     }
 }

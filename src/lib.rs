@@ -29,7 +29,7 @@
 //! | [`progress`] | how far long work is, and whether anyone still wants it | |
 //! | [`deployment`] | the data model; `format/` has a file a format | a reader: a file in `format/`, a line in `recognise` |
 //! | [`pipeline`] | outlier filter, interval split and filter, interpolation | an interpolation: a file in `interpolation/` |
-//! | [`calibration`] | methods A to D, each answer with its uncertainty, verdict and what checked it | a better estimate of D: a file in `inter_prism/` |
+//! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and what checked it | a better estimate of D: a file in `inter_prism/` |
 //! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | |
 //! | [`analysis`] | settings, and the one path | |
 //! | [`simulation`] | deployments with known truth | a preset: an arm in `scenario.rs` |

@@ -47,6 +47,133 @@ fn json(arguments: &[&str]) -> Value {
 }
 
 #[test]
+fn without_a_method_the_joint_estimate_answers_and_has_the_papers_beside_it() {
+    let path = sample_folder("warthog");
+    let timeless = |mut value: Value| {
+        value["time_ms"] = Value::Null;
+        value["settings"]["calibration"]["method"] = Value::Null;
+        value
+    };
+    let joint = timeless(json(&["calibrate", text(&path), "--json"]));
+    assert_eq!(joint["method"], "joint");
+    for flags in [&["--robust"][..], &["--method", "joint"], &["--method", "joint", "--robust"]] {
+        let named = json(&[&["calibrate", text(&path), "--json"], flags].concat());
+        assert_eq!(timeless(named), joint, "{flags:?}");
+    }
+    let published =
+        timeless(json(&["calibrate", text(&path), "--method", "inter-prism", "--json"]));
+    assert_eq!(published["published"], Value::Null, "only a joint estimate has one beside it");
+    let beside = &joint["published"];
+    assert_eq!(beside["method"], "inter-prism");
+    for key in ["transforms", "covariance"] {
+        assert_eq!(beside[key], published[key], "{key}");
+    }
+    for key in ["verdict", "independently_checked", "findings"] {
+        assert!(!beside[key].is_null(), "{key}");
+    }
+    assert_eq!(beside["verdict"], published["diagnosis"]["verdict"]);
+    let number = |value: &Value| value.as_f64().expect("a number");
+    for slot in 0..2 {
+        let moved = &beside["moved"][slot];
+        assert_eq!(moved["station"], slot + 2);
+        let (now, before) = (&joint["transforms"][slot], &published["transforms"][slot]);
+        let mut square = 0.0;
+        for axis in 0..3 {
+            let off = number(&now["translation_m"][axis]) - number(&before["translation_m"][axis]);
+            assert!((number(&moved["translation_m"][axis]) - off).abs() < 1e-12);
+            let sigmas = off.abs() / number(&now["sigma"]["translation_m"][axis]);
+            assert!((number(&moved["translation_sigmas"][axis]) - sigmas).abs() < 1e-9);
+            square += off * off;
+        }
+        assert!((number(&moved["distance_m"]) - square.sqrt()).abs() < 1e-12);
+        let turned = number(&now["yaw_rad"]) - number(&before["yaw_rad"]);
+        assert!((number(&moved["yaw_rad"]) - turned).abs() < 1e-12);
+        let sigmas = turned.abs() / number(&now["sigma"]["yaw_rad"]);
+        assert!((number(&moved["yaw_sigmas"]) - sigmas).abs() < 1e-9);
+    }
+    // In the terminal as well.
+    let said = stdout(&["calibrate", text(&path)]);
+    assert!(said.contains(" · the joint estimate · verdict: "), "{said}");
+    let millimetres = number(&beside["moved"][0]["distance_m"]) * 1e3;
+    let line = format!("  T12 {millimetres:.2} mm (");
+    assert!(said.contains("the paper's D (method inter-prism, verdict "), "{said}");
+    assert!(said.contains(&line), "{line} is not in {said}");
+}
+
+#[test]
+fn one_prism_has_the_joint_estimate_by_default_and_the_papers_c_beside_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("single");
+    stdout(&["simulate", "--preset", "single-prism", "--seed", "1", "--out", text(&path)]);
+    let joint = json(&["calibrate", text(&path), "--json"]);
+    let published = json(&["calibrate", text(&path), "--method", "dynamic-gcp", "--json"]);
+    assert_eq!((&joint["method"], &published["method"]), (&"joint".into(), &"dynamic-gcp".into()));
+    assert_eq!(joint["published"]["method"], "dynamic-gcp");
+    assert_eq!(joint["published"]["transforms"], published["transforms"]);
+}
+
+#[test]
+fn a_flag_of_the_published_methods_beside_the_joint_estimate_is_bad_usage() {
+    let path = sample_folder("warthog");
+    for (flags, name) in [
+        (&["--loss", "cauchy"][..], "--loss"),
+        (&["--method", "joint", "--estimate", "clocks"], "--estimate"),
+        (&["--robust", "--loss", "huber"], "--loss"),
+    ] {
+        let line = complaint(&[&["calibrate", text(&path)], flags].concat(), 2);
+        assert!(line.contains(name) && line.contains("--method inter-prism"), "{line}");
+    }
+    let by_d =
+        ["--method", "inter-prism", "--loss", "cauchy", "--estimate", "clocks,distances,tilt"];
+    let value = json(&[&["calibrate", text(&path), "--json"], &by_d[..]].concat());
+    assert!(value["details"]["refinement"]["clock_offsets_s"].is_array());
+    for gone in ["--weigh-by-noise", "--continuous-time"] {
+        let line = complaint(&["calibrate", text(&path), gone], 2);
+        assert!(line.contains("unexpected argument"), "{line}");
+    }
+}
+
+#[test]
+fn one_page_or_file_is_by_one_method() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, page) = (sample_folder("warthog"), folder.path().join("a.html"));
+    let report = ["report", text(&path), "--out", text(&page)];
+    let two = ["--method", "joint", "--method", "inter-prism"];
+    let line = complaint(&[&report[..], &two].concat(), 2);
+    assert!(line.contains("2 methods are given"), "{line}");
+    let heading = |flags: &[&str]| {
+        stdout(&[&report[..], flags].concat());
+        std::fs::read_to_string(&page).expect("written")
+    };
+    let joint = heading(&[]);
+    assert!(joint.contains("the joint estimate") && joint.contains("The paper's D"));
+    let published = heading(&two[2..]);
+    assert!(published.contains("method D, inter-prism distances"));
+    assert!(!published.contains("The paper's D"));
+    let both = json(&[&["calibrate", text(&path), "--json"], &two[..]].concat());
+    let methods: Vec<&str> =
+        both.as_array().expect("a list").iter().filter_map(|it| it["method"].as_str()).collect();
+    assert_eq!(methods, ["joint", "inter-prism"]);
+}
+
+#[test]
+fn a_config_of_an_older_version_opens_and_says_what_became_of_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, config) = (sample_folder("warthog"), folder.path().join("old.toml"));
+    let old = "[calibration]\nloss = \"cauchy\"\nweigh_by_noise = true\ncontinuous_time = true\n";
+    std::fs::write(&config, old).expect("written");
+    let output = resect(&["calibrate", text(&path), "--config", text(&config), "--json"]);
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    for word in ["old.toml", "weigh_by_noise", "continuous_time", "joint estimate"] {
+        assert!(said.contains(word), "{word} is not in {said}");
+    }
+    let value: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(value["method"], "joint");
+    assert!(value["settings"]["calibration"]["continuous_time"].is_null());
+}
+
+#[test]
 fn the_json_keeps_its_contract() {
     let path = sample_folder("warthog");
     let value = json(&["calibrate", text(&path), "--method", "inter-prism", "--json"]);
@@ -365,8 +492,8 @@ fn exported_triplets_reproduce_the_metric() {
 fn every_table_of_an_export_agrees_with_the_answer() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = sample_folder("warthog");
-    stdout(&["export", text(&path), "--csv", text(folder.path()), "--robust"]);
-    let value = json(&["calibrate", text(&path), "--robust", "--json"]);
+    stdout(&["export", text(&path), "--csv", text(folder.path())]);
+    let value = json(&["calibrate", text(&path), "--json"]);
     let rows = |name: &str| -> Vec<std::collections::HashMap<String, String>> {
         let mut reader = csv::Reader::from_path(folder.path().join(name)).expect("readable");
         reader.deserialize().map(|row| row.expect("a row")).collect()

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{analyse, answer, assert_close, field_data};
+use common::{analyse, answer, assert_close, by, field_data, published};
 use nalgebra::Vector3;
 use resect::analysis::Settings;
 use resect::calibration::{Alignment, Details, Method, PriorMethod, ResolvedBy, Targets, Verdict};
@@ -19,7 +19,7 @@ fn transform(x: f64, y: f64, z: f64, yaw: f64) -> LevelTransform {
 }
 
 fn settings(filters: bool, prior: PriorMethod) -> Settings {
-    let mut settings = Settings::default();
+    let mut settings = published();
     settings.pipeline.outlier_filter = filters;
     settings.pipeline.interval_filter = filters;
     settings.calibration.prior = prior;
@@ -30,7 +30,7 @@ fn settings(filters: bool, prior: PriorMethod) -> Settings {
 fn defaults_reproduce_the_reference() {
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployment = open(&path).expect("opens");
-    let analysis = analyse(&deployment, &Settings::default());
+    let analysis = analyse(&deployment, &published());
     assert_eq!(analysis.pipeline.triplets.len(), 2032);
     assert_eq!(analysis.pipeline.kept_intervals.len(), 11);
     let answer = answer(&analysis);
@@ -51,7 +51,7 @@ fn defaults_reproduce_the_reference() {
 fn the_mirror_is_found_and_told_apart_by_the_rig() {
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployment = open(&path).expect("opens");
-    let analysis = analyse(&deployment, &Settings::default());
+    let analysis = analyse(&deployment, &published());
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.inter_prism().expect("method D").mirror.resolved_by, ResolvedBy::Rig);
     assert!(
@@ -75,7 +75,7 @@ fn the_mirror_is_found_and_told_apart_by_the_rig() {
 fn control_points_that_contradict_are_not_passed_over() {
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployment = open(&path).expect("opens");
-    let analysis = analyse(&deployment, &Settings::default());
+    let analysis = analyse(&deployment, &published());
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Weak);
     assert!(calibration.findings.iter().any(|f| f.message.contains("control points contradict")));
@@ -126,7 +126,7 @@ fn both_priors_end_in_the_same_answer() {
 #[test]
 fn all_bags_give_the_numbers_of_the_table() {
     let Some(folder) = field_data("2022-07-11-2") else { return };
-    let reference = analyse(&open(&folder).expect("opens"), &Settings::default());
+    let reference = analyse(&open(&folder).expect("opens"), &published());
     let reference = &answer(&reference).calibration.station1_from_station;
     for bag in [
         "2022-07-11-2.bag",
@@ -148,7 +148,7 @@ fn all_bags_give_the_numbers_of_the_table() {
         // Both of their times are equal.
         let said = |f: &Finding| f.message.contains("are the stations' own clocks");
         assert!(deployment.findings.iter().any(said), "{bag}");
-        let analysis = analyse(&deployment, &Settings::default());
+        let analysis = analyse(&deployment, &published());
         assert_eq!(analysis.pipeline.triplets.len(), 2032, "{bag}");
         for (a, b) in answer(&analysis).calibration.station1_from_station.iter().zip(reference) {
             assert_close(a, b, [1e-6; 3], 1e-8);
@@ -161,7 +161,7 @@ fn a_bag_alone_says_what_it_lacks() {
     let Some(folder) = field_data("2022-07-11-2-bags") else { return };
     let deployment = open(&folder.join("2022-07-11-2.bag")).expect("opens");
     assert!(deployment.rig.is_none());
-    let error = analyse(&deployment, &Settings::default()).answer.expect_err("no rig").to_string();
+    let error = analyse(&deployment, &published()).answer.expect_err("no rig").to_string();
     assert!(error.contains("inter-prism distances are not known"), "{error}");
     // And a folder of several bags of the same drive is a question, not a choice.
     let error = open(&folder).expect_err("ambiguous").to_string();
@@ -203,12 +203,6 @@ fn a_cut_bag_gives_its_beginning_and_says_so() {
     }
 }
 
-fn with_method(method: Method) -> Settings {
-    let mut settings = Settings::default();
-    settings.calibration.method = Some(method);
-    settings
-}
-
 /// A millimetre and 0.02 mrad, as the issue asks.
 const B_NEAR: ([f64; 3], f64) = ([1e-3; 3], 2e-5);
 
@@ -217,7 +211,7 @@ fn static_control_points_reproduce_the_reference() {
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployment = open(&path).expect("opens");
     for alignment in [Alignment::Level, Alignment::Rigid] {
-        let mut settings = with_method(Method::StaticGcp);
+        let mut settings = by(Method::StaticGcp);
         settings.calibration.alignment = alignment;
         let analysis = analyse(&deployment, &settings);
         let answer = answer(&analysis);
@@ -229,7 +223,7 @@ fn static_control_points_reproduce_the_reference() {
         assert!((tilt_arcsec > 1.0) == (alignment == Alignment::Rigid), "{tilt_arcsec}");
         assert!(tilt_arcsec < 10.0);
     }
-    let analysis = analyse(&deployment, &with_method(Method::StaticGcp));
+    let analysis = analyse(&deployment, &by(Method::StaticGcp));
     let answer = answer(&analysis);
     let mut all_mm: Vec<f64> = deployment
         .control_points
@@ -262,9 +256,9 @@ fn turned(x: f64, y: f64, z: f64, yaw: f64, tilted: &RigidTransform) -> RigidTra
 fn two_point_resection_agrees_with_the_control_points() {
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployment = open(&path).expect("opens");
-    let analysis = analyse(&deployment, &with_method(Method::TwoPoint));
+    let analysis = analyse(&deployment, &by(Method::TwoPoint));
     let a = &answer(&analysis).calibration;
-    let reference = analyse(&deployment, &with_method(Method::StaticGcp));
+    let reference = analyse(&deployment, &by(Method::StaticGcp));
     let b = &answer(&reference).calibration;
     for station in 1..3 {
         let (a, b) = (&a.station1_from_station[station], &b.station1_from_station[station]);
@@ -288,7 +282,7 @@ fn two_point_resection_agrees_with_the_control_points() {
 fn the_methods_that_the_data_lacks_say_what() {
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployment = open(&path).expect("opens");
-    let analysis = analyse(&deployment, &with_method(Method::DynamicGcp));
+    let analysis = analyse(&deployment, &by(Method::DynamicGcp));
     let error = analysis.answer.expect_err("three prisms").to_string();
     assert!(error.contains("method C (dynamic-gcp) needs one prism"), "{error}");
     assert_eq!(analysis.offer.targets, Targets::ThreePrisms);

@@ -4,7 +4,7 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{analyse, answer, field_data};
+use common::{analyse, answer, field_data, published};
 use resect::analysis::Settings;
 use resect::deployment::{Deployment, Sample, open};
 use resect::experiment::ablate;
@@ -14,7 +14,7 @@ use resect::simulation::{Path, Preset, simulate, simulate_scenario};
 
 /// Median of the inter-prism metric of method D (mm).
 fn metric_mm(deployment: &Deployment, interpolation: Interpolation) -> f64 {
-    let mut settings = Settings::default();
+    let mut settings = published();
     settings.pipeline.interpolation = interpolation;
     let analysis = analyse(deployment, &settings);
     answer(&analysis).evaluation.inter_prism_mm.expect("a rig").median
@@ -77,7 +77,7 @@ fn the_stated_sigma_is_about_as_large_as_the_errors() {
         scenario.noise.outlier_share = 0.0;
         let simulated = simulate_scenario(&scenario, 9);
         let deployment = simulated.deployment().expect("valid");
-        let mut settings = Settings::default();
+        let mut settings = published();
         settings.pipeline.interpolation = interpolation;
         let analysis = analyse(&deployment, &settings);
         let transforms = simulated.truth.station1_from_station.map(Into::into);

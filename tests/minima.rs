@@ -2,8 +2,7 @@
 
 mod common;
 
-use common::{analyse, answer, field_data};
-use resect::analysis::Settings;
+use common::{analyse, answer, field_data, published};
 use resect::calibration::inter_prism::{SAME_TRANSLATION_M, SAME_YAW_RAD};
 use resect::deployment::{Deployment, open};
 use resect::geometry::wrap_to_pi;
@@ -11,7 +10,7 @@ use resect::simulation::{Preset, simulate};
 
 /// Roles and cost ratios, in order of cost.
 fn minima(deployment: &Deployment) -> Vec<(&'static str, f64)> {
-    let analysis = analyse(deployment, &Settings::default());
+    let analysis = analyse(deployment, &published());
     let details = answer(&analysis).calibration.inter_prism().expect("method D");
     details.basins.iter().map(|b| (details.role(b), details.cost_ratio(b))).collect()
 }
@@ -22,7 +21,7 @@ fn the_lowest_is_the_truth_or_its_twin() {
         for seed in 20..26 {
             let simulated = simulate(preset, seed);
             let deployment = simulated.deployment().expect("valid");
-            let analysis = analyse(&deployment, &Settings::default());
+            let analysis = analyse(&deployment, &published());
             let details = answer(&analysis).calibration.inter_prism().expect("method D");
             let (lowest, truth) = (&details.basins[0], &simulated.truth);
             let [p1, p2, p3] = truth.prisms_m;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{analyse, answer, field_data};
+use common::{analyse, answer, field_data, published};
 use resect::analysis::Settings;
 use resect::calibration::inter_prism::observability::{Hold, Observability};
 use resect::deployment::{Deployment, Sample, open};
@@ -20,7 +20,7 @@ fn observed_with(deployment: &Deployment, settings: &Settings) -> Observability 
 }
 
 fn observed(deployment: &Deployment) -> Observability {
-    observed_with(deployment, &Settings::default())
+    observed_with(deployment, &published())
 }
 
 fn simulated(preset: Preset, seed: u64) -> Deployment {
@@ -30,7 +30,7 @@ fn simulated(preset: Preset, seed: u64) -> Deployment {
 /// The bends of a figure-eight hold everything; its floor is what remains to be said of it.
 #[test]
 fn every_preset_is_called_what_it_is_and_leaves_free_what_it_must() {
-    let mut unfiltered = Settings::default();
+    let mut unfiltered = published();
     unfiltered.pipeline.outlier_filter = false;
     for (preset, name, free) in [
         (Preset::StraightLine, "straight-line", 3),
@@ -110,7 +110,7 @@ fn the_findings_name_the_drive_and_what_to_drive_next() {
             ["the floor is flat (heights vary by", "mirror twin", "only the rig or control points"],
         ),
     ] {
-        let analysis = analyse(&simulated(preset, 1), &Settings::default());
+        let analysis = analyse(&simulated(preset, 1), &published());
         let findings = &answer(&analysis).calibration.findings;
         for part in parts {
             assert!(findings.iter().any(|f| f.message.contains(part)), "{part}: {findings:?}");

@@ -2,18 +2,16 @@
 
 mod common;
 
-use common::{analyse, answer, field_data};
+use common::{analyse, answer, by, field_data};
 use nalgebra::{Rotation3, Vector3};
-use resect::analysis::Settings;
-use resect::calibration::{Calibration, CalibrationSettings, Method, Verdict};
+use resect::calibration::{Calibration, Method, Verdict};
 use resect::deployment::{Deployment, Sample, open};
 use resect::geometry::Polar;
 
 const FOOT_M: f64 = 0.3048;
 
-fn solved(deployment: &Deployment, calibration: CalibrationSettings) -> Calibration {
-    let settings = Settings { calibration, ..Settings::default() };
-    answer(&analyse(deployment, &settings)).calibration.clone()
+fn solved(deployment: &Deployment, method: Method) -> Calibration {
+    answer(&analyse(deployment, &by(method))).calibration.clone()
 }
 
 fn sample() -> Deployment {
@@ -31,7 +29,7 @@ fn assert_doubted(calibration: &Calibration, why: &str) {
 /// Nothing of all this is said of data that is right.
 #[test]
 fn what_is_right_is_not_doubted() {
-    let calibration = solved(&sample(), CalibrationSettings::robust());
+    let calibration = solved(&sample(), Method::Joint);
     assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
 }
 
@@ -43,7 +41,7 @@ fn an_estimate_that_did_not_converge_is_not_good() {
     for m in feet.tracks.iter_mut().flat_map(|track| &mut track.measurements) {
         m.range_m /= FOOT_M;
     }
-    let calibration = solved(&feet, CalibrationSettings::robust());
+    let calibration = solved(&feet, Method::Joint);
     assert_doubted(&calibration, "did not converge");
 }
 
@@ -54,14 +52,14 @@ fn a_fifth_of_the_triplets_left_out_is_too_much() {
     let count = track.len();
     // For a quarter of the drive station 3 follows something nearer.
     track[count / 3..count / 3 + count / 4].iter_mut().for_each(|m| m.range_m -= 0.3);
-    assert_doubted(&solved(&wrong, CalibrationSettings::robust()), "cannot be right were left out");
+    assert_doubted(&solved(&wrong, Method::Joint), "cannot be right were left out");
 }
 
 #[test]
 fn a_distance_that_its_measurement_does_not_allow_is_a_doubt() {
     let mut wrong = sample();
     wrong.rig.as_mut().expect("a rig").inter_prism_m[1] += 0.02;
-    assert_doubted(&solved(&wrong, CalibrationSettings::robust()), "prisms 1–3 would be");
+    assert_doubted(&solved(&wrong, Method::Joint), "prisms 1–3 would be");
 }
 
 #[test]
@@ -74,7 +72,7 @@ fn a_lean_that_no_compensator_leaves_is_a_doubt() {
         let leaning = Polar::from_cartesian(lean * polar.to_cartesian());
         (m.azimuth_rad, m.zenith_rad) = (leaning.azimuth_rad, leaning.zenith_rad);
     }
-    assert_doubted(&solved(&wrong, CalibrationSettings::robust()), "station 2 would lean");
+    assert_doubted(&solved(&wrong, Method::Joint), "station 2 would lean");
 }
 
 /// The same drive, the same distances, and two methods from points: neither holds it together.
@@ -83,8 +81,7 @@ fn what_leaves_the_prisms_10_mm_apart_is_good_by_no_method() {
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployment = open(&path).expect("the field data");
     for method in [Method::TwoPoint, Method::StaticGcp] {
-        let settings = CalibrationSettings { method: Some(method), ..Default::default() };
-        let calibration = solved(&deployment, settings);
+        let calibration = solved(&deployment, method);
         assert_eq!(calibration.verdict, Verdict::Weak, "{:?}", calibration.findings);
         let said: Vec<_> = calibration.findings.iter().map(ToString::to_string).collect();
         assert!(
@@ -100,23 +97,18 @@ fn what_leaves_the_prisms_10_mm_apart_is_good_by_no_method() {
 fn a_refined_answer_is_judged_as_itself() {
     let mut late = sample();
     late.tracks[2].measurements.iter_mut().for_each(|m| m.time_s += 0.04);
-    let plain = solved(&late, CalibrationSettings::default());
-    let robust = solved(&late, CalibrationSettings::robust());
+    let plain = solved(&late, Method::InterPrism);
+    let joint = solved(&late, Method::Joint);
     let fits_poorly =
         |c: &Calibration| c.findings.iter().any(|f| f.message.contains("distances fit poorly"));
     assert!(fits_poorly(&plain), "{:?}", plain.findings);
-    assert!(!fits_poorly(&robust), "{:?}", robust.findings);
-    assert_eq!(robust.verdict, Verdict::Good, "{:?}", robust.findings);
+    assert!(!fits_poorly(&joint), "{:?}", joint.findings);
+    assert_eq!(joint.verdict, Verdict::Good, "{:?}", joint.findings);
     let rms_mm =
         |c: &Calibration| 1e3 * c.inter_prism().expect("method D").basin.mean_square_m2.sqrt();
-    assert!(
-        rms_mm(&plain) > 5.0 && rms_mm(&robust) < 3.0,
-        "{} {}",
-        rms_mm(&plain),
-        rms_mm(&robust)
-    );
-    let details = robust.inter_prism().expect("method D");
-    let (basin, transforms) = (&details.basin, &robust.station1_from_station);
+    assert!(rms_mm(&plain) > 5.0 && rms_mm(&joint) < 3.0, "{} {}", rms_mm(&plain), rms_mm(&joint));
+    let details = joint.inter_prism().expect("method D");
+    let (basin, transforms) = (&details.basin, &joint.station1_from_station);
     for station in 1..3 {
         let apart_m =
             basin.station1_from_station[station].translation_m - transforms[station].translation_m;
@@ -124,12 +116,4 @@ fn a_refined_answer_is_judged_as_itself() {
     }
     let direct = details.mirror.twin.as_ref().map(|twin| details.cost_ratio(twin));
     assert_eq!(direct.map(|ratio| ratio > 10.0), Some(true), "{direct:?}");
-}
-
-#[test]
-fn a_switch_that_does_nothing_is_said_to() {
-    let both = CalibrationSettings { weigh_by_noise: true, ..CalibrationSettings::robust() };
-    let said = |settings| format!("{:?}", solved(&sample(), settings).findings);
-    assert!(said(both).contains("changes nothing here"));
-    assert!(!said(CalibrationSettings::robust()).contains("changes nothing here"));
 }

@@ -2,8 +2,7 @@
 
 mod common;
 
-use common::{analyse, answer, assert_close};
-use resect::analysis::Settings;
+use common::{analyse, answer, assert_close, published};
 use resect::calibration::{PriorMethod, ResolvedBy, Verdict};
 use resect::deployment::{Deployment, Sample};
 use resect::geometry::{LevelTransform, RigidTransform};
@@ -14,7 +13,7 @@ fn sample() -> Deployment {
 }
 
 fn transforms(deployment: &Deployment) -> [RigidTransform; 3] {
-    answer(&analyse(deployment, &Settings::default())).calibration.station1_from_station
+    answer(&analyse(deployment, &published())).calibration.station1_from_station
 }
 
 /// Turns a station's zero direction: its azimuths grow, its points turn clockwise.
@@ -96,7 +95,7 @@ fn a_wrong_prism_order_is_called_ambiguous_not_good() {
         }
     }
     wrong.control_points.clear();
-    let analysis = analyse(&wrong, &Settings::default());
+    let analysis = analyse(&wrong, &published());
     assert_eq!(answer(&analysis).calibration.verdict, Verdict::Ambiguous);
 }
 
@@ -107,7 +106,7 @@ fn a_standing_vehicle_is_degenerate_and_gets_no_sigma() {
     for track in &mut short.tracks {
         track.measurements.retain(|m| m.time_s - start < 6.9);
     }
-    let analysis = analyse(&short, &Settings::default());
+    let analysis = analyse(&short, &published());
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Degenerate, "{:?}", calibration.findings);
     assert!(calibration.sigma.is_none());
@@ -126,7 +125,7 @@ fn the_shape_of_the_drive_shows_in_the_verdict() {
     for (preset, verdict, reason) in expected {
         let deployment = simulate(preset, 1).deployment().expect("valid");
         for prior in [PriorMethod::ClosedForm, PriorMethod::Search] {
-            let mut settings = Settings::default();
+            let mut settings = published();
             settings.calibration.prior = prior;
             let analysis = analyse(&deployment, &settings);
             let calibration = &answer(&analysis).calibration;
@@ -141,7 +140,7 @@ fn on_flat_ground_without_a_witness_the_mirror_stays_undecided() {
     let mut deployment = simulate(Preset::FlatFloor, 1).deployment().expect("valid");
     deployment.control_points.clear();
     deployment.rig.as_mut().expect("a rig").prisms_m = None;
-    let analysis = analyse(&deployment, &Settings::default());
+    let analysis = analyse(&deployment, &published());
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Ambiguous);
     assert_eq!(
@@ -161,7 +160,7 @@ fn a_wrong_distance_or_swapped_stations_are_not_good() {
     for (what, mut deployment) in [("d12 5 cm long", wrong_distance), ("2 and 3 swapped", swapped)]
     {
         deployment.control_points.clear();
-        let analysis = analyse(&deployment, &Settings::default());
+        let analysis = analyse(&deployment, &published());
         let calibration = &answer(&analysis).calibration;
         assert!(calibration.verdict > Verdict::Good, "{what}: {:?}", calibration.findings);
     }

@@ -1,14 +1,14 @@
-//! What method D estimates beyond the paper, on simulated deployments with known errors and on the field data.
+//! What is estimated beyond the paper, on simulated deployments with known errors and on the field data.
 
 mod common;
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use common::{analyse, answer, field_data, normalised, rms_by_component};
+use common::{analyse, answer, by, field_data, normalised, published, rms_by_component};
 use resect::analysis::{Analysis, Analyst, Settings};
 use resect::calibration::inter_prism::Refinement;
-use resect::calibration::{CalibrationSettings, Estimated, Loss, Verdict};
+use resect::calibration::{CalibrationSettings, Estimated, Loss, Method, Verdict};
 use resect::deployment::open;
 use resect::progress::{Cancelled, Progress};
 use resect::simulation::{
@@ -16,7 +16,7 @@ use resect::simulation::{
 };
 
 fn settings(loss: Loss, estimate: Estimated) -> Settings {
-    let mut settings = Settings::default();
+    let mut settings = published();
     settings.calibration.loss = loss;
     settings.calibration.estimate = estimate;
     settings
@@ -44,9 +44,7 @@ fn clock_offsets_of_10_ms_are_recovered_within_1_ms_and_bias_nothing() {
         let simulated = with_errors(errors, seed);
         let deployment = simulated.deployment().expect("valid");
         let truth = &simulated.truth.station1_from_station;
-        let mut robust = Settings::default();
-        robust.calibration = CalibrationSettings::robust();
-        let analysis = analyse(&deployment, &robust);
+        let analysis = analyse(&deployment, &by(Method::Joint));
         let clocks = refinement(&analysis).clock_offsets_s.expect("estimated");
         for (slot, clock) in clocks.iter().enumerate() {
             let true_s = offsets_s[slot + 1] - offsets_s[0];
@@ -57,7 +55,7 @@ fn clock_offsets_of_10_ms_are_recovered_within_1_ms_and_bias_nothing() {
         let off = normalised(&analysis, truth);
         assert!(off.iter().all(|z| z.abs() < 3.0), "seed {seed}: {off:.1?}");
         // Without it the metric suffers.
-        let plain = analyse(&deployment, &Settings::default());
+        let plain = analyse(&deployment, &published());
         let median =
             |analysis: &Analysis| answer(analysis).evaluation.inter_prism_mm.expect("a rig").median;
         assert!(median(&analysis) < 0.7 * median(&plain));
@@ -82,15 +80,13 @@ fn a_wrong_distance_is_found_as_far_as_the_prior_lets_it() {
 }
 
 #[test]
-fn stated_sigmas_hold_for_the_robust_estimate() {
+fn stated_sigmas_hold_for_the_joint_estimate() {
     const SEEDS: u64 = 24;
     let mut runs = Vec::new();
     for seed in 0..SEEDS {
         let simulated = with_errors(SystematicErrors::default(), seed);
         let deployment = simulated.deployment().expect("valid");
-        let mut robust = Settings::default();
-        robust.calibration = CalibrationSettings::robust();
-        let analysis = analyse(&deployment, &robust);
+        let analysis = analyse(&deployment, &by(Method::Joint));
         assert!(refinement(&analysis).converged, "seed {seed}");
         runs.push(normalised(&analysis, &simulated.truth.station1_from_station));
     }
@@ -99,7 +95,7 @@ fn stated_sigmas_hold_for_the_robust_estimate() {
 }
 
 #[test]
-fn the_field_data_has_a_late_station_3_and_the_robust_estimate_is_better() {
+fn the_field_data_has_a_late_station_3_and_the_joint_estimate_is_better() {
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployment = open(&path).expect("opens");
     let analysis = analyse(&deployment, &settings(Loss::Squared, CLOCKS));
@@ -111,9 +107,7 @@ fn the_field_data_has_a_late_station_3_and_the_robust_estimate_is_better() {
     let late = |w: &&str| w.contains("station 3's stamps are 4.") && w.contains("late");
     assert!(words.iter().any(late), "{words:?}");
 
-    let mut robust = Settings::default();
-    robust.calibration = CalibrationSettings::robust();
-    let analysis = analyse(&deployment, &robust);
+    let analysis = analyse(&deployment, &by(Method::Joint));
     let metric = answer(&analysis).evaluation.inter_prism_mm.expect("a rig");
     assert!(metric.median <= 1.05 && metric.iqr <= 2.1, "{metric:?}");
     let [second, third] = refinement(&analysis).clock_offsets_s.expect("estimated");
@@ -127,16 +121,14 @@ fn a_clock_that_jumps_is_said_with_when_and_by_how_much() {
         let errors = SystematicErrors { clock_steps, ..Default::default() };
         let simulated = with_errors(errors, seed);
         let deployment = simulated.deployment().expect("valid");
-        let mut robust = Settings::default();
-        robust.calibration = CalibrationSettings::robust();
-        let analysis = analyse(&deployment, &robust);
+        let analysis = analyse(&deployment, &by(Method::Joint));
         let motion = refinement(&analysis).motion.expect("readings");
         assert_eq!(motion.clock_jumps[0], None, "seed {seed}: station 2's is steady");
         let jump = motion.clock_jumps[1].expect("station 3's jumps");
         assert!((jump.by_s.value - by_s).abs() < 0.15 * by_s.abs(), "seed {seed}: {jump:?}");
         // The drive takes 420 s, and is looked at in twelve parts.
         assert!((jump.at_s - 210.0).abs() <= 35.0, "seed {seed}: {jump:?}");
-        for settings in [Settings::default(), robust] {
+        for settings in [published(), by(Method::Joint)] {
             let analysis = analyse(&deployment, &settings);
             let verdict = answer(&analysis).calibration.verdict;
             assert!(verdict >= Verdict::Weak, "seed {seed}: a jump is never good");
@@ -145,21 +137,19 @@ fn a_clock_that_jumps_is_said_with_when_and_by_how_much() {
 }
 
 #[test]
-fn a_station_that_follows_another_prism_for_a_while_does_not_lead_the_robust_estimate_astray() {
+fn a_station_that_follows_another_prism_for_a_while_does_not_lead_the_joint_estimate_astray() {
     for seed in [21, 22, 23] {
         let mut scenario = Preset::Warthog.scenario();
         scenario.noise.wrong_targets_per_minute = 0.3;
         let simulated = simulate_scenario(&scenario, seed);
         let deployment = simulated.deployment().expect("valid");
         let truth = &simulated.truth.station1_from_station;
-        let mut robust = Settings::default();
-        robust.calibration = CalibrationSettings::robust();
-        let analysis = analyse(&deployment, &robust);
+        let analysis = analyse(&deployment, &by(Method::Joint));
         assert_eq!(answer(&analysis).calibration.verdict, Verdict::Good, "seed {seed}");
         let off = normalised(&analysis, truth);
         assert!(off.iter().all(|z| z.abs() < 4.0), "seed {seed}: {off:.1?}");
         // The published method is pulled, and says so.
-        let plain = analyse(&deployment, &Settings::default());
+        let plain = analyse(&deployment, &published());
         let calibration = &answer(&plain).calibration;
         assert!(calibration.verdict >= Verdict::Weak, "seed {seed}");
         let pulled = |f: &resect::deployment::Finding| f.message.contains("pull this answer by");
@@ -177,9 +167,7 @@ fn the_noise_of_ranges_and_angles_is_learned() {
         scenario.noise.angle_sigma_rad = angle_arcseconds * ARCSECOND_RAD;
         let simulated = simulate_scenario(&scenario, 31);
         let deployment = simulated.deployment().expect("valid");
-        let mut robust = Settings::default();
-        robust.calibration = CalibrationSettings::robust();
-        let analysis = analyse(&deployment, &robust);
+        let analysis = analyse(&deployment, &by(Method::Joint));
         let noise = refinement(&analysis).motion.expect("readings").noise;
         // Ranges have 2 ppm more than ranges of no length, and weights of Cauchy's loss take some per cent off.
         assert!((0.8..1.2).contains(&(noise.range_m() / range_sigma_m)), "{noise:?}");
@@ -197,11 +185,9 @@ fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
         scenario.errors.clock_offset_s = [0.0, 0.010, -0.005];
         let simulated = simulate_scenario(&scenario, seed);
         let deployment = simulated.deployment().expect("valid");
-        let plain = analyse(&deployment, &Settings::default());
+        let plain = analyse(&deployment, &by(Method::DynamicGcp));
         assert!(answer(&plain).calibration.verdict >= Verdict::Weak, "seed {seed}");
-        let mut robust = Settings::default();
-        robust.calibration = CalibrationSettings::robust();
-        let analysis = analyse(&deployment, &robust);
+        let analysis = analyse(&deployment, &by(Method::Joint));
         assert_eq!(answer(&analysis).calibration.verdict, Verdict::Good, "seed {seed}");
         let clocks = answer(&analysis).calibration.clocks().expect("estimated");
         for (clock, true_s) in clocks.iter().zip([0.010, -0.005]) {
@@ -216,7 +202,7 @@ fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
 
 /// Fitted on some intervals, judged on the others.
 #[test]
-fn on_intervals_left_out_of_the_fit_the_robust_estimate_is_better_too() {
+fn on_intervals_left_out_of_the_fit_the_joint_estimate_is_better_too() {
     use resect::calibration::{self, Offer};
     use resect::evaluation::evaluate_answer;
     let Some(path) = field_data("2022-07-11-2") else { return };
@@ -239,15 +225,15 @@ fn on_intervals_left_out_of_the_fit_the_robust_estimate_is_better_too() {
         all.sort_by(f64::total_cmp);
         all[all.len() / 2]
     };
-    let plain = error_mm(&CalibrationSettings::default());
-    let robust = error_mm(&CalibrationSettings::robust());
-    assert!(robust < 0.95 * plain, "robust {robust:.2}, plain {plain:.2} mm");
+    let plain = error_mm(&published().calibration);
+    let joint = error_mm(&by(Method::Joint).calibration);
+    assert!(joint < 0.95 * plain, "joint {joint:.2}, plain {plain:.2} mm");
 }
 
 #[test]
 fn an_analysis_that_nobody_wants_any_more_stops() {
     let deployment = Arc::new(simulate(Preset::Warthog, 1).deployment().expect("valid"));
-    let settings = Settings { calibration: CalibrationSettings::robust(), ..Settings::default() };
+    let settings = by(Method::Joint);
     let mut analyst = Analyst::new(Arc::clone(&deployment));
     // The pipeline's stages are remembered, so that what is stopped below is the refinement.
     let started = Instant::now();

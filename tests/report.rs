@@ -7,7 +7,6 @@ use std::process::{Command, Output};
 
 use common::{field_data, sample_folder};
 use resect::analysis::Settings;
-use resect::calibration::CalibrationSettings;
 use resect::deployment::{Finding, Sample};
 use resect::export::report::{Chapter, page};
 use resvg::usvg::roxmltree::{Document, Node};
@@ -118,7 +117,7 @@ fn it_holds_what_calibrate_says() {
 #[test]
 fn nothing_is_fetched_or_run_and_the_same_input_gives_the_same_bytes() {
     let path = sample_folder("hd2-tunnel");
-    let html = report(&[text(&path), "--robust"]);
+    let html = report(&[text(&path)]);
     assert!(html == report(&[text(&path), "--robust"]), "two runs differ");
     let schema = "xmlns=\"http://www.w3.org/2000/svg\"";
     let without = html.replace(schema, "");
@@ -129,7 +128,9 @@ fn nothing_is_fetched_or_run_and_the_same_input_gives_the_same_bytes() {
 
 #[test]
 fn settings_that_are_not_the_defaults_stand_out() {
-    let html = report(&[text(&sample_folder("warthog")), "--tau-s", "1.5", "--robust"]);
+    let path = sample_folder("warthog");
+    let beyond = ["--method", "inter-prism", "--loss", "cauchy", "--estimate", "clocks,tilt"];
+    let html = report(&[&[text(&path), "--tau-s", "1.5"], &beyond[..]].concat());
     let body = body(&html);
     let document = Document::parse(&body).expect("well-formed");
     let chosen = document.descendants().filter(|node| node.attribute("class") == Some("chosen"));
@@ -138,11 +139,10 @@ fn settings_that_are_not_the_defaults_stand_out() {
     assert_eq!(
         names,
         [
-            "calibration.continuous_time",
             "calibration.estimate.clocks",
-            "calibration.estimate.distances",
             "calibration.estimate.tilt",
             "calibration.loss",
+            "calibration.method",
             "pipeline.thresholds.tau_s_seconds"
         ]
     );
@@ -172,8 +172,7 @@ fn no_name_can_break_the_page() {
     deployment.ingredients[0].file = hostile.to_owned();
     deployment.control_points[0].file = hostile.to_owned();
     deployment.findings.push(Finding::warning(hostile));
-    let settings = Settings { calibration: CalibrationSettings::robust(), ..Settings::default() };
-    let analysis = Box::new(common::analyse(&deployment, &settings));
+    let analysis = Box::new(common::analyse(&deployment, &Settings::default()));
     let unopened = Chapter::Unopened { path: hostile.to_owned(), error: hostile.to_owned() };
     let html = page(&[Chapter::Analysed { deployment: deployment.into(), analysis }, unopened]);
     assert!(!html.contains("<script"));

@@ -2,8 +2,7 @@
 
 mod common;
 
-use common::{analyse, answer, normalised, sample_folder};
-use resect::analysis::Settings;
+use common::{analyse, answer, normalised, published, sample_folder};
 use resect::calibration::{PriorMethod, Verdict};
 use resect::deployment::{Sample, open};
 use resect::geometry::LevelTransform;
@@ -34,7 +33,7 @@ fn every_number_of_the_samples_is_within_three_sigma() {
     for (sample, folder) in [(Sample::Warthog, "warthog"), (Sample::Hd2Tunnel, "hd2-tunnel")] {
         let deployment = sample.open().expect("built in");
         for prior in [PriorMethod::ClosedForm, PriorMethod::Search] {
-            let mut settings = Settings::default();
+            let mut settings = published();
             settings.calibration.prior = prior;
             let analysis = analyse(&deployment, &settings);
             let off = normalised(&analysis, &truth(folder));
@@ -73,7 +72,7 @@ fn stated_uncertainty_covers_the_truth_over_seeds() {
         let mut all = Vec::new();
         for seed in 101..=125 {
             let simulated = simulate(preset, seed);
-            let analysis = analyse(&simulated.deployment().expect("valid"), &Settings::default());
+            let analysis = analyse(&simulated.deployment().expect("valid"), &published());
             all.extend(normalised(&analysis, &simulated.truth.station1_from_station));
         }
         let rms = (all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64).sqrt();
@@ -87,9 +86,9 @@ fn stated_uncertainty_covers_the_truth_over_seeds() {
 #[test]
 fn without_the_outlier_filter_the_answer_is_worse_than_with_it() {
     let deployment = Sample::Warthog.open().expect("built in");
-    let mut unfiltered = Settings::default();
+    let mut unfiltered = published();
     unfiltered.pipeline.outlier_filter = false;
-    let [with, without] = [Settings::default(), unfiltered].map(|settings| {
+    let [with, without] = [published(), unfiltered].map(|settings| {
         let analysis = analyse(&deployment, &settings);
         answer(&analysis).evaluation.inter_prism_mm.expect("a rig").iqr
     });

@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{analyse, answer, field_data};
+use common::{analyse, answer, by, field_data, published};
 use rayon::prelude::*;
 use resect::analysis::Settings;
-use resect::calibration::{Calibration, CalibrationSettings, Method, Verdict, Witness};
+use resect::calibration::{Calibration, Method, Verdict, Witness};
 use resect::deployment::{Deployment, Finding, Sample, open};
 use resect::simulation::{Preset, simulate};
 
@@ -99,10 +99,6 @@ impl Beside {
     }
 }
 
-fn robust() -> Settings {
-    Settings { calibration: CalibrationSettings::robust(), ..Settings::default() }
-}
-
 /// The verdict and all that is said, or why there is no answer.
 fn said(deployment: &Deployment, settings: &Settings) -> (Option<String>, String) {
     match &analyse(deployment, settings).answer {
@@ -178,7 +174,7 @@ const PRESETS: [Preset; 6] = [
 
 #[test]
 fn no_mistake_in_a_sample_is_good_or_goes_unnamed() {
-    assert_none(&failures(&samples(), &WITNESSES, &MISTAKES, &Settings::default()));
+    assert_none(&failures(&samples(), &WITNESSES, &MISTAKES, &published()));
 }
 
 #[test]
@@ -189,7 +185,7 @@ fn what_contradicts_is_said_with_both_sides() {
         (Mistake::Numbers([1, 2, 0], ""), "prism 1 stands"),
     ] {
         let wrong = mistake.make(&Beside::RigReading.of(&sample).expect("has a reading"));
-        let (_, said) = said(&wrong, &Settings::default());
+        let (_, said) = said(&wrong, &published());
         assert!(said.contains(words), "{mistake:?}:\n{said}");
     }
 }
@@ -198,28 +194,28 @@ fn what_contradicts_is_said_with_both_sides() {
 fn no_mistake_in_a_simulated_drive_is_good_or_goes_unnamed() {
     let presets = [Preset::FlatFloor, Preset::ShortBaselines];
     let drives = simulated(&presets, 1..2);
-    assert_none(&failures(&drives, &WITNESSES[..2], &MISTAKES, &Settings::default()));
+    assert_none(&failures(&drives, &WITNESSES[..2], &MISTAKES, &published()));
 }
 
 #[test]
-#[ignore = "minutes; every preset that holds all eight numbers, two seeds, by published D and by the robust estimate"]
+#[ignore = "minutes; every preset that holds all eight numbers, two seeds, by published D and by the joint estimate"]
 fn no_mistake_in_any_drive_is_good_or_goes_unnamed() {
     let drives = simulated(&PRESETS, 1..3);
-    assert_none(&failures(&drives, &Beside::ALL, &MISTAKES, &Settings::default()));
-    assert_none(&failures(&drives, &Beside::ALL, &MISTAKES, &robust()));
+    assert_none(&failures(&drives, &Beside::ALL, &MISTAKES, &published()));
+    assert_none(&failures(&drives, &Beside::ALL, &MISTAKES, &by(Method::Joint)));
 }
 
 #[test]
 fn no_mistake_in_the_field_data_is_good_or_goes_unnamed() {
     let Some(folder) = field_data("2022-07-11-2") else { return };
     let field = vec![("field".to_owned(), open(&folder).expect("opens"))];
-    assert_none(&failures(&field, &WITNESSES[..2], &MISTAKES, &Settings::default()));
+    assert_none(&failures(&field, &WITNESSES[..2], &MISTAKES, &published()));
 }
 
 #[test]
-fn the_robust_estimate_is_not_taken_in_either() {
+fn the_joint_estimate_is_not_taken_in_either() {
     let mistakes = [MISTAKES[0], MISTAKES[3]];
-    assert_none(&failures(&samples(), &[Beside::RigReading], &mistakes, &robust()));
+    assert_none(&failures(&samples(), &[Beside::RigReading], &mistakes, &by(Method::Joint)));
 }
 
 fn solved(deployment: &Deployment, settings: &Settings) -> Calibration {
@@ -231,16 +227,16 @@ fn what_was_read_right_stays_good_and_says_what_checked_it() {
     let mut drives = simulated(&[Preset::Warthog, Preset::FlatFloor, Preset::UnevenGround], 1..2);
     drives.extend(samples().into_iter().filter(|(name, _)| name == "Warthog"));
     for (name, deployment) in drives {
-        let with_points = solved(&deployment, &Settings::default());
+        let with_points = solved(&deployment, &published());
         assert_eq!(with_points.verdict_in_words(), "good", "{name}: {:?}", with_points.findings);
         assert_eq!(with_points.checked_by, [Witness::ControlPoints, Witness::Rig], "{name}");
         let without = Beside::RigReading.of(&deployment).expect("a reading");
-        let without = solved(&without, &Settings::default());
+        let without = solved(&without, &published());
         assert_eq!(without.verdict_in_words(), "good, not independently checked", "{name}");
         assert_eq!(without.checked_by, [Witness::Rig], "{name}");
     }
     for (name, deployment) in simulated(&[Preset::Hd2Tunnel, Preset::ShortBaselines], 1..2) {
-        let calibration = solved(&deployment, &Settings::default());
+        let calibration = solved(&deployment, &published());
         let said: Vec<_> = calibration.findings.iter().map(ToString::to_string).collect();
         assert!(
             !said.iter().any(|line| line.contains("look") || line.contains("misreading")),
@@ -254,7 +250,7 @@ fn what_was_read_right_stays_good_and_says_what_checked_it() {
 fn control_points_check_an_answer_only_where_they_hold_one_that_agrees() {
     let right = Sample::Warthog.open().expect("built in");
     let checked = |deployment: &Deployment| {
-        solved(deployment, &Settings::default()).checked_by.contains(&Witness::ControlPoints)
+        solved(deployment, &published()).checked_by.contains(&Witness::ControlPoints)
     };
     assert!(checked(&right));
     let mut turned = right.clone();
@@ -295,12 +291,12 @@ fn the_rig_tells_whether_tracks_or_control_points_were_misread() {
         (&points, "azimuths of the control points look counter-clockwise"),
         (&both, "azimuths of both tracks and control points look counter-clockwise"),
     ] {
-        let (verdict, said) = said(wrong, &Settings::default());
+        let (verdict, said) = said(wrong, &published());
         assert_eq!(verdict.as_deref(), Some("weak"), "{said}");
         assert!(said.lines().next().expect("findings").contains(words), "{said}");
     }
     // Without the reading either can be the one.
-    let (_, said) = said(&Beside::ControlPoints.of(&points).expect("points"), &Settings::default());
+    let (_, said) = said(&Beside::ControlPoints.of(&points).expect("points"), &published());
     for words in ["azimuths of the tracks look", "azimuths of the control points look"] {
         assert!(said.contains(words), "{said}");
     }
@@ -310,7 +306,7 @@ fn the_rig_tells_whether_tracks_or_control_points_were_misread() {
 fn methods_on_points_are_held_against_the_drive_as_well() {
     let right = Sample::Warthog.open().expect("built in");
     for method in [Method::TwoPoint, Method::StaticGcp] {
-        let mut settings = Settings::default();
+        let mut settings = published();
         settings.calibration.method = Some(method);
         let calibration = solved(&right, &settings);
         assert_eq!(calibration.verdict_in_words(), "good", "{:?}", calibration.findings);
@@ -326,7 +322,7 @@ fn a_doubt_of_the_reader_caps_every_answer() {
     let mut deployment = Sample::Warthog.open().expect("built in");
     deployment.findings.push(Finding::doubt("the distances are derived from another file"));
     for method in [Method::TwoPoint, Method::StaticGcp, Method::InterPrism] {
-        let mut settings = Settings::default();
+        let mut settings = published();
         settings.calibration.method = Some(method);
         let calibration = solved(&deployment, &settings);
         assert_eq!(calibration.verdict, Verdict::Weak, "{method:?}");
@@ -339,6 +335,6 @@ fn feet_that_no_filter_lets_through_are_named_in_the_error() {
     let mut scenario = Preset::Warthog.scenario();
     scenario.cruise_m_per_s = 1.5;
     let right = resect::simulation::simulate_scenario(&scenario, 1).deployment().expect("valid");
-    let (verdict, said) = said(&Mistake::Feet(None).make(&right), &Settings::default());
+    let (verdict, said) = said(&Mistake::Feet(None).make(&right), &published());
     assert!(verdict.as_deref() != Some("good") && Mistake::Feet(None).is_named_in(&said), "{said}");
 }

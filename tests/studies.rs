@@ -51,7 +51,7 @@ fn methods_that_agree_are_not_said_to_disagree_and_gnss_is_a_line() {
         compare(&sample(), &Settings::default(), None, &Progress::default()).expect("compares");
     assert!(result.deployments[0].disagreements.is_empty());
     let solved = result.deployments[0].answers.iter().filter(|answer| answer.is_ok()).count();
-    assert_eq!(solved, 3, "A, B and D");
+    assert_eq!(solved, 4, "A, B, D and the joint estimate");
     let gnss = result.study.levels.iter().find(|level| level.label.contains("GNSS"));
     // Simulated with 6 mm horizontally and 12 mm vertically per antenna.
     assert!((4.0..10.0).contains(&gnss.expect("three antennas").value), "{gnss:?}");

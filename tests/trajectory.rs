@@ -4,8 +4,8 @@ mod common;
 
 use std::process::Command;
 
-use common::{analyse, answer, field_data, sample_folder};
-use resect::analysis::Settings;
+use common::{analyse, answer, by, field_data, published, sample_folder};
+use resect::calibration::Method;
 use resect::deployment::{Sample, open};
 use resect::evaluation::vehicle::{NoTrajectory, VehicleFrame, vehicle_trajectory};
 use resect::simulation::{Preset, simulate};
@@ -15,7 +15,7 @@ const LIMIT_M: f64 = 0.020;
 #[test]
 fn the_poses_carry_the_prisms_to_where_they_were_seen() {
     let deployment = Sample::Warthog.open().expect("built in");
-    let analysis = analyse(&deployment, &Settings::default());
+    let analysis = analyse(&deployment, &published());
     let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let triplets = &analysis.pipeline.triplets;
     let (trajectory, frame) =
@@ -40,7 +40,7 @@ fn the_poses_carry_the_prisms_to_where_they_were_seen() {
 #[test]
 fn a_tighter_limit_drops_more_and_counts_them() {
     let deployment = Sample::Warthog.open().expect("built in");
-    let analysis = analyse(&deployment, &Settings::default());
+    let analysis = analyse(&deployment, &published());
     let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let dropped = |limit_m: f64| {
         let triplets = &analysis.pipeline.triplets;
@@ -57,7 +57,7 @@ fn a_tighter_limit_drops_more_and_counts_them() {
 fn the_frame_of_deployment_toml_is_taken_over() {
     let simulated = simulate(Preset::Warthog, 4);
     let mut deployment = simulated.deployment().expect("valid");
-    let analysis = analyse(&deployment, &Settings::default());
+    let analysis = analyse(&deployment, &published());
     deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m);
     let transforms = simulated.truth.station1_from_station.map(Into::into);
     let (trajectory, frame) = vehicle_trajectory(
@@ -92,7 +92,7 @@ fn the_frame_of_deployment_toml_is_taken_over() {
 #[test]
 fn one_prism_has_no_orientation() {
     let deployment = simulate(Preset::SinglePrism, 1).deployment().expect("valid");
-    let analysis = analyse(&deployment, &Settings::default());
+    let analysis = analyse(&deployment, &by(Method::DynamicGcp));
     let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let triplets = &analysis.pipeline.triplets;
     let error =

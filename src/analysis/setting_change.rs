@@ -51,8 +51,9 @@ struct NamedValue {
     unit: &'static str,
 }
 
-/// Every setting there is. The patterns name every field, so that a new one does not compile until it is here.
-fn named_values(settings: &Settings) -> [NamedValue; 19] {
+/// Every setting there is. The patterns name every field, so that a new one does not compile until it is here; those that
+/// older versions wrote are none any more.
+fn named_values(settings: &Settings) -> [NamedValue; 17] {
     let Settings { pipeline, calibration } = settings;
     let PipelineSettings { outlier_filter, interval_filter, thresholds, interpolation, rate_hz } =
         pipeline;
@@ -69,13 +70,15 @@ fn named_values(settings: &Settings) -> [NamedValue; 19] {
         prior,
         inter_prism_sigma_m,
         loss,
-        weigh_by_noise,
-        continuous_time,
         estimate,
+        weigh_by_noise: _,
+        continuous_time: _,
     } = calibration;
     let Estimated { clocks, distances, tilt } = estimate;
-    let method =
-        method.map_or("automatic".to_owned(), |m| format!("{} ({})", m.letter(), m.title()));
+    let method = method.unwrap_or_default();
+    let method = method
+        .letter()
+        .map_or(method.title().to_owned(), |letter| format!("{letter} ({})", method.title()));
     [
         switch("outlier filter", *outlier_filter),
         number("τ_r", *tau_r_m_per_s, "m/s"),
@@ -91,8 +94,6 @@ fn named_values(settings: &Settings) -> [NamedValue; 19] {
         word("prior", prior_name(*prior)),
         number("σ distances", *inter_prism_sigma_m * 1e3, "mm"),
         word("loss", loss_name(*loss)),
-        switch("weigh by noise", *weigh_by_noise),
-        switch("readings, not triplets", *continuous_time),
         switch("estimate clocks", *clocks),
         switch("estimate distances", *distances),
         switch("estimate tilt", *tilt),
@@ -155,7 +156,7 @@ mod tests {
         assert_eq!(words(|s| s.calibration.inter_prism_sigma_m = 0.0041), "σ distances 1 → 4.1 mm");
         assert_eq!(
             words(|s| s.calibration.method = Some(Method::StaticGcp)),
-            "method automatic → B (static control points)"
+            "method joint estimate → B (static control points)"
         );
         assert_eq!(words(|_| ()), "");
     }

@@ -32,15 +32,27 @@ pub struct OpenDeployment {
     pub plots: Arc<PreparedPlots>,
     /// Its readings and tracks, for the scene.
     pub clouds: Clouds,
-    /// Number of the request that the answer belongs to; changes with it.
+    /// Counts the answers that were taken in: changes with what is shown.
     pub analysis_run: u64,
     pub timeline: Timeline,
     /// Opened by the program itself, and never touched: gives way to the first that the user opens.
     pub placeholder: bool,
     /// Findings that the user was told, numbers left out.
     pub told: BTreeSet<String>,
-    /// Number of the newest request, and since when an answer is awaited.
-    pub analysing: Option<(u64, Instant)>,
+    /// Whether any answer was there to the end, and not the paper's alone, ahead of a joint estimate.
+    pub answered: bool,
+    /// What is awaited.
+    pub analysing: Option<Analysing>,
+}
+
+/// The newest request for an answer.
+#[derive(Clone, Copy)]
+pub struct Analysing {
+    pub number: u64,
+    /// Since when the answer shown is that of other settings.
+    pub since: Instant,
+    /// The paper's answer is shown meanwhile.
+    pub joint_follows: bool,
 }
 
 impl OpenDeployment {
@@ -68,6 +80,7 @@ impl OpenDeployment {
             timeline,
             placeholder: false,
             told: BTreeSet::new(),
+            answered: false,
             analysing: None,
         }
     }
@@ -83,6 +96,7 @@ impl OpenDeployment {
         if readings(&self.deployment) != readings(&deployment) {
             // The old answer counts readings that are others now.
             (self.analysis, self.summary) = (None, None);
+            self.answered = false;
             (self.plots, self.clouds) = (Arc::default(), Clouds::default());
             self.timeline.picked = None;
         }
@@ -97,13 +111,19 @@ impl OpenDeployment {
         self.deployment.start_s().unwrap_or(0.0)
     }
 
+    /// Whether the paper's answer is shown until the joint estimate is there.
+    pub fn joint_follows(&self) -> bool {
+        self.analysing.is_some_and(|analysing| analysing.joint_follows)
+    }
+
     /// Takes in an answer, unless a newer one is on its way; tells whether it did.
     pub fn take(&mut self, number: u64, answered: Answered) -> bool {
-        if self.analysing.is_none_or(|(newest, _)| newest != number) {
+        let Some(analysing) = self.analysing.filter(|newest| newest.number == number) else {
             return false;
-        }
-        let Answered { analysis, plots, clouds } = answered;
-        self.analysing = None;
+        };
+        let Answered { analysis, plots, clouds, joint_follows } = answered;
+        self.analysing = joint_follows.then_some(Analysing { joint_follows, ..analysing });
+        self.answered |= !joint_follows;
         if self.timeline.cursor_s.is_none() {
             // So that the rig is seen before anything is clicked.
             let time_s = &analysis.pipeline.triplets.time_s;
@@ -117,7 +137,7 @@ impl OpenDeployment {
         self.analysis = Some(analysis);
         self.plots = plots;
         self.clouds = clouds;
-        self.analysis_run = number;
+        self.analysis_run += 1;
         true
     }
 }

@@ -2,6 +2,9 @@
 //!
 //! The newest request wins: requests that pile up behind a running one are answered by one run with the last
 //! settings. Each reply carries the number of its request, so a stale one is recognised.
+//!
+//! The joint estimate takes longer than a frame, so the paper's answer goes first, and the joint one follows when nobody
+//! waits for a first answer any more.
 
 use std::collections::HashMap;
 use std::panic::AssertUnwindSafe;
@@ -32,6 +35,8 @@ enum Request {
         settings: Settings,
         /// Cancelled once a newer request has overtaken this one.
         progress: Arc<Progress>,
+        /// Wall time of the pipeline (ms) once the paper's answer was sent, and the joint estimate is what is left to do.
+        published_after_ms: Option<f64>,
     },
     /// The deployment with this id was closed.
     Forget(u64),
@@ -43,6 +48,18 @@ impl Request {
             Self::Analyse { number, .. } | Self::Forget(number) => *number,
         }
     }
+
+    /// Of the deployment.
+    fn id(&self) -> u64 {
+        match self {
+            Self::Analyse { id, .. } | Self::Forget(id) => *id,
+        }
+    }
+
+    /// Whether an answer to it is shown already.
+    fn can_wait(&self) -> bool {
+        matches!(self, Self::Analyse { published_after_ms: Some(_), .. })
+    }
 }
 
 /// An analysis, and what is drawn of it.
@@ -50,6 +67,8 @@ pub struct Answered {
     pub analysis: Arc<Analysis>,
     pub plots: Arc<PreparedPlots>,
     pub clouds: Clouds,
+    /// It is the paper's answer alone, to the same request as the joint estimate that comes after it.
+    pub joint_follows: bool,
 }
 
 pub enum Reply {
@@ -153,7 +172,14 @@ impl Worker {
         if let Some(overtaken) = self.analysing.insert(id, Arc::clone(&progress)) {
             overtaken.cancel();
         }
-        self.send(|number| Request::Analyse { number, id, deployment, settings, progress })
+        self.send(|number| Request::Analyse {
+            number,
+            id,
+            deployment,
+            settings,
+            progress,
+            published_after_ms: None,
+        })
     }
 
     /// Lets go of what is remembered of a deployment.
@@ -240,59 +266,87 @@ struct Known {
 
 fn work(inbox: &Receiver<Request>, outbox: &Sender<Reply>, ctx: &egui::Context) {
     let mut known: HashMap<u64, Known> = HashMap::new();
-    while let Ok(first) = inbox.recv() {
-        let mut waiting = vec![first];
-        waiting.extend(inbox.try_iter());
-        for request in without_overtaken(waiting) {
-            let number = request.number();
-            let answer = std::panic::catch_unwind(AssertUnwindSafe(|| reply(request, &mut known)));
-            let reply = answer.unwrap_or_else(|_| {
-                known.clear();
-                Some(Reply::Failed(number))
-            });
-            if let Some(reply) = reply {
-                if outbox.send(reply).is_err() {
-                    return;
-                }
-                ctx.request_repaint();
+    let mut waiting = Vec::new();
+    loop {
+        if waiting.is_empty() {
+            match inbox.recv() {
+                Ok(request) => waiting.push(request),
+                Err(_) => return,
             }
         }
+        waiting.extend(inbox.try_iter());
+        waiting = without_overtaken(waiting);
+        let next = waiting.iter().position(|request| !request.can_wait()).unwrap_or(0);
+        let request = waiting.remove(next);
+        let number = request.number();
+        let answer = std::panic::catch_unwind(AssertUnwindSafe(|| reply(request, &mut known)));
+        let (reply, rest) = answer.unwrap_or_else(|_| {
+            known.clear();
+            (Some(Reply::Failed(number)), None)
+        });
+        if let Some(reply) = reply {
+            if outbox.send(reply).is_err() {
+                return;
+            }
+            ctx.request_repaint();
+        }
+        waiting.extend(rest);
     }
 }
 
-/// What is still worth doing: of several analyses of a deployment only the last, of everything else all.
+/// What is still worth doing: of several requests about a deployment only the last, but to let go of it is always done.
 fn without_overtaken(waiting: Vec<Request>) -> Vec<Request> {
-    let analysed = |request: &Request| match request {
-        Request::Analyse { id, .. } => Some(*id),
-        _ => None,
-    };
-    let ids: Vec<Option<u64>> = waiting.iter().map(analysed).collect();
+    let ids: Vec<u64> = waiting.iter().map(Request::id).collect();
     waiting
         .into_iter()
         .enumerate()
-        .filter(|(at, _)| ids[*at].is_none() || !ids[at + 1..].contains(&ids[*at]))
+        .filter(|(at, request)| {
+            matches!(request, Request::Forget(_)) || !ids[at + 1..].contains(&ids[*at])
+        })
         .map(|(_, request)| request)
         .collect()
 }
 
-fn reply(request: Request, known: &mut HashMap<u64, Known>) -> Option<Reply> {
+/// The reply, and what is left to do of the request.
+fn reply(request: Request, known: &mut HashMap<u64, Known>) -> (Option<Reply>, Option<Request>) {
     match request {
-        Request::Analyse { number, id, deployment, settings, progress } => {
+        Request::Analyse { number, id, deployment, settings, progress, published_after_ms } => {
             let known = known.entry(id).or_insert_with(|| Known {
                 readings: Arc::new(RawReadings::of(&deployment)),
                 clouds: CloudMaker::default(),
-                analyst: Analyst::new(deployment),
+                analyst: Analyst::new(Arc::clone(&deployment)),
             });
-            let analysis = known.analyst.run_while(&settings, &progress).ok()?;
+            let analyst = &mut known.analyst;
+            let first = match published_after_ms {
+                None => analyst.run_published_while(&settings, &progress),
+                Some(_) => Ok(None),
+            };
+            let found = match first {
+                // Where the paper's method has no answer, there is nothing to show before the joint estimate.
+                Ok(Some(published)) if published.answer.is_ok() => Ok((published, true)),
+                Ok(_) => analyst.run_while(&settings, &progress).map(|analysis| (analysis, false)),
+                Err(cancelled) => Err(cancelled),
+            };
+            let Ok((mut analysis, joint_follows)) = found else { return (None, None) };
+            let rest = joint_follows.then_some(Request::Analyse {
+                number,
+                id,
+                deployment,
+                settings,
+                progress,
+                published_after_ms: Some(analysis.pipeline_ms),
+            });
+            // Then the pipeline's stages were remembered.
+            analysis.pipeline_ms += published_after_ms.unwrap_or(0.0);
             let clouds = known.clouds.make(known.analyst.deployment(), &analysis);
-            let plots = PreparedPlots::of(&analysis, &known.readings);
-            let answered =
-                Answered { analysis: Arc::new(analysis), plots: Arc::new(plots), clouds };
-            Some(Reply::Analysed { number, id, answered })
+            let plots = Arc::new(PreparedPlots::of(&analysis, &known.readings));
+            let analysis = Arc::new(analysis);
+            let answered = Answered { analysis, plots, clouds, joint_follows };
+            (Some(Reply::Analysed { number, id, answered }), rest)
         }
         Request::Forget(id) => {
             known.remove(&id);
-            None
+            (None, None)
         }
     }
 }
@@ -300,7 +354,73 @@ fn reply(request: Request, known: &mut HashMap<u64, Known>) -> Option<Reply> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibration::Method;
     use crate::deployment::Sample;
+
+    fn settings(tau_l_seconds: f64) -> Settings {
+        let mut settings = Settings::default();
+        settings.pipeline.thresholds.tau_l_seconds = tau_l_seconds;
+        settings
+    }
+
+    /// Number, method and whether another follows, of every answer until nothing follows the request with this number.
+    fn answers_until(worker: &Worker, last: u64) -> Vec<(u64, Method, bool)> {
+        let mut answers = Vec::new();
+        while let Some(reply) = worker.wait_reply() {
+            let Reply::Analysed { number, answered, .. } = reply else { panic!("an answer") };
+            let answer = answered.analysis.answer.as_ref().expect("an answer");
+            answers.push((number, answer.calibration.method, answered.joint_follows));
+            if number == last && !answered.joint_follows {
+                break;
+            }
+        }
+        answers
+    }
+
+    #[test]
+    fn the_papers_answer_comes_first_and_the_joint_estimate_follows() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let mut worker = Worker::start(egui::Context::default());
+        let number = worker.analyse(7, Arc::clone(&deployment), Settings::default());
+        let both = [(number, Method::InterPrism, true), (number, Method::Joint, false)];
+        assert_eq!(answers_until(&worker, number), both);
+        // The paper's method itself has nothing that follows.
+        let mut published = Settings::default();
+        published.calibration.method = Some(Method::InterPrism);
+        let number = worker.analyse(7, deployment, published);
+        assert_eq!(answers_until(&worker, number), [(number, Method::InterPrism, false)]);
+    }
+
+    #[test]
+    fn a_newer_request_takes_the_place_of_a_joint_estimate_that_is_under_way() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let mut worker = Worker::start(egui::Context::default());
+        let first = worker.analyse(7, Arc::clone(&deployment), settings(6.0));
+        let Some(Reply::Analysed { answered, .. }) = worker.wait_reply() else { panic!("one") };
+        assert!(answered.joint_follows);
+        let second = worker.analyse(7, deployment, settings(7.0));
+        let answers = answers_until(&worker, second);
+        // Unless it was there already.
+        let own: Vec<_> = answers.iter().filter(|(number, ..)| *number != first).collect();
+        assert_eq!(own, [&(second, Method::InterPrism, true), &(second, Method::Joint, false)]);
+    }
+
+    #[test]
+    fn first_answers_go_before_joint_estimates_and_a_closed_deployment_has_none() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let analyse = |number, id, published_after_ms| Request::Analyse {
+            number,
+            id,
+            deployment: Arc::clone(&deployment),
+            settings: Settings::default(),
+            progress: Arc::default(),
+            published_after_ms,
+        };
+        assert!(analyse(1, 7, Some(2.0)).can_wait() && !analyse(2, 8, None).can_wait());
+        let waiting = vec![analyse(1, 7, Some(2.0)), analyse(2, 8, Some(2.0)), Request::Forget(7)];
+        let left: Vec<u64> = without_overtaken(waiting).iter().map(Request::id).collect();
+        assert_eq!(left, [8, 7], "only the closed one's");
+    }
 
     #[test]
     fn of_several_analyses_of_a_deployment_only_the_newest_is_run() {
@@ -311,6 +431,7 @@ mod tests {
             deployment: Arc::clone(&deployment),
             settings: Settings::default(),
             progress: Arc::default(),
+            published_after_ms: None,
         };
         let waiting =
             vec![analyse(1, 7), Request::Forget(2), analyse(3, 7), analyse(4, 8), analyse(5, 7)];

@@ -32,7 +32,9 @@ pub struct Disagreement {
 impl Disagreement {
     /// "B and D disagree about the yaw of station 2 by 0.87 mrad …".
     pub fn in_words(&self) -> String {
-        let [first, second] = self.methods.map(Method::letter);
+        let [first, second] = self
+            .methods
+            .map(|method| method.letter().map_or_else(|| method.to_string(), String::from));
         let mm = self.translation_m.map(|m| m * 1e3);
         let moved = format!(
             "{:.0} mm apart on its track, {:.0} m away on average",

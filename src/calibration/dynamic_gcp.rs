@@ -118,7 +118,7 @@ pub fn solve(
         lower(
             Verdict::Weak,
             format!(
-                "{wild} triplets that cannot be right pull this answer by {pulled_mm:.0} mm; leave them out (--robust)"
+                "{wild} triplets that cannot be right pull this answer by {pulled_mm:.0} mm; the joint estimate leaves them out"
             ),
         );
     }
@@ -176,6 +176,7 @@ pub fn solve(
             blocks: blocks.len(),
             clocks: estimated,
         }),
+        published: None,
         prior_ms: 0.0,
         solve_ms: 0.0,
     };

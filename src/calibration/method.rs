@@ -1,4 +1,6 @@
-//! The four calibrations of the paper, and which of them a deployment allows.
+//! The four calibrations of the paper and the joint estimate, and which of them a deployment allows.
+
+use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +8,9 @@ use super::targets::{Targets, targets};
 use crate::deployment::Deployment;
 use crate::pipeline::Triplets;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// A: two points whose relative position is known.
@@ -17,11 +21,14 @@ pub enum Method {
     DynamicGcp,
     /// D: three prisms of a rig with known distances.
     InterPrism,
+    /// Beyond the paper: all that bends C or D, such as clocks, is estimated with the transforms, for one prism or three.
+    #[default]
+    Joint,
 }
 
 impl Method {
-    pub const ALL: [Self; 4] =
-        [Self::TwoPoint, Self::StaticGcp, Self::DynamicGcp, Self::InterPrism];
+    pub const ALL: [Self; 5] =
+        [Self::TwoPoint, Self::StaticGcp, Self::DynamicGcp, Self::InterPrism, Self::Joint];
 
     /// As scripts write it.
     pub fn name(self) -> &'static str {
@@ -30,22 +37,45 @@ impl Method {
             Self::StaticGcp => "static-gcp",
             Self::DynamicGcp => "dynamic-gcp",
             Self::InterPrism => "inter-prism",
+            Self::Joint => "joint",
         }
     }
 
-    /// As the paper calls it.
-    pub fn letter(self) -> char {
+    /// As the paper calls it, where it knows it.
+    pub fn letter(self) -> Option<char> {
         match self {
-            Self::TwoPoint => 'A',
-            Self::StaticGcp => 'B',
-            Self::DynamicGcp => 'C',
-            Self::InterPrism => 'D',
+            Self::TwoPoint => Some('A'),
+            Self::StaticGcp => Some('B'),
+            Self::DynamicGcp => Some('C'),
+            Self::InterPrism => Some('D'),
+            Self::Joint => None,
+        }
+    }
+
+    /// "D", or "joint": where there is little room.
+    pub fn short_name(self) -> String {
+        self.letter().map_or_else(|| self.name().to_owned(), String::from)
+    }
+
+    /// "D  inter-prism distances", or "joint estimate": a line of a list.
+    pub fn label(self) -> String {
+        match self.letter() {
+            Some(letter) => format!("{letter}  {}", self.title()),
+            None => self.title().to_owned(),
+        }
+    }
+
+    /// "method D, inter-prism distances", or "the joint estimate": part of a sentence.
+    pub fn in_words(self) -> String {
+        match self.letter() {
+            Some(_) => format!("{self}, {}", self.title()),
+            None => self.to_string(),
         }
     }
 
     /// Whether its answer is about the frames of the tracks; that of the others about those of the control points.
     pub fn is_from_tracks(self) -> bool {
-        matches!(self, Self::DynamicGcp | Self::InterPrism)
+        matches!(self, Self::DynamicGcp | Self::InterPrism | Self::Joint)
     }
 
     /// In words.
@@ -55,6 +85,17 @@ impl Method {
             Self::StaticGcp => "static control points",
             Self::DynamicGcp => "dynamic control points",
             Self::InterPrism => "inter-prism distances",
+            Self::Joint => "joint estimate",
+        }
+    }
+}
+
+/// "method D", or "the joint estimate".
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.letter() {
+            Some(letter) => write!(f, "method {letter}"),
+            None => write!(f, "the {}", self.title()),
         }
     }
 }
@@ -64,7 +105,7 @@ impl Method {
 pub struct Offer {
     pub targets: Targets,
     /// In the order of [`Method::ALL`]: what the data lacks for the method, in words; `None` where it can run.
-    pub lacks: [Option<String>; 4],
+    pub lacks: [Option<String>; Method::ALL.len()],
 }
 
 impl Offer {
@@ -80,8 +121,9 @@ impl Offer {
         self.lacks[method as usize].as_deref()
     }
 
-    /// D is what the program is for; one prism for all stations leaves C.
-    pub fn default_method(&self) -> Method {
+    /// The paper's method for such a drive, which the joint estimate goes on from: D, or C where all stations follow one
+    /// prism.
+    pub fn published_method(&self) -> Method {
         if self.targets == Targets::OnePrism { Method::DynamicGcp } else { Method::InterPrism }
     }
 }
@@ -137,6 +179,11 @@ fn lack(
             } else {
                 None
             }
+        }
+        Method::Joint => {
+            let one_prism = targets == Targets::OnePrism;
+            let published = if one_prism { Method::DynamicGcp } else { Method::InterPrism };
+            lack(published, deployment, triplets, targets)
         }
     }
 }

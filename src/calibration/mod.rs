@@ -1,8 +1,10 @@
 //! From triplets to the stations' extrinsics, each answer with its uncertainty and a verdict.
 //!
 //! [`solve`] is the one way in; the paper's four methods live in modules of their own: A [`two_point`],
-//! B [`static_gcp`], C [`dynamic_gcp`], D [`inter_prism`]. [`Offer`] says which of them the data allows.
+//! B [`static_gcp`], C [`dynamic_gcp`], D [`inter_prism`]. The joint estimate goes beyond them, and carries the paper's
+//! answer with it ([`beside_published`]). [`Offer`] says which methods the data allows.
 
+mod beside_published;
 mod checks;
 mod common_errors;
 mod disagreement;
@@ -50,14 +52,16 @@ pub enum CalibrationError {
          inter_prism_m in deployment.toml, or give --rig"
     )]
     NoRig { deployment: String },
-    #[error("{deployment}: method {} ({}) needs {lack}", .method.letter(), .method.name())]
+    #[error("{deployment}: {method} ({}) needs {lack}", .method.name())]
     Lacking { deployment: String, method: Method, lack: String },
     #[error(
-        "{deployment}: the points of method {} ({}) lie in one place or on a line, which holds no rigid transform; \
+        "{deployment}: the points of {method} ({}) lie in one place or on a line, which holds no rigid transform; \
          use a level alignment, or more points",
-        .method.letter(), .method.name()
+        .method.name()
     )]
     PointsOnALine { deployment: String, method: Method },
+    #[error("{why}; {published} has an answer: choose it ({})", .published.name())]
+    NoJointEstimate { why: Box<CalibrationError>, published: Method },
     /// By who asked for it: not to be shown as an error.
     #[error("cancelled")]
     Cancelled,
@@ -155,6 +159,9 @@ pub struct Calibration {
     pub checked_by: Vec<Witness>,
     /// What only its method knows.
     pub details: Details,
+    /// Of a joint estimate: the paper's answer to the same data, checked and judged like any other. `None` if the paper's
+    /// method has none, which a finding says.
+    pub published: Option<Box<Calibration>>,
     /// Wall time of the prior and of the rest (ms).
     pub prior_ms: f64,
     pub solve_ms: f64,
@@ -246,7 +253,7 @@ impl Calibration {
         Some(std::array::from_fn(|slot| (offsets_s[slot], drifts.map(|drifts| drifts[slot]))))
     }
 
-    /// The details of method D.
+    /// The details of method D, and of a joint estimate of three prisms.
     pub fn inter_prism(&self) -> Option<&inter_prism::InterPrismDetails> {
         match &self.details {
             Details::InterPrism(details) => Some(details),
@@ -255,7 +262,7 @@ impl Calibration {
     }
 }
 
-/// Calibrates a deployment by the method of the settings, or by the one that the data asks for.
+/// Calibrates a deployment by the method of the settings: the joint estimate if they name none.
 pub fn solve(
     deployment: &Deployment,
     triplets: &Triplets,
@@ -273,14 +280,29 @@ pub fn solve_while(
     offer: &Offer,
     progress: &Progress,
 ) -> Result<Calibration, CalibrationError> {
-    let method = settings.method.unwrap_or_else(|| offer.default_method());
+    match settings.method.unwrap_or_default() {
+        Method::Joint => beside_published::solve(deployment, triplets, settings, offer, progress),
+        method => solve_by(method, deployment, triplets, settings, offer, progress),
+    }
+}
+
+/// Calibrates by this method, and holds the answer against all that could contradict it.
+fn solve_by(
+    method: Method,
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
     let mut calibration = match method {
         Method::TwoPoint => two_point::solve(deployment, triplets, offer),
         Method::StaticGcp => static_gcp::solve(deployment, triplets, settings, offer),
         Method::DynamicGcp => dynamic_gcp::solve(deployment, triplets, settings, offer),
         Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer, progress),
+        Method::Joint => estimate_jointly(deployment, triplets, settings, offer, progress),
     }?;
-    if method == Method::InterPrism {
+    if calibration.inter_prism().is_some() {
         hold_against_control_points(&mut calibration, deployment, settings, offer);
     }
     sense::check(&mut calibration, deployment, triplets, offer, progress)?;
@@ -294,15 +316,36 @@ pub fn solve_while(
              nothing of the drive was held against it",
         ));
     }
-    if settings.method.is_none() && method != Method::InterPrism {
-        let line =
-            "all three stations follow one prism, so the method is C, dynamic control points";
-        calibration.findings.insert(0, Finding::note(line));
-    }
     Ok(calibration)
 }
 
-/// Method B on the control points, where there are any, as a witness of method D.
+/// The joint estimate of one prism or of three, which starts from the published method.
+fn estimate_jointly(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
+    let settings = CalibrationSettings {
+        loss: Loss::Cauchy,
+        estimate: Estimated { clocks: true, distances: true, tilt: true },
+        ..*settings
+    };
+    let calibration = if offer.targets == Targets::OnePrism {
+        if offer.lack(Method::Joint).is_some() {
+            return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
+        }
+        let settings = CalibrationSettings { alignment: Alignment::Level, ..settings };
+        dynamic_gcp::solve(deployment, triplets, &settings, offer)?
+    } else {
+        let settings = CalibrationSettings { continuous_time: true, ..settings };
+        inter_prism::solve(deployment, triplets, &settings, offer, progress)?
+    };
+    Ok(Calibration { method: Method::Joint, ..calibration })
+}
+
+/// Method B on the control points, where there are any, as a witness of an answer from inter-prism distances.
 fn hold_against_control_points(
     calibration: &mut Calibration,
     deployment: &Deployment,

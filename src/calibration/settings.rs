@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Method;
+use crate::deployment::Finding;
 
 /// Where method D starts from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -28,7 +29,7 @@ pub enum Loss {
     Cauchy,
 }
 
-/// What method D estimates beside the transforms.
+/// What the published methods C and D estimate beside the transforms; the joint estimate has its own list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Estimated {
@@ -54,21 +55,24 @@ pub enum Alignment {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CalibrationSettings {
-    /// `None` leaves it to the data: D, or C where all stations follow one prism.
+    /// `None` is the joint estimate.
     pub method: Option<Method>,
     /// Of methods B and C.
     pub alignment: Alignment,
-    /// Of method D.
+    /// Of method D, which the joint estimate starts from.
     pub prior: PriorMethod,
     /// How well the inter-prism distances are known (m, 1 σ); widens every σ of the answer.
     pub inter_prism_sigma_m: f64,
-    /// Of method D; the rest goes beyond the paper.
+    /// Of methods C and D as published; the joint estimate has its own.
     pub loss: Loss,
-    /// Whether each distance counts by the noise that the instruments state for it.
-    pub weigh_by_noise: bool,
-    /// Whether the motion is estimated from the readings themselves, instead of interpolated before.
-    pub continuous_time: bool,
+    /// Of methods C and D as published; the joint estimate has its own.
     pub estimate: Estimated,
+    /// Only read: what older versions called it; see [`CalibrationSettings::take_removed`].
+    #[serde(skip_serializing)]
+    pub weigh_by_noise: bool,
+    /// Only read, as above; inside `calibration` it marks the joint estimate's own settings.
+    #[serde(skip_serializing)]
+    pub continuous_time: bool,
 }
 
 impl Default for CalibrationSettings {
@@ -79,42 +83,50 @@ impl Default for CalibrationSettings {
             prior: PriorMethod::ClosedForm,
             inter_prism_sigma_m: 0.001,
             loss: Loss::Squared,
+            estimate: Estimated::default(),
             weigh_by_noise: false,
             continuous_time: false,
-            estimate: Estimated::default(),
         }
     }
 }
 
 impl CalibrationSettings {
-    /// Method D with everything that holds up in the simulated campaign (`tests/campaign`): the readings themselves, Cauchy's
-    /// loss, clocks, distances and tilts.
-    pub fn robust() -> Self {
-        Self {
-            loss: Loss::Cauchy,
-            continuous_time: true,
-            estimate: Estimated { clocks: true, distances: true, tilt: true },
-            ..Self::default()
-        }
+    /// These settings with this method as it comes: without a loss or estimates of the user's choice.
+    pub fn plain(&self, method: Method) -> Self {
+        let Self { loss, estimate, .. } = Self::default();
+        Self { method: Some(method), loss, estimate, ..*self }
     }
 
-    /// These settings with all that goes beyond the published method D as in others.
-    pub fn beyond_as(&self, others: &Self) -> Self {
-        let Self { loss, estimate, weigh_by_noise, continuous_time, .. } = *others;
-        Self { loss, estimate, weigh_by_noise, continuous_time, ..*self }
-    }
-
-    /// Whether all that goes beyond the published method D is as in [`CalibrationSettings::robust`].
-    pub fn is_robust(&self) -> bool {
-        *self == self.beyond_as(&Self::robust())
-    }
-
-    /// Whether anything goes beyond the published method D.
+    /// Whether anything goes beyond the published methods.
     pub fn refines(&self) -> bool {
-        self.loss != Loss::Squared
-            || self.weigh_by_noise
-            || self.continuous_time
-            || self.estimate != Estimated::default()
+        self.continuous_time || self.has_parts()
+    }
+
+    /// Whether a loss, or estimates beside the transforms, were chosen.
+    pub fn has_parts(&self) -> bool {
+        self.loss != Loss::Squared || self.estimate != Estimated::default()
+    }
+
+    /// Takes out what older versions wrote and this one has no switch for; says what became of it.
+    ///
+    /// What they called continuous time is the joint estimate now, with the loss and the estimates that went with it.
+    pub fn take_removed(&mut self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        if std::mem::take(&mut self.weigh_by_noise) {
+            findings.push(Finding::warning(
+                "weigh_by_noise is no setting any more: simulated drives never confirmed it, and it is left out",
+            ));
+        }
+        if std::mem::take(&mut self.continuous_time) {
+            findings.push(Finding::warning(match self.method {
+                None | Some(Method::InterPrism | Method::Joint) => {
+                    *self = self.plain(Method::Joint);
+                    "continuous_time is no setting any more: it became the joint estimate, which is the method now"
+                }
+                Some(_) => "continuous_time is no setting any more: it is left out, and the method did not use it",
+            }));
+        }
+        findings
     }
 
     pub fn check(&self) -> Result<(), String> {

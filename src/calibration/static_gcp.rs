@@ -128,6 +128,7 @@ pub fn solve(
             rms_m,
             world_from_station1,
         }),
+        published: None,
         prior_ms: 0.0,
         solve_ms: 0.0,
     };

@@ -142,6 +142,7 @@ pub fn solve(
         findings,
         checked_by: Vec::new(),
         details,
+        published: None,
         prior_ms: 0.0,
         solve_ms: 0.0,
     };

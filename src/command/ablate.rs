@@ -13,7 +13,8 @@ use crate::progress::Progress;
 pub struct Arguments {
     #[command(flatten)]
     study: StudyArguments,
-    /// Whose transforms judge: static-gcp where there are control points (as in the paper), else the dynamic method
+    /// Whose transforms judge. As in the paper static-gcp where there are control points, else inter-prism, or
+    /// dynamic-gcp for one prism; the joint estimate only where it is named here
     #[arg(long, value_enum, value_name = "METHOD")]
     reference: Option<Method>,
 }

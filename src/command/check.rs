@@ -80,7 +80,7 @@ fn report(deployment: &Deployment, analysis: &Analysis) -> String {
     for method in Method::ALL {
         let lack = analysis.offer.lack(method);
         let possible = lack.map_or("possible".to_owned(), |lack| format!("needs {lack}"));
-        _ = writeln!(text, "  {}  {:<23} {possible}", method.letter(), method.title());
+        _ = writeln!(text, "  {:<26} {possible}", method.label());
     }
     text += &first_look(analysis);
     text += "\nfindings\n";
@@ -90,11 +90,10 @@ fn report(deployment: &Deployment, analysis: &Analysis) -> String {
     text
 }
 
-/// What the default method says of the data: a wrong sense, number or unit shows in an answer only. Empty where the data
+/// What the joint estimate says of the data: a wrong sense, number or unit shows in an answer only. Empty where the data
 /// lacks something for it, which is said above.
 fn first_look(analysis: &Analysis) -> String {
-    let method = analysis.offer.default_method();
-    let mut text = format!("\nby method {} with the default settings\n", method.letter());
+    let mut text = format!("\nby {} with the default settings\n", Method::default());
     match &analysis.answer {
         Ok(answer) => {
             let calibration = &answer.calibration;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 
-use super::settings_args::SettingsArguments;
+use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
 use crate::export;
@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
     #[command(flatten)]
-    settings: SettingsArguments,
+    settings: AnswerArguments,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {

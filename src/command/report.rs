@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::settings_args::SettingsArguments;
+use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
 use crate::export::atomic;
@@ -19,7 +19,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
-    settings: SettingsArguments,
+    settings: AnswerArguments,
 }
 
 /// One bad deployment does not keep the others' answers back; with none at all the page still tells why, so that no
@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-fn chapter(path: &Path, arguments: &SettingsArguments, settings: &Settings) -> Chapter {
+fn chapter(path: &Path, arguments: &AnswerArguments, settings: &Settings) -> Chapter {
     match load(path, arguments.extras()) {
         Ok((deployment, _)) => {
             let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));

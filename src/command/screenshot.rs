@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
-use super::settings_args::SettingsArguments;
+use super::settings_args::AnswerArguments;
 use super::{Failure, print};
 use crate::app;
 use crate::deployment::{Sample, Source};
@@ -31,7 +31,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "dark")]
     theme: Theme,
     #[command(flatten)]
-    settings: SettingsArguments,
+    settings: AnswerArguments,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::Failure;
 use crate::analysis::Settings;
-use crate::calibration::{Alignment, CalibrationSettings, Loss, PriorMethod};
+use crate::calibration::{Alignment, Loss, Method, PriorMethod};
 use crate::deployment::{Extras, OpenError};
 use crate::pipeline::Interpolation;
 
@@ -17,8 +17,63 @@ enum EstimateName {
     Tilt,
 }
 
+/// The method and the settings of a command that calibrates.
 #[derive(Args)]
-#[command(next_help_heading = "Settings (defaults are the paper's)")]
+pub struct AnswerArguments {
+    /// Calibration method, joint if none; calibrate takes several
+    #[arg(long, value_enum)]
+    method: Vec<Method>,
+    /// The same as --method joint
+    #[arg(long)]
+    robust: bool,
+    #[command(flatten)]
+    settings: SettingsArguments,
+}
+
+impl AnswerArguments {
+    /// Those of the one method that there may be.
+    pub fn settings(&self) -> Result<Settings, Failure> {
+        match &self.settings_of_each()?[..] {
+            [settings] => Ok(*settings),
+            several => Err(Failure::Usage(format!(
+                "{} methods are given where one is possible; calibrate takes several",
+                several.len()
+            ))),
+        }
+    }
+
+    /// Those of each method that is given, or of the one without a name; never none.
+    pub fn settings_of_each(&self) -> Result<Vec<Settings>, Failure> {
+        let settings = self.settings.settings()?;
+        let mut methods: Vec<Option<Method>> = self.method.iter().copied().map(Some).collect();
+        if self.robust && !self.method.contains(&Method::Joint) {
+            methods.push(Some(Method::Joint));
+        }
+        if methods.is_empty() {
+            methods.push(settings.calibration.method);
+        }
+        let joint = methods.iter().any(|method| method.unwrap_or_default() == Method::Joint);
+        if let (true, Some(flag)) = (joint, self.settings.flag_of_published_methods()) {
+            return Err(Failure::Usage(format!(
+                "{flag} is about the published methods, and the joint estimate has its own; name another (--method \
+                 inter-prism), or leave {flag} out"
+            )));
+        }
+        let with = |method| {
+            let mut settings = settings;
+            settings.calibration.method = method;
+            settings
+        };
+        Ok(methods.into_iter().map(with).collect())
+    }
+
+    pub fn extras(&self) -> Extras {
+        self.settings.extras()
+    }
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Settings (the pipeline's defaults are the paper's)")]
 pub struct SettingsArguments {
     /// Fastest believable change of range (m/s)
     #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true)]
@@ -47,24 +102,15 @@ pub struct SettingsArguments {
     /// Module 4
     #[arg(long, value_enum)]
     interpolation: Option<Interpolation>,
-    /// Where method D starts from
+    /// Where method D starts from, and the joint estimate with it
     #[arg(long, value_enum)]
     prior: Option<PriorMethod>,
-    /// What a large error costs method D
+    /// What a large error costs methods C and D
     #[arg(long, value_enum)]
     loss: Option<Loss>,
-    /// Let each distance count by the noise that the instruments state for it
-    #[arg(long)]
-    weigh_by_noise: bool,
-    /// Estimate the motion from the readings themselves (method D), instead of interpolating before
-    #[arg(long)]
-    continuous_time: bool,
-    /// What method D estimates beside the transforms: clocks, distances, tilt
+    /// What methods C (clocks alone) and D estimate beside the transforms: clocks, distances, tilt
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     estimate: Vec<EstimateName>,
-    /// The best estimate known: --continuous-time --loss cauchy --estimate clocks,distances,tilt
-    #[arg(long)]
-    robust: bool,
     /// What methods B and C may turn: yaw, or roll and pitch as well
     #[arg(long, value_enum)]
     alignment: Option<Alignment>,
@@ -84,10 +130,16 @@ impl SettingsArguments {
     pub fn settings(&self) -> Result<Settings, Failure> {
         let mut settings = match &self.config {
             None => Settings::default(),
-            Some(path) => Settings::read(path).map_err(|error| match error {
-                OpenError::Io { .. } => Failure::from(error),
-                error => Failure::Usage(error.to_string()),
-            })?,
+            Some(path) => {
+                let (settings, findings) = Settings::read(path).map_err(|error| match error {
+                    OpenError::Io { .. } => Failure::from(error),
+                    error => Failure::Usage(error.to_string()),
+                })?;
+                for finding in findings {
+                    eprintln!("resect: {}: {finding}", path.display());
+                }
+                settings
+            }
         };
         let thresholds = &mut settings.pipeline.thresholds;
         for (flag, setting) in [
@@ -113,15 +165,7 @@ impl SettingsArguments {
             self.interpolation.unwrap_or(settings.pipeline.interpolation);
         calibration.prior = self.prior.unwrap_or(calibration.prior);
         calibration.alignment = self.alignment.unwrap_or(calibration.alignment);
-        if self.robust {
-            let robust = CalibrationSettings::robust();
-            calibration.loss = robust.loss;
-            calibration.estimate = robust.estimate;
-            calibration.continuous_time = robust.continuous_time;
-        }
         calibration.loss = self.loss.unwrap_or(calibration.loss);
-        calibration.weigh_by_noise |= self.weigh_by_noise;
-        calibration.continuous_time |= self.continuous_time;
         for name in &self.estimate {
             match name {
                 EstimateName::Clocks => calibration.estimate.clocks = true,
@@ -131,6 +175,17 @@ impl SettingsArguments {
         }
         settings.check().map_err(Failure::Usage)?;
         Ok(settings)
+    }
+
+    /// The first flag given that the joint estimate has no use for.
+    fn flag_of_published_methods(&self) -> Option<&'static str> {
+        if self.loss.is_some() {
+            Some("--loss")
+        } else if !self.estimate.is_empty() {
+            Some("--estimate")
+        } else {
+            None
+        }
     }
 
     /// The files of `--rig` and `--gcp`.

@@ -25,7 +25,8 @@ pub struct Arguments {
     /// Number of values, both ends included
     #[arg(long, default_value_t = 11)]
     steps: usize,
-    /// Whose transforms judge: static-gcp where there are control points (as in the paper), else the dynamic method
+    /// Whose transforms judge. As in the paper static-gcp where there are control points, else inter-prism, or
+    /// dynamic-gcp for one prism; the joint estimate only where it is named here
     #[arg(long, value_enum, value_name = "METHOD")]
     reference: Option<Method>,
 }

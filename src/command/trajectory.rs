@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::settings_args::SettingsArguments;
+use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(long, value_name = "MM", default_value_t = 1e3 * LARGEST_POSE_ERROR_M, allow_negative_numbers = true)]
     max_error: f64,
     #[command(flatten)]
-    settings: SettingsArguments,
+    settings: AnswerArguments,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -51,10 +51,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let calibration = &answer.calibration;
     let header = format!(
-        "{}: frame of station 1, by method {} ({}), verdict {}; vehicle: {}",
+        "{}: frame of station 1, by {}, verdict {}; vehicle: {}",
         deployment.name,
-        calibration.method.letter(),
-        calibration.method.title(),
+        calibration.method.in_words(),
         calibration.verdict_in_words(),
         frame.in_words(),
     );
@@ -67,14 +66,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!(
         "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\
          frame of the poses: station 1; of the vehicle: {}\n\
-         by method {}, {}, verdict {}\n",
+         by {}, verdict {}\n",
         file.display(),
         trajectory.poses.len(),
         trajectory.dropped,
         arguments.max_error,
         frame.in_words(),
-        calibration.method.letter(),
-        calibration.method.title(),
+        calibration.method.in_words(),
         calibration.verdict_in_words(),
     ))?;
     if let Some(sigma) = trajectory.middle_sigma() {

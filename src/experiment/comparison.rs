@@ -14,12 +14,14 @@ use crate::evaluation::{self, gnss};
 use crate::palette;
 use crate::progress::Progress;
 
+const METHODS: usize = Method::ALL.len();
+
 /// Answers of one deployment, on all of its data.
 #[derive(Clone, Debug)]
 pub struct Compared {
     pub deployment: String,
     /// In the order of [`Method::ALL`]; or why there is none.
-    pub answers: [Result<Arc<Answer>, String>; 4],
+    pub answers: [Result<Arc<Answer>, String>; METHODS],
     pub disagreements: Vec<Disagreement>,
 }
 
@@ -50,8 +52,13 @@ pub fn compare(
         let name = &each[0].0.deployment;
         let why = each[0].0.answers.iter().find_map(|answer| answer.as_ref().err());
         return Err(StudyError::Nothing(format!(
-            "{name}: no method can run; D {}",
-            each[0].0.answers[3].as_ref().err().or(why).map_or("lacks data", String::as_str)
+            "{name}: no method can run; {} {}",
+            Method::Joint,
+            each[0].0.answers[Method::Joint as usize]
+                .as_ref()
+                .err()
+                .or(why)
+                .map_or("lacks data", String::as_str)
         )));
     }
     let mut findings = Vec::new();
@@ -109,9 +116,9 @@ fn one(
     deployment: &Arc<Deployment>,
     settings: &Settings,
     splits: Option<Splits>,
-) -> (Compared, [BothErrors; 4]) {
+) -> (Compared, [BothErrors; METHODS]) {
     let mut analyst = Analyst::new(Arc::clone(deployment));
-    let mut errors: [BothErrors; 4] = Default::default();
+    let mut errors: [BothErrors; METHODS] = Default::default();
     let answers = Method::ALL.map(|method| {
         let mut settings = *settings;
         settings.calibration.method = Some(method);
@@ -161,7 +168,7 @@ fn judge(
     errors
 }
 
-fn group(method: Method, index: usize, each: &[(Compared, [BothErrors; 4])]) -> Group {
+fn group(method: Method, index: usize, each: &[(Compared, [BothErrors; METHODS])]) -> Group {
     let solved = each.iter().filter(|(compared, _)| compared.answers[index].is_ok()).count();
     let pooled = |metric: usize| -> Vec<f64> {
         each.iter().flat_map(|(_, errors)| errors[index][metric].iter().copied()).collect()
@@ -171,7 +178,7 @@ fn group(method: Method, index: usize, each: &[(Compared, [BothErrors; 4])]) -> 
         _ => ["no control points", "no distances"],
     };
     Group {
-        label: format!("{}  {}", method.letter(), method.title()),
+        label: method.label(),
         note: match (solved, each.len()) {
             (0, _) => "not possible with this data".to_owned(),
             (_, 1) => String::new(),
@@ -200,12 +207,12 @@ fn gnss_level(deployments: &[Arc<Deployment>]) -> Option<Level> {
 
 /// All pairs of answers that are further apart than their σ allow.
 fn disagreements(
-    answers: &[Result<Arc<Answer>, String>; 4],
+    answers: &[Result<Arc<Answer>, String>; METHODS],
     deployment: &Deployment,
 ) -> Vec<Disagreement> {
     let mut found = Vec::new();
-    for first in 0..4 {
-        for second in first + 1..4 {
+    for first in 0..METHODS {
+        for second in first + 1..METHODS {
             if let (Ok(a), Ok(b)) = (&answers[first], &answers[second]) {
                 found.extend(calibration::disagreements(
                     &a.calibration,

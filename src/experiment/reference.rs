@@ -12,7 +12,8 @@ use crate::evaluation::{self, known_distances_m};
 use crate::geometry::RigidTransform;
 use crate::pipeline::{self, PipelineSettings};
 
-/// Which method's transforms; `None` takes B where the data allows it, else the deployment's own default.
+/// Which method's transforms; `None` takes B where the data allows it, else the paper's dynamic method: the studies are
+/// the paper's, and the joint estimate judges only where it is named.
 pub type Reference = Option<Method>;
 
 /// A deployment with what its errors are measured by.
@@ -38,11 +39,11 @@ impl Judge {
             if offer.lack(Method::StaticGcp).is_none() {
                 Method::StaticGcp
             } else {
-                offer.default_method()
+                offer.published_method()
             }
         });
         if let Some(lack) = offer.lack(method) {
-            return Err(format!("{}: method {} needs {lack}", deployment.name, method.letter()));
+            return Err(format!("{}: {method} needs {lack}", deployment.name));
         }
         let chosen =
             calibration::CalibrationSettings { method: Some(method), ..settings.calibration };
@@ -58,7 +59,7 @@ impl Judge {
                 .filter(|f| f.severity > crate::deployment::Severity::Note);
             if findings.is_empty() {
                 findings.extend(doubts.map(|finding| Finding {
-                    message: format!("{}, method {}: {finding}", deployment.name, method.letter()),
+                    message: format!("{}, {method}: {finding}", deployment.name),
                     ..finding
                 }));
             }
@@ -131,11 +132,11 @@ pub fn judges<'a>(
     Ok((judges, findings))
 }
 
-/// "the transforms of B (static control points)", naming every method in use.
+/// "the transforms of method B, static control points", naming every method in use.
 pub fn in_words(judges: &[Judged<'_>], splits: Option<Splits>) -> String {
     let used =
         Method::ALL.into_iter().filter(|method| judges.iter().any(|(_, j)| j.method == *method));
-    let names: Vec<String> = used.map(|m| format!("{} ({})", m.letter(), m.title())).collect();
+    let names: Vec<String> = used.map(Method::in_words).collect();
     let data = match judges.len() {
         1 => judges[0].0.name.clone(),
         count => format!("{count} deployments"),

@@ -184,10 +184,9 @@ fn commented(
 fn origin(summary: &ResultSummary) -> String {
     let ResultSummary { deployment, method, verdict, doubts, .. } = summary;
     let mut text = format!(
-        "# {}: method {} ({}), verdict {}\n",
+        "# {}: {}, verdict {}\n",
         one_line(deployment),
-        method.letter(),
-        method.title(),
+        method.in_words(),
         summary.verdict_in_words()
     );
     if *verdict != Verdict::Good {

@@ -1,4 +1,4 @@
-//! Two answers against each other: what a pinned result is compared with.
+//! Two answers against each other: what a pinned result is compared with, and the joint estimate with the paper's answer.
 //!
 //! **In σ of what.** Two answers to the *same readings* under other settings share most of their errors, so the σ of
 //! their difference is smaller than either's own, by an amount that nobody knows. What a user asks is another
@@ -7,11 +7,11 @@
 //! wrong in, or the σ is too small. Two answers to *different readings* are independent, and the difference is counted
 //! in the root of the sum of their variances.
 
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 
 use super::summary::{ResultSummary, StationSummary};
 use crate::analysis::{SettingChange, setting_changes};
-use crate::calibration::{Method, Verdict};
+use crate::calibration::{Calibration, Method, Verdict};
 use crate::evaluation::Spread;
 use crate::geometry::wrap_to_pi;
 
@@ -42,6 +42,25 @@ pub struct StationDifference {
     pub yaw_rad: Deviation,
     /// Angle of the rotation from one frame to the other, roll and pitch included (rad). Their σ is not known.
     pub angle_rad: f64,
+}
+
+impl StationDifference {
+    /// "T12 4.20 mm (3.1 σ; x +3.10, y -2.70, z +0.80), yaw +0.0210 mrad (1.9 σ)".
+    pub fn in_words(&self) -> String {
+        let [x, y, z] = self.translation_m.map(|along| along.value * 1e3);
+        let sigmas = |deviation: Deviation| match deviation.sigmas {
+            Some(sigmas) => format!("{sigmas:.1} σ"),
+            None => "no σ".to_owned(),
+        };
+        format!(
+            "T1{} {:.2} mm ({}; x {x:+.2}, y {y:+.2}, z {z:+.2}), yaw {:+.4} mrad ({})",
+            self.station,
+            self.distance_m.value * 1e3,
+            sigmas(self.distance_m),
+            self.yaw_rad.value * 1e3,
+            sigmas(self.yaw_rad),
+        )
+    }
 }
 
 /// How two answers differ.
@@ -105,20 +124,47 @@ fn station_difference(
     } else {
         after.sigma.zip(before.sigma).map(|(a, b)| std::array::from_fn(|i| a[i].hypot(b[i])))
     };
-    let deviation = |value: f64, part: usize| Deviation {
-        value,
-        sigmas: sigma.and_then(|sigma| in_sigmas(value, sigma[part])),
-    };
-    let off = Vector3::from(after.translation_m) - Vector3::from(before.translation_m);
     let covariance = |summary: &ResultSummary| -> Option<Matrix3<f64>> {
-        let block = summary.covariance_matrix()?;
-        Some(block.fixed_view::<3, 3>(4 * k, 4 * k).into_owned())
+        Some(of_translation(&summary.covariance_matrix()?, k))
     };
     let covariance = if same_data {
         covariance(now)
     } else {
         covariance(now).zip(covariance(pinned)).map(|(a, b)| a + b)
     };
+    moved(before, after, sigma, covariance)
+}
+
+/// What the joint estimate moved stations 2 and 3 by from where the paper's method has them, in σ of the joint estimate:
+/// both come from the same readings. `None` of an answer with no other beside it.
+pub fn moved_from_published(joint: &Calibration) -> Option<[StationDifference; 2]> {
+    let published = joint.published.as_deref()?;
+    Some(std::array::from_fn(|k| {
+        let [before, after] = [published, joint].map(|answer| {
+            let sigma = answer.sigma.map(|sigma| sigma[k]);
+            StationSummary::new(k + 2, &answer.station1_from_station[k + 1], sigma)
+        });
+        let covariance = joint.covariance.map(|covariance| of_translation(&covariance, k));
+        moved(&before, &after, after.sigma, covariance)
+    }))
+}
+
+fn of_translation(covariance: &SMatrix<f64, 8, 8>, k: usize) -> Matrix3<f64> {
+    covariance.fixed_view::<3, 3>(4 * k, 4 * k).into_owned()
+}
+
+/// `after` minus `before`, counted in these σ of (x, y, z, yaw) and this covariance of the translation.
+fn moved(
+    before: &StationSummary,
+    after: &StationSummary,
+    sigma: Option<[f64; 4]>,
+    covariance: Option<Matrix3<f64>>,
+) -> StationDifference {
+    let deviation = |value: f64, part: usize| Deviation {
+        value,
+        sigmas: sigma.and_then(|sigma| in_sigmas(value, sigma[part])),
+    };
+    let off = Vector3::from(after.translation_m) - Vector3::from(before.translation_m);
     let distance_sigmas = covariance.and_then(|covariance| {
         // Where nothing moved, any direction will do.
         let along = off.try_normalize(0.0).unwrap_or_else(Vector3::x);

@@ -10,6 +10,7 @@ use crate::calibration::inter_prism::{Estimate, InterPrismDetails, PriorSearch, 
 use crate::calibration::two_point::PairResection;
 use crate::calibration::{Basin, Calibration, Details, TransformSigma};
 use crate::deployment::Deployment;
+use crate::export::difference::moved_from_published;
 use crate::geometry::RigidTransform;
 
 pub const SCHEMA: u32 = 1;
@@ -67,6 +68,8 @@ pub fn calibration(
             }),
         },
         "details": details(calibration),
+        // Of a joint estimate: the paper's answer to the same data.
+        "published": published(calibration),
         "time_ms": {
             "load": load_ms,
             "pipeline": analysis.pipeline_ms,
@@ -75,6 +78,32 @@ pub fn calibration(
             "total": load_ms + analysis.total_ms(),
         },
     })
+}
+
+/// The paper's answer beside a joint estimate, and what the joint estimate moved it by; null beside any other.
+fn published(joint: &Calibration) -> Option<Value> {
+    let published = joint.published.as_deref()?;
+    let moved = moved_from_published(joint)?.map(|station| {
+        json!({
+            "station": station.station,
+            "translation_m": station.translation_m.map(|along| along.value),
+            "translation_sigmas": station.translation_m.map(|along| along.sigmas),
+            "distance_m": station.distance_m.value,
+            "distance_sigmas": station.distance_m.sigmas,
+            "yaw_rad": station.yaw_rad.value,
+            "yaw_sigmas": station.yaw_rad.sigmas,
+        })
+    });
+    Some(json!({
+        "method": published.method.name(),
+        "verdict": published.verdict,
+        "independently_checked": published.is_independently_checked(),
+        "findings": published.findings.iter().map(|finding| &finding.message).collect::<Vec<_>>(),
+        "transforms": [transform(published, 1), transform(published, 2)],
+        "covariance": published.covariance.map(|covariance| rows(&covariance)),
+        // The joint estimate minus this, in m, rad and σ of the joint estimate.
+        "moved": moved,
+    }))
 }
 
 /// One of the minima of the cost.

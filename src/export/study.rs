@@ -81,13 +81,13 @@ pub fn transforms_table(comparison: &Comparison) -> String {
         _ = writeln!(text, "\n{}", compared.deployment);
         _ = writeln!(
             text,
-            "   station      x (m) ± mm         y (m) ± mm         z (m) ± mm         yaw (rad) ± mrad    verdict"
+            "       station      x (m) ± mm         y (m) ± mm         z (m) ± mm         yaw (rad) ± mrad    verdict"
         );
         for (method, answer) in crate::calibration::Method::ALL.iter().zip(&compared.answers) {
             let answer = match answer {
                 Ok(answer) => answer,
                 Err(why) => {
-                    _ = writeln!(text, "{}  {}: {why}", method.letter(), method.title());
+                    _ = writeln!(text, "{}: {why}", method.label());
                     continue;
                 }
             };
@@ -95,7 +95,7 @@ pub fn transforms_table(comparison: &Comparison) -> String {
             for station in 1..3 {
                 let transform = &calibration.station1_from_station[station];
                 let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
-                _ = write!(text, "{}  T1{}    ", method.letter(), station + 1);
+                _ = write!(text, "{:<5}  T1{}    ", method.short_name(), station + 1);
                 for axis in 0..3 {
                     let sigma = sigma_text(sigma.map(|s| s.translation_m[axis]), 1);
                     _ = write!(text, "{:>10.4} ± {sigma:<6}", transform.translation_m[axis]);

@@ -7,6 +7,7 @@ use crate::calibration::inter_prism::PriorSearch;
 use crate::calibration::{Calibration, Details, Targets};
 use crate::deployment::Deployment;
 use crate::evaluation::Spread;
+use crate::export::difference::moved_from_published;
 
 /// Verdict, transforms with their σ, metrics and findings.
 pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> String {
@@ -14,10 +15,9 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
     let out = &analysis.pipeline;
     let raw = deployment.tracks.each_ref().map(|track| track.measurements.len());
     let mut text = format!(
-        "{} · method {}, {} · verdict: {}{}\n\n",
+        "{} · {} · verdict: {}{}\n\n",
         deployment.name,
-        calibration.method.letter(),
-        calibration.method.title(),
+        calibration.method.in_words(),
         calibration.verdict.name().to_uppercase(),
         calibration.verdict.caveat(calibration.is_independently_checked())
     );
@@ -50,6 +50,7 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
         }
     }
     text.push('\n');
+    text += &published(calibration);
     text += &details(calibration);
     if let Some(spread) = &evaluation.inter_prism_mm {
         let name = match analysis.offer.targets {
@@ -76,6 +77,24 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
         calibration.solve_ms,
         analysis.evaluation_ms
     );
+    text
+}
+
+/// The paper's answer beside a joint estimate: what it was moved by; empty beside any other.
+fn published(joint: &Calibration) -> String {
+    let (Some(published), Some(moved)) = (&joint.published, moved_from_published(joint)) else {
+        return String::new();
+    };
+    let mut text = format!(
+        "the paper's {} (method {}, verdict {}): moved by\n",
+        published.method.short_name(),
+        published.method.name(),
+        published.verdict_in_words()
+    );
+    for station in moved {
+        _ = writeln!(text, "  {}", station.in_words());
+    }
+    text.push('\n');
     text
 }
 

@@ -10,15 +10,15 @@
 mod common;
 mod cramer_rao;
 
-use common::analyse;
+use common::{analyse, by};
 use cramer_rao::Drawn;
 use nalgebra::{SMatrix, SVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use resect::analysis::{Analysis, Settings};
-use resect::calibration::{CalibrationSettings, Verdict};
+use resect::analysis::Analysis;
+use resect::calibration::{Method, Verdict};
 use resect::geometry::wrap_to_pi;
 use resect::simulation::{
     ARCSECOND_RAD, ClockStep, Preset, Scenario, Simulated, simulate_scenario,
@@ -134,7 +134,7 @@ impl Outcome {
     }
 }
 
-/// Outcomes of the published method and of the robust one, by preset.
+/// Outcomes of the published method and of the joint estimate, by preset.
 fn run(count: u64) -> Vec<(usize, [Outcome; 2])> {
     (0..count)
         .into_par_iter()
@@ -142,10 +142,8 @@ fn run(count: u64) -> Vec<(usize, [Outcome; 2])> {
             let which = (seed % PRESETS.len() as u64) as usize;
             let simulated = simulate_scenario(&random_scenario(PRESETS[which], seed), seed);
             let deployment = simulated.deployment().expect("valid");
-            let mut robust = Settings::default();
-            robust.calibration = CalibrationSettings::robust();
-            let outcomes = [Settings::default(), robust]
-                .map(|settings| Outcome::new(&analyse(&deployment, &settings), &simulated));
+            let outcomes = [Method::InterPrism, Method::Joint]
+                .map(|method| Outcome::new(&analyse(&deployment, &by(method)), &simulated));
             (which, outcomes)
         })
         .collect()
@@ -214,8 +212,8 @@ fn summarise(name: &str, outcomes: &[(usize, &Outcome)]) -> Summary {
 
 fn campaign(count: u64) -> [Summary; 2] {
     let outcomes = run(count);
-    ["published D", "robust"].map(|name| {
-        let method = usize::from(name == "robust");
+    ["published D", "joint"].map(|name| {
+        let method = usize::from(name == "joint");
         let one: Vec<_> = outcomes.iter().map(|(which, both)| (*which, &both[method])).collect();
         summarise(name, &one)
     })
@@ -223,17 +221,17 @@ fn campaign(count: u64) -> [Summary; 2] {
 
 #[test]
 fn nothing_is_silently_wrong_in_a_short_campaign() {
-    let [published, robust] = campaign(120);
-    assert_eq!((published.silent, robust.silent), (0, 0), "silent failures");
-    assert!(robust.coverage > 0.88, "coverage {:.2}", robust.coverage);
-    assert!(robust.over_bound.max() < 1.5, "errors over the bound {:.2}", robust.over_bound);
+    let [published, joint] = campaign(120);
+    assert_eq!((published.silent, joint.silent), (0, 0), "silent failures");
+    assert!(joint.coverage > 0.88, "coverage {:.2}", joint.coverage);
+    assert!(joint.over_bound.max() < 1.5, "errors over the bound {:.2}", joint.over_bound);
 }
 
 #[test]
 #[ignore = "minutes in release; prints the table"]
 fn nothing_is_silently_wrong_in_a_thousand_deployments() {
-    let [published, robust] = campaign(1500);
-    assert_eq!((published.silent, robust.silent), (0, 0), "silent failures");
-    assert!((0.92..=0.98).contains(&robust.coverage), "coverage {:.3}", robust.coverage);
-    assert!(robust.over_bound.max() < 1.2, "errors over the bound {:.2}", robust.over_bound);
+    let [published, joint] = campaign(1500);
+    assert_eq!((published.silent, joint.silent), (0, 0), "silent failures");
+    assert!((0.92..=0.98).contains(&joint.coverage), "coverage {:.3}", joint.coverage);
+    assert!(joint.over_bound.max() < 1.2, "errors over the bound {:.2}", joint.over_bound);
 }

@@ -5,6 +5,7 @@
 use std::path::PathBuf;
 
 use resect::analysis::{Analysis, Analyst, Answer, Settings};
+use resect::calibration::Method;
 use resect::deployment::Deployment;
 use resect::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 
@@ -27,6 +28,18 @@ pub fn sample_folder(name: &str) -> PathBuf {
 /// The one path, from a fresh start.
 pub fn analyse(deployment: &Deployment, settings: &Settings) -> Analysis {
     Analyst::new(deployment.clone().into()).run(settings)
+}
+
+/// The default settings but for the method.
+pub fn by(method: Method) -> Settings {
+    let mut settings = Settings::default();
+    settings.calibration.method = Some(method);
+    settings
+}
+
+/// Those of the paper: method D, and nothing beyond.
+pub fn published() -> Settings {
+    by(Method::InterPrism)
 }
 
 pub fn answer(analysis: &Analysis) -> &Answer {

@@ -4,7 +4,7 @@
 use eframe::egui::{OutputCommand, Theme, accesskit::Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{AngleUnit, Command, LengthUnit, Pane, Picked, Units};
-use resect::calibration::Loss;
+use resect::calibration::{Loss, Method};
 use resect::pipeline::{OutlierReason, SampleFate};
 use resect::simulation::{Preset, simulate};
 
@@ -63,10 +63,15 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
         click(&mut harness, "Pin");
         assert_eq!(harness.state().state.results.pins.len(), 1);
 
-        set(&mut harness, |s| s.calibration.loss = Loss::Cauchy);
+        set(&mut harness, |s| {
+            s.calibration.method = Some(Method::InterPrism);
+            s.calibration.loss = Loss::Cauchy;
+        });
         set(&mut harness, |s| s.pipeline.thresholds.tau_a_deg_per_s = 0.5);
         assert!(harness.query_by_label("This is the pinned result.").is_none());
         assert!(harness.query_by_label("loss squared → Cauchy").is_some());
+        let method = "method joint estimate → D (inter-prism distances)";
+        assert!(harness.query_by_label(method).is_some());
         assert!(harness.query_by_label("τ_a 1 → 0.5 °/s").is_some());
         snapshot(&mut harness, name);
 
@@ -74,6 +79,56 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
         assert!(harness.state().state.results.pins.is_empty());
         assert!(harness.query_by_label("Against pinned A").is_none());
     }
+}
+
+#[test]
+fn the_papers_answer_is_one_click_away_and_the_joint_estimate_one_back() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let method = |harness: &Window| {
+        let (_, analysis) = harness.state().state.analysed().expect("an answer");
+        analysis.answer.as_ref().expect("an answer").calibration.method
+    };
+    assert_eq!(method(&harness), Method::Joint);
+    assert!(harness.query_by_label("The paper's D: moved by").is_some());
+    // Of method D they are switches; the joint estimate has its own.
+    let can_choose_a_loss = |harness: &Window| {
+        let radio = harness.get_by_role_and_label(Role::RadioButton, "Cauchy");
+        !radio.accesskit_node().is_disabled()
+    };
+    assert!(!can_choose_a_loss(&harness));
+
+    click(&mut harness, "Show the paper's D");
+    assert_eq!(method(&harness), Method::InterPrism);
+    assert!(harness.query_by_label("The paper's D: moved by").is_none());
+    assert!(can_choose_a_loss(&harness));
+
+    click(&mut harness, "Reset to the defaults");
+    assert_eq!(method(&harness), Method::Joint);
+}
+
+/// Whoever looks in time sees the paper's answer, and that it is not the last.
+#[test]
+fn the_joint_estimate_is_said_to_follow() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let ctx = harness.ctx.clone();
+    let seen = (0..20).any(|step| {
+        let mut settings = *harness.state().state.settings();
+        settings.pipeline.thresholds.tau_l_seconds = 5.0 + 0.1 * f64::from(step);
+        harness.state_mut().send(Command::Set(settings), &ctx);
+        harness.run_steps(2);
+        let follows = |harness: &Window| harness.state().state.open[0].joint_follows();
+        while !follows(&harness) && harness.state().state.is_busy() {
+            harness.state_mut().state.take_replies();
+            std::thread::yield_now();
+        }
+        harness.run_steps(1);
+        let said = harness.query_by_label("the joint estimate follows…").is_some()
+            && harness.query_by_role_and_label(Role::Label, "D  inter-prism distances").is_some();
+        settle(&mut harness);
+        said
+    });
+    assert!(seen, "in none of twenty changes");
+    assert!(harness.query_by_label("the joint estimate follows…").is_none());
 }
 
 #[test]
@@ -99,7 +154,10 @@ fn the_history_names_what_changed_and_brings_it_back() {
     {
         let mut harness = window(size, theme);
         set(&mut harness, |s| s.pipeline.thresholds.tau_l_seconds = 20.0);
-        set(&mut harness, |s| s.calibration.loss = Loss::Huber);
+        set(&mut harness, |s| {
+            s.calibration.method = Some(Method::InterPrism);
+            s.calibration.loss = Loss::Huber;
+        });
         set(&mut harness, |s| s.pipeline.outlier_filter = false);
         send(&mut harness, Command::ShowPane(Pane::Runs));
         assert_eq!(harness.state().state.results.runs.len(), 4);
@@ -119,6 +177,7 @@ fn the_history_names_what_changed_and_brings_it_back() {
         let settings = *harness.state().state.settings();
         assert_eq!(settings.pipeline.thresholds.tau_l_seconds, 20.0);
         assert_eq!(settings.calibration.loss, Loss::Squared);
+        assert_eq!(settings.calibration.method, None);
         assert!(settings.pipeline.outlier_filter);
 
         let shown = |harness: &Window| {

@@ -40,7 +40,7 @@ fn switching_the_outlier_filter_off_lets_more_through() {
         assert!(!harness.state().state.settings().pipeline.outlier_filter);
         assert!(triplets(&harness) > before);
         snapshot(&mut harness, name);
-        harness.get_by_label("Reset to the paper's values").click();
+        harness.get_by_label("Reset to the defaults").click();
         settle(&mut harness);
         assert_eq!(triplets(&harness), before);
     }
@@ -210,7 +210,7 @@ fn a_comparison_is_run_and_drawn() {
         harness.get_by_label("Run").click();
         settle(&mut harness);
         let result = harness.state().state.studies.result.clone().expect("it ran");
-        assert_eq!(result.study().groups.len(), 4);
+        assert_eq!(result.study().groups.len(), 5);
         snapshot(&mut harness, name);
     }
 }
@@ -330,7 +330,7 @@ fn only_the_methods_that_the_data_allows_can_be_chosen() {
         }
         let (_, analysis) = harness.state().state.analysed().expect("an answer");
         let method = analysis.answer.as_ref().expect("an answer").calibration.method;
-        let expected = if theme == Theme::Dark { Method::DynamicGcp } else { Method::TwoPoint };
+        let expected = if theme == Theme::Dark { Method::Joint } else { Method::TwoPoint };
         assert_eq!(method, expected);
         snapshot(&mut harness, name);
         // A click on what is disabled changes nothing.

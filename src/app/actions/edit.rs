@@ -5,7 +5,7 @@ use eframe::egui::{Key, Modifiers};
 use super::{Action, Menu};
 use crate::analysis::Settings;
 use crate::app::state::{Command, State, put_right};
-use crate::calibration::{CalibrationSettings, Method, Offer};
+use crate::calibration::Method;
 use crate::deployment::Extras;
 use crate::pipeline::Interpolation;
 
@@ -19,7 +19,8 @@ pub fn actions(state: &State) -> Vec<Action> {
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
             .possible(state.undo.next_redo().is_some()),
     ];
-    let answered = state.active().is_some_and(|open| open.summary.is_some());
+    let answered =
+        state.active().is_some_and(|open| open.summary.is_some() && !open.joint_follows());
     actions.push(
         Action::new(Menu::Edit, "Result", "Pin the result", Command::Pin)
             .hint("Later results are seen against it")
@@ -47,24 +48,22 @@ pub fn actions(state: &State) -> Vec<Action> {
         }));
     }
     let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
-    let method = now.calibration.method.or(offer.map(Offer::default_method));
+    let method = now.calibration.method.unwrap_or_default();
     for choice in Method::ALL {
-        let name = format!("Method {}: {}", choice.letter(), choice.title());
+        let name = match choice.letter() {
+            Some(letter) => format!("Method {letter}: {}", choice.title()),
+            None => format!("Method: {}", choice.title()),
+        };
         let offered = offer.is_some_and(|offer| offer.lack(choice).is_none());
-        let action = setting("Calibration", &name, method == Some(choice), &|settings| {
-            settings.calibration.method = Some(choice);
+        let action = setting("Calibration", &name, method == choice, &|settings| {
+            settings.calibration.method = (choice != Method::default()).then_some(choice);
         });
         actions.push(action.possible(offered));
     }
-    let robust = now.calibration.is_robust();
-    actions.push(setting("Calibration", "Robust, beyond the paper", robust, &|settings| {
-        let wanted = if robust { Default::default() } else { CalibrationSettings::robust() };
-        settings.calibration = settings.calibration.beyond_as(&wanted);
-    }));
-    let paper = setting("All", "Reset to the paper's values", false, &|settings| {
+    let defaults = setting("All", "Reset to the defaults", false, &|settings| {
         *settings = Settings::default();
     });
-    actions.push(Action { on: None, ..paper }.possible(open && *now != Settings::default()));
+    actions.push(Action { on: None, ..defaults }.possible(open && *now != Settings::default()));
     actions.push(
         Action::new(Menu::Edit, "All", "Give all the active one's settings", Command::SetAll)
             .possible(state.open.iter().any(|open| open.settings != *now)),

@@ -57,14 +57,17 @@ pub fn actions(state: &State) -> Vec<Action> {
 
 pub fn exports(state: &State) -> Vec<Action> {
     let there = state.analysed().is_some();
-    let answered = state.active().is_some_and(|open| open.summary.is_some());
+    // What leaves the program is the joint estimate, and not what is shown ahead of it.
+    let last = state.active().is_some_and(|open| !open.joint_follows());
+    let answered = last && state.active().is_some_and(|open| open.summary.is_some());
     let copies = CopyFormat::ALL.into_iter().map(|format| {
         let name = format!("Copy as {}", format.title());
         let command = Command::CopyTransforms(format, Part::Both);
         Action::new(Menu::Export, "Copy both transforms", name, command).possible(answered)
     });
     let export = |section, name: &str, command| {
-        Action::new(Menu::Export, section, name, command).possible(there)
+        let possible = there && (last || section == "Picture");
+        Action::new(Menu::Export, section, name, command).possible(possible)
     };
     let mut actions = vec![
         export("Picture", "Picture of the scene…", Command::ScenePicture(PictureTo::File))

@@ -8,7 +8,9 @@ use eframe::egui::{self, Shape, Stroke};
 use super::scrolled;
 use crate::analysis::{Analysis, Settings};
 use crate::app::state::{Command, Commands, State};
-use crate::calibration::{Alignment, CalibrationSettings, Loss, Method, Offer, PriorMethod};
+use crate::calibration::{
+    Alignment, CalibrationSettings, Loss, Method, Offer, PriorMethod, Targets,
+};
 use crate::deployment::Deployment;
 use crate::pipeline::{Interpolation, Interval, PipelineSettings, SampleFate, Thresholds};
 
@@ -17,10 +19,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let mut settings = *state.settings();
         let counts =
             state.analysed().map(|(open, analysis)| Counts::of(&open.deployment, analysis));
-        let paper = settings == Settings::default();
+        let default = settings == Settings::default();
         if ui
-            .add_enabled(!paper, egui::Button::new("Reset to the paper's values"))
-            .on_disabled_hover_text("These are the paper's values")
+            .add_enabled(!default, egui::Button::new("Reset to the defaults"))
+            .on_hover_text("The paper's values for the pipeline, and the joint estimate")
+            .on_disabled_hover_text("These are the defaults: the paper's values for the pipeline, and the joint estimate")
             .clicked()
         {
             settings = Settings::default();
@@ -156,25 +159,26 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
     });
 }
 
-/// The four methods, of which only those that the data allows can be chosen, and the options of the chosen one.
+/// The methods, of which only those that the data allows can be chosen, and the options of the chosen one.
 fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Option<&Offer>) {
     module(ui, None, "Calibration", |ui, _| {
-        let default = offer.map_or(Method::InterPrism, Offer::default_method);
-        let mut method = settings.method.unwrap_or(default);
+        let default = Method::default();
+        let mut method = settings.method.unwrap_or_default();
         for choice in Method::ALL {
             let lack = offer.and_then(|offer| offer.lack(choice));
-            let name = format!("{}  {}", choice.letter(), choice.title());
             ui.add_enabled_ui(lack.is_none(), |ui| {
-                let radio = ui.radio_value(&mut method, choice, name);
+                let radio = ui.radio_value(&mut method, choice, choice.label());
                 radio.on_disabled_hover_text(format!("Needs {}", lack.unwrap_or_default()));
             });
         }
-        // What the data asks for stays open, so that other data may ask for something else.
-        if method != settings.method.unwrap_or(default) {
+        // What is not chosen stays open.
+        if method != settings.method.unwrap_or_default() {
             settings.method = (method != default).then_some(method);
         }
         match method {
             Method::TwoPoint => {}
+            // One prism has no distances.
+            Method::Joint if offer.is_some_and(|offer| offer.targets == Targets::OnePrism) => {}
             Method::StaticGcp | Method::DynamicGcp => {
                 ui.horizontal(|ui| {
                     ui.label("alignment");
@@ -184,7 +188,7 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
                         .on_hover_text("Roll and pitch as well");
                 });
             }
-            Method::InterPrism => {
+            Method::InterPrism | Method::Joint => {
                 ui.horizontal(|ui| {
                     ui.label("prior");
                     ui.radio_value(&mut settings.prior, PriorMethod::ClosedForm, "closed form")
@@ -198,51 +202,37 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
                     "How well the inter-prism distances are known (1 σ); widens every σ of the result",
                 );
                 settings.inter_prism_sigma_m = sigma_mm / 1e3;
-                beyond(ui, settings);
+                let own = method == Method::Joint;
+                ui.add_enabled_ui(!own, |ui| beyond(ui, settings, own));
             }
         }
     });
 }
 
-/// What goes beyond the published method, and one switch for all that holds up.
-fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
-    let mut robust = settings.is_robust();
-    if ui
-        .checkbox(&mut robust, "robust, beyond the paper")
-        .on_hover_text("The motion estimated from the readings themselves, Cauchy's loss, clocks, inter-prism distances and tilts estimated")
-        .changed()
-    {
-        let wanted = if robust { CalibrationSettings::robust() } else { Default::default() };
-        *settings = settings.beyond_as(&wanted);
-    }
-    ui.collapsing("its parts", |ui| parts(ui, settings));
-}
-
-fn parts(ui: &mut egui::Ui, settings: &mut CalibrationSettings) {
+/// What goes beyond method D as published, a switch each; the joint estimate has its own.
+fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings, joint_has_its_own: bool) {
+    let reason = "Of method D: the joint estimate has a loss of its own, and estimates clocks, distances and tilts";
+    let say = |response: egui::Response| {
+        if joint_has_its_own { response.on_disabled_hover_text(reason) } else { response }
+    };
     ui.horizontal_wrapped(|ui| {
         ui.label("loss");
         for (loss, name) in
             [(Loss::Squared, "squared"), (Loss::Huber, "Huber"), (Loss::Cauchy, "Cauchy")]
         {
-            ui.radio_value(&mut settings.loss, loss, name);
+            say(ui.radio_value(&mut settings.loss, loss, name));
         }
     });
     ui.horizontal_wrapped(|ui| {
         ui.label("estimate");
         let estimate = &mut settings.estimate;
-        ui.checkbox(&mut estimate.clocks, "clocks")
+        say(ui.checkbox(&mut estimate.clocks, "clocks"))
             .on_hover_text("Offsets of stations 2 and 3 against station 1");
-        ui.checkbox(&mut estimate.distances, "distances")
+        say(ui.checkbox(&mut estimate.distances, "distances"))
             .on_hover_text("Inter-prism distances, held by the σ above");
-        ui.checkbox(&mut estimate.tilt, "tilt").on_hover_text("Of stations 2 and 3, held to 1″");
+        say(ui.checkbox(&mut estimate.tilt, "tilt"))
+            .on_hover_text("Of stations 2 and 3, held to 1″");
     });
-    ui.checkbox(&mut settings.continuous_time, "readings, not triplets").on_hover_text(
-        "The motion is estimated from the readings themselves, in continuous time, and so is their noise",
-    );
-    let by_noise = egui::Checkbox::new(&mut settings.weigh_by_noise, "weigh by noise");
-    ui.add_enabled(!settings.continuous_time, by_noise)
-        .on_hover_text("Each distance counts by the noise of its two readings: 2 mm + 2 ppm, 1″")
-        .on_disabled_hover_text("Readings count by their own noise anyway");
 }
 
 /// A frame with a title: dotted and with a switch when the module is optional.

@@ -83,7 +83,7 @@ fn pinned(ui: &mut egui::Ui, pin: &Pin, commands: &mut Commands) {
         numbers(ui, summary);
     });
     let changed = changes_in_words(&setting_changes(&Settings::default(), &summary.settings));
-    let words = if changed.is_empty() { "the paper's settings".to_owned() } else { changed };
+    let words = if changed.is_empty() { "the default settings".to_owned() } else { changed };
     ui.horizontal(|ui| {
         ui.add_space(INDENT);
         ui.add(egui::Label::new(RichText::new(words).small()).wrap());
@@ -166,7 +166,7 @@ fn numbers(ui: &mut egui::Ui, summary: &ResultSummary) {
     if !caveat.is_empty() {
         ui.small("*").on_hover_text(summary.verdict_in_words());
     }
-    ui.label(summary.method.letter().to_string()).on_hover_text(summary.method.title());
+    ui.label(summary.method.short_name()).on_hover_text(summary.method.title());
     let spread = |spread: Option<(f64, f64)>| {
         spread.map_or("–".to_owned(), |(median, iqr)| format!("{median:.2} / {iqr:.2}"))
     };

@@ -54,7 +54,7 @@ fn rows(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         });
     });
     row(ui, state, "method", |ui, calibration, _| {
-        ui.label(format!("{}  {}", calibration.method.letter(), calibration.method.title()));
+        ui.label(calibration.method.label());
     });
     row(ui, state, "inter-prism median / IQR (mm)", |ui, _, answer| {
         spread(ui, answer.evaluation.inter_prism_mm.as_ref());
@@ -94,7 +94,7 @@ fn rows(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     ui.end_row();
     ui.label("settings");
     for open in &state.open {
-        let name = if open.settings == Settings::default() { "the paper's" } else { "changed" };
+        let name = if open.settings == Settings::default() { "the defaults" } else { "changed" };
         let all = serde_json::to_string_pretty(&open.settings).unwrap_or_default();
         ui.label(name).on_hover_text(all);
     }

@@ -138,11 +138,8 @@ fn sweep(ui: &mut egui::Ui, sweep: &mut Sweep) {
 }
 
 fn reference(ui: &mut egui::Ui, options: &mut StudyOptions) {
-    let name = |method: Option<Method>| {
-        method.map_or("B if possible (paper)".to_owned(), |m| {
-            format!("{}  {}", m.letter(), m.title())
-        })
-    };
+    let name =
+        |method: Option<Method>| method.map_or("B if possible (paper)".to_owned(), Method::label);
     ui.horizontal(|ui| {
         ui.label("judged by").on_hover_text("Whose transforms the errors are measured with");
         egui::ComboBox::from_id_salt("reference")

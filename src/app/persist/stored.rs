@@ -9,6 +9,7 @@ use super::hashes::FileMark;
 use super::session::{Files, SavedDeployment, SavedPin, SavedView, Session};
 use crate::analysis::Settings;
 use crate::app::layout::LayoutDescription;
+use crate::calibration::Method;
 use crate::deployment::{Extras, Finding, Place, Source};
 
 /// Version of the format that this program writes.
@@ -110,8 +111,12 @@ impl StoredSession {
     }
 
     /// The session with absolute paths, or what of it makes no sense.
-    pub fn read(self, folder: &Path) -> Result<(Session, Vec<Finding>), String> {
+    pub fn read(mut self, folder: &Path) -> Result<(Session, Vec<Finding>), String> {
         let mut findings = Vec::new();
+        for stored in &mut self.deployments {
+            let of = stored.source.title();
+            findings.extend(take_removed(&mut stored.settings, &of));
+        }
         for stored in &self.deployments {
             stored
                 .settings
@@ -139,10 +144,30 @@ impl StoredSession {
             deployments,
             view: self.view.read("the session's view", &mut findings).unwrap_or_default(),
             layout: self.layout.and_then(|it| it.read("the session's layout", &mut findings)),
-            pins: pins.filter_map(|pin| pin.read("a pinned result", &mut findings)).collect(),
+            pins: pins.filter_map(|pin| read_pin(pin, &mut findings)).collect(),
         };
         Ok((session, findings))
     }
+}
+
+/// Says of which of a session's settings it is, what this version has no switch for.
+fn take_removed(settings: &mut Settings, of: &str) -> Vec<Finding> {
+    let mut removed = settings.calibration.take_removed();
+    for finding in &mut removed {
+        finding.message = format!("settings of {of}: {}", finding.message);
+    }
+    removed
+}
+
+fn read_pin(pin: Lenient<SavedPin>, findings: &mut Vec<Finding>) -> Option<SavedPin> {
+    let mut pin = pin.read("a pinned result", findings)?;
+    let SavedPin { name, result, .. } = &mut pin;
+    findings.extend(take_removed(&mut result.settings, &format!("the pinned result {name}")));
+    // What was a switch of its method is the method now.
+    if result.settings.calibration.method == Some(Method::Joint) {
+        result.method = Method::Joint;
+    }
+    Some(pin)
 }
 
 /// With another path for each of a source's.

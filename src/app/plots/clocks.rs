@@ -91,8 +91,8 @@ fn nothing(ui: &mut egui::Ui) {
             "Bags have them (theodolite_time, and corrections of the time); a CSV has the synchronised time alone.",
         );
         ui.label(
-            "What the drive itself tells of the clocks of stations 2 and 3 is estimated by method D: Pipeline, \
-             Calibration, “robust”, or “clocks” among its parts.",
+            "What the drive itself tells of the clocks of stations 2 and 3 is in the joint estimate: Pipeline, \
+             Calibration.",
         );
     });
 }

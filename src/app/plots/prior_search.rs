@@ -6,8 +6,8 @@ use egui_plot::{AxisHints, HoverPosition, Line, MarkerShape, Plot, PlotPoint, Pl
 use super::{LABELS, answer, log_axis, round_marks};
 use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
+use crate::calibration::PriorMethod;
 use crate::calibration::inter_prism::{PriorSearch, SearchRun};
-use crate::calibration::{Method, PriorMethod};
 use crate::palette;
 
 /// The two steps.
@@ -20,7 +20,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     };
     let search = answer.calibration.inter_prism().and_then(|d| d.prior_search.as_ref());
     let Some(search) = search else {
-        offer(ui, state, answer.calibration.method, commands);
+        let searches = answer.calibration.inter_prism().is_some();
+        offer(ui, state, searches, commands);
         return;
     };
     if state.is_stale() {
@@ -117,11 +118,11 @@ fn caption(ui: &mut egui::Ui, search: &PriorSearch) {
 }
 
 /// The search runs only where it is asked for.
-fn offer(ui: &mut egui::Ui, state: &State, method: Method, commands: &mut Commands) {
+fn offer(ui: &mut egui::Ui, state: &State, searches: bool, commands: &mut Commands) {
     ui.vertical_centered(|ui| {
         ui.add_space(ui.available_height() * 0.3);
-        if method != Method::InterPrism {
-            ui.weak("The prior is searched for method D only.");
+        if !searches {
+            ui.weak("The prior is searched only for the inter-prism distances: method D and the joint estimate.");
             return;
         }
         ui.label("The prior came in closed form, without a search.");

@@ -40,7 +40,7 @@ pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
 
 use super::file_dialog;
-use super::open_deployment::OpenDeployment;
+use super::open_deployment::{Analysing, OpenDeployment};
 use super::scene::{Colouring, Ruler};
 use super::studies::Studies;
 use super::toasts::Toasts;
@@ -219,7 +219,7 @@ impl State {
     pub fn is_stale(&self) -> bool {
         let Some(open) = self.active() else { return false };
         match open.analysing {
-            Some((_, since)) => since.elapsed() > DIM_AFTER,
+            Some(analysing) => !analysing.joint_follows && analysing.since.elapsed() > DIM_AFTER,
             // A calculation that failed leaves the answer of other settings.
             None => open.analysis.as_ref().is_some_and(|a| a.settings != open.settings),
         }
@@ -247,8 +247,9 @@ impl State {
     fn analyse(&mut self, index: usize) {
         let Some(open) = self.open.get_mut(index) else { return };
         let number = self.worker.analyse(open.id, Arc::clone(&open.deployment), open.settings);
-        // The clock of a first request keeps running while newer ones replace it.
-        let since = open.analysing.map_or_else(Instant::now, |(_, since)| since);
-        open.analysing = Some((number, since));
+        // The clock of a first request keeps running while newer ones replace it, until something is shown.
+        let awaited = open.analysing.filter(|analysing| !analysing.joint_follows);
+        let since = awaited.map_or_else(Instant::now, |analysing| analysing.since);
+        open.analysing = Some(Analysing { number, since, joint_follows: false });
     }
 }

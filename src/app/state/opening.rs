@@ -11,7 +11,7 @@ use crate::analysis::Settings;
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::session::SavedDeployment;
-use crate::deployment::{Deployment, Extras, OpenError, Sample, Sorted, Source};
+use crate::deployment::{Deployment, Extras, Finding, OpenError, Sample, Sorted, Source};
 use crate::progress::Progress;
 
 /// A deployment that is being read.
@@ -247,7 +247,10 @@ impl State {
         }
         if let Some(path) = settings.last() {
             match read_settings(path) {
-                Ok(settings) => self.change_active(settings, Moment::NEVER),
+                Ok((settings, findings)) => {
+                    self.change_active(settings, Moment::NEVER);
+                    self.tell(&findings);
+                }
                 Err(line) => self.toasts.error(&line),
             }
         }
@@ -273,8 +276,8 @@ impl State {
 }
 
 /// Settings as `--config` reads them, or why not.
-fn read_settings(path: &Path) -> Result<Settings, String> {
-    let settings = Settings::read(path).map_err(|error| error.to_string())?;
+fn read_settings(path: &Path) -> Result<(Settings, Vec<Finding>), String> {
+    let (settings, findings) = Settings::read(path).map_err(|error| error.to_string())?;
     settings.check().map_err(|what| format!("{}: {what}", path.display()))?;
-    Ok(settings)
+    Ok((settings, findings))
 }

@@ -52,7 +52,7 @@ impl State {
                 self.looking.retain(|looking| *looking != number);
                 self.session.done(number);
                 for open in &mut self.open {
-                    open.analysing = open.analysing.filter(|(newest, _)| *newest != number);
+                    open.analysing = open.analysing.filter(|newest| newest.number != number);
                 }
                 self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);
                 self.toasts.error(
@@ -88,12 +88,14 @@ impl State {
         let shown = self.active().map(|open| open.id);
         let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
         let analysis = Arc::clone(&answered.analysis);
-        let first = open.analysis.is_none();
+        let (first, joint_follows) = (!open.answered, answered.joint_follows);
         let before = open.summary.clone();
         if !open.take(number, answered) {
             return;
         }
-        if let Ok(answer) = &analysis.answer {
+        if let Ok(answer) = analysis.answer.as_ref()
+            && !joint_follows
+        {
             let findings = &answer.calibration.findings;
             if first {
                 // The result's pane tells them; news is what a change of the settings brings.
@@ -109,6 +111,51 @@ impl State {
             // Prisms are found anew; everything else stands elsewhere now.
             self.ruler.ends.retain(|end| end.prism.is_some());
         }
-        self.remember_run(id, &analysis);
+        // What is told, remembered and pinned is the joint estimate.
+        if !joint_follows {
+            self.remember_run(id, &analysis);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui;
+
+    use super::*;
+    use crate::calibration::Method;
+    use crate::deployment::Sample;
+
+    /// Takes one reply of the worker.
+    fn take_next(state: &mut State) {
+        let reply = state.worker.wait_reply().expect("a reply");
+        state.take(reply);
+    }
+
+    fn shown(state: &State) -> Method {
+        let (_, analysis) = state.analysed().expect("an answer");
+        analysis.answer.as_ref().expect("an answer").calibration.method
+    }
+
+    #[test]
+    fn what_is_pinned_remembered_and_told_is_the_joint_estimate() {
+        let mut state = State::new(egui::Context::default());
+        state.add(Arc::new(Sample::Warthog.open().expect("built in")), None);
+        take_next(&mut state);
+        assert_eq!(shown(&state), Method::InterPrism);
+        assert!(state.open[0].joint_follows() && state.is_busy() && !state.is_stale());
+        let before = state.open[0].analysis_run;
+        state.pin_active();
+        assert!(state.results.pins.is_empty() && state.results.runs.is_empty());
+
+        take_next(&mut state);
+        assert_eq!(shown(&state), Method::Joint);
+        assert!(!state.open[0].joint_follows() && !state.is_busy() && !state.is_stale());
+        assert_ne!(state.open[0].analysis_run, before, "what is drawn is drawn again");
+        state.pin_active();
+        assert_eq!(state.results.pins[0].summary.method, Method::Joint);
+        let run = state.results.runs[0].result.as_ref().expect("an answer");
+        assert_eq!(run.method, Method::Joint);
+        assert!(state.toasts.shown().is_empty(), "at first nothing is news");
     }
 }

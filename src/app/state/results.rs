@@ -114,7 +114,7 @@ impl State {
     }
 
     pub(super) fn pin_active(&mut self) {
-        let Some(open) = self.active() else { return };
+        let Some(open) = self.active().filter(|open| !open.joint_follows()) else { return };
         let Some(summary) = open.summary.clone() else { return };
         let plots = Some(Arc::clone(&open.plots));
         self.results.pin(summary, plots);
@@ -137,7 +137,10 @@ impl State {
             let wanted: Vec<(u64, Settings)> = (self.results.pins.iter_mut().filter(missing))
                 .map(|pin| {
                     pin.drawing = true;
-                    (pin.id, pin.summary.settings)
+                    let mut settings = pin.summary.settings;
+                    // What no named method means may have been another when it was pinned.
+                    settings.calibration.method = Some(pin.summary.method);
+                    (pin.id, settings)
                 })
                 .collect();
             if wanted.is_empty() {

@@ -135,9 +135,9 @@ fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<Strin
     .map_err(|error| error.to_string())?;
     let calibration = &answer.calibration;
     let header = format!(
-        "{}: frame of station 1, by method {}, verdict {}",
+        "{}: frame of station 1, by {}, verdict {}",
         deployment.name,
-        calibration.method.letter(),
+        calibration.method.in_words(),
         calibration.verdict_in_words()
     );
     Ok(export::tum::tum(&trajectory, &header))

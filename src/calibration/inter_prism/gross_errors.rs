@@ -115,7 +115,7 @@ pub fn pull(
         let largest_m = errors_m.iter().fold(0.0, |worst: f64, e| worst.max(e.abs()));
         Finding::warning(format!(
             "{} triplets with distances off by up to {largest_m:.2} m pull this answer by {:.0} mm: a station lost its \
-             prism or followed another; give them less weight (--robust)",
+             prism or followed another; the joint estimate leaves them out",
             wild.len(),
             pull_m * 1e3
         ))

@@ -225,9 +225,6 @@ pub fn solve(
         lower(Verdict::Weak, refinement_in_words::suspicions(&clocks.offsets_s));
         lower(Verdict::Weak, refinement_in_words::suspected_jumps(&clocks.jumps_s));
     }
-    if settings.weigh_by_noise && settings.continuous_time {
-        lower(Verdict::Good, vec![Finding::note(refinement_in_words::WEIGHED_ANYWAY)]);
-    }
     if let Some(refined) = &refinement {
         lower(Verdict::Weak, refinement_in_words::uneven_clocks(refined));
         findings.extend(refinement_in_words::findings(refined, &rig.inter_prism_m));
@@ -258,6 +255,7 @@ pub fn solve(
             prior_search,
             refinement,
         })),
+        published: None,
         prior_ms,
         solve_ms: started.elapsed().as_secs_f64() * 1e3 - prior_ms,
     })

@@ -21,7 +21,7 @@ use crate::progress::{Cancelled, Progress};
 /// Triplets that show which way round the prisms lie.
 const THINNED: usize = 300;
 
-/// Holds an answer of method A, B or D against the rig, and names the misreading that explains a contradiction.
+/// Holds an answer about three prisms against the rig, and names the misreading that explains a contradiction.
 pub fn check(
     calibration: &mut Calibration,
     deployment: &Deployment,

@@ -10,6 +10,7 @@ use crate::calibration::two_point::TwoPointDetails;
 use crate::calibration::{Calibration, Details, ResolvedBy, Targets};
 use crate::deployment::{Deployment, pair_label};
 use crate::evaluation::{Evaluation, Spread};
+use crate::export::difference::moved_from_published;
 use crate::export::text;
 use crate::geometry::LevelTransform;
 
@@ -17,6 +18,7 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
     let Answer { calibration, evaluation, .. } = answer;
     html! {
         (transforms(calibration))
+        (published(calibration))
         @match &calibration.details {
             Details::TwoPoint(details) => (two_point(details)),
             Details::StaticGcp(details) => (static_gcp(details)),
@@ -24,7 +26,7 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
             Details::InterPrism(details) => {
                 (mirror(details))
                 @if let Some(refinement) = &details.refinement {
-                    (refined(refinement, deployment))
+                    (refined(refinement, deployment, calibration.published.is_none()))
                 }
             }
         }
@@ -147,7 +149,7 @@ fn mirror(details: &InterPrismDetails) -> Markup {
             }
         }
         @if details.refinement.is_some() {
-            p.weak { "Both by the published method, which the refinement below starts from." }
+            p.weak { "Both on the readings as the refinement below puts them right." }
         }
     }
 }
@@ -163,8 +165,47 @@ fn resolved(by: ResolvedBy) -> &'static str {
     }
 }
 
-/// What was estimated beside the transforms, and how far that moved them.
-fn refined(refined: &Refinement, deployment: &Deployment) -> Markup {
+/// The paper's answer beside a joint estimate: what it was moved by.
+fn published(joint: &Calibration) -> Markup {
+    let (Some(published), Some(moved)) = (&joint.published, moved_from_published(joint)) else {
+        return html! {};
+    };
+    let mm = |m: f64| format!("{:+.2}", m * 1e3);
+    let cells = |value: String, sigmas: Option<f64>| {
+        html! {
+            td.number { (value) }
+            td.sigma { (sigmas.map_or("–".to_owned(), |sigmas| format!("{sigmas:.1} σ"))) }
+        }
+    };
+    html! {
+        h3 { "The paper's " (published.method.short_name()) }
+        p {
+            (published.method.title()) ", as published; its verdict: " (published.verdict_in_words())
+            ". The joint estimate moved it by:"
+        }
+        table {
+            thead { tr {
+                th {}
+                @for heading in ["distance (mm)", "x (mm)", "y (mm)", "z (mm)", "yaw (mrad)"] {
+                    th.number { (heading) }
+                    th {}
+                }
+            } }
+            tbody {
+                @for station in &moved { tr {
+                    th { "T1" (station.station) }
+                    (cells(format!("{:.2}", station.distance_m.value * 1e3), station.distance_m.sigmas))
+                    @for along in station.translation_m { (cells(mm(along.value), along.sigmas)) }
+                    (cells(format!("{:+.4}", station.yaw_rad.value * 1e3), station.yaw_rad.sigmas))
+                } }
+            }
+        }
+        p.weak { "In σ of the joint estimate: both come from the same readings." }
+    }
+}
+
+/// What was estimated beside the transforms, and how far that moved them unless that is said elsewhere.
+fn refined(refined: &Refinement, deployment: &Deployment, say_moves: bool) -> Markup {
     let row = |name: String, value: String, sigma: String, sigmas: f64| {
         html! { tr {
             th { (name) }
@@ -217,7 +258,7 @@ fn refined(refined: &Refinement, deployment: &Deployment) -> Markup {
                 }
             }
         } }
-        table {
+        @if say_moves { table {
             thead { tr {
                 th { "moved against the published method, in σ" }
                 @for name in ["x", "y", "z", "yaw"] { th.number { (name) } }
@@ -228,7 +269,7 @@ fn refined(refined: &Refinement, deployment: &Deployment) -> Markup {
                     @for sigmas in moves { td.number { (format!("{sigmas:+.1}")) } }
                 } }
             }
-        }
+        } }
     }
 }
 

@@ -107,6 +107,8 @@ fn settings(settings: &Settings) -> Markup {
 /// Names with their tables' before them, and values as a person writes them.
 fn listed(settings: &Settings) -> Vec<(String, String)> {
     let mut list = Vec::new();
+    let mut settings = *settings;
+    settings.calibration.method.get_or_insert_default();
     // Settings are plain numbers, words and switches: JSON holds them all.
     let value = serde_json::to_value(settings).unwrap_or_default();
     list_into(&mut list, "", &value);
@@ -121,7 +123,6 @@ fn list_into(list: &mut Vec<(String, String)>, name: &str, value: &Value) {
                 list_into(list, &name, value);
             }
         }
-        Value::Null => list.push((name.to_owned(), "by the data".to_owned())),
         Value::Bool(on) => list.push((name.to_owned(), if *on { "yes" } else { "no" }.to_owned())),
         Value::String(word) => list.push((name.to_owned(), word.clone())),
         other => list.push((name.to_owned(), other.to_string())),
@@ -138,7 +139,7 @@ mod tests {
         changed.pipeline.thresholds.tau_s_seconds = 1.5;
         changed.calibration.estimate.clocks = true;
         let list = listed(&changed);
-        assert!(list.contains(&("calibration.method".to_owned(), "by the data".to_owned())));
+        assert!(list.contains(&("calibration.method".to_owned(), "joint".to_owned())));
         assert!(list.contains(&("pipeline.thresholds.tau_s_seconds".to_owned(), "1.5".to_owned())));
         let html = settings(&changed).into_string();
         assert_eq!(html.matches("class=\"chosen\"").count(), 2, "{html}");

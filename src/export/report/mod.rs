@@ -164,8 +164,7 @@ fn section(chapter: &Chapter) -> Markup {
             Ok(answer) => {
                 p.verdict {
                     (verdict(&answer.calibration))
-                    " · method " (answer.calibration.method.letter()) ", "
-                    (answer.calibration.method.title())
+                    " · " (answer.calibration.method.in_words())
                 }
                 (findings(&answer.calibration.findings))
             }

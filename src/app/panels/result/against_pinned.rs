@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, RichText};
 
+use super::difference_row;
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::panels::heading;
 use crate::app::state::{Command, Commands, Pin, State};
@@ -12,9 +13,6 @@ use crate::deployment::{Deployment, Severity};
 use crate::evaluation::Spread;
 use crate::export::difference::{Compared, Deviation, ResultDifference, StationDifference};
 use crate::export::summary::ResultSummary;
-
-/// Beyond this many σ the choice of settings moves the answer more than it should.
-const NOTABLE_SIGMAS: f64 = 3.0;
 
 /// Nothing where nothing is pinned.
 pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
@@ -51,7 +49,7 @@ fn verdict_and_settings(ui: &mut egui::Ui, difference: &ResultDifference) {
     }
     let Compared { pinned, now } = difference.method;
     if pinned != now {
-        ui.label(format!("method {} → {}", pinned.letter(), now.letter()));
+        ui.label(format!("method {} → {}", pinned.short_name(), now.short_name()));
     }
     if difference.settings.is_empty() {
         ui.weak("The settings are the same.");
@@ -81,15 +79,17 @@ fn transforms(
             }
             ui.end_row();
             for (axis, name) in ["x (mm)", "y (mm)", "z (mm)"].into_iter().enumerate() {
-                row(ui, name, stations.map(|s| s.translation_m[axis]), length);
+                difference_row(ui, name, stations.map(|s| s.translation_m[axis]), length);
             }
-            row(ui, "distance (mm)", stations.map(|s| s.distance_m), |m| format!("{:.2}", m * 1e3));
+            difference_row(ui, "distance (mm)", stations.map(|s| s.distance_m), |m| {
+                format!("{:.2}", m * 1e3)
+            });
             let small = units.angle.small_name();
-            row(ui, &format!("yaw ({small})"), stations.map(|s| s.yaw_rad), angle);
+            difference_row(ui, &format!("yaw ({small})"), stations.map(|s| s.yaw_rad), angle);
             // Of level answers it is the yaw again.
             if stations.iter().any(tilted) {
                 let whole = stations.map(|s| Deviation { value: s.angle_rad, sigmas: None });
-                row(ui, &format!("whole angle ({small})"), whole, angle);
+                difference_row(ui, &format!("whole angle ({small})"), whole, angle);
             }
             if difference.same_data {
                 let moved = std::array::from_fn(|k| {
@@ -98,7 +98,7 @@ fn transforms(
                     let value = moved_m(deployment, k + 1, &before, &after);
                     Deviation { value, sigmas: None }
                 });
-                row(ui, "on its track (mm)", moved, |m| format!("{:.2}", m * 1e3));
+                difference_row(ui, "on its track (mm)", moved, |m| format!("{:.2}", m * 1e3));
             }
         },
     );
@@ -113,19 +113,6 @@ fn transforms(
 /// Whether the two differ by more than a yaw.
 fn tilted(station: &StationDifference) -> bool {
     (station.angle_rad - station.yaw_rad.value.abs()).abs() > 1e-7
-}
-
-fn row(ui: &mut egui::Ui, name: &str, deviations: [Deviation; 2], show: impl Fn(f64) -> String) {
-    let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
-    ui.label(name);
-    for Deviation { value, sigmas } in deviations {
-        ui.monospace(format!("{:>8}", show(value)));
-        let text = sigmas.map_or("–".to_owned(), |sigmas| format!("{sigmas:.1}"));
-        let text = RichText::new(format!("{text:>4}")).monospace();
-        let large = sigmas.is_some_and(|sigmas| sigmas > NOTABLE_SIGMAS);
-        ui.label(if large { text.color(notable).strong() } else { text });
-    }
-    ui.end_row();
 }
 
 fn metrics(ui: &mut egui::Ui, difference: &ResultDifference) {

@@ -5,6 +5,7 @@ mod against_pinned;
 mod copy_menu;
 mod methods;
 mod metrics;
+mod published;
 mod transforms;
 
 use eframe::egui::{self, RichText};
@@ -17,9 +18,13 @@ use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::calibration::{Calibration, Verdict};
 use crate::deployment::{Finding, Severity};
+use crate::export::difference::Deviation;
 use crate::export::summary::ResultSummary;
 use crate::export::text;
 use crate::palette;
+
+/// Beyond this many σ a choice moves the answer more than it should.
+const NOTABLE_SIGMAS: f64 = 3.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
@@ -65,6 +70,9 @@ fn show(
     let calibration = &answer.calibration;
     let units = state.units;
     verdict(ui, calibration);
+    if open.joint_follows() {
+        ui.weak("the joint estimate follows…");
+    }
     reasons(ui, &calibration.findings);
     heading(ui, "Transforms into station 1");
     transforms::table(ui, calibration, units);
@@ -76,10 +84,11 @@ fn show(
             commands.push(Command::Copy(text::calibration(&open.deployment, analysis, answer)));
         }
         if let Some(summary) = &open.summary {
-            pin(ui, state, summary, commands);
+            pin(ui, state, (open, summary), commands);
         }
     });
     transforms::matrices(ui, calibration);
+    published::ui(ui, state, calibration, commands);
     against_pinned::ui(ui, state, open, commands);
     methods::ui(ui, &calibration.details, units);
     if let Some(correlation) = calibration.correlation() {
@@ -89,11 +98,18 @@ fn show(
 }
 
 /// Keeps the result to compare later ones with, unless it is kept already.
-fn pin(ui: &mut egui::Ui, state: &State, summary: &ResultSummary, commands: &mut Commands) {
+fn pin(
+    ui: &mut egui::Ui,
+    state: &State,
+    (open, summary): (&OpenDeployment, &ResultSummary),
+    commands: &mut Commands,
+) {
     let pinned = state.results.pins.iter().find(|pin| *pin.summary == *summary);
-    let why = pinned.map_or_else(String::new, |pin| format!("Pinned as {}", pin.name));
+    let why = pinned.map_or("The joint estimate is pinned, once it is there".to_owned(), |pin| {
+        format!("Pinned as {}", pin.name)
+    });
     let button = ui
-        .add_enabled(pinned.is_none(), egui::Button::new("Pin"))
+        .add_enabled(pinned.is_none() && !open.joint_follows(), egui::Button::new("Pin"))
         .on_hover_text("Keep this result, and see later ones against it")
         .on_disabled_hover_text(why);
     if button.clicked() {
@@ -122,7 +138,7 @@ const UNCHECKED: &str = "Nothing that it does not rest on confirms it. Control p
 fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {
     ui.horizontal(|ui| {
         badge(ui, calibration.verdict, 15.0);
-        ui.label(format!("{}  {}", calibration.method.letter(), calibration.method.title()));
+        ui.label(calibration.method.label());
     });
     let caveat = calibration.verdict.caveat(calibration.is_independently_checked());
     if !caveat.is_empty() {
@@ -138,4 +154,23 @@ pub fn badge(ui: &mut egui::Ui, verdict: Verdict, size: f32) {
         let word = verdict.name().to_uppercase();
         ui.label(RichText::new(word).color(ink).strong().size(size));
     });
+}
+
+/// One quantity of both stations, beside each number how many σ that is.
+fn difference_row(
+    ui: &mut egui::Ui,
+    name: &str,
+    deviations: [Deviation; 2],
+    show: impl Fn(f64) -> String,
+) {
+    let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
+    ui.label(name);
+    for Deviation { value, sigmas } in deviations {
+        ui.monospace(format!("{:>8}", show(value)));
+        let text = sigmas.map_or("–".to_owned(), |sigmas| format!("{sigmas:.1}"));
+        let text = RichText::new(format!("{text:>4}")).monospace();
+        let large = sigmas.is_some_and(|sigmas| sigmas > NOTABLE_SIGMAS);
+        ui.label(if large { text.color(notable).strong() } else { text });
+    }
+    ui.end_row();
 }

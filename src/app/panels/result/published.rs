@@ -1,0 +1,52 @@
+//! The paper's answer beside a joint estimate: what it was moved by, and the way to it.
+
+use eframe::egui;
+
+use super::difference_row;
+use crate::app::panels::heading;
+use crate::app::state::{Command, Commands, State};
+use crate::calibration::Calibration;
+use crate::export::difference::moved_from_published;
+
+/// Nothing beside any other answer.
+pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut Commands) {
+    let (Some(published), Some(moved)) = (&joint.published, moved_from_published(joint)) else {
+        return;
+    };
+    let name = published.method.short_name();
+    let units = state.units;
+    heading(ui, &format!("The paper's {name}: moved by"));
+    egui::Grid::new("moved from published").num_columns(5).spacing([7.0, 3.0]).striped(true).show(
+        ui,
+        |ui| {
+            ui.label(format!("joint − {name}"));
+            for station in &moved {
+                ui.strong(format!("T1{}", station.station));
+                ui.weak("in σ");
+            }
+            ui.end_row();
+            let [two, three] = &moved;
+            let mm = |m: f64| format!("{:.2}", m * 1e3);
+            difference_row(ui, "distance (mm)", [two.distance_m, three.distance_m], mm);
+            for (axis, name) in ["x (mm)", "y (mm)", "z (mm)"].into_iter().enumerate() {
+                let along = [two, three].map(|station| station.translation_m[axis]);
+                difference_row(ui, name, along, |m| units.length_difference(m));
+            }
+            let yaw = format!("yaw ({})", units.angle.small_name());
+            let turned = [two.yaw_rad, three.yaw_rad];
+            difference_row(ui, &yaw, turned, |rad| units.angle_difference(rad));
+        },
+    );
+    ui.horizontal(|ui| {
+        let verdict = published.verdict_in_words();
+        ui.label(format!("Verdict of {name}: {verdict}"));
+        let button = ui
+            .small_button(format!("Show the paper's {name}"))
+            .on_hover_text("Sets the method; the joint estimate is among the methods as well");
+        if button.clicked() {
+            let mut settings = *state.settings();
+            settings.calibration.method = Some(published.method);
+            commands.push(Command::Set(settings));
+        }
+    });
+}

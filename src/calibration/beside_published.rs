@@ -1,0 +1,46 @@
+//! The joint estimate with the paper's answer beside it, so that the paper's numbers are there, and what moved them.
+
+use std::time::Instant;
+
+use super::{Calibration, CalibrationError, CalibrationSettings, Method, Offer, solve_by};
+use crate::deployment::{Deployment, Finding};
+use crate::pipeline::Triplets;
+use crate::progress::Progress;
+
+/// Calibrates by the joint estimate, and by the paper's method for the same data.
+pub fn solve(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
+    let started = Instant::now();
+    let by = |method: Method| {
+        let settings = settings.plain(method);
+        solve_by(method, deployment, triplets, &settings, offer, progress)
+    };
+    let published_method = offer.published_method();
+    let published = by(published_method);
+    progress.check()?;
+    let mut joint = match (by(Method::Joint), &published) {
+        (Err(why), Ok(_)) if why != CalibrationError::Cancelled => {
+            let (why, published) = (Box::new(why), published_method);
+            return Err(CalibrationError::NoJointEstimate { why, published });
+        }
+        (joint, _) => joint?,
+    };
+    if settings.has_parts() {
+        joint.findings.push(Finding::warning(
+            "loss and estimate were not used: they are about the published methods, and the joint estimate has its own",
+        ));
+    }
+    match published {
+        Ok(published) => joint.published = Some(Box::new(published)),
+        Err(why) => joint.findings.push(Finding::warning(format!(
+            "the paper's answer is not there to compare with: {published_method} has none ({why})"
+        ))),
+    }
+    joint.solve_ms = started.elapsed().as_secs_f64() * 1e3 - joint.prior_ms;
+    Ok(joint)
+}
