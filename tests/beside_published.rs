@@ -35,7 +35,7 @@ fn without_a_method_the_answer_is_the_joint_estimate() {
     let refinement = found.inter_prism().and_then(|details| details.refinement.as_ref());
     let refinement = refinement.expect("three prisms");
     assert!(refinement.clock_offsets_s.is_some() && refinement.distances_m.is_some());
-    assert!(refinement.tilts_rad.is_some() && refinement.motion.is_some());
+    assert!(refinement.joint.is_some());
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn a_loss_or_estimates_are_of_the_published_methods_and_the_joint_estimate_says_
     let refinement = by_d.inter_prism().and_then(|details| details.refinement.as_ref());
     let refinement = refinement.expect("something beyond the paper was asked for");
     assert!(refinement.tilts_rad.is_some() && refinement.clock_offsets_s.is_none());
-    assert!(refinement.motion.is_none(), "of triplets, not of readings");
+    assert!(refinement.joint.is_none(), "of triplets, not of readings");
 }
 
 /// The window shows it before the joint estimate is there.

@@ -8,6 +8,7 @@ use std::time::Instant;
 use common::{analyse, answer, by, field_data, normalised, published, rms_by_component};
 use resect::analysis::{Analysis, Analyst, Settings};
 use resect::calibration::inter_prism::Refinement;
+use resect::calibration::joint::Stepped;
 use resect::calibration::{CalibrationSettings, Estimated, Loss, Method, Verdict};
 use resect::deployment::open;
 use resect::progress::{Cancelled, Progress};
@@ -122,12 +123,12 @@ fn a_clock_that_jumps_is_said_with_when_and_by_how_much() {
         let simulated = with_errors(errors, seed);
         let deployment = simulated.deployment().expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
-        let motion = refinement(&analysis).motion.expect("readings");
-        assert_eq!(motion.clock_jumps[0], None, "seed {seed}: station 2's is steady");
-        let jump = motion.clock_jumps[1].expect("station 3's jumps");
-        assert!((jump.by_s.value - by_s).abs() < 0.15 * by_s.abs(), "seed {seed}: {jump:?}");
-        // The drive takes 420 s, and is looked at in twelve parts.
-        assert!((jump.at_s - 210.0).abs() <= 35.0, "seed {seed}: {jump:?}");
+        let steps = &answer(&analysis).calibration.joint().expect("joint").stepped;
+        let [step] = &steps[..] else { panic!("seed {seed}: {steps:?}") };
+        let Stepped::Clock(found_s) = &step.what else { panic!("seed {seed}: {step:?}") };
+        assert_eq!(step.station, 2, "seed {seed}: the others are steady");
+        assert!((found_s.value - by_s).abs() < 0.15 * by_s.abs(), "seed {seed}: {step:?}");
+        assert!((step.after_s - 210.0).abs() <= 15.0, "seed {seed}: {step:?}");
         for settings in [published(), by(Method::Joint)] {
             let analysis = analyse(&deployment, &settings);
             let verdict = answer(&analysis).calibration.verdict;
@@ -168,7 +169,7 @@ fn the_noise_of_ranges_and_angles_is_learned() {
         let simulated = simulate_scenario(&scenario, 31);
         let deployment = simulated.deployment().expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
-        let noise = refinement(&analysis).motion.expect("readings").noise;
+        let noise = answer(&analysis).calibration.joint().expect("joint").levels;
         // Ranges have 2 ppm more than ranges of no length, and weights of Cauchy's loss take some per cent off.
         assert!((0.8..1.2).contains(&(noise.range_m() / range_sigma_m)), "{noise:?}");
         let angle = noise.angle_rad / scenario.noise.angle_sigma_rad;

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::Settings;
+use crate::calibration::joint::ErrorSizes;
 use crate::calibration::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
 use crate::pipeline::{PipelineSettings, Thresholds};
 
@@ -53,7 +54,7 @@ struct NamedValue {
 
 /// Every setting there is. The patterns name every field, so that a new one does not compile until it is here; those that
 /// older versions wrote are none any more.
-fn named_values(settings: &Settings) -> [NamedValue; 17] {
+fn named_values(settings: &Settings) -> [NamedValue; 29] {
     let Settings { pipeline, calibration } = settings;
     let PipelineSettings { outlier_filter, interval_filter, thresholds, interpolation, rate_hz } =
         pipeline;
@@ -71,10 +72,28 @@ fn named_values(settings: &Settings) -> [NamedValue; 17] {
         inter_prism_sigma_m,
         loss,
         estimate,
+        errors,
         weigh_by_noise: _,
         continuous_time: _,
     } = calibration;
     let Estimated { clocks, distances, tilt } = estimate;
+    let ErrorSizes {
+        clock_offset_s,
+        clock_drift,
+        clock_wander_s,
+        latency_s,
+        // The one above takes its place.
+        inter_prism_m: _,
+        lean_rad,
+        range_offset_m,
+        range_scale,
+        index_rad,
+        collimation_rad,
+        settling_rad,
+        settling_m,
+        ranges_wander,
+    } = errors;
+    let arcseconds = |rad: f64| rad.to_degrees() * 3600.0;
     let method = method.unwrap_or_default();
     let method = method
         .letter()
@@ -97,6 +116,18 @@ fn named_values(settings: &Settings) -> [NamedValue; 17] {
         switch("estimate clocks", *clocks),
         switch("estimate distances", *distances),
         switch("estimate tilt", *tilt),
+        number("σ clock offsets", *clock_offset_s, "s"),
+        number("σ clock drifts", *clock_drift * 1e6, "ppm"),
+        number("σ wandering clocks", *clock_wander_s * 1e3, "ms"),
+        number("σ latencies", *latency_s * 1e3, "ms"),
+        number("σ leans", arcseconds(*lean_rad), "″"),
+        number("σ range offsets", *range_offset_m * 1e3, "mm"),
+        number("σ range scales", *range_scale * 1e6, "ppm"),
+        number("σ vertical indices", arcseconds(*index_rad), "″"),
+        number("σ collimations", arcseconds(*collimation_rad), "″"),
+        number("σ settling, turn", *settling_rad * 1e3, "mrad"),
+        number("σ settling, place", *settling_m * 1e3, "mm"),
+        switch("wandering ranges", *ranges_wander),
     ]
 }
 

@@ -6,6 +6,7 @@ use std::borrow::Cow;
 
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::inter_prism::{refinement_in_words, with_clocks};
+use super::joint::{self, JointEstimate};
 use super::point_to_point::{self, Aligned, Errors, Matches};
 use super::track_clocks::{self, TrackClocks};
 use super::{
@@ -13,8 +14,9 @@ use super::{
     Verdict, checks, common_errors, time_blocks,
 };
 use crate::deployment::{Deployment, Finding};
-use crate::geometry::RigidTransform;
+use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
+use crate::progress::Progress;
 
 use super::targets::Targets;
 
@@ -31,6 +33,8 @@ pub struct DynamicGcpDetails {
     pub blocks: usize,
     /// Where they were to be estimated.
     pub clocks: Option<Box<TrackClocks>>,
+    /// The joint estimate, where the readings themselves were used.
+    pub joint: Option<Box<JointEstimate>>,
 }
 
 pub fn solve(
@@ -155,12 +159,15 @@ pub fn solve(
         }
     }
     if let Some(found) = &estimated {
-        let uneven = refinement_in_words::implausible_drifts(&found.drifts, &[None; 2]);
+        let uneven = refinement_in_words::implausible_drifts(&found.drifts, &[false; 2]);
         if !uneven.is_empty() {
             verdict = verdict.max(Verdict::Weak);
         }
         findings.extend(uneven);
-        findings.extend(refinement_in_words::clocks(&found.offsets_s, &found.drifts));
+        // The joint estimate has its own.
+        if settings.method != Some(Method::Joint) {
+            findings.extend(refinement_in_words::clocks(&found.offsets_s, &found.drifts));
+        }
     }
     let station1_from_station = transforms(&aligned);
     let mut calibration = Calibration {
@@ -175,12 +182,48 @@ pub fn solve(
             rms_m,
             blocks: blocks.len(),
             clocks: estimated,
+            joint: None,
         }),
         published: None,
         prior_ms: 0.0,
         solve_ms: 0.0,
     };
     checks::hold_against_the_rest(&mut calibration, deployment, triplets);
+    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
+    Ok(calibration)
+}
+
+/// The joint estimate of one prism: from the aligned tracks on, out of the readings themselves.
+pub fn solve_jointly(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
+    let started = std::time::Instant::now();
+    let mut calibration = solve(deployment, triplets, settings, offer)?;
+    let plain = calibration
+        .station1_from_station
+        .map(|transform| LevelTransform::new(transform.translation_m, transform.yaw_rad()));
+    let Some(joint) = joint::estimate(triplets, &plain, None, &settings.errors, progress)? else {
+        calibration.verdict = calibration.verdict.max(Verdict::Weak);
+        let line = "the readings do not hold all that the joint estimate asks of them: these are the aligned tracks";
+        calibration.findings.insert(0, Finding::warning(line));
+        return Ok(calibration);
+    };
+    for (to, finding) in joint::in_words::doubts(&joint) {
+        calibration.verdict = calibration.verdict.max(to);
+        calibration.findings.insert(0, finding);
+    }
+    calibration.findings.extend(joint::in_words::findings(&joint));
+    calibration.station1_from_station = joint.station1_from_station.map(RigidTransform::from);
+    calibration.covariance = Some(joint.covariance);
+    calibration.sigma = Some(joint.sigma());
+    if let Details::DynamicGcp(details) = &mut calibration.details {
+        details.clocks = None;
+        details.joint = Some(Box::new(joint));
+    }
     calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
     Ok(calibration)
 }

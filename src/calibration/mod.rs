@@ -215,6 +215,9 @@ impl Calibration {
     pub fn corrected(&self, triplets: &Triplets) -> Option<Triplets> {
         match &self.details {
             Details::InterPrism(details) => Some(details.refinement.as_ref()?.corrected(triplets)),
+            Details::DynamicGcp(dynamic_gcp::DynamicGcpDetails { joint: Some(joint), .. }) => {
+                Some(joint.corrected(triplets))
+            }
             _ => Some(inter_prism::with_clocks(triplets, self.clocks()?)),
         }
     }
@@ -230,7 +233,10 @@ impl Calibration {
     pub fn clocks(&self) -> Option<[inter_prism::Clock; 2]> {
         match &self.details {
             Details::InterPrism(details) => details.refinement.as_ref()?.clocks(),
-            Details::DynamicGcp(details) => Some(details.clocks.as_ref()?.clocks()),
+            Details::DynamicGcp(details) => match &details.joint {
+                Some(joint) => Some(joint.clocks()),
+                None => Some(details.clocks.as_ref()?.clocks()),
+            },
             _ => None,
         }
     }
@@ -244,13 +250,25 @@ impl Calibration {
                 let refinement = details.refinement.as_ref()?;
                 (refinement.clock_offsets_s?, refinement.clock_drifts)
             }
-            Details::DynamicGcp(details) => {
-                let clocks = details.clocks.as_ref()?;
-                (clocks.offsets_s, Some(clocks.drifts))
-            }
+            Details::DynamicGcp(details) => match &details.joint {
+                Some(joint) => (joint.clock_offsets_s, Some(joint.clock_drifts)),
+                None => {
+                    let clocks = details.clocks.as_ref()?;
+                    (clocks.offsets_s, Some(clocks.drifts))
+                }
+            },
             _ => return None,
         };
         Some(std::array::from_fn(|slot| (offsets_s[slot], drifts.map(|drifts| drifts[slot]))))
+    }
+
+    /// The joint estimate's own details.
+    pub fn joint(&self) -> Option<&joint::JointEstimate> {
+        match &self.details {
+            Details::InterPrism(details) => details.refinement.as_ref()?.joint.as_deref(),
+            Details::DynamicGcp(details) => details.joint.as_deref(),
+            _ => None,
+        }
     }
 
     /// The details of method D, and of a joint estimate of three prisms.
@@ -337,9 +355,8 @@ fn estimate_jointly(
             return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
         }
         let settings = CalibrationSettings { alignment: Alignment::Level, ..settings };
-        dynamic_gcp::solve(deployment, triplets, &settings, offer)?
+        dynamic_gcp::solve_jointly(deployment, triplets, &settings, offer, progress)?
     } else {
-        let settings = CalibrationSettings { continuous_time: true, ..settings };
         inter_prism::solve(deployment, triplets, &settings, offer, progress)?
     };
     Ok(Calibration { method: Method::Joint, ..calibration })

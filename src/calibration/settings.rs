@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Method;
+use super::joint::ErrorSizes;
 use crate::deployment::Finding;
 
 /// Where method D starts from.
@@ -67,10 +68,12 @@ pub struct CalibrationSettings {
     pub loss: Loss,
     /// Of methods C and D as published; the joint estimate has its own.
     pub estimate: Estimated,
+    /// How large the errors of instruments are that the joint estimate allows for.
+    pub errors: ErrorSizes,
     /// Only read: what older versions called it; see [`CalibrationSettings::take_removed`].
     #[serde(skip_serializing)]
     pub weigh_by_noise: bool,
-    /// Only read, as above; inside `calibration` it marks the joint estimate's own settings.
+    /// Only read, as above.
     #[serde(skip_serializing)]
     pub continuous_time: bool,
 }
@@ -84,6 +87,7 @@ impl Default for CalibrationSettings {
             inter_prism_sigma_m: 0.001,
             loss: Loss::Squared,
             estimate: Estimated::default(),
+            errors: ErrorSizes::default(),
             weigh_by_noise: false,
             continuous_time: false,
         }
@@ -95,11 +99,6 @@ impl CalibrationSettings {
     pub fn plain(&self, method: Method) -> Self {
         let Self { loss, estimate, .. } = Self::default();
         Self { method: Some(method), loss, estimate, ..*self }
-    }
-
-    /// Whether anything goes beyond the published methods.
-    pub fn refines(&self) -> bool {
-        self.continuous_time || self.has_parts()
     }
 
     /// Whether a loss, or estimates beside the transforms, were chosen.

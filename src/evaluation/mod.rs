@@ -81,6 +81,8 @@ pub struct Evaluation {
     pub distance_errors_mm: [Vec<f64>; 3],
     /// |distance error| pooled over the pairs (mm): the paper's inter-prism metric.
     pub inter_prism_mm: Option<Spread>,
+    /// The same against the distances as measured on the vehicle, where the answer estimates them.
+    pub against_measured_mm: Option<Spread>,
     pub inter_prism_by_pair_mm: [Option<Spread>; 3],
     /// One for each file of control points; pillars are left out.
     pub control_points_mm: Vec<ControlPointMetric>,
@@ -116,6 +118,14 @@ pub fn evaluate_answer(
         distances_m,
         &calibration.station1_from_station,
     );
+    let measured_m = known_distances_m(deployment, targets)
+        .filter(|_| distances_m.is_some() && refinement.is_some_and(|r| r.distances_m.is_some()));
+    if let Some(measured_m) = measured_m {
+        let triplets = corrected.as_ref().unwrap_or(triplets);
+        let errors = distance_errors_m(triplets, &calibration.station1_from_station, &measured_m);
+        evaluation.against_measured_mm =
+            Spread::of(errors.iter().flatten().map(|error_m| error_m.abs() * 1e3));
+    }
     if calibration.placing_control_points(deployment).is_none() {
         evaluation.control_points_mm.clear();
     }
@@ -145,6 +155,7 @@ pub fn evaluate(
         })
         .collect();
     Evaluation {
+        against_measured_mm: None,
         inter_prism_mm: Spread::of(distance_errors_mm.iter().flatten().copied()),
         inter_prism_by_pair_mm: distance_errors_mm
             .each_ref()

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::inter_prism::{Estimate, InterPrismDetails, PriorSearch, Refinement};
+use crate::calibration::joint::{JointEstimate, Stepped};
 use crate::calibration::two_point::PairResection;
 use crate::calibration::{Basin, Calibration, Details, TransformSigma};
 use crate::deployment::Deployment;
@@ -48,6 +49,7 @@ pub fn calibration(
         "correlation": calibration.correlation().map(|correlation| rows(&correlation)),
         "metrics": {
             "inter_prism_mm": evaluation.inter_prism_mm,
+            "inter_prism_against_measured_mm": evaluation.against_measured_mm,
             "gcp_mm": evaluation.control_points_mm,
         },
         "diagnosis": {
@@ -198,7 +200,11 @@ fn details(calibration: &Calibration) -> Value {
             })),
         }),
         Details::DynamicGcp(details) => {
-            json!({ "rms_mm": details.rms_m * 1e3, "blocks": details.blocks })
+            json!({
+                "rms_mm": details.rms_m * 1e3,
+                "blocks": details.blocks,
+                "joint": details.joint.as_deref().map(joint),
+            })
         }
         Details::InterPrism(details) => {
             json!({
@@ -218,11 +224,7 @@ fn refinement(refined: &Refinement) -> Value {
         "tilts_rad": refined.tilts_rad.map(|tilts| tilts.each_ref().map(|t| estimates(t))),
         "clock_drifts": refined.clock_drifts.map(|drifts| estimates(&drifts)),
         "prism_constant_error_m": refined.prism_constant_error_m.as_ref().map(estimate),
-        "noise": refined.motion.map(|motion| json!({
-            "range_m": motion.noise.range_m(),
-            "angle_rad": motion.noise.angle_rad,
-            "jerk_m_per_s3": motion.noise.jerk_m_per_s3,
-        })),
+        "joint": refined.joint.as_deref().map(joint),
         "support": refined.support.iter().map(|support| json!({
             "what": support.what,
             "chi_square": support.chi_square,
@@ -231,6 +233,55 @@ fn refinement(refined: &Refinement) -> Value {
         })).collect::<Vec<_>>(),
         "moves_sigmas": refined.moves_sigmas,
         "converged": refined.converged,
+    })
+}
+
+/// What only a joint estimate knows: instruments by station 1 to 3, clocks of stations 2 and 3.
+fn joint(found: &JointEstimate) -> Value {
+    let estimate = |e: &Estimate| json!({ "value": e.value, "sigma": e.sigma });
+    let estimates = |all: &[Estimate]| all.iter().map(estimate).collect::<Vec<_>>();
+    let sigma_by_source: serde_json::Map<String, Value> = found
+        .budget
+        .iter()
+        .map(|(what, variances)| {
+            (what.replace([' ', '-'], "_"), json!(variances.map(|v| v.max(0.0).sqrt()).as_slice()))
+        })
+        .collect();
+    let steps: Vec<Value> = found
+        .stepped
+        .iter()
+        .map(|step| match &step.what {
+            Stepped::Clock(by_s) => json!({
+                "station": step.station + 1, "after_s": step.after_s, "clock_s": estimate(by_s),
+            }),
+            Stepped::Station { turned_rad, moved_m } => json!({
+                "station": step.station + 1,
+                "after_s": step.after_s,
+                "turned_rad": estimate(turned_rad),
+                "moved_m": estimates(moved_m),
+            }),
+        })
+        .collect();
+    json!({
+        "clock_offsets_s": estimates(&found.clock_offsets_s),
+        "clock_drifts": estimates(&found.clock_drifts),
+        "latencies_s": estimates(&found.latencies_s),
+        "range_offsets_m": estimates(&found.range_offsets_m),
+        "range_scales": estimates(&found.range_scales),
+        "indices_rad": estimates(&found.indices_rad),
+        "leans_rad": found.leans_rad.each_ref().map(|leans| estimates(leans)),
+        "noise": {
+            "range_m": found.levels.range_m(),
+            "angle_rad": found.levels.angle_rad,
+            "stamp_s": found.levels.jitter_s,
+            "jerk_m_per_s3": found.levels.jerk_m_per_s3,
+            "range_wander_m": found.wander.sigma_m,
+            "range_wander_correlation_s": found.wander.correlation_s,
+        },
+        "steps": steps,
+        // x, y, z (m) and yaw (rad) of station 2, then of station 3.
+        "sigma_by_source": sigma_by_source,
+        "converged": found.converged,
     })
 }
 

@@ -59,6 +59,13 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
         };
         _ = writeln!(text, "{name}   {}", spread_text(spread));
     }
+    if let Some(spread) = &evaluation.against_measured_mm {
+        _ = writeln!(
+            text,
+            "as measured   {}   distances as measured, not as estimated",
+            spread_text(spread)
+        );
+    }
     for metric in &evaluation.control_points_mm {
         _ = writeln!(text, "control pts   {}   {}", spread_text(&metric.spread), metric.file);
     }

@@ -47,11 +47,12 @@ use observability::Observability;
 pub use prior_search::{PriorSearch, SearchRun};
 use published::Published;
 pub use refinement::{
-    Clock, ClockJump, Estimate, Motion, NoiseLevels, PRISM_CONSTANT_SIGMA_M, Refinement, Support,
-    TILT_SIGMA_RAD, with_clocks,
+    Clock, Estimate, PRISM_CONSTANT_SIGMA_M, Refinement, Support, TILT_SIGMA_RAD,
+    velocities_m_per_s, with_clocks,
 };
 pub use squared_cost::SquaredCost;
 
+use super::joint::{self, ErrorSizes};
 use super::method::why_no_triplets;
 use super::sense::explain_no_triplets;
 use super::{
@@ -167,9 +168,19 @@ pub fn solve(
         settings,
     );
     // Where a direction is free, there is nothing to refine.
-    let refinement = (settings.refines() && uncertainty.covariance.is_some())
-        .then(|| refinement::refine(triplets, &plain, &rig.inter_prism_m, settings, progress))
-        .flatten();
+    let jointly = settings.method == Some(Method::Joint);
+    let refinement = if uncertainty.covariance.is_none() {
+        None
+    } else if jointly {
+        let sizes = ErrorSizes { inter_prism_m: settings.inter_prism_sigma_m, ..settings.errors };
+        let distances_m = Some(&rig.inter_prism_m);
+        joint::estimate(triplets, &plain, distances_m, &sizes, progress)?
+            .map(|found| Refinement::from_joint(found, &plain))
+    } else if settings.has_parts() {
+        refinement::refine(triplets, &plain, &rig.inter_prism_m, settings, progress)
+    } else {
+        None
+    };
     progress.check()?;
     // From here on the refined answer stands in the place of the published one, on the readings that it put right.
     let mut station1_from_station = plain.map(RigidTransform::from);
@@ -189,6 +200,7 @@ pub fn solve(
         station1_from_station = refined.station1_from_station;
         doubts.extend(answer.doubt);
         doubts.extend(refinement_in_words::doubts(refined, &rig.inter_prism_m, settings));
+        doubts.extend(refined.joint.iter().flat_map(|joint| joint::in_words::doubts(joint)));
     }
     let Published { data, thinned, answer, choice, basins, rival, mut findings, .. } = published;
     let sigma = uncertainty.sigma();
@@ -226,9 +238,12 @@ pub fn solve(
         lower(Verdict::Weak, refinement_in_words::suspected_jumps(&clocks.jumps_s));
     }
     if let Some(refined) = &refinement {
-        lower(Verdict::Weak, refinement_in_words::uneven_clocks(refined));
+        if refined.joint.is_none() {
+            lower(Verdict::Weak, refinement_in_words::uneven_clocks(refined));
+        }
         findings.extend(refinement_in_words::findings(refined, &rig.inter_prism_m));
-    } else if settings.refines() {
+        findings.extend(refined.joint.iter().flat_map(|joint| joint::in_words::findings(joint)));
+    } else if jointly || settings.has_parts() {
         let line = "nothing was refined: the data does not hold all that was to be estimated";
         lower(Verdict::Weak, vec![Finding::warning(line)]);
     }

@@ -1,8 +1,6 @@
 //! What a refinement found, in words: what is off and which way, whether the data supports it, what moved.
 
-use super::refinement::{
-    ClockJump, Estimate, NoiseLevels, PRISM_CONSTANT_SIGMA_M, Refinement, Support, TILT_SIGMA_RAD,
-};
+use super::refinement::{Estimate, PRISM_CONSTANT_SIGMA_M, Refinement, Support, TILT_SIGMA_RAD};
 use crate::calibration::{CalibrationSettings, Verdict};
 use crate::deployment::{Finding, pair_label};
 
@@ -23,7 +21,9 @@ const MILLIRADIAN_PER_ARCSECOND: f64 = std::f64::consts::PI / 180.0 / 3.6;
 
 pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
     let mut findings = Vec::new();
-    if let (Some(offsets_s), Some(drifts)) = (&refined.clock_offsets_s, &refined.clock_drifts) {
+    if refined.joint.is_none()
+        && let (Some(offsets_s), Some(drifts)) = (&refined.clock_offsets_s, &refined.clock_drifts)
+    {
         findings.extend(clocks(offsets_s, drifts));
     }
     for (pair, distance) in refined.distances_m.iter().flatten().enumerate() {
@@ -51,10 +51,9 @@ pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> 
             support(largest),
         )));
     }
-    findings.extend(refined.motion.iter().map(|motion| noise_in_words(&motion.noise)));
     findings.extend(refined.support.iter().map(support_in_words));
     // Beside a joint estimate the published answer stands whole.
-    if refined.motion.is_none() {
+    if refined.joint.is_none() {
         let moves = refined.moves_sigmas.map(|sigmas| format!("{sigmas:+.1}"));
         findings.push(Finding::note(format!(
             "against the published method, in σ: T12 moved {} in x, y, z, yaw; T13 {}",
@@ -72,7 +71,7 @@ pub fn doubts(
     settings: &CalibrationSettings,
 ) -> Vec<(Verdict, Finding)> {
     let mut doubts = Vec::new();
-    if !refined.converged {
+    if !refined.converged && refined.joint.is_none() {
         doubts.push(
             "the estimate did not converge: it stopped before it reached a minimum".to_owned(),
         );
@@ -165,14 +164,6 @@ pub fn suspected_jumps(jumps_s: &[Estimate; 2]) -> Vec<Finding> {
         .collect()
 }
 
-fn noise_in_words(noise: &NoiseLevels) -> Finding {
-    Finding::note(format!(
-        "readings scatter about the motion by {:.1} mm in range, and by {:.1}″ in angle",
-        noise.range_m() * 1e3,
-        noise.angle_rad * 1e3 / MILLIRADIAN_PER_ARCSECOND,
-    ))
-}
-
 fn support_in_words(support: &Support) -> Finding {
     let Support { what, chi_square, unknowns, supported } = support;
     Finding::note(if *supported {
@@ -184,38 +175,21 @@ fn support_in_words(support: &Support) -> Finding {
     })
 }
 
-/// Clocks that neither an offset nor a drift puts right, or that drift as none does.
+/// Clocks that drift as none does.
 pub fn uneven_clocks(refined: &Refinement) -> Vec<Finding> {
-    let jumps = refined.motion.map_or([None; 2], |motion| motion.clock_jumps);
-    let implausible =
-        refined.clock_drifts.iter().flat_map(|drifts| implausible_drifts(drifts, &jumps));
-    let jumping = jumps
-        .iter()
-        .enumerate()
-        .filter_map(|(slot, jump)| Some((slot, (*jump)?)))
-        .map(|(slot, jump)| {
-            Finding::warning(format!(
-                "station {}'s stamps jump by {:+.1} ± {:.1} ms about {:.0} s into the drive, which no offset puts right: \
-                 cut the recording there",
-                slot + 2,
-                jump.by_s.value * 1e3,
-                jump.by_s.sigma * 1e3,
-                jump.at_s,
-            ))
-        });
-    jumping.chain(implausible).collect()
+    refined.clock_drifts.iter().flat_map(|drifts| implausible_drifts(drifts, &[false; 2])).collect()
 }
 
 /// Drifts that no clock has, where no jump explains them.
-pub fn implausible_drifts(drifts: &[Estimate; 2], jumps: &[Option<ClockJump>; 2]) -> Vec<Finding> {
+pub fn implausible_drifts(drifts: &[Estimate; 2], jumping: &[bool; 2]) -> Vec<Finding> {
     drifts
         .iter()
-        .zip(jumps)
+        .zip(jumping)
         .enumerate()
-        .filter(|(_, (drift, jump))| {
+        .filter(|(_, (drift, jumping))| {
             drift.value.abs() > IMPLAUSIBLE_DRIFT
                 && drift.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
-                && jump.is_none()
+                && !**jumping
         })
         .map(|(slot, (drift, _))| {
             Finding::warning(format!(

@@ -203,7 +203,6 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         }
         step
     }
-
 }
 
 /// Divides a knot's rows by the root of its own block; `false` where that is not positive definite.
@@ -352,7 +351,10 @@ mod tests {
         let inverse = full.try_inverse().expect("definite");
         let expected = inverse.view((locals, locals), (PART, PART)).into_owned();
         let expected = expected.try_inverse().expect("definite");
-        assert!((information - &expected).amax() < 1e-9 * expected.amax(), "{information} {expected}");
+        assert!(
+            (information - &expected).amax() < 1e-9 * expected.amax(),
+            "{information} {expected}"
+        );
         let step = information.cholesky().expect("definite").solve(&pull);
         assert!((step - dense.rows(locals, PART)).amax() < 1e-8, "{step}");
         let local = band.local_step(&[step; 3]);

@@ -124,7 +124,10 @@ impl SlowPrecisions {
     }
 
     /// Times slow states.
-    pub fn times<const K: usize>(&self, slow: &[SMatrix<f64, SLOW, K>]) -> Vec<SMatrix<f64, SLOW, K>> {
+    pub fn times<const K: usize>(
+        &self,
+        slow: &[SMatrix<f64, SLOW, K>],
+    ) -> Vec<SMatrix<f64, SLOW, K>> {
         (0..slow.len())
             .map(|part| {
                 let mut product = self.own[part] * slow[part];
@@ -176,7 +179,8 @@ impl Data {
                 moved += link.part.with_next * next.by_constants;
                 coupling = link.by_slow.tr_mul(&(link.part.with_next * next.by_slow));
             }
-            if let Some(before) = index.checked_sub(1).map(|i| &links[i]).filter(|l| l.tied_to_next) {
+            if let Some(before) = index.checked_sub(1).map(|i| &links[i]).filter(|l| l.tied_to_next)
+            {
                 moved += before.part.with_next.tr_mul(&before.by_constants);
             }
             constants += link.by_constants.tr_mul(&moved);
@@ -198,7 +202,8 @@ impl Data {
         for part in 0..self.own.len() {
             product.constants += self.with_constants[part].tr_mul(&columns.slow[part]);
             let slow = &mut product.slow[part];
-            *slow = self.with_constants[part] * columns.constants + self.own[part] * columns.slow[part];
+            *slow =
+                self.with_constants[part] * columns.constants + self.own[part] * columns.slow[part];
             if part + 1 < self.own.len() {
                 *slow += self.with_next[part] * columns.slow[part + 1];
             }
@@ -234,7 +239,8 @@ impl Factor {
             let root = block.cholesky()?;
             log_determinant += 2.0 * root.ln_determinant_of_root();
             let lower = root.unpack();
-            let next = lower.solve_lower_triangular(&(data.with_next[part] + priors.with_next[part]))?;
+            let next =
+                lower.solve_lower_triangular(&(data.with_next[part] + priors.with_next[part]))?;
             let border =
                 lower.solve_lower_triangular(&(data.with_constants[part] - carried_constants))?;
             carried = next.tr_mul(&next);
@@ -246,9 +252,13 @@ impl Factor {
         }
         let constants = constants.cholesky()?;
         log_determinant += 2.0 * constants.ln_determinant_of_root();
-        log_determinant
-            .is_finite()
-            .then_some(Self { own, with_next, with_constants, constants, log_determinant })
+        log_determinant.is_finite().then_some(Self {
+            own,
+            with_next,
+            with_constants,
+            constants,
+            log_determinant,
+        })
     }
 
     pub fn solve<const K: usize>(&self, right: &Columns<K>) -> Columns<K> {

@@ -188,11 +188,8 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
         let levels = &self.by.levels;
         let range_sigma_m = levels.range * (RANGE_M + RANGE_SHARE * sight.range_m);
         let across_sigma_m = levels.angle_rad * sight.range_m;
-        let precision = Vector3::new(
-            range_sigma_m.powi(-2),
-            across_sigma_m.powi(-2),
-            across_sigma_m.powi(-2),
-        );
+        let precision =
+            Vector3::new(range_sigma_m.powi(-2), across_sigma_m.powi(-2), across_sigma_m.powi(-2));
         // Sherman & Morrison: a stamp that is off moves the reading along its velocity.
         let jitter = axes.tr_mul(&velocity) * levels.jitter_s;
         let spread = precision.component_mul(&jitter);
@@ -224,7 +221,13 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
         let pull = weighted * error;
         self.band.add(place.first, 3 * prism, &place.position, &weighted, &pull);
 
-        let mut columns = [(PART_LATENCIES + station, -across), (0, Vector3::zeros()), (0, Vector3::zeros()), (0, Vector3::zeros()), (0, Vector3::zeros())];
+        let mut columns = [
+            (PART_LATENCIES + station, -across),
+            (0, Vector3::zeros()),
+            (0, Vector3::zeros()),
+            (0, Vector3::zeros()),
+            (0, Vector3::zeros()),
+        ];
         let mut count = 1;
         if let Some(slot) = station.checked_sub(1) {
             columns[1] = (3 * slot, -Vector3::x());
@@ -235,14 +238,7 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
         }
         for (i, (column, moved)) in columns[..count].iter().enumerate() {
             let values = weighted * moved;
-            self.band.add_border(
-                place.first,
-                3 * prism,
-                &place.position,
-                part,
-                *column,
-                &values,
-            );
+            self.band.add_border(place.first, 3 * prism, &place.position, part, *column, &values);
             let part = &mut self.band.parts[part];
             part.gradient[*column] += moved.dot(&pull);
             for (other, other_moved) in &columns[..=i] {
@@ -327,4 +323,3 @@ impl Signs {
         if (z ^ (z >> 31)) & 1 == 0 { 1.0 } else { -1.0 }
     }
 }
-

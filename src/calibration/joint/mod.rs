@@ -11,7 +11,9 @@
 
 mod band;
 mod chain;
+mod corrected;
 mod equations;
+pub mod in_words;
 mod motion;
 mod stability;
 mod unknowns;
@@ -20,17 +22,18 @@ use nalgebra::{Matrix4, SMatrix, SVector, Vector3};
 use rayon::prelude::*;
 
 use self::band::{BORDER, Band, PART, PartVector, TIED};
-use self::chain::{Columns, Data, Factor, Link, SlowPrecisions, SlowPriors, Wander};
+pub use self::chain::Wander;
+use self::chain::{Columns, Data, Factor, Link, SlowPrecisions, SlowPriors};
+pub use self::equations::Levels;
 use self::equations::{
-    At, Levels, OF_ANGLES, OF_JERKS, OF_RANGES, OF_STAMPS, Piece, Reading, Squares, Weighing,
-    equations,
+    At, OF_ANGLES, OF_JERKS, OF_RANGES, OF_STAMPS, Piece, Reading, Squares, Weighing, equations,
 };
 use self::motion::stretches;
 pub use self::stability::{Step, Stepped};
 pub use self::unknowns::ErrorSizes;
 use self::unknowns::{
-    CLOCKS, CONSTANTS, Constants, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, Outlook,
-    SCALES, SLOW, Slow, Station, moves, precisions, start,
+    CLOCKS, COLLIMATIONS, CONSTANTS, Constants, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS,
+    OFFSETS, Outlook, SCALES, SLOW, Slow, Station, moves, precisions, start,
 };
 use super::TransformSigma;
 use super::inter_prism::Estimate;
@@ -59,6 +62,7 @@ const FIRST_LEVELS: Levels =
 const LEAST_JERK_M_PER_S3: f64 = 0.01;
 const LEAST_NOISE_FACTOR: f64 = 0.1;
 const LEAST_JITTER_S: f64 = 1e-5;
+const MOST_JITTER_S: f64 = 0.1;
 
 /// Wanderings of ranges that are tried.
 const WANDER_SIGMAS_M: [f64; 6] = [1e-4, 4e-4, 8e-4, 0.0014, 0.0025, 0.0045];
@@ -87,8 +91,11 @@ pub struct JointEstimate {
     pub range_offsets_m: [Estimate; 3],
     pub range_scales: [Estimate; 3],
     pub indices_rad: [Estimate; 3],
+    pub collimations_rad: [Estimate; 3],
     pub levels: Levels,
     pub wander: Wander,
+    /// What was known of all that beforehand.
+    pub sizes: ErrorSizes,
     /// Stations and clocks that did not stay as they were, the clearest first.
     pub stepped: Vec<Step>,
     pub converged: bool,
@@ -313,13 +320,10 @@ fn solve<const LOCAL: usize, const ROW: usize>(
             _ => {}
         }
         let moved = pass.walk(drive, &mut at);
-        if std::env::var_os("JOINT_TRACE").is_some() {
-            eprintln!("{steps}: moved {moved:.3e} {:?} {:?} redundancy {:.2}", by.levels, model.priors.wander, by.redundancy);
-        }
         let converged = near > 2 && moved < SMALL_STEP;
         if converged || steps == MOST_STEPS {
             let rig = LOCAL == 9;
-            let mut found = pass.summary(model, &at, by.levels, rig);
+            let mut found = pass.summary(model, &at, by.levels, sizes, rig);
             (found.stepped, found.converged, found.steps) = (stepped, converged, steps);
             return Ok(Some(found));
         }
@@ -511,13 +515,20 @@ fn with_priors(
     gradient
 }
 
-/// Whether a step is one that instruments in the field are expected to make.
+impl JointEstimate {
+    /// Whether a step is one that instruments in the field are expected to make.
+    pub fn is_usual(&self, step: &Step) -> bool {
+        is_usual(step, &self.sizes)
+    }
+}
+
 fn is_usual(step: &Step, sizes: &ErrorSizes) -> bool {
     match &step.what {
         Stepped::Clock(by_s) => by_s.value.abs() < LEAST_JUMP_S,
         Stepped::Station { turned_rad, .. } => {
             let moved_m = step.moved_m().map_or(0.0, |moved| moved.value);
-            turned_rad.value.abs() < UNUSUAL * sizes.settling_rad && moved_m < UNUSUAL * sizes.settling_m
+            turned_rad.value.abs() < UNUSUAL * sizes.settling_rad
+                && moved_m < UNUSUAL * sizes.settling_m
         }
     }
 }
@@ -614,13 +625,12 @@ fn learned(levels: &Levels, squares: &Squares) -> (Levels, f64) {
     };
     // The motion is hardly redundant where it is loosely held: expectation maximisation is slower and never astray.
     let jerks = squares.expected[OF_JERKS].max(1.0);
-    let jerk_factor =
-        ((squares.found[OF_JERKS] + squares.taken_up[OF_JERKS]) / jerks).sqrt();
+    let jerk_factor = ((squares.found[OF_JERKS] + squares.taken_up[OF_JERKS]) / jerks).sqrt();
     let least_rad = LEAST_NOISE_FACTOR * equations::ANGLE_RAD;
     let levels = Levels {
         range: (levels.range * factor(OF_RANGES)).max(LEAST_NOISE_FACTOR),
         angle_rad: (levels.angle_rad * factor(OF_ANGLES)).max(least_rad),
-        jitter_s: if std::env::var_os("NOJIT").is_some() { 1e-5 } else { (levels.jitter_s * factor(OF_STAMPS)).clamp(LEAST_JITTER_S, 0.1) },
+        jitter_s: (levels.jitter_s * factor(OF_STAMPS)).clamp(LEAST_JITTER_S, MOST_JITTER_S),
         jerk_m_per_s3: (levels.jerk_m_per_s3 * jerk_factor).max(LEAST_JERK_M_PER_S3),
     };
     let expected = squares.expected[OF_RANGES] + squares.expected[OF_ANGLES];
@@ -628,7 +638,15 @@ fn learned(levels: &Levels, squares: &Squares) -> (Levels, f64) {
 }
 
 impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
-    fn summary(&self, model: &Model, at: &Estimates, levels: Levels, rig: bool) -> JointEstimate {
+    /// `rig` is whether there are distances.
+    fn summary(
+        &self,
+        model: &Model,
+        at: &Estimates,
+        levels: Levels,
+        sizes: &ErrorSizes,
+        rig: bool,
+    ) -> JointEstimate {
         let parts = at.slow.len();
         // The answer: where the stations stood on average over the parts.
         let mut wanted = Columns::<8>::zeros(parts);
@@ -653,11 +671,13 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             ("leans", LEANS..OFFSETS),
             ("range offsets", OFFSETS..SCALES),
             ("range scales", SCALES..INDICES),
-            ("vertical indices", INDICES..unknowns::COLLIMATIONS),
-            ("collimations", unknowns::COLLIMATIONS..CONSTANTS),
+            ("vertical indices", INDICES..COLLIMATIONS),
+            ("collimations", COLLIMATIONS..CONSTANTS),
         ];
         for (name, places) in groups {
-            let share = |k: usize| places.clone().map(|p| by.constants[(p, k)].powi(2) * model.precision[p]).sum();
+            let share = |k: usize| {
+                places.clone().map(|p| by.constants[(p, k)].powi(2) * model.precision[p]).sum()
+            };
             budget.push((name, SVector::from_fn(|k, _| share(k))));
         }
         let slow = self.slow_priors.times(&by.slow);
@@ -697,8 +717,10 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             range_offsets_m: [0, 1, 2].map(|station| estimate(OFFSETS + station)),
             range_scales: [0, 1, 2].map(|station| estimate(SCALES + station)),
             indices_rad: [0, 1, 2].map(|station| estimate(INDICES + station)),
+            collimations_rad: [0, 1, 2].map(|station| estimate(COLLIMATIONS + station)),
             levels,
             wander: model.priors.wander,
+            sizes: *sizes,
             stepped: Vec::new(),
             converged: false,
             steps: 0,

@@ -4,7 +4,7 @@
 //! a step at that time, with its covariance. A station that turns and moves has four numbers for it, station 1 through the
 //! other two; a clock has one. The step that explains most, by χ², is the one that is told.
 
-use nalgebra::{SMatrix, SVector, Vector3, Vector4};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::chain::{Columns, Data, Factor, SlowPrecisions, SlowPriors};
 use super::unknowns::{Constants, SLOW_CLOCKS, SLOW_RANGES, Slow};
@@ -117,15 +117,14 @@ fn best_at(
     }
     let mut wanted = Columns::<STEPPING>::zeros(parts);
     for part in from..to {
-        let share =
-            if part < cut { -1.0 / (cut - from) as f64 } else { 1.0 / (to - cut) as f64 };
+        let share = if part < cut { -1.0 / (cut - from) as f64 } else { 1.0 / (to - cut) as f64 };
         (0..STEPPING).for_each(|k| wanted.slow[part][(k, k)] = share);
     }
     let covariance = wanted.dot(&factor.solve(&wanted));
     let steps = wanted.dot(found);
     let precision = covariance.cholesky()?.inverse();
-    let after_s = 0.5 * (search.part_times_s[cut - 1] + search.part_times_s[cut])
-        - search.part_times_s[0];
+    let after_s =
+        0.5 * (search.part_times_s[cut - 1] + search.part_times_s[cut]) - search.part_times_s[0];
     let mut best: Option<(f64, Step)> = None;
     let mut offer = |clarity: f64, station: usize, what: Stepped| {
         if best.as_ref().is_none_or(|(other, _)| clarity > *other) {
@@ -191,6 +190,7 @@ fn fit<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector4;
 
     #[test]
     fn a_turn_of_station_1_is_one_of_both_others() {

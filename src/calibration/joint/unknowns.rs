@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
+use serde::{Deserialize, Serialize};
+
 use super::band::PART;
 use crate::geometry::LevelTransform;
 
@@ -38,7 +40,8 @@ const ARCSECOND_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 /// How large the errors of instruments are before a drive says anything about them (1 σ).
 ///
 /// Sources: manuals of total stations and prisms, and the papers that the README names.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ErrorSizes {
     /// The clocks of stations 2 and 3 against station 1's (s): not known.
     pub clock_offset_s: f64,
@@ -47,6 +50,8 @@ pub struct ErrorSizes {
     pub clock_wander_s: f64,
     /// Between the angles and the range of a reading (s).
     pub latency_s: f64,
+    /// Of the inter-prism distances (m); [`crate::calibration::CalibrationSettings::inter_prism_sigma_m`] takes its place.
+    #[serde(skip)]
     pub inter_prism_m: f64,
     /// What a compensator leaves (rad).
     pub lean_rad: f64,
@@ -117,9 +122,7 @@ pub fn start(plain: &[LevelTransform; 3], inter_prism_m: Option<&[f64; 3]>) -> C
         let lean = transform.inverse().rotate(&Vector3::z().cross(&away)) / EARTH_RADIUS_M;
         constants.fixed_rows_mut::<2>(LEANS + 2 * (slot + 1)).copy_from(&lean.xy());
     }
-    constants
-        .fixed_rows_mut::<3>(DISTANCES)
-        .copy_from_slice(inter_prism_m.unwrap_or(&[0.0; 3]));
+    constants.fixed_rows_mut::<3>(DISTANCES).copy_from_slice(inter_prism_m.unwrap_or(&[0.0; 3]));
     constants
 }
 
@@ -163,8 +166,7 @@ impl Station {
     pub fn corrected(&self, sight: &Sight) -> Vector3<f64> {
         let range_m = sight.range_m * (1.0 - self.scale) - self.offset_m;
         let raised = self.index_rad - 0.5 * REFRACTION * sight.range_m / EARTH_RADIUS_M;
-        sight.along * range_m
-            + sight.up * (raised * sight.range_m)
+        sight.along * range_m + sight.up * (raised * sight.range_m)
             - sight.side * (self.collimation_rad * sight.range_m)
     }
 }

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::joint::joint;
 use super::{charts, correlation};
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::inter_prism::{Estimate, InterPrismDetails, Refinement};
@@ -30,6 +31,7 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
                 }
             }
         }
+        @if let Some(found) = calibration.joint() { (joint(found)) }
         (metrics(evaluation, analysis.offer.targets))
         h3 { "Plan view" }
         (charts::plan(deployment, answer))
@@ -348,6 +350,9 @@ fn metrics(evaluation: &Evaluation, targets: Targets) -> Markup {
                     @if let Some(spread) = spread {
                         (row(html! { span.indent { (each) " " (pair_label(pair)) } }, spread))
                     }
+                }
+                @if let Some(spread) = &evaluation.against_measured_mm {
+                    (row(html! { "against the measured distances" }, spread))
                 }
                 @for metric in &evaluation.control_points_mm {
                     (row(html! { "control points of " (metric.file) }, &metric.spread))

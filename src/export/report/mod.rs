@@ -6,6 +6,7 @@ mod answer;
 mod charts;
 mod correlation;
 mod input;
+mod joint;
 
 use std::sync::Arc;
 

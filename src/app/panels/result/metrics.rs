@@ -36,6 +36,9 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
                 row(ui, RichText::new(format!("   {each} {}", pair_label(pair))), spread);
             }
         }
+        if let Some(spread) = &evaluation.against_measured_mm {
+            row(ui, RichText::new("   as measured"), spread);
+        }
         for metric in &evaluation.control_points_mm {
             // Files from elsewhere have their whole path.
             let name = metric.file.rsplit(['/', '\\']).next().unwrap_or(&metric.file);

@@ -8,21 +8,20 @@
 //! of time of the outer products of their gradients, P the priors' precisions (Huber 1981, "Robust Statistics",
 //! section 6.3; Liang & Zeger 1986).
 
-mod continuous_time;
 mod model;
 mod noise;
 
 use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
 
-pub use self::continuous_time::{ClockJump, NoiseLevels};
 pub use self::model::Clock;
 use self::model::{
     CLOCKS, CONSTANT, DISTANCES, DRIFTS, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS,
     distances, transforms,
 };
 use self::noise::{Noise, loss_scale};
+use crate::calibration::joint::JointEstimate;
 use crate::calibration::{CalibrationSettings, Estimated, Loss, TransformSigma, time_blocks};
-use crate::geometry::{LevelTransform, RigidTransform};
+use crate::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 
@@ -66,14 +65,6 @@ impl Estimate {
     }
 }
 
-/// What the readings tell of instruments and drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    pub noise: NoiseLevels,
-    /// Of stations 2 and 3.
-    pub clock_jumps: [Option<ClockJump>; 2],
-}
-
 /// Whether the data asks for a group of unknowns: Wald's test of their being what they are without estimating them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Support {
@@ -105,16 +96,49 @@ pub struct Refinement {
     pub tilts_rad: Option<[[Estimate; 2]; 2]>,
     /// (x, y, z, yaw) of stations 2 and 3: refined minus plain, over the refined σ.
     pub moves_sigmas: [f64; 8],
-    /// What was learned of instruments and drive, where the readings themselves were used.
-    pub motion: Option<Motion>,
+    /// The joint estimate that this is of, where the readings themselves were used.
+    pub joint: Option<Box<JointEstimate>>,
     /// Whether the data supports each group of estimates.
     pub support: Vec<Support>,
     pub converged: bool,
 }
 
 impl Refinement {
-    /// The triplets with clocks and prism constant put right.
+    /// The joint estimate in the place of a refinement of `plain`.
+    pub fn from_joint(joint: JointEstimate, plain: &[LevelTransform; 3]) -> Self {
+        let sigma = joint.sigma();
+        let moves_sigmas = std::array::from_fn(|place| {
+            let (now, before) =
+                (&joint.station1_from_station[place / 4 + 1], &plain[place / 4 + 1]);
+            match place % 4 {
+                3 => wrap_to_pi(now.yaw_rad - before.yaw_rad) / sigma[place / 4].yaw_rad,
+                axis => {
+                    let moved_m = now.translation_m[axis] - before.translation_m[axis];
+                    moved_m / sigma[place / 4].translation_m[axis]
+                }
+            }
+        });
+        Self {
+            station1_from_station: joint.station1_from_station.map(RigidTransform::from),
+            sigma,
+            covariance: joint.covariance,
+            clock_offsets_s: Some(joint.clock_offsets_s),
+            clock_drifts: Some(joint.clock_drifts),
+            prism_constant_error_m: None,
+            distances_m: joint.distances_m,
+            tilts_rad: None,
+            moves_sigmas,
+            support: Vec::new(),
+            converged: joint.converged,
+            joint: Some(Box::new(joint)),
+        }
+    }
+
+    /// The triplets with all that was estimated of instruments put right, but for tilts of triplets.
     pub fn corrected(&self, triplets: &Triplets) -> Triplets {
+        if let Some(joint) = &self.joint {
+            return joint.corrected(triplets);
+        }
         let mut corrected =
             self.clocks().map_or_else(|| triplets.clone(), |clocks| with_clocks(triplets, clocks));
         if let Some(longer_m) = self.prism_constant_error_m {
@@ -147,25 +171,7 @@ pub fn refine(
     let start = start(plain, inter_prism_m);
     let estimated = estimated(settings);
     let precision = precisions(settings);
-    if settings.continuous_time {
-        let loss = settings.loss;
-        let found =
-            continuous_time::estimate(triplets, &start, &estimated, &precision, loss, progress)?;
-        // The estimate weighs readings against priors by their noise; what they scatter more than that widens its error,
-        // A⁻¹ (φH + P) A⁻¹, and does not make it lean more on the priors, as (H/φ + P)⁻¹ would have it.
-        let sums = Sums {
-            hessian: found.information,
-            middle: found.information * found.overdispersion,
-            ..Sums::zeros(usize::MAX)
-        };
-        let covariance =
-            covariance(&sums, &precision, 1.0, &estimated, settings.inter_prism_sigma_m)?;
-        let motion = Motion { noise: found.noise, clock_jumps: found.clock_jumps };
-        let motion = Some(motion);
-        let converged = found.converged;
-        return Some(summary(&found.state, &start, &covariance, settings, motion, converged));
-    }
-    let noise = Noise::new(triplets, &plain.map(RigidTransform::from), settings)
+    let noise = Noise::new(triplets, &plain.map(RigidTransform::from))
         .no_larger_than_residuals(&data, &start);
     let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
 
@@ -199,7 +205,7 @@ pub fn refine(
     let sums = accumulate(&data, &state, &noise, settings.loss, scale, &blocks);
     let covariance =
         covariance(&sums, &precision, lambda, &estimated, settings.inter_prism_sigma_m)?;
-    Some(summary(&state, &start, &covariance, settings, None, converged))
+    Some(summary(&state, &start, &covariance, settings, converged))
 }
 
 /// What the clocks of stations 2 and 3 look like from the plain answer: one step of least squares with transforms, clocks
@@ -221,8 +227,8 @@ pub fn suspected_clocks(
     };
     let (places, mut precision) = (estimated(&settings), precisions(&settings));
     precision.fixed_rows_mut::<2>(DRIFTS).fill(JUMP_SIGMA_S.powi(-2));
-    let noise = Noise::new(some, &plain.map(RigidTransform::from), &settings)
-        .no_larger_than_residuals(&data, &state);
+    let noise =
+        Noise::new(some, &plain.map(RigidTransform::from)).no_larger_than_residuals(&data, &state);
     let blocks = time_blocks::of(&some.time_s, &some.interval);
     // A few gross errors must not decide.
     let loss = Loss::Huber;
@@ -249,6 +255,11 @@ pub struct SuspectedClocks {
     pub offsets_s: [Estimate; 2],
     /// How much later they are in the second half of the drive.
     pub jumps_s: [Estimate; 2],
+}
+
+/// Velocities of the three prisms at each triplet, each in its station's frame (m/s).
+pub fn velocities_m_per_s(triplets: &Triplets) -> [Vec<Vector3<f64>>; 3] {
+    model::velocities(triplets, 1)
 }
 
 /// The triplets as they would be had the clocks of stations 2 and 3 been right.
@@ -449,7 +460,6 @@ fn summary(
     start: &State,
     covariance: &Matrix,
     settings: &CalibrationSettings,
-    motion: Option<Motion>,
     converged: bool,
 ) -> Refinement {
     let sigma = |place: usize| covariance[(place, place)].max(0.0).sqrt();
@@ -470,7 +480,7 @@ fn summary(
             .tilt
             .then(|| [0, 1].map(|slot| [0, 1].map(|axis| estimate(TILTS + 2 * slot + axis)))),
         moves_sigmas: std::array::from_fn(|place| estimate(place).sigmas_from(start[place])),
-        motion,
+        joint: None,
         support: support(state, start, covariance, chosen),
         converged,
     }

@@ -70,7 +70,7 @@ impl<'a> MovingTriplets<'a> {
 /// A step this many times the usual one bridges triplets that were left out.
 const BRIDGE: f64 = 1.5;
 
-fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
+pub fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
     let last = triplets.len().saturating_sub(1);
     let longest_s = BRIDGE * usual_step_s(triplets).unwrap_or(f64::INFINITY);
     let velocity = |station: usize| {

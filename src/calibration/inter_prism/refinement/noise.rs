@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 
 use super::INSTRUMENT;
 use super::model::{MovingTriplets, State, distances, transforms};
-use crate::calibration::{CalibrationSettings, Loss};
+use crate::calibration::Loss;
 use crate::deployment::PAIRS;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
@@ -19,7 +19,7 @@ const LOSS_SCALE: f64 = 1.345;
 
 /// What is known of the noise of each triplet and pair.
 pub struct Noise {
-    /// 1/σ² of the distance (1/m²); all alike unless the settings weigh by noise.
+    /// 1/σ² of the distance (1/m²), all alike.
     pub weights: Vec<[f64; 3]>,
     /// Covariance of the separation, in station 1's frame (m²).
     pub covariance_m2: Vec<[Matrix3<f64>; 3]>,
@@ -46,11 +46,7 @@ impl Noise {
     }
 
     /// From the instruments' noise and the interpolation's.
-    pub fn new(
-        triplets: &Triplets,
-        station1_from_station: &[RigidTransform; 3],
-        settings: &CalibrationSettings,
-    ) -> Self {
+    pub fn new(triplets: &Triplets, station1_from_station: &[RigidTransform; 3]) -> Self {
         let point = |station: usize, index: usize| {
             let turn = station1_from_station[station].rotation.matrix();
             let own = match &triplets.sigma_m {
@@ -66,21 +62,8 @@ impl Noise {
                 PAIRS.map(|(a, b)| points[a] + points[b])
             })
             .collect();
-        let weights = if settings.weigh_by_noise {
-            let placed = |station: usize, index: usize| {
-                station1_from_station[station].apply(&triplets.points_m[station][index])
-            };
-            let weight = |index: usize, pair: usize| {
-                let (a, b) = PAIRS[pair];
-                let unit = (placed(a, index) - placed(b, index)).normalize();
-                let noise_m2 = unit.dot(&(covariance_m2[index][pair] * unit));
-                1.0 / (noise_m2 + 2.0 * CHORD_SIGMA_M.powi(2))
-            };
-            (0..triplets.len()).map(|index| [0, 1, 2].map(|pair| weight(index, pair))).collect()
-        } else {
-            // The size does not matter: λ and the loss take their scale from the residuals.
-            vec![[CHORD_SIGMA_M.powi(-2); 3]; triplets.len()]
-        };
+        // The size does not matter: λ and the loss take their scale from the residuals.
+        let weights = vec![[CHORD_SIGMA_M.powi(-2); 3]; triplets.len()];
         Self { weights, covariance_m2 }
     }
 }

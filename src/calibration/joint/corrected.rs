@@ -1,0 +1,58 @@
+//! Triplets as they would be had the instruments been right.
+
+use nalgebra::Vector3;
+
+use super::JointEstimate;
+use super::unknowns::{Sight, Station};
+use crate::calibration::inter_prism::{Clock, velocities_m_per_s};
+use crate::pipeline::Triplets;
+
+impl JointEstimate {
+    /// How late the stamps of stations 2 and 3 are.
+    pub fn clocks(&self) -> [Clock; 2] {
+        std::array::from_fn(|slot| Clock {
+            offset_s: self.clock_offsets_s[slot].value,
+            drift: self.clock_drifts[slot].value,
+        })
+    }
+
+    /// The triplets with all that was found of the instruments taken into account, each station upright in its own frame.
+    pub fn corrected(&self, triplets: &Triplets) -> Triplets {
+        let velocity_m_per_s = velocities_m_per_s(triplets);
+        let middle_s = match (triplets.time_s.first(), triplets.time_s.last()) {
+            (Some(first), Some(last)) => 0.5 * (first + last),
+            _ => 0.0,
+        };
+        let mut points_m = triplets.points_m.clone();
+        for (station, points_m) in points_m.iter_mut().enumerate() {
+            let instrument = self.instrument(station);
+            for (index, point_m) in points_m.iter_mut().enumerate() {
+                let velocity = &velocity_m_per_s[station][index];
+                let sight = Sight::at(point_m);
+                let late_s =
+                    instrument.late_s + instrument.drift * (triplets.time_s[index] - middle_s);
+                let across: Vector3<f64> = velocity - sight.along * sight.along.dot(velocity);
+                let when = velocity * late_s + across * instrument.latency_s;
+                *point_m = instrument.turn * (instrument.corrected(&sight) + when);
+            }
+        }
+        Triplets { points_m, ..triplets.clone() }
+    }
+
+    /// A station in its own upright frame.
+    fn instrument(&self, station: usize) -> Station {
+        let slot = station.checked_sub(1);
+        let [x, y] = self.leans_rad[station].map(|lean| lean.value);
+        Station {
+            turn: *nalgebra::Rotation3::new(Vector3::new(x, y, 0.0)).matrix(),
+            place_m: Vector3::zeros(),
+            offset_m: self.range_offsets_m[station].value,
+            scale: self.range_scales[station].value,
+            index_rad: self.indices_rad[station].value,
+            collimation_rad: self.collimations_rad[station].value,
+            latency_s: self.latencies_s[station].value,
+            late_s: slot.map_or(0.0, |slot| self.clock_offsets_s[slot].value),
+            drift: slot.map_or(0.0, |slot| self.clock_drifts[slot].value),
+        }
+    }
+}
