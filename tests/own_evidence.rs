@@ -51,7 +51,7 @@ fn a_fifth_of_the_triplets_left_out_is_too_much() {
     let track = &mut wrong.tracks[2].measurements;
     let count = track.len();
     // For a quarter of the drive station 3 follows something nearer.
-    track[count / 3..count / 3 + count / 4].iter_mut().for_each(|m| m.range_m -= 0.3);
+    track[count / 3..count / 3 + count / 4].iter_mut().for_each(|m| m.range_m -= 1.5);
     assert_doubted(&solved(&wrong, Method::Joint), "cannot be right were left out");
 }
 
@@ -72,7 +72,7 @@ fn a_lean_that_no_compensator_leaves_is_a_doubt() {
         let leaning = Polar::from_cartesian(lean * polar.to_cartesian());
         (m.azimuth_rad, m.zenith_rad) = (leaning.azimuth_rad, leaning.zenith_rad);
     }
-    assert_doubted(&solved(&wrong, Method::Joint), "station 2 would lean");
+    assert_doubted(&solved(&wrong, Method::Joint), "which instruments in order do not leave");
 }
 
 /// The same drive, the same distances, and two methods from points: neither holds it together.

@@ -13,7 +13,7 @@ use resect::calibration::{CalibrationSettings, Estimated, Loss, Method, Verdict}
 use resect::deployment::open;
 use resect::progress::{Cancelled, Progress};
 use resect::simulation::{
-    ARCSECOND_RAD, ClockStep, Preset, SystematicErrors, simulate, simulate_scenario,
+    ARCSECOND_RAD, ClockStep, ErrorKind, Preset, SystematicErrors, simulate, simulate_scenario,
 };
 
 fn settings(loss: Loss, estimate: Estimated) -> Settings {
@@ -85,7 +85,10 @@ fn stated_sigmas_hold_for_the_joint_estimate() {
     const SEEDS: u64 = 24;
     let mut runs = Vec::new();
     for seed in 0..SEEDS {
-        let simulated = with_errors(SystematicErrors::default(), seed);
+        // With what instruments do wrong in the field, but for clocks that jump.
+        let mut scenario = Preset::Warthog.scenario().with_field_errors(seed);
+        scenario.drawn_errors.retain(|kind| *kind != ErrorKind::ClockJumps);
+        let simulated = simulate_scenario(&scenario, seed);
         let deployment = simulated.deployment().expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
         assert!(refinement(&analysis).converged, "seed {seed}");

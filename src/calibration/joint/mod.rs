@@ -46,10 +46,10 @@ const MOST_STEPS: usize = 20;
 /// matters, and at last for as long as a stretch.
 const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
 /// A step whose square is below this many of the answer's variances brings the motion near the readings.
-const NEAR: f64 = 1e3;
+const NEAR: f64 = 100.0;
 /// Noise is learned from stretches of about so many knots, in so many steps.
-const LEARNING_KNOTS: usize = 200;
-const LEARNING_STEPS: usize = 6;
+const LEARNING_KNOTS: usize = 300;
+const LEARNING_STEPS: usize = 9;
 /// How far the published answer may be off meanwhile (1 σ).
 const NEAR_M: f64 = 0.1;
 const NEAR_RAD: f64 = 0.002;
@@ -61,6 +61,8 @@ const FIRST_LEVELS: Levels =
 /// No vehicle is smoother than this (m/s³), and no instrument ten times as good as it says.
 const LEAST_JERK_M_PER_S3: f64 = 0.01;
 const LEAST_NOISE_FACTOR: f64 = 0.1;
+/// What Cauchy's weights leave of the mean square of three normal errors, over the mean weight.
+const CONSISTENCY: f64 = 0.915;
 const LEAST_JITTER_S: f64 = 1e-5;
 const MOST_JITTER_S: f64 = 0.1;
 
@@ -290,8 +292,8 @@ fn solve<const LOCAL: usize, const ROW: usize>(
         let Some(pass) = pass::<LOCAL, ROW>(&sample, &at, &by, &near, progress)? else {
             return Ok(None);
         };
-        // The first step brings the motion to the readings; only then do errors tell of noise.
-        if steps > 0 {
+        // The first steps bring the motion to the readings; only then do errors tell of noise.
+        if steps > 1 {
             (by.levels, by.redundancy) = learned(&by.levels, &pass.squares());
         }
         pass.walk(&sample, &mut at);
@@ -300,37 +302,34 @@ fn solve<const LOCAL: usize, const ROW: usize>(
     let model = &mut { model };
     at = Estimates::start(drive, triplets, &constants, LOCAL / 3);
     let mut stepped = Vec::new();
-    // Steps since the motion of all stretches is near its readings: only then do errors tell of noise.
-    let mut near = 0;
+    // Whether the motion of all stretches is near its readings: only then do errors tell of anything else.
+    let mut near = false;
     for steps in 1..=MOST_STEPS {
         let Some(mut pass) = pass::<LOCAL, ROW>(drive, &at, &by, model, progress)? else {
             return Ok(None);
         };
-        match near {
-            1 => (by.levels, by.redundancy) = learned(&by.levels, &pass.squares()),
-            2 => {
-                if sizes.ranges_wander {
-                    model.priors.wander = likeliest(&pass.data, model, drive, &at);
-                }
-                stepped = steps_found(&pass.data, model, drive, &at, sizes);
-                if !pass.solve(drive, &at, model) {
-                    return Ok(None);
-                }
+        let settles = near && by.held.is_none();
+        if settles {
+            if sizes.ranges_wander {
+                model.priors.wander = likeliest(&pass.data, model, drive, &at);
             }
-            _ => {}
+            stepped = steps_found(&pass.data, model, drive, &at, sizes);
+            if !pass.solve(drive, &at, model) {
+                return Ok(None);
+            }
         }
         let moved = pass.walk(drive, &mut at);
-        let converged = near > 2 && moved < SMALL_STEP;
+        let converged = by.held.is_some() && moved < SMALL_STEP;
         if converged || steps == MOST_STEPS {
             let rig = LOCAL == 9;
             let mut found = pass.summary(model, &at, by.levels, sizes, rig);
             (found.stepped, found.converged, found.steps) = (stepped, converged, steps);
             return Ok(Some(found));
         }
-        if near == 2 {
+        if settles {
             by.held = Some(pass.eliminated.into_iter().map(|one| one.weights).collect());
         }
-        near += usize::from(near > 0 || moved < NEAR);
+        near |= moved < NEAR;
     }
     Ok(None)
 }
@@ -620,17 +619,18 @@ fn learned(levels: &Levels, squares: &Squares) -> (Levels, f64) {
         (expected - squares.taken_up[kind]).max(0.02 * expected)
     };
     let factor = |kind: usize| match squares.expected[kind] {
-        expected if expected > 0.0 => (squares.found[kind] / left(kind)).sqrt(),
+        expected if expected > 0.0 => (squares.found[kind] / (CONSISTENCY * left(kind))).sqrt(),
         _ => 1.0,
     };
     // The motion is hardly redundant where it is loosely held: expectation maximisation is slower and never astray.
     let jerks = squares.expected[OF_JERKS].max(1.0);
     let jerk_factor = ((squares.found[OF_JERKS] + squares.taken_up[OF_JERKS]) / jerks).sqrt();
     let least_rad = LEAST_NOISE_FACTOR * equations::ANGLE_RAD;
+    // A kind that loses noise to another one gets some of it back the next time: half of each step ends that sooner.
     let levels = Levels {
-        range: (levels.range * factor(OF_RANGES)).max(LEAST_NOISE_FACTOR),
-        angle_rad: (levels.angle_rad * factor(OF_ANGLES)).max(least_rad),
-        jitter_s: (levels.jitter_s * factor(OF_STAMPS)).clamp(LEAST_JITTER_S, MOST_JITTER_S),
+        range: (levels.range * factor(OF_RANGES).sqrt()).max(LEAST_NOISE_FACTOR),
+        angle_rad: (levels.angle_rad * factor(OF_ANGLES).sqrt()).max(least_rad),
+        jitter_s: (levels.jitter_s * factor(OF_STAMPS).sqrt()).clamp(LEAST_JITTER_S, MOST_JITTER_S),
         jerk_m_per_s3: (levels.jerk_m_per_s3 * jerk_factor).max(LEAST_JERK_M_PER_S3),
     };
     let expected = squares.expected[OF_RANGES] + squares.expected[OF_ANGLES];
