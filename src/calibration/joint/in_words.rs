@@ -31,8 +31,8 @@ pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
         ));
     }
     for error in instruments(found) {
-        let sigmas = error.estimate.value.abs() / error.known;
-        if sigmas > MOST_PRIOR_SIGMAS {
+        // What is held to be nothing says nothing.
+        if error.known > 0.0 && error.estimate.value.abs() > MOST_PRIOR_SIGMAS * error.known {
             let line = format!(
                 "{}, which instruments in order do not leave ({:.1} {}, 1 σ): something is wrong that this estimate takes \
                  for it",
