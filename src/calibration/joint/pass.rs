@@ -1,0 +1,208 @@
+//! One step of Gauss & Newton: everything linear about where it is taken to be, and the way from there.
+
+use nalgebra::SMatrix;
+use rayon::prelude::*;
+
+use super::band::{Band, PART, PartVector};
+use super::chain::{Columns, Data, Factor, Link, SlowPrecisions, SlowPriors};
+use super::drive::Drive;
+use super::equations::{At, Levels, Piece, Squares, Weighing, equations};
+use super::unknowns::{CONSTANTS, Constants, DISTANCES, SLOW, Slow, Station, moves};
+use crate::pipeline::Triplets;
+use crate::progress::{Cancelled, Progress};
+
+/// Everything unknown.
+#[derive(Clone)]
+pub struct Estimates {
+    pub constants: Constants,
+    pub slow: Vec<Slow>,
+    /// By stretch.
+    pub coefficients_m: Vec<Vec<f64>>,
+}
+
+impl Estimates {
+    pub fn start(drive: &Drive, triplets: &Triplets, constants: &Constants, prisms: usize) -> Self {
+        let stations = [0, 1, 2].map(|station| Station::of(constants, station));
+        Self {
+            constants: *constants,
+            slow: vec![Slow::zeros(); drive.outlooks.len()],
+            coefficients_m: drive.coefficients_m(triplets, &stations, prisms),
+        }
+    }
+}
+
+/// What is known beforehand.
+pub struct Model {
+    pub precision: Constants,
+    pub start: Constants,
+    pub priors: SlowPriors,
+}
+
+/// What equations count by; the weights are by stretch.
+pub struct Weigh {
+    pub levels: Levels,
+    pub redundancy: f64,
+    pub held: Option<Vec<Vec<f64>>>,
+}
+
+/// One stretch, eliminated.
+pub struct Eliminated<const LOCAL: usize, const ROW: usize> {
+    pub band: Band<LOCAL, ROW>,
+    pub squares: Squares,
+    pub weights: Vec<f64>,
+}
+
+/// Everything linear about some estimates, and the step from there.
+pub struct Pass<const LOCAL: usize, const ROW: usize> {
+    pub eliminated: Vec<Eliminated<LOCAL, ROW>>,
+    pub moves: Vec<(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)>,
+    pub data: Data,
+    pub slow_priors: SlowPrecisions,
+    pub factor: Factor,
+    pub step: Columns<1>,
+}
+
+/// `None` where a direction stays free.
+pub fn pass<const LOCAL: usize, const ROW: usize>(
+    drive: &Drive,
+    at: &Estimates,
+    by: &Weigh,
+    model: &Model,
+    progress: &Progress,
+) -> Result<Option<Pass<LOCAL, ROW>>, Cancelled> {
+    let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
+    let moves: Vec<_> = drive
+        .outlooks
+        .iter()
+        .zip(&drive.part_times_s)
+        .map(|(outlooks, time_s)| moves(&stations, outlooks, time_s - drive.middle_s))
+        .collect();
+    let Some(eliminated) = eliminate::<LOCAL, ROW>(drive, at, by, &moves, progress)? else {
+        return Ok(None);
+    };
+    let parts = eliminated.iter().flat_map(|one| &one.band.parts);
+    let links: Vec<_> = parts
+        .zip(&moves)
+        .zip(&drive.tied_to_next)
+        .map(|((part, (by_constants, by_slow)), tied_to_next)| Link {
+            part,
+            tied_to_next: *tied_to_next,
+            by_constants,
+            by_slow,
+        })
+        .collect();
+    let data = Data::of(&links);
+    Ok(solved(&data, drive, at, model).map(|(slow_priors, factor, step)| Pass {
+        eliminated,
+        moves,
+        data,
+        slow_priors,
+        factor,
+        step,
+    }))
+}
+
+fn solved(
+    data: &Data,
+    drive: &Drive,
+    at: &Estimates,
+    model: &Model,
+) -> Option<(SlowPrecisions, Factor, Columns<1>)> {
+    let slow_priors = SlowPrecisions::new(&model.priors, &drive.part_times_s)?;
+    // On the way, what is slow may have to wait until the motion is known better.
+    let factor = Factor::new(data, &model.precision, &slow_priors)
+        .or_else(|| Factor::new(data, &model.precision, &slow_priors.stiffer()))?;
+    let step = factor.solve(&with_priors(data, model, &slow_priors, at));
+    Some((slow_priors, factor, step))
+}
+
+impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
+    pub fn squares(&self) -> Squares {
+        let mut squares = Squares::default();
+        self.eliminated.iter().for_each(|one| squares.add(&one.squares));
+        squares
+    }
+
+    /// Again with other priors.
+    pub fn solve(&mut self, drive: &Drive, at: &Estimates, model: &Model) -> bool {
+        let found = solved(&self.data, drive, at, model);
+        let is_held = found.is_some();
+        if let Some((slow_priors, factor, step)) = found {
+            (self.slow_priors, self.factor, self.step) = (slow_priors, factor, step);
+        }
+        is_held
+    }
+
+    /// Takes the step; its square in units of the covariance.
+    pub fn walk(&self, drive: &Drive, at: &mut Estimates) -> f64 {
+        let step = &self.step;
+        let of_parts: Vec<PartVector> = self
+            .moves
+            .iter()
+            .zip(&step.slow)
+            .map(|((by_constants, by_slow), slow)| by_constants * step.constants + by_slow * slow)
+            .collect();
+        at.constants -= step.constants;
+        at.slow.iter_mut().zip(&step.slow).for_each(|(slow, step)| *slow -= step);
+        let first_parts = drive.first_parts();
+        at.coefficients_m.par_iter_mut().zip(&self.eliminated).enumerate().for_each(
+            |(index, (coefficients_m, one))| {
+                let parts = first_parts[index]..first_parts[index + 1];
+                let local = one.band.local_step(&of_parts[parts]);
+                coefficients_m.iter_mut().zip(&local).for_each(|(value, step)| *value -= step);
+            },
+        );
+        step.dot(&self.data.times(step))[0]
+    }
+}
+
+/// `None` where the motion is not held.
+fn eliminate<const LOCAL: usize, const ROW: usize>(
+    drive: &Drive,
+    at: &Estimates,
+    by: &Weigh,
+    moves: &[(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)],
+    progress: &Progress,
+) -> Result<Option<Vec<Eliminated<LOCAL, ROW>>>, Cancelled> {
+    let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
+    let distances_m = (LOCAL == 9).then(|| {
+        let distances = at.constants.fixed_rows::<3>(DISTANCES);
+        [distances[0], distances[1], distances[2]]
+    });
+    let slow: Vec<PartVector> =
+        moves.iter().zip(&at.slow).map(|((_, by_slow), slow)| by_slow * slow).collect();
+    let first_parts = drive.first_parts();
+    let one = |(index, piece): (usize, &Piece)| {
+        progress.check()?;
+        let here = At {
+            stations: &stations,
+            distances_m,
+            middle_s: drive.middle_s,
+            slow: &slow[first_parts[index]..first_parts[index + 1]],
+            coefficients_m: &at.coefficients_m[index],
+        };
+        let held = by.held.as_ref().map(|held| &held[index][..]);
+        let weighing = Weighing { levels: by.levels, redundancy: by.redundancy, held };
+        let mut found = equations::<LOCAL, ROW>(piece, &here, &weighing);
+        let is_held = found.band.eliminate();
+        found.squares.taken_up = found.band.taken_up;
+        let (band, squares, weights) = (found.band, found.squares, found.weights);
+        Ok(is_held.then_some(Eliminated { band, squares, weights }))
+    };
+    let all: Result<Vec<_>, Cancelled> = drive.pieces.par_iter().enumerate().map(one).collect();
+    Ok(all?.into_iter().collect())
+}
+
+/// The gradient of everything but the motion.
+pub fn with_priors(
+    data: &Data,
+    model: &Model,
+    slow_priors: &SlowPrecisions,
+    at: &Estimates,
+) -> Columns<1> {
+    let mut gradient = data.gradient.clone();
+    gradient.constants += model.precision.component_mul(&(at.constants - model.start));
+    let pulls = slow_priors.times(&at.slow);
+    gradient.slow.iter_mut().zip(&pulls).for_each(|(slow, pull)| *slow += pull);
+    gradient
+}

@@ -1,0 +1,119 @@
+//! What changes slowly, or at once: how far stations may settle, how ranges wander, and which steps there are.
+
+use nalgebra::{Matrix4, SMatrix, SVector, Vector3};
+
+use super::chain::{Data, Factor, SlowPrecisions, SlowPriors, Wander};
+use super::drive::Drive;
+use super::pass::{Estimates, Model, with_priors};
+use super::stability::{self, Step, Stepped};
+use super::unknowns::{Constants, ErrorSizes};
+
+/// Wanderings of ranges that are tried.
+const WANDER_SIGMAS_M: [f64; 6] = [1e-4, 4e-4, 8e-4, 0.0014, 0.0025, 0.0045];
+const WANDER_TIMES_S: [f64; 3] = [3.0, 12.0, 50.0];
+/// Steps of stations and clocks that are looked for, at most.
+const MOST_STEPS_FOUND: usize = 4;
+/// A step this many times the size of what is usual is none of that.
+const UNUSUAL: f64 = 4.0;
+const LEAST_JUMP_S: f64 = 0.002;
+
+/// What is known beforehand of all that is slow, ranges wandering as little as anything that is tried.
+pub fn priors(sizes: &ErrorSizes, start: &Constants) -> SlowPriors {
+    SlowPriors {
+        settling: settling(sizes, start),
+        clocks_s2: sizes.clock_wander_s.powi(2),
+        wander: Wander { sigma_m: WANDER_SIGMAS_M[0], correlation_s: WANDER_TIMES_S[1] },
+        steps: Vec::new(),
+    }
+}
+
+pub fn is_usual(step: &Step, sizes: &ErrorSizes) -> bool {
+    match &step.what {
+        Stepped::Clock(by_s) => by_s.value.abs() < LEAST_JUMP_S,
+        Stepped::Station { turned_rad, .. } => {
+            let moved_m = step.moved_m().map_or(0.0, |moved| moved.value);
+            turned_rad.value.abs() < UNUSUAL * sizes.settling_rad
+                && moved_m < UNUSUAL * sizes.settling_m
+        }
+    }
+}
+
+/// Steps of stations and clocks, the clearest first; what is none of the usual gets room in the priors.
+pub fn steps_found(
+    data: &Data,
+    model: &mut Model,
+    drive: &Drive,
+    at: &Estimates,
+    sizes: &ErrorSizes,
+) -> Vec<Step> {
+    let mut found = Vec::new();
+    while found.len() < MOST_STEPS_FOUND {
+        let step = stability::clearest_step(&stability::Search {
+            data,
+            precision: &model.precision,
+            priors: &model.priors,
+            part_times_s: &drive.part_times_s,
+            slow: &at.slow,
+            from_priors: &(at.constants - model.start),
+            known: &model.priors.steps,
+            places_m: [0, 1].map(|slot| at.constants.fixed_rows::<3>(4 * slot).into()),
+        });
+        let Some(step) = step else { break };
+        let usual = is_usual(&step, sizes);
+        if !usual {
+            model.priors.steps.push(step.part);
+        }
+        found.push(step);
+        if usual {
+            break;
+        }
+    }
+    found
+}
+
+/// The wandering of ranges that makes what was read likeliest, the motion being what it is.
+pub fn likeliest(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> Wander {
+    let unlikeliness = |wander: Wander| {
+        let priors = SlowPriors { wander, ..model.priors.clone() };
+        let slow_priors = SlowPrecisions::new(&priors, &drive.part_times_s)?;
+        let factor = Factor::new(data, &model.precision, &slow_priors)?;
+        let gradient = with_priors(data, model, &slow_priors, at);
+        let pulls = slow_priors.times(&at.slow);
+        let held: f64 = at.slow.iter().zip(&pulls).map(|(slow, pull)| slow.dot(pull)).sum();
+        Some(factor.log_determinant + held - gradient.dot(&factor.solve(&gradient))[0])
+    };
+    let best = |all: &mut dyn Iterator<Item = Wander>, otherwise: Wander| {
+        all.filter_map(|wander| Some((unlikeliness(wander)?, wander)))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or(otherwise, |(_, wander)| wander)
+    };
+    let correlation_s = model.priors.wander.correlation_s;
+    let first = best(
+        &mut WANDER_SIGMAS_M.into_iter().map(|sigma_m| Wander { sigma_m, correlation_s }),
+        model.priors.wander,
+    );
+    best(
+        &mut WANDER_TIMES_S.into_iter().map(|correlation_s| Wander { correlation_s, ..first }),
+        first,
+    )
+}
+
+/// Variance of how stations 2 and 3 walk against station 1, which walks as well.
+fn settling(sizes: &ErrorSizes, start: &Constants) -> SMatrix<f64, 8, 8> {
+    let own = SVector::<f64, 4>::new(
+        sizes.settling_m.powi(2),
+        sizes.settling_m.powi(2),
+        sizes.settling_m.powi(2),
+        sizes.settling_rad.powi(2),
+    )
+    .map(|variance| variance.max(1e-14));
+    let mut by_first = SMatrix::<f64, 8, 4>::zeros();
+    for slot in 0..2 {
+        let place: Vector3<f64> = start.fixed_rows::<3>(4 * slot).into();
+        let mut turned = Matrix4::identity();
+        turned.fixed_view_mut::<3, 1>(0, 3).copy_from(&Vector3::z().cross(&place));
+        by_first.fixed_rows_mut::<4>(4 * slot).copy_from(&-turned);
+    }
+    let both = SVector::<f64, 8>::from_fn(|k, _| own[k % 4]);
+    SMatrix::from_diagonal(&both) + by_first * Matrix4::from_diagonal(&own) * by_first.transpose()
+}

@@ -1,0 +1,105 @@
+//! What an estimate is told as: the answer, its covariance and what that is made of.
+
+use nalgebra::{SMatrix, SVector, Vector3};
+
+use super::JointEstimate;
+use super::chain::Columns;
+use super::equations::Levels;
+use super::pass::{Estimates, Model, Pass};
+use super::unknowns::{
+    CLOCKS, COLLIMATIONS, CONSTANTS, DISTANCES, DRIFTS, ErrorSizes, INDICES, LATENCIES, LEANS,
+    OFFSETS, SCALES, SLOW, SLOW_CLOCKS, SLOW_RANGES,
+};
+use crate::calibration::inter_prism::Estimate;
+use crate::geometry::LevelTransform;
+
+impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
+    /// `rig` is whether there are distances.
+    pub fn summary(
+        &self,
+        model: &Model,
+        at: &Estimates,
+        levels: Levels,
+        sizes: &ErrorSizes,
+        rig: bool,
+    ) -> JointEstimate {
+        let parts = at.slow.len();
+        // The answer: where the stations stood on average over the parts.
+        let mut wanted = Columns::<8>::zeros(parts);
+        for k in 0..8 {
+            wanted.constants[(k, k)] = 1.0;
+            wanted.slow.iter_mut().for_each(|slow| slow[(k, k)] = 1.0 / parts as f64);
+        }
+        let by = self.factor.solve(&wanted);
+        let covariance = wanted.dot(&by);
+        let mean = wanted.dot(&Columns::<1> { slow: at.slow.clone(), constants: at.constants });
+        let level = |slot: usize| {
+            let at = mean.fixed_rows::<4>(4 * slot);
+            LevelTransform::new(Vector3::new(at[0], at[1], at[2]), at[3])
+        };
+        // A station that walks randomly is this far from its mean where it was set up.
+        let stray = model.priors.settling / 3.0;
+        let mut budget = vec![("noise", by.dot(&self.data.times(&by)).diagonal())];
+        let groups = [
+            ("clocks", CLOCKS..LATENCIES),
+            ("latencies", LATENCIES..DISTANCES),
+            ("inter-prism distances", DISTANCES..LEANS),
+            ("leans", LEANS..OFFSETS),
+            ("range offsets", OFFSETS..SCALES),
+            ("range scales", SCALES..INDICES),
+            ("vertical indices", INDICES..COLLIMATIONS),
+            ("collimations", COLLIMATIONS..CONSTANTS),
+        ];
+        for (name, places) in groups {
+            let share = |k: usize| {
+                places.clone().map(|p| by.constants[(p, k)].powi(2) * model.precision[p]).sum()
+            };
+            budget.push((name, SVector::from_fn(|k, _| share(k))));
+        }
+        let slow = self.slow_priors.times(&by.slow);
+        let mut by_slow = [SVector::<f64, 8>::zeros(); 3];
+        for (state, pull) in by.slow.iter().zip(&slow) {
+            for row in 0..SLOW {
+                let which = match row {
+                    SLOW_RANGES.. => 2,
+                    SLOW_CLOCKS.. => 1,
+                    _ => 0,
+                };
+                for k in 0..8 {
+                    by_slow[which][k] += state[(row, k)] * pull[(row, k)];
+                }
+            }
+        }
+        budget.push(("settling", by_slow[0] + stray.diagonal()));
+        budget.push(("wandering clocks", by_slow[1]));
+        budget.push(("wandering ranges", by_slow[2]));
+        let mut each = Columns::<CONSTANTS>::zeros(parts);
+        each.constants = SMatrix::identity();
+        let constants = self.factor.solve(&each).constants;
+        let estimate = |place: usize| Estimate {
+            value: at.constants[place],
+            sigma: constants[(place, place)].max(0.0).sqrt(),
+        };
+        JointEstimate {
+            station1_from_station: [LevelTransform::IDENTITY, level(0), level(1)],
+            covariance: covariance + stray,
+            budget,
+            clock_offsets_s: [0, 1].map(|slot| estimate(CLOCKS + slot)),
+            clock_drifts: [0, 1].map(|slot| estimate(DRIFTS + slot)),
+            latencies_s: [0, 1, 2].map(|station| estimate(LATENCIES + station)),
+            distances_m: rig.then(|| [0, 1, 2].map(|pair| estimate(DISTANCES + pair))),
+            leans_rad: [0, 1, 2]
+                .map(|station| [0, 1].map(|axis| estimate(LEANS + 2 * station + axis))),
+            range_offsets_m: [0, 1, 2].map(|station| estimate(OFFSETS + station)),
+            range_scales: [0, 1, 2].map(|station| estimate(SCALES + station)),
+            indices_rad: [0, 1, 2].map(|station| estimate(INDICES + station)),
+            collimations_rad: [0, 1, 2].map(|station| estimate(COLLIMATIONS + station)),
+            levels,
+            wander: model.priors.wander,
+            sizes: *sizes,
+            stepped: Vec::new(),
+            converged: false,
+            steps: 0,
+        }
+    }
+}
