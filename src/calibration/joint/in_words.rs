@@ -7,6 +7,8 @@ use crate::deployment::Finding;
 
 /// An estimate further than this many σ of its prior from where that puts it has another cause than chance.
 const MOST_PRIOR_SIGMAS: f64 = 5.0;
+/// Five of them together are this large once in a hundred thousand times.
+const MOST_TOGETHER_SIGMAS: f64 = 5.5;
 /// An instrument's error is told where it is this many of its σ, and the data narrowed what was known by this share.
 const TOLD_SIGMAS: f64 = 2.5;
 const TOLD_NARROWED: f64 = 0.8;
@@ -43,6 +45,17 @@ pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
             doubts.push((Verdict::Weak, Finding::warning(line)));
         }
     }
+    for station in 0..3 {
+        let sigmas = instrument_sigmas(found, station);
+        if sigmas > MOST_TOGETHER_SIGMAS {
+            let line = format!(
+                "what is wrong with station {}'s ranges, zenith angles and lean would be {sigmas:.1} σ of what instruments in \
+                 order have, taken together: it was knocked, or something else bends the answer",
+                station + 1
+            );
+            doubts.push((Verdict::Weak, Finding::warning(line)));
+        }
+    }
     doubts.extend(found.stepped.iter().map(|step| stepped(step, found)));
     doubts.extend(
         refinement_in_words::implausible_drifts(&found.clock_drifts, &jumping(found))
@@ -50,6 +63,21 @@ pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
             .map(|finding| (Verdict::Weak, finding)),
     );
     doubts
+}
+
+/// How large the errors of a station are together, in units of what is known of each beforehand.
+fn instrument_sigmas(found: &JointEstimate, station: usize) -> f64 {
+    let sizes = &found.sizes;
+    let [x, y] = found.leans_rad[station];
+    let errors = [
+        (found.range_offsets_m[station], sizes.range_offset_m),
+        (found.range_scales[station], sizes.range_scale),
+        (found.indices_rad[station], sizes.index_rad),
+        (x, sizes.lean_rad),
+        (y, sizes.lean_rad),
+    ];
+    let told = errors.iter().filter(|(_, known)| *known > 0.0);
+    told.map(|(error, known)| (error.value / known).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Whether the clocks of stations 2 and 3 jump.
