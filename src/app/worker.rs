@@ -27,6 +27,7 @@ use crate::deployment::{Deployment, Finding, OpenError, Sorted, Source, sort};
 use crate::experiment::StudyError;
 use crate::progress::Progress;
 
+#[expect(clippy::large_enum_variant, reason = "a handful wait at any time")]
 enum Request {
     Analyse {
         number: u64,

@@ -23,6 +23,10 @@ pub struct Change {
 
 /// What was, and what it became.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "most changes are of settings, and a few hundred are kept"
+)]
 pub enum Changed {
     Settings([Settings; 2]),
     /// What the data is read with, and how that is told.

@@ -181,7 +181,7 @@ impl Data {
             }
             if let Some(before) = index.checked_sub(1).map(|i| &links[i]).filter(|l| l.tied_to_next)
             {
-                moved += before.part.with_next.tr_mul(&before.by_constants);
+                moved += before.part.with_next.tr_mul(before.by_constants);
             }
             constants += link.by_constants.tr_mul(&moved);
             own.push(link.by_slow.tr_mul(&(link.part.information * link.by_slow)));
