@@ -5,7 +5,7 @@
 //! not show is unknown as well, with a prior of its physical size ([`unknowns::ErrorSizes`]): it is estimated where the data
 //! tells, and otherwise it widens σ.
 //!
-//! One [`pass`] is a step of Gauss & Newton: [`equations`] of each stretch of the [`drive`] → [`band`] eliminates the
+//! One [pass](mod@pass) is a step of Gauss & Newton: [`equations`] of each stretch of the [`drive`] → [`band`] eliminates the
 //! [`motion`], which leaves a [`chain`] of the drive's parts → constants ([`unknowns`]) and [`slow_changes`] → and back. The
 //! [`noise`] of ranges, angles and stamps and the drive's smoothness are learned on the way as Helmert's variance components,
 //! their redundancies by random probes (Girard 1989). [`stability`] looks for stations and clocks that step, [`summary`] makes
