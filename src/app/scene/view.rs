@@ -28,6 +28,9 @@ pub struct SceneView {
     pub(super) camera: Camera,
     /// To be done at the next frame.
     pub(super) pending_look: Option<ViewPreset>,
+    /// What was done while the joint estimate was still to follow, with where it left the camera: done again with the whole
+    /// answer, so that what is seen does not depend on which answer was drawn first.
+    early_look: Option<(ViewPreset, Camera)>,
     pub(super) flight: Option<Flight>,
     /// What the content was made from.
     built: Option<Built>,
@@ -54,6 +57,7 @@ impl SceneView {
             content: SceneContent::default(),
             camera: Camera::default(),
             pending_look: None,
+            early_look: None,
             flight: None,
             built: None,
             coloured: None,
@@ -145,6 +149,11 @@ impl SceneView {
                 self.pending_look = Some(ViewPreset::Slanted);
                 self.flight = None;
             }
+            if let Some((preset, left_at)) = self.early_look.take()
+                && left_at == self.camera
+            {
+                self.pending_look = self.pending_look.or(Some(preset));
+            }
             self.content.set_clouds(&open.clouds);
             let grid = theme::scene_grid(dark).to_array();
             self.content.rebuild(&open.deployment, analysis, &state.visibility, grid);
@@ -194,6 +203,8 @@ impl SceneView {
                     self.camera.look(preset, &self.content.outline_m, aspect);
                 }
             }
+            let follows = state.active().is_some_and(OpenDeployment::joint_follows);
+            self.early_look = follows.then_some((preset, self.camera));
         }
         if let Some(flight) = &mut self.flight {
             if flight.advance(&mut self.camera, ui.input(|i| i.time)) {
