@@ -23,14 +23,19 @@ const FIRST_PROBE: usize = GRADIENT + 1;
 /// What redundancies are asked with.
 pub const PROBES: usize = 4;
 pub const BORDER: usize = 36;
+/// Numbers in the widest vector of a processor.
+const LANES: usize = 8;
 
 pub type PartMatrix = SMatrix<f64, PART, PART>;
 pub type PartVector = SVector<f64, PART>;
 
+/// Rows of a band by knot.
+pub type Rows<const LOCAL: usize, const ROW: usize> = Vec<[[f64; ROW]; LOCAL]>;
+
 /// One span's equations: `LOCAL` unknowns a knot, `ROW` = 4 × `LOCAL` + [`BORDER`].
 pub struct Band<const LOCAL: usize, const ROW: usize> {
     /// The upper triangle, and after elimination its factor.
-    rows: Vec<[[f64; ROW]; LOCAL]>,
+    rows: Rows<LOCAL, ROW>,
     /// The first knot of each part.
     first_knots: Vec<usize>,
     pub parts: Vec<Part>,
@@ -56,10 +61,16 @@ impl Part {
 }
 
 impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
-    /// Without any equation; parts begin at these knots, the first at 0.
-    pub fn new(knots: usize, first_knots: Vec<usize>) -> Self {
+    /// Without any equation, in the room of other rows; parts begin at these knots, the first at 0.
+    pub fn new(mut rows: Rows<LOCAL, ROW>, knots: usize, first_knots: Vec<usize>) -> Self {
+        rows.clear();
+        rows.resize(knots, [[0.0; ROW]; LOCAL]);
         let parts = vec![Part::NOTHING; first_knots.len()];
-        Self { rows: vec![[[0.0; ROW]; LOCAL]; knots], first_knots, parts, taken_up: [0.0; PROBES] }
+        Self { rows, first_knots, parts, taken_up: [0.0; PROBES] }
+    }
+
+    pub fn into_rows(self) -> Rows<LOCAL, ROW> {
+        self.rows
     }
 
     /// Adds equations that tie four knots from `first` on by `weights`, about `SIZE` unknowns of each from `at` on: their
@@ -83,6 +94,27 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
                     }
                 }
                 row[TIED * LOCAL + GRADIENT] += weights[k] * gradient[i];
+            }
+        }
+    }
+
+    /// Adds one equation for each unknown of four knots, of the same `weights` and precision, and their gradients.
+    pub fn add_each(
+        &mut self,
+        first: usize,
+        weights: &[f64; TIED],
+        precision: f64,
+        gradient: &[f64; LOCAL],
+    ) {
+        for k in 0..TIED {
+            for l in k..TIED {
+                let both = precision * weights[k] * weights[l];
+                for (i, row) in self.rows[first + k].iter_mut().enumerate() {
+                    row[LOCAL * (l - k) + i] += both;
+                }
+            }
+            for (row, value) in self.rows[first + k].iter_mut().zip(gradient) {
+                row[TIED * LOCAL + GRADIENT] += weights[k] * value;
             }
         }
     }
@@ -144,9 +176,10 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
             if !factorise(own) {
                 return false;
             }
-            for (k, target) in after.iter_mut().take(TIED - 1).enumerate() {
-                subtract(own, target, k + 1);
-            }
+            let mut after = after.iter_mut();
+            after.next().map(|target| subtract::<LOCAL, ROW, 1>(own, target));
+            after.next().map(|target| subtract::<LOCAL, ROW, 2>(own, target));
+            after.next().map(|target| subtract::<LOCAL, ROW, 3>(own, target));
             add_gram(&mut gram, own);
             let ends = |part: usize| knot + 1 == knots || (part < last && next_begins == knot + 1);
             for part in last.saturating_sub(1)..=last {
@@ -193,11 +226,11 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
                 let mut value = row[TIED * LOCAL + GRADIENT];
                 for part in owners.into_iter().flatten() {
                     let columns = &row[TIED * LOCAL + PART * (part % 2)..][..PART];
-                    value -= columns.iter().zip(&of_parts[part]).map(|(a, b)| a * b).sum::<f64>();
+                    value -= dot(columns, of_parts[part].as_slice());
                 }
                 let beyond = (TIED * LOCAL).min((knots - knot) * LOCAL);
                 let known = &step[knot * LOCAL + m + 1..knot * LOCAL + beyond];
-                value -= row[m + 1..beyond].iter().zip(known).map(|(a, b)| a * b).sum::<f64>();
+                value -= dot(&row[m + 1..beyond], known);
                 step[knot * LOCAL + m] = value / row[m];
             }
         }
@@ -229,27 +262,23 @@ fn factorise<const LOCAL: usize, const ROW: usize>(rows: &mut [[f64; ROW]; LOCAL
     true
 }
 
-/// Subtracts what an eliminated knot says of the `away`-th knot after it.
+/// Subtracts what an eliminated knot says of the `AWAY`-th knot after it.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
-fn subtract<const LOCAL: usize, const ROW: usize>(
+fn subtract<const LOCAL: usize, const ROW: usize, const AWAY: usize>(
     own: &[[f64; ROW]; LOCAL],
     target: &mut [[f64; ROW]; LOCAL],
-    away: usize,
 ) {
-    let shift = LOCAL * away;
-    let mut panel = [[0.0; ROW]; LOCAL];
-    for (to, from) in panel.iter_mut().zip(own) {
-        // As the target's row: its own block first, nothing where no knot is tied to both, and the border.
-        let band = TIED * LOCAL - shift;
-        to[..band].copy_from_slice(&from[shift..TIED * LOCAL]);
-        to[TIED * LOCAL..].copy_from_slice(&from[TIED * LOCAL..]);
-    }
+    // As the target's row: its own block and those that both are tied to, and the border.
+    let tied = (TIED - AWAY) * LOCAL;
     for (r, row) in target.iter_mut().enumerate() {
         let mut sum = *row;
-        for from in &panel {
-            let factor = from[r];
-            for (value, own) in sum.iter_mut().zip(from) {
-                *value -= factor * own;
+        for from in own {
+            let factor = from[LOCAL * AWAY + r];
+            for c in 0..tied {
+                sum[c] -= factor * from[LOCAL * AWAY + c];
+            }
+            for c in TIED * LOCAL..ROW {
+                sum[c] -= factor * from[c];
             }
         }
         *row = sum;
@@ -266,16 +295,34 @@ fn add_gram<const LOCAL: usize, const ROW: usize>(
     for (to, from) in borders.iter_mut().zip(own) {
         to.copy_from_slice(&from[TIED * LOCAL..]);
     }
-    for (i, row) in gram.iter_mut().enumerate() {
-        let mut sum = *row;
+    // Four rows at a time: each number that is read serves them all. The lower triangle is never read.
+    let (fours, _) = gram.as_chunks_mut::<4>();
+    for (four, rows) in fours.iter_mut().enumerate() {
+        let mut sums = *rows;
         for border in &borders {
-            let factor = border[i];
-            for (value, own) in sum.iter_mut().zip(border) {
-                *value += factor * own;
+            for (r, sum) in sums.iter_mut().enumerate() {
+                let factor = border[4 * four + r];
+                for (value, own) in sum.iter_mut().zip(border) {
+                    *value += factor * own;
+                }
             }
         }
-        *row = sum;
+        *rows = sums;
     }
+}
+
+/// The sum of products, in as many sums as a vector has room for.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (a_whole, a_rest) = a.as_chunks::<LANES>();
+    let (b_whole, b_rest) = b.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a_whole.iter().zip(b_whole) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]
@@ -293,7 +340,7 @@ mod tests {
     fn example() -> (Band<LOCAL, ROW>, DMatrix<f64>, DVector<f64>) {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
         let first_knots = vec![0, 13, 26];
-        let mut band = Band::<LOCAL, ROW>::new(KNOTS, first_knots);
+        let mut band = Band::<LOCAL, ROW>::new(Vec::new(), KNOTS, first_knots);
         let size = KNOTS * LOCAL + PART;
         let (mut full, mut gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));
         for first in 0..KNOTS - (TIED - 1) {

@@ -2,13 +2,13 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::band::{Band, PROBES, PartVector, TIED};
+use super::band::{Band, PROBES, PartVector, Rows, TIED};
 use super::motion::{Place, Stretch};
 use super::unknowns::{PART_DISTANCES, PART_LATE, PART_LATENCIES, Sight, Station};
 use crate::deployment::PAIRS;
 
-/// How far the rig's distances vary on the way (m, 1 σ): masts flex, and prisms are not seen in their very centre.
-const RIGID_M: f64 = 0.0005;
+/// How far the rig's distances vary from knot to knot (m, 1 σ): masts flex, and prisms are not seen in their very centre.
+const RIGID_M: f64 = 0.00035;
 /// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, "Experiments").
 const RANGE_M: f64 = 0.002;
 const RANGE_SHARE: f64 = 2e-6;
@@ -110,14 +110,16 @@ pub struct Equations<const LOCAL: usize, const ROW: usize> {
     pub weights: Vec<f64>,
 }
 
+/// The equations of a stretch about where everything is taken to be, in the room of earlier ones.
 pub fn equations<const LOCAL: usize, const ROW: usize>(
     piece: &Piece,
     at: &At<'_>,
     by: &Weighing<'_>,
+    rows: Rows<LOCAL, ROW>,
 ) -> Equations<LOCAL, ROW> {
     let stretch = &piece.stretch;
     let mut building = Building::<LOCAL, ROW> {
-        band: Band::new(stretch.knots, stretch.first_knots()),
+        band: Band::new(rows, stretch.knots, stretch.first_knots()),
         squares: Squares::default(),
         weights: Vec::new(),
         at,
@@ -210,10 +212,11 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
         ];
         for (kind, axis) in kinds {
             let (pull, expected) = probe(axis);
-            self.squares.found[kind] += weight * pull.dot(&errors).powi(2);
-            self.squares.expected[kind] += weight * expected;
+            // By the square of the weight: what is far off must not count for how far off the others are.
+            self.squares.found[kind] += (weight * pull.dot(&errors)).powi(2);
+            self.squares.expected[kind] += weight * weight * expected;
             if self.by.held.is_none() {
-                let values = axes * pull * (weight.sqrt() * self.signs.next());
+                let values = axes * pull * (weight * self.signs.next());
                 self.band.add_probe(place.first, 3 * prism, &place.position, kind, &values);
             }
         }
@@ -251,14 +254,13 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
         }
     }
 
-    /// That the splines keep the distances of the rig, twice a knot.
+    /// That the splines keep the distances of the rig, once a knot.
     fn distances(&mut self, stretch: &Stretch, distances_m: &[f64; 3]) {
         const PRISMS: usize = 9;
-        let half_knot_s = 0.5 * stretch.knot_s;
-        let steps = ((stretch.end_s - stretch.start_s) / half_knot_s).ceil() as usize;
+        let steps = ((stretch.end_s - stretch.start_s) / stretch.knot_s).ceil() as usize;
         let weight = RIGID_M.powi(-2);
         for step in 0..=steps {
-            let time_s = (stretch.start_s + half_knot_s * step as f64).min(stretch.end_s);
+            let time_s = (stretch.start_s + stretch.knot_s * step as f64).min(stretch.end_s);
             let place = stretch.place(time_s);
             let part = stretch.part(time_s);
             let points: [Vector3<f64>; 3] =
@@ -298,15 +300,16 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
             // Vehicles start and stop.
             let square = errors.norm_squared();
             let weight = self.weight(square / LOCAL as f64);
-            self.squares.found[OF_JERKS] += weight * square;
-            self.squares.expected[OF_JERKS] += weight * LOCAL as f64;
+            // Turns and stops count in full when it comes to how jerky a vehicle is: who leaves them out holds the motion
+            // so stiffly that what the vehicle does looks like noise of stamps.
+            self.squares.found[OF_JERKS] += square;
+            self.squares.expected[OF_JERKS] += LOCAL as f64;
             if self.by.held.is_none() {
-                let root = weight.sqrt();
-                let values = SVector::<f64, LOCAL>::from_fn(|_, _| root * self.signs.next());
+                let values = SVector::<f64, LOCAL>::from_fn(|_, _| self.signs.next());
                 self.band.add_probe(first, 0, &factors, OF_JERKS, &values);
             }
-            let information = SMatrix::<f64, LOCAL, LOCAL>::identity() * weight;
-            self.band.add(first, 0, &factors, &information, &(errors * weight));
+            let gradient = std::array::from_fn(|coordinate| weight * errors[coordinate]);
+            self.band.add_each(first, &factors, weight, &gradient);
         }
     }
 }

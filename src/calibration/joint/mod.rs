@@ -25,6 +25,8 @@ mod stability;
 mod summary;
 mod unknowns;
 
+use std::mem::take;
+
 use nalgebra::{SMatrix, SVector};
 
 use self::band::{BORDER, TIED};
@@ -32,7 +34,7 @@ pub use self::chain::Wander;
 use self::drive::Drive;
 pub use self::equations::Levels;
 use self::noise::{FIRST_LEVELS, learned};
-use self::pass::{Estimates, Model, Weigh, pass};
+use self::pass::{Estimates, Model, Spare, Weigh, pass};
 use self::slow_changes::{is_usual, likeliest, steps_found};
 pub use self::stability::{Step, Stepped};
 pub use self::unknowns::ErrorSizes;
@@ -51,12 +53,12 @@ const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
 const NEAR: f64 = 100.0;
 /// Noise is learned from stretches of about so many knots, in so many steps.
 const LEARNING_KNOTS: usize = 300;
-const LEARNING_STEPS: usize = 9;
+const LEARNING_STEPS: usize = 7;
 /// How far the published answer may be off meanwhile (1 σ).
 const NEAR_M: f64 = 0.1;
 const NEAR_RAD: f64 = 0.002;
 /// A step whose square is this share of the answer's variances changes nothing that anyone can see.
-const SMALL_STEP: f64 = 1e-3;
+const SMALL_STEP: f64 = 4e-3;
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -137,49 +139,33 @@ fn solve<const LOCAL: usize, const ROW: usize>(
     sizes: &ErrorSizes,
     progress: &Progress,
 ) -> Result<Option<JointEstimate>, Cancelled> {
-    let model = Model {
+    let mut model = Model {
         precision: precisions(sizes),
         start: *start,
         priors: slow_changes::priors(sizes, start),
     };
     // How noisy the readings are is learned from a share of a long drive, and from all of a short one.
-    let mut by = Weigh { levels: FIRST_LEVELS, redundancy: 0.5, held: None };
-    let mut constants = *start;
     let sample = drive.sample(LEARNING_KNOTS);
-    let mut at = Estimates::start(&sample, triplets, start, LOCAL / 3);
-    let mut near = Model { priors: model.priors.clone(), ..model };
-    // A share of the drive may leave open what the whole one holds.
-    for place in 0..CLOCKS {
-        let sigma = if place % 4 == 3 { NEAR_RAD } else { NEAR_M };
-        near.precision[place] = sigma.powi(-2);
-    }
-    for steps in 0..LEARNING_STEPS {
-        let Some(pass) = pass::<LOCAL, ROW>(&sample, &at, &by, &near, progress)? else {
-            return Ok(None);
-        };
-        // The first steps bring the motion to the readings; only then do errors tell of noise.
-        if steps > 1 {
-            (by.levels, by.redundancy) = learned(&by.levels, &pass.squares());
-        }
-        pass.walk(&sample, &mut at);
-        constants = at.constants;
-    }
-    let model = &mut { model };
-    at = Estimates::start(drive, triplets, &constants, LOCAL / 3);
-    let mut stepped = Vec::new();
+    let Some((mut by, mut at)) = learn::<LOCAL, ROW>(&sample, triplets, &model, progress)? else {
+        return Ok(None);
+    };
     // Whether the motion of all stretches is near its readings: only then do errors tell of anything else.
-    let mut near = false;
+    let mut near = sample.pieces.len() == drive.pieces.len();
+    if !near {
+        at = Estimates::start(drive, triplets, &at.constants, LOCAL / 3);
+    }
+    let mut stepped = Vec::new();
+    let mut spare = Spare::default();
     for steps in 1..=MOST_STEPS {
-        let Some(mut pass) = pass::<LOCAL, ROW>(drive, &at, &by, model, progress)? else {
-            return Ok(None);
-        };
+        let pass = pass::<LOCAL, ROW>(drive, &at, &by, &model, &mut spare, progress)?;
+        let Some(mut pass) = pass else { return Ok(None) };
         let settles = near && by.held.is_none();
         if settles {
             if sizes.ranges_wander {
-                model.priors.wander = likeliest(&pass.data, model, drive, &at);
+                model.priors.wander = likeliest(&pass.data, &model, drive, &at);
             }
-            stepped = steps_found(&pass.data, model, drive, &at, sizes);
-            if !pass.solve(drive, &at, model) {
+            stepped = steps_found(&pass.data, &mut model, drive, &at, sizes);
+            if !pass.solve(drive, &at, &model) {
                 return Ok(None);
             }
         }
@@ -187,14 +173,44 @@ fn solve<const LOCAL: usize, const ROW: usize>(
         let converged = by.held.is_some() && moved < SMALL_STEP;
         if converged || steps == MOST_STEPS {
             let rig = LOCAL == 9;
-            let mut found = pass.summary(model, &at, by.levels, sizes, rig);
+            let mut found = pass.summary(&model, &at, by.levels, sizes, rig);
             (found.stepped, found.converged, found.steps) = (stepped, converged, steps);
             return Ok(Some(found));
         }
         if settles {
-            by.held = Some(pass.eliminated.into_iter().map(|one| one.weights).collect());
+            by.held = Some(pass.eliminated.iter_mut().map(|one| take(&mut one.weights)).collect());
         }
         near |= moved < NEAR;
+        spare = pass.spare();
     }
     Ok(None)
+}
+
+/// Learns how noisy readings are and how a vehicle jerks from some stretches, and where everything is meanwhile.
+fn learn<const LOCAL: usize, const ROW: usize>(
+    sample: &Drive,
+    triplets: &Triplets,
+    model: &Model,
+    progress: &Progress,
+) -> Result<Option<(Weigh, Estimates)>, Cancelled> {
+    let mut near = Model { priors: model.priors.clone(), ..*model };
+    // A share of the drive may leave open what the whole one holds.
+    for place in 0..CLOCKS {
+        let sigma = if place % 4 == 3 { NEAR_RAD } else { NEAR_M };
+        near.precision[place] = sigma.powi(-2);
+    }
+    let mut by = Weigh { levels: FIRST_LEVELS, redundancy: 0.5, held: None };
+    let mut at = Estimates::start(sample, triplets, &model.start, LOCAL / 3);
+    let mut spare = Spare::default();
+    for steps in 0..LEARNING_STEPS {
+        let pass = pass::<LOCAL, ROW>(sample, &at, &by, &near, &mut spare, progress)?;
+        let Some(pass) = pass else { return Ok(None) };
+        // The first step brings the motion to the readings; only then do errors tell of noise.
+        if steps > 0 {
+            (by.levels, by.redundancy) = learned(&by.levels, &pass.squares());
+        }
+        pass.walk(sample, &mut at);
+        spare = pass.spare();
+    }
+    Ok(Some((by, at)))
 }

@@ -2,16 +2,21 @@
 
 use super::equations::{ANGLE_RAD, Levels, OF_ANGLES, OF_JERKS, OF_RANGES, OF_STAMPS, Squares};
 
-/// What is learned begins here: what is stated, and a motion that is free to follow the readings.
+/// Where learning begins: a vehicle on wheels, and instruments that read half as well as they say.
 pub const FIRST_LEVELS: Levels =
-    Levels { range: 1.0, angle_rad: ANGLE_RAD, jitter_s: 0.001, jerk_m_per_s3: 1.0 };
-/// No vehicle is smoother than this (m/s³), and no instrument ten times as good as it says.
+    Levels { range: 1.0, angle_rad: 2.0 * ANGLE_RAD, jitter_s: 0.002, jerk_m_per_s3: 0.1 };
+/// No vehicle is smoother than this (m/s³), and no instrument twice as good as it says while its prism moves.
 const LEAST_JERK_M_PER_S3: f64 = 0.01;
-const LEAST_NOISE_FACTOR: f64 = 0.1;
-/// What Cauchy's weights leave of the mean square of three normal errors, over the mean weight.
-const CONSISTENCY: f64 = 0.915;
+const LEAST_NOISE_FACTOR: f64 = 0.5;
+/// What a step of learning multiplies a level by, at most, or divides it by.
+const LONGEST_STRIDE: f64 = 2.7;
+/// Motion that takes up more of its jerks than this is learned slower than its redundancy says.
+const LEAST_REDUNDANCY: f64 = 0.25;
+/// What the squares of Cauchy's weights leave of the mean square of three normal errors, over their own mean.
+const CONSISTENCY: f64 = 0.840;
 const LEAST_JITTER_S: f64 = 1e-5;
-const MOST_JITTER_S: f64 = 0.1;
+/// Stamps that a computer gives to what comes over a serial line are late by up to 15 ms, by chance.
+const MOST_JITTER_S: f64 = 0.015;
 
 /// Noise levels out of the errors and their redundancies, and the mean redundancy of readings.
 pub fn learned(levels: &Levels, squares: &Squares) -> (Levels, f64) {
@@ -23,16 +28,19 @@ pub fn learned(levels: &Levels, squares: &Squares) -> (Levels, f64) {
         expected if expected > 0.0 => (squares.found[kind] / (CONSISTENCY * left(kind))).sqrt(),
         _ => 1.0,
     };
-    // The motion is hardly redundant where it is loosely held: expectation maximisation is slower and never astray.
+    // Expectation maximisation, which is slow where the motion is loosely held, stretched as far as is safe.
     let jerks = squares.expected[OF_JERKS].max(1.0);
-    let jerk_factor = ((squares.found[OF_JERKS] + squares.taken_up[OF_JERKS]) / jerks).sqrt();
+    let redundancy = (1.0 - squares.taken_up[OF_JERKS] / jerks).max(LEAST_REDUNDANCY);
+    let jerk_factor = (squares.found[OF_JERKS] + squares.taken_up[OF_JERKS]) / jerks;
+    let jerk_factor = jerk_factor.powf(0.5 / redundancy);
+    let stride = |factor: f64| factor.clamp(1.0 / LONGEST_STRIDE, LONGEST_STRIDE);
     let least_rad = LEAST_NOISE_FACTOR * ANGLE_RAD;
-    // A kind that loses noise to another one gets some of it back the next time: half of each step ends that sooner.
+    let jitter_s = levels.jitter_s * stride(factor(OF_STAMPS));
     let levels = Levels {
-        range: (levels.range * factor(OF_RANGES).sqrt()).max(LEAST_NOISE_FACTOR),
-        angle_rad: (levels.angle_rad * factor(OF_ANGLES).sqrt()).max(least_rad),
-        jitter_s: (levels.jitter_s * factor(OF_STAMPS).sqrt()).clamp(LEAST_JITTER_S, MOST_JITTER_S),
-        jerk_m_per_s3: (levels.jerk_m_per_s3 * jerk_factor).max(LEAST_JERK_M_PER_S3),
+        range: (levels.range * stride(factor(OF_RANGES))).max(LEAST_NOISE_FACTOR),
+        angle_rad: (levels.angle_rad * stride(factor(OF_ANGLES))).max(least_rad),
+        jitter_s: jitter_s.clamp(LEAST_JITTER_S, MOST_JITTER_S),
+        jerk_m_per_s3: (levels.jerk_m_per_s3 * stride(jerk_factor)).max(LEAST_JERK_M_PER_S3),
     };
     let expected = squares.expected[OF_RANGES] + squares.expected[OF_ANGLES];
     (levels, ((left(OF_RANGES) + left(OF_ANGLES)) / expected.max(1e-9)).min(1.0))

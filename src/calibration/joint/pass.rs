@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 use rayon::prelude::*;
 
-use super::band::{Band, PART, PartVector};
+use super::band::{Band, PART, PartVector, Rows};
 use super::chain::{Columns, Data, Factor, Link, SlowPrecisions, SlowPriors};
 use super::drive::Drive;
 use super::equations::{At, Levels, Piece, Squares, Weighing, equations};
@@ -45,6 +45,9 @@ pub struct Weigh {
     pub held: Option<Vec<Vec<f64>>>,
 }
 
+/// Room for the rows of each stretch, used again by the next pass: to ask for new memory takes as long as to fill it.
+pub type Spare<const LOCAL: usize, const ROW: usize> = Vec<Rows<LOCAL, ROW>>;
+
 /// One stretch, eliminated.
 pub struct Eliminated<const LOCAL: usize, const ROW: usize> {
     pub band: Band<LOCAL, ROW>,
@@ -68,6 +71,7 @@ pub fn pass<const LOCAL: usize, const ROW: usize>(
     at: &Estimates,
     by: &Weigh,
     model: &Model,
+    spare: &mut Spare<LOCAL, ROW>,
     progress: &Progress,
 ) -> Result<Option<Pass<LOCAL, ROW>>, Cancelled> {
     let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
@@ -77,7 +81,7 @@ pub fn pass<const LOCAL: usize, const ROW: usize>(
         .zip(&drive.part_times_s)
         .map(|(outlooks, time_s)| moves(&stations, outlooks, time_s - drive.middle_s))
         .collect();
-    let Some(eliminated) = eliminate::<LOCAL, ROW>(drive, at, by, &moves, progress)? else {
+    let Some(eliminated) = eliminate::<LOCAL, ROW>(drive, at, by, &moves, spare, progress)? else {
         return Ok(None);
     };
     let parts = eliminated.iter().flat_map(|one| &one.band.parts);
@@ -123,6 +127,11 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         squares
     }
 
+    /// The room that it took.
+    pub fn spare(self) -> Spare<LOCAL, ROW> {
+        self.eliminated.into_iter().map(|one| one.band.into_rows()).collect()
+    }
+
     /// Again with other priors.
     pub fn solve(&mut self, drive: &Drive, at: &Estimates, model: &Model) -> bool {
         let found = solved(&self.data, drive, at, model);
@@ -162,6 +171,7 @@ fn eliminate<const LOCAL: usize, const ROW: usize>(
     at: &Estimates,
     by: &Weigh,
     moves: &[(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)],
+    spare: &mut Spare<LOCAL, ROW>,
     progress: &Progress,
 ) -> Result<Option<Vec<Eliminated<LOCAL, ROW>>>, Cancelled> {
     let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
@@ -172,7 +182,8 @@ fn eliminate<const LOCAL: usize, const ROW: usize>(
     let slow: Vec<PartVector> =
         moves.iter().zip(&at.slow).map(|((_, by_slow), slow)| by_slow * slow).collect();
     let first_parts = drive.first_parts();
-    let one = |(index, piece): (usize, &Piece)| {
+    spare.resize_with(drive.pieces.len(), Rows::default);
+    let one = |(index, (piece, rows)): (usize, (&Piece, &mut Rows<LOCAL, ROW>))| {
         progress.check()?;
         let here = At {
             stations: &stations,
@@ -183,13 +194,14 @@ fn eliminate<const LOCAL: usize, const ROW: usize>(
         };
         let held = by.held.as_ref().map(|held| &held[index][..]);
         let weighing = Weighing { levels: by.levels, redundancy: by.redundancy, held };
-        let mut found = equations::<LOCAL, ROW>(piece, &here, &weighing);
+        let mut found = equations(piece, &here, &weighing, std::mem::take(rows));
         let is_held = found.band.eliminate();
         found.squares.taken_up = found.band.taken_up;
         let (band, squares, weights) = (found.band, found.squares, found.weights);
         Ok(is_held.then_some(Eliminated { band, squares, weights }))
     };
-    let all: Result<Vec<_>, Cancelled> = drive.pieces.par_iter().enumerate().map(one).collect();
+    let all: Result<Vec<_>, Cancelled> =
+        drive.pieces.par_iter().zip(spare).enumerate().map(one).collect();
     Ok(all?.into_iter().collect())
 }
 
