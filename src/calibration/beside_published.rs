@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::sense::Tried;
 use super::{Calibration, CalibrationError, CalibrationSettings, Method, Offer, solve_by};
 use crate::deployment::{Deployment, Finding};
 use crate::pipeline::Triplets;
@@ -16,9 +17,10 @@ pub fn solve(
     progress: &Progress,
 ) -> Result<Calibration, CalibrationError> {
     let started = Instant::now();
-    let by = |method: Method| {
+    let mut tried = Tried::default();
+    let mut by = |method: Method| {
         let settings = settings.plain(method);
-        solve_by(method, deployment, triplets, &settings, offer, progress)
+        solve_by(method, deployment, triplets, &settings, offer, &mut tried, progress)
     };
     let published_method = offer.published_method();
     let published = by(published_method);

@@ -300,7 +300,10 @@ pub fn solve_while(
 ) -> Result<Calibration, CalibrationError> {
     match settings.method.unwrap_or_default() {
         Method::Joint => beside_published::solve(deployment, triplets, settings, offer, progress),
-        method => solve_by(method, deployment, triplets, settings, offer, progress),
+        method => {
+            let tried = &mut sense::Tried::default();
+            solve_by(method, deployment, triplets, settings, offer, tried, progress)
+        }
     }
 }
 
@@ -311,6 +314,7 @@ fn solve_by(
     triplets: &Triplets,
     settings: &CalibrationSettings,
     offer: &Offer,
+    tried: &mut sense::Tried,
     progress: &Progress,
 ) -> Result<Calibration, CalibrationError> {
     let mut calibration = match method {
@@ -323,7 +327,7 @@ fn solve_by(
     if calibration.inter_prism().is_some() {
         hold_against_control_points(&mut calibration, deployment, settings, offer);
     }
-    sense::check(&mut calibration, deployment, triplets, offer, progress)?;
+    sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;
     for doubt in deployment.findings.iter().filter(|finding| finding.doubt) {
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
         calibration.findings.push(doubt.clone());

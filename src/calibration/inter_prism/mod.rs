@@ -30,6 +30,7 @@ pub mod refinement_in_words;
 mod search;
 mod squared_cost;
 mod sums;
+mod twins;
 mod uncertainty;
 mod valley;
 
@@ -51,15 +52,16 @@ pub use refinement::{
     velocities_m_per_s, with_clocks,
 };
 pub use squared_cost::SquaredCost;
+pub use twins::Twins;
 
 use super::joint::{self, ErrorSizes};
 use super::method::why_no_triplets;
 use super::sense::explain_no_triplets;
 use super::{
     Basin, Calibration, CalibrationError, CalibrationSettings, Details, Loss, Method, Mirror,
-    Offer, PriorMethod, Targets, Verdict,
+    Offer, Targets, Verdict,
 };
-use crate::deployment::{ControlPointSet, Deployment, Finding, PAIRS, Rig};
+use crate::deployment::{Deployment, Finding, PAIRS};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
@@ -274,16 +276,6 @@ pub fn solve(
         prior_ms,
         solve_ms: started.elapsed().as_secs_f64() * 1e3 - prior_ms,
     })
-}
-
-/// Frames of the stations into station 1's as the published method finds them, without anything that judges them.
-pub fn published_transforms(
-    rig: &Rig,
-    control_points: &[ControlPointSet],
-    triplets: &Triplets,
-) -> [RigidTransform; 3] {
-    let found = published::solve(rig, control_points, triplets, PriorMethod::ClosedForm);
-    found.choice.answer.station1_from_station.map(RigidTransform::from)
 }
 
 /// Errors of the three distances of every triplet (m): apparent minus known, for pairs 12, 13, 23.

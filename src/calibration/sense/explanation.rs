@@ -2,11 +2,13 @@
 //!
 //! Each is undone in some hundred triplets, method D is solved again, and all witnesses are asked once more.
 
+use rayon::prelude::*;
+
 use super::misreading::Misreading;
 use super::shown::{Agreement, Shown, Witnesses, control_points_apart_m};
 use crate::calibration::TransformSigma;
 use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M};
-use crate::calibration::inter_prism::published_transforms;
+use crate::calibration::inter_prism::Twins;
 use crate::deployment::{ControlPointSet, Deployment, Finding, Rig, Track};
 use crate::geometry::RigidTransform;
 use crate::pipeline::{self, PipelineSettings, Triplets};
@@ -21,6 +23,8 @@ const NO_WORSE: f64 = 1.2;
 const AS_GOOD: f64 = 1.5;
 /// Differences of a fit below this are noise (m).
 const FIT_NOISE_M: f64 = 0.0005;
+/// What fits this many times worse than it may, near a first guess, is looked into no further.
+const HOPELESS: f64 = 4.0;
 /// What was off has to be off by less than this part of it.
 const CLEARLY_LESS: f64 = 0.5;
 /// So many explanations are named at most.
@@ -38,11 +42,22 @@ enum Scope {
     Both,
 }
 
-/// A misreading that makes all witnesses agree.
+/// What things would show, had one mistake not been made.
+#[derive(Clone, Copy)]
 struct Explanation {
     misreading: Misreading,
     scope: Scope,
     shown: Shown,
+}
+
+/// What was tried on a drive: the same for all answers that are asked about, and made when the first one needs it.
+#[derive(Default)]
+pub struct Tried(Option<Tries>);
+
+struct Tries {
+    /// As things were read; `None` without an answer.
+    base: Option<(Shown, [RigidTransform; 3])>,
+    undone: Option<Vec<Explanation>>,
 }
 
 /// The misreadings that explain what contradicts method D here, the likeliest first; one line that none does, where the
@@ -52,50 +67,85 @@ pub fn explain(
     rig: &Rig,
     triplets: &Triplets,
     sigma: Option<&[TransformSigma; 2]>,
+    tried: &mut Tried,
     progress: &Progress,
 ) -> Result<Vec<Finding>, Cancelled> {
-    let witnesses = Witnesses::new(rig, sigma);
+    let tries = tried.0.get_or_insert_with(|| {
+        let points = deployment.comparable_control_points();
+        let triplets = thinned(triplets);
+        let base = twins(rig, &triplets, f64::INFINITY).and_then(|twins| {
+            let transforms = twins.chosen(rig, points);
+            Some((Shown::of(rig, points, &triplets, &transforms)?, transforms))
+        });
+        Tries { base, undone: None }
+    });
+    let Some((base, base_transforms)) = tries.base else { return Ok(Vec::new()) };
+    let case = Case { witnesses: Witnesses::new(rig, sigma), base };
+    if !case.is_contradicted() {
+        return Ok(Vec::new());
+    }
+    let undone = match &tries.undone {
+        Some(undone) => undone,
+        None => tries.undone.insert(try_all(
+            deployment,
+            rig,
+            triplets,
+            &base,
+            &base_transforms,
+            progress,
+        )?),
+    };
+    let found = undone.iter().copied().filter(|one| case.is_explained_by(&one.shown)).collect();
+    Ok(case.in_words(found, deployment))
+}
+
+/// What each misreading would show if it was one, of the tracks, of the control points, and of both.
+fn try_all(
+    deployment: &Deployment,
+    rig: &Rig,
+    triplets: &Triplets,
+    base: &Shown,
+    base_transforms: &[RigidTransform; 3],
+    progress: &Progress,
+) -> Result<Vec<Explanation>, Cancelled> {
     let points = deployment.comparable_control_points();
     let constants_m = deployment.tracks.each_ref().map(|track| track.prism_constant_m);
     let rejected = mostly_rejected(deployment, triplets);
     let triplets = thinned(triplets);
-    let show = |points: &[ControlPointSet], triplets: &Triplets| {
-        if triplets.len() < FEWEST_TRIPLETS {
-            return None;
-        }
-        let transforms = published_transforms(rig, points, triplets);
-        Some((Shown::of(rig, points, triplets, &transforms)?, transforms))
-    };
-    let Some((base, base_transforms)) = show(points, &triplets) else { return Ok(Vec::new()) };
-    let case = Case { witnesses, base };
-    if !case.is_contradicted() {
-        return Ok(Vec::new());
-    }
-    let mut found = Vec::new();
-    for misreading in Misreading::ALL {
+    let hopeless_m = HOPELESS * (NO_WORSE * base.fit_m + FIT_NOISE_M);
+    let one = |misreading: &Misreading| {
         progress.check()?;
+        let misreading = *misreading;
         let undone = match misreading {
             Misreading::Feet(_) if rejected => thinned(&filtered_again(deployment, misreading)),
             _ => misreading.undone(&triplets, constants_m),
         };
-        let mut consider = |scope: Scope, shown: Shown| {
-            if case.is_explained_by(&shown) {
-                found.push(Explanation { misreading, scope, shown });
-            }
+        let found = twins(rig, &undone, hopeless_m);
+        let show = |points: &[ControlPointSet]| {
+            Shown::of(rig, points, &undone, &found.as_ref()?.chosen(rig, points))
         };
-        if let Some((shown, _)) = show(points, &undone) {
-            consider(Scope::Tracks, shown);
-        }
+        let mut all = vec![(Scope::Tracks, show(points))];
         if base.control_points_m.is_some() {
             let points = misreading.undone_in_points(points, constants_m);
-            if let Some((shown, _)) = show(&points, &undone) {
-                consider(Scope::Both, shown);
-            }
-            let control_points_m = control_points_apart_m(&points, &base_transforms);
-            consider(Scope::ControlPoints, Shown { control_points_m, ..base });
+            all.push((Scope::Both, show(&points)));
+            let control_points_m = control_points_apart_m(&points, base_transforms);
+            all.push((Scope::ControlPoints, Some(Shown { control_points_m, ..*base })));
         }
+        let explanation = |(scope, shown): (Scope, Option<Shown>)| {
+            Some(Explanation { misreading, scope, shown: shown? })
+        };
+        Ok(all.into_iter().filter_map(explanation).collect::<Vec<_>>())
+    };
+    let all: Result<Vec<_>, Cancelled> = Misreading::ALL.par_iter().map(one).collect();
+    Ok(all?.concat())
+}
+
+/// The published method's solutions on some triplets; `None` where there are too few, or they fit worse than that.
+fn twins(rig: &Rig, triplets: &Triplets, hopeless_m: f64) -> Option<Twins> {
+    if triplets.len() < FEWEST_TRIPLETS {
+        return None;
     }
-    Ok(case.in_words(found, deployment))
+    Twins::of(rig, triplets, hopeless_m)
 }
 
 /// What makes triplets out of tracks that have none: ranges in feet, whose rates no filter lets through.
@@ -108,8 +158,8 @@ pub fn explain_no_triplets(deployment: &Deployment, rig: &Rig) -> Option<String>
             if some.len() < FEWEST_TRIPLETS {
                 return None;
             }
-            let transforms: [RigidTransform; 3] =
-                published_transforms(rig, deployment.comparable_control_points(), &some);
+            let transforms = Twins::of(rig, &some, f64::INFINITY)?
+                .chosen(rig, deployment.comparable_control_points());
             let shown = Shown::of(rig, &[], &some, &transforms)?;
             Some((misreading, triplets.len(), shown.fit_m))
         })

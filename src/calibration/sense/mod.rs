@@ -9,7 +9,7 @@ mod explanation;
 mod misreading;
 mod shown;
 
-pub use explanation::explain_no_triplets;
+pub use explanation::{Tried, explain_no_triplets};
 pub use shown::control_points_apart_m;
 
 use self::shown::{Agreement, Shown, Witnesses};
@@ -27,6 +27,7 @@ pub fn check(
     deployment: &Deployment,
     triplets: &Triplets,
     offer: &Offer,
+    tried: &mut Tried,
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     let Some(rig) = &deployment.rig else { return Ok(()) };
@@ -64,7 +65,7 @@ pub fn check(
             .any(|agreement| agreement > Agreement::Agrees);
     if doubted {
         let sigma = calibration.sigma.as_ref();
-        let found = explanation::explain(deployment, rig, triplets, sigma, progress)?;
+        let found = explanation::explain(deployment, rig, triplets, sigma, tried, progress)?;
         for (place, finding) in found.into_iter().enumerate() {
             if finding.severity > crate::deployment::Severity::Note {
                 calibration.verdict = calibration.verdict.max(Verdict::Weak);

@@ -1,0 +1,50 @@
+//! The two solutions of the published method alone, for whoever only asks what some triplets would show.
+
+use super::levenberg_marquardt::ROUGH_M;
+use super::minima::{self, THINNED};
+use super::{
+    CentredTriplets, Parameters, SquaredCost, basin, closed_form_priors, distance_errors_m,
+    minimise, mirror,
+};
+use crate::calibration::Basin;
+use crate::calibration::checks::median;
+use crate::deployment::{ControlPointSet, Rig};
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+/// The lowest minimum and its mirror twin, judged by nothing yet.
+pub struct Twins {
+    lowest: Basin,
+    twin: Option<Basin>,
+}
+
+impl Twins {
+    /// `None` where the nearest minima fit worse than `hopeless_m` (median size of the errors): the search for all of them takes
+    /// ten times as long, and triplets that were read right are near one to begin with.
+    pub fn of(rig: &Rig, triplets: &Triplets, hopeless_m: f64) -> Option<Self> {
+        let data = CentredTriplets::new(triplets, rig.inter_prism_m);
+        let thinned = data.thinned(THINNED);
+        let squared = SquaredCost::of(&thinned);
+        let priors = closed_form_priors(&squared);
+        let fit_m = |prior: &Parameters| {
+            let nearest = data.transforms(&minimise(&data, *prior, ROUGH_M).parameters);
+            let placed = nearest.map(RigidTransform::from);
+            let mut errors_m = distance_errors_m(triplets, &placed, &rig.inter_prism_m).concat();
+            errors_m.iter_mut().for_each(|error_m| *error_m = error_m.abs());
+            errors_m.sort_by(f64::total_cmp);
+            median(&errors_m).unwrap_or(f64::INFINITY)
+        };
+        if hopeless_m.is_finite() && priors.iter().map(fit_m).all(|fit_m| fit_m > hopeless_m) {
+            return None;
+        }
+        let found = minima::find(&data, &thinned, &squared, &priors);
+        let twin = found.twin.as_ref().map(|twin| basin(&data, twin));
+        Some(Self { lowest: basin(&data, &found.lowest), twin })
+    }
+
+    /// Frames of the stations into station 1's by the one of the two that rig, control points or cost decide for.
+    pub fn chosen(&self, rig: &Rig, control_points: &[ControlPointSet]) -> [RigidTransform; 3] {
+        let choice = mirror::choose(rig, control_points, self.lowest, self.twin);
+        choice.answer.station1_from_station.map(RigidTransform::from)
+    }
+}
