@@ -217,30 +217,39 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
 
     /// The step of the local unknowns, given those of the parts; all are to be subtracted.
     pub fn local_step(&self, of_parts: &[PartVector]) -> Vec<f64> {
-        let knots = self.rows.len();
-        let mut step = vec![0.0; knots * LOCAL];
-        for knot in (0..knots).rev() {
-            let owners = self.owners(knot);
-            for m in (0..LOCAL).rev() {
-                let row = &self.rows[knot][m];
-                let mut value = row[TIED * LOCAL + GRADIENT];
-                for part in owners.into_iter().flatten() {
-                    let columns = &row[TIED * LOCAL + PART * (part % 2)..][..PART];
-                    value -= dot(columns, of_parts[part].as_slice());
-                }
-                let beyond = (TIED * LOCAL).min((knots - knot) * LOCAL);
-                let known = &step[knot * LOCAL + m + 1..knot * LOCAL + beyond];
-                value -= dot(&row[m + 1..beyond], known);
-                step[knot * LOCAL + m] = value / row[m];
+        let mut step = vec![0.0; self.rows.len() * LOCAL];
+        for knot in (0..self.rows.len()).rev() {
+            let mut border = [0.0; BORDER];
+            border[GRADIENT] = -1.0;
+            for part in self.owners(knot).into_iter().flatten() {
+                let place = PART * (part % 2);
+                border[place..place + PART].copy_from_slice(of_parts[part].as_slice());
             }
+            let beyond = step.len().min((knot + TIED) * LOCAL);
+            substitute(&self.rows[knot], &border, &mut step[knot * LOCAL..beyond]);
         }
         step
     }
 }
 
-/// Divides a knot's rows by the root of its own block; `false` where that is not positive definite.
+/// Solves for a knot's unknowns, the first of `step`, the others and the border being known.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
-fn factorise<const LOCAL: usize, const ROW: usize>(rows: &mut [[f64; ROW]; LOCAL]) -> bool {
+fn substitute<const LOCAL: usize, const ROW: usize>(
+    rows: &[[f64; ROW]; LOCAL],
+    border: &[f64; BORDER],
+    step: &mut [f64],
+) {
+    for m in (0..LOCAL).rev() {
+        let row = &rows[m];
+        let known =
+            dot(&row[m + 1..step.len()], &step[m + 1..]) + dot(&row[TIED * LOCAL..], border);
+        step[m] = -known / row[m];
+    }
+}
+
+/// Divides rows by the root of their own block; `false` where that is not positive definite.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+pub fn factorise<const LOCAL: usize, const ROW: usize>(rows: &mut [[f64; ROW]; LOCAL]) -> bool {
     let before: [f64; LOCAL] = std::array::from_fn(|m| rows[m][m]);
     for m in 0..LOCAL {
         let (above, below) = rows.split_at_mut(m + 1);
@@ -312,6 +321,7 @@ fn add_gram<const LOCAL: usize, const ROW: usize>(
 }
 
 /// The sum of products, in as many sums as a vector has room for.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a_whole, a_rest) = a.as_chunks::<LANES>();
     let (b_whole, b_rest) = b.as_chunks::<LANES>();

@@ -6,10 +6,12 @@
 //! and clocks walk randomly from part to part; ranges wander as an Ornstein–Uhlenbeck process. The slow states are
 //! eliminated along the chain, as in a Kalman smoother (Rauch, Tung & Striebel 1965).
 
-use nalgebra::{Cholesky, Const, SMatrix};
+use multiversion::multiversion;
+use nalgebra::{ArrayStorage, Cholesky, Const, SMatrix};
+use rayon::prelude::*;
 
-use super::band::{PART, Part};
-use super::unknowns::{CONSTANTS, Constants, SLOW, SLOW_CLOCKS, SLOW_RANGES};
+use super::band::{PART, Part, factorise};
+use super::unknowns::{CONSTANTS, Constants, SLOW, SLOW_CLOCKS, SLOW_RANGES, Slow};
 
 type SlowMatrix = SMatrix<f64, SLOW, SLOW>;
 type Between = SMatrix<f64, SLOW, CONSTANTS>;
@@ -166,14 +168,21 @@ pub struct Data {
     pub gradient: Columns<1>,
 }
 
+/// What the data says of one part.
+struct OfPart {
+    own: SlowMatrix,
+    with_next: SlowMatrix,
+    with_constants: Between,
+    constants: Square,
+    gradient: (Slow, Constants),
+}
+
 impl Data {
     pub fn of(links: &[Link<'_>]) -> Self {
-        let mut constants = Square::zeros();
-        let mut gradient = Columns::zeros(links.len());
-        let (mut own, mut with_next, mut with_constants) = (Vec::new(), Vec::new(), Vec::new());
-        for (index, link) in links.iter().enumerate() {
+        let one = |index: usize| {
+            let link = &links[index];
             // Products with a transpose that is written out are several times faster than `tr_mul`.
-            let by_slow = link.by_slow.transpose();
+            let (by_slow, by_constants) = (link.by_slow.transpose(), link.by_constants.transpose());
             let mut moved = link.part.information * link.by_constants;
             let mut coupling = SlowMatrix::zeros();
             if link.tied_to_next {
@@ -185,16 +194,33 @@ impl Data {
             {
                 moved += before.part.with_next.transpose() * before.by_constants;
             }
-            constants += link.by_constants.transpose() * moved;
-            own.push(by_slow * (link.part.information * link.by_slow));
-            with_next.push(coupling);
-            with_constants.push(by_slow * moved);
-            gradient.constants += link.by_constants.tr_mul(&link.part.gradient);
-            gradient.slow[index] = link.by_slow.tr_mul(&link.part.gradient);
+            OfPart {
+                own: by_slow * (link.part.information * link.by_slow),
+                with_next: coupling,
+                with_constants: by_slow * moved,
+                constants: by_constants * moved,
+                gradient: (by_slow * link.part.gradient, by_constants * link.part.gradient),
+            }
+        };
+        let parts: Vec<OfPart> = (0..links.len()).into_par_iter().map(one).collect();
+        let mut data = Self {
+            own: Vec::with_capacity(parts.len()),
+            with_next: Vec::with_capacity(parts.len()),
+            with_constants: Vec::with_capacity(parts.len()),
+            constants: Square::zeros(),
+            gradient: Columns::zeros(parts.len()),
+        };
+        for (index, part) in parts.into_iter().enumerate() {
+            data.own.push(part.own);
+            data.with_next.push(part.with_next);
+            data.with_constants.push(part.with_constants);
+            data.constants += part.constants;
+            data.gradient.slow[index] = part.gradient.0;
+            data.gradient.constants += part.gradient.1;
         }
         // Rounding must not make it lopsided.
-        let constants = 0.5 * (constants + constants.transpose());
-        Self { own, with_next, with_constants, constants, gradient }
+        data.constants = 0.5 * (data.constants + data.constants.transpose());
+        data
     }
 
     /// Times a solution.
@@ -217,11 +243,17 @@ impl Data {
     }
 }
 
+/// Places in a row of the factor: the part's own slow states, the next part's, and the constants.
+const NEXT: usize = SLOW;
+const BORDER: usize = 2 * SLOW;
+const ROW: usize = BORDER + CONSTANTS;
+
+type Rows = [[f64; ROW]; SLOW];
+
 /// Data and priors, factorised.
 pub struct Factor {
-    own: Vec<SlowMatrix>,
-    with_next: Vec<SlowMatrix>,
-    with_constants: Vec<Between>,
+    /// By part: the upper factor of its own states, with what it has in common with the next part and the constants.
+    rows: Vec<Rows>,
     constants: Cholesky<f64, Const<CONSTANTS>>,
     /// Logarithm of the determinant, less the one of the slow priors.
     pub log_determinant: f64,
@@ -230,61 +262,144 @@ pub struct Factor {
 impl Factor {
     /// `None` where a direction stays free.
     pub fn new(data: &Data, precision: &Constants, priors: &SlowPrecisions) -> Option<Self> {
-        let parts = data.own.len();
-        let (mut own, mut with_next) = (Vec::with_capacity(parts), Vec::with_capacity(parts));
-        let mut with_constants = Vec::with_capacity(parts);
-        let mut constants = data.constants + Square::from_diagonal(precision);
+        let mut rows: Vec<Rows> = Vec::with_capacity(data.own.len());
+        let mut gram = [[0.0; CONSTANTS]; CONSTANTS];
         let mut log_determinant = -priors.log_determinant;
-        let (mut carried, mut carried_constants) = (SlowMatrix::zeros(), Between::zeros());
-        for part in 0..parts {
-            let block = data.own[part] + priors.own[part] - carried;
-            let root = block.cholesky()?;
-            log_determinant += 2.0 * root.ln_determinant_of_root();
-            let lower = root.unpack();
-            let next =
-                lower.solve_lower_triangular(&(data.with_next[part] + priors.with_next[part]))?;
-            let border =
-                lower.solve_lower_triangular(&(data.with_constants[part] - carried_constants))?;
-            let back = next.transpose();
-            carried = back * next;
-            carried_constants = back * border;
-            constants -= border.transpose() * border;
-            own.push(lower);
-            with_next.push(next);
-            with_constants.push(border);
+        for part in 0..data.own.len() {
+            let own = data.own[part] + priors.own[part];
+            let next = data.with_next[part] + priors.with_next[part];
+            let border = &data.with_constants[part];
+            let mut block = [[0.0; ROW]; SLOW];
+            for (i, row) in block.iter_mut().enumerate() {
+                for j in 0..SLOW {
+                    row[j] = own[(i, j)];
+                    row[NEXT + j] = next[(i, j)];
+                }
+                for j in 0..CONSTANTS {
+                    row[BORDER + j] = border[(i, j)];
+                }
+            }
+            if let Some(before) = rows.last() {
+                subtract(before, &mut block);
+            }
+            if !factorise(&mut block) {
+                return None;
+            }
+            add_gram(&mut gram, &block);
+            log_determinant += (0..SLOW).map(|i| 2.0 * block[i][i].ln()).sum::<f64>();
+            rows.push(block);
         }
+        let gram = Square::from_fn(|i, j| gram[i.min(j)][i.max(j)]);
+        let constants = data.constants + Square::from_diagonal(precision) - gram;
         let constants = constants.cholesky()?;
         log_determinant += 2.0 * constants.ln_determinant_of_root();
-        log_determinant.is_finite().then_some(Self {
-            own,
-            with_next,
-            with_constants,
-            constants,
-            log_determinant,
-        })
+        log_determinant.is_finite().then_some(Self { rows, constants, log_determinant })
     }
 
     pub fn solve<const K: usize>(&self, right: &Columns<K>) -> Columns<K> {
-        let parts = self.own.len();
-        let mut solution = right.clone();
-        let mut constants = right.constants;
-        for part in 0..parts {
-            if part > 0 {
-                let before = self.with_next[part - 1].tr_mul(&solution.slow[part - 1]);
-                solution.slow[part] -= before;
-            }
-            self.own[part].solve_lower_triangular_mut(&mut solution.slow[part]);
-            constants -= self.with_constants[part].tr_mul(&solution.slow[part]);
+        // By row, so that all columns are solved at once.
+        let mut slow: Vec<[[f64; K]; SLOW]> =
+            right.slow.iter().map(|slow| slow.transpose().data.0).collect();
+        let mut constants = right.constants.transpose().data.0;
+        for (part, rows) in self.rows.iter().enumerate() {
+            let (own, next) = slow[part..].split_first_mut().expect("a part");
+            forward(rows, own, next.first_mut(), &mut constants);
         }
-        solution.constants = self.constants.solve(&constants);
-        for part in (0..parts).rev() {
-            let mut value = solution.slow[part] - self.with_constants[part] * solution.constants;
-            if part + 1 < parts {
-                value -= self.with_next[part] * solution.slow[part + 1];
-            }
-            self.own[part].tr_solve_lower_triangular_mut(&mut value);
-            solution.slow[part] = value;
+        let mut known =
+            SMatrix::<f64, K, CONSTANTS>::from_data(ArrayStorage(constants)).transpose();
+        self.constants.solve_mut(&mut known);
+        let constants = known.transpose().data.0;
+        for (part, rows) in self.rows.iter().enumerate().rev() {
+            let (own, next) = slow[part..].split_first_mut().expect("a part");
+            backward(rows, own, next.first(), &constants);
         }
-        solution
+        let by_column = |rows| SMatrix::<f64, K, SLOW>::from_data(ArrayStorage(rows)).transpose();
+        Columns { slow: slow.into_iter().map(by_column).collect(), constants: known }
+    }
+}
+
+/// Solves for a part's own rows, and takes them out of what comes after.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn forward<const K: usize>(
+    rows: &Rows,
+    own: &mut [[f64; K]; SLOW],
+    mut next: Option<&mut [[f64; K]; SLOW]>,
+    constants: &mut [[f64; K]; CONSTANTS],
+) {
+    for (m, row) in rows.iter().enumerate() {
+        let (value, after) = own[m..].split_first_mut().expect("a row");
+        value.iter_mut().for_each(|value| *value /= row[m]);
+        for (factor, other) in row[m + 1..SLOW].iter().zip(after) {
+            subtract_times(other, *factor, value);
+        }
+        if let Some(next) = next.as_deref_mut() {
+            for (factor, other) in row[NEXT..BORDER].iter().zip(next) {
+                subtract_times(other, *factor, value);
+            }
+        }
+        for (factor, other) in row[BORDER..].iter().zip(constants.iter_mut()) {
+            subtract_times(other, *factor, value);
+        }
+    }
+}
+
+/// Solves for a part's own rows, all after it being known.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn backward<const K: usize>(
+    rows: &Rows,
+    own: &mut [[f64; K]; SLOW],
+    next: Option<&[[f64; K]; SLOW]>,
+    constants: &[[f64; K]; CONSTANTS],
+) {
+    for (m, row) in rows.iter().enumerate().rev() {
+        let (value, after) = own[m..].split_first_mut().expect("a row");
+        for (factor, other) in row[BORDER..].iter().zip(constants) {
+            subtract_times(value, *factor, other);
+        }
+        for (factor, other) in row[NEXT..BORDER].iter().zip(next.into_iter().flatten()) {
+            subtract_times(value, *factor, other);
+        }
+        for (factor, other) in row[m + 1..SLOW].iter().zip(after) {
+            subtract_times(value, *factor, other);
+        }
+        value.iter_mut().for_each(|value| *value /= row[m]);
+    }
+}
+
+#[inline(always)]
+fn subtract_times<const K: usize>(from: &mut [f64; K], factor: f64, values: &[f64; K]) {
+    for k in 0..K {
+        from[k] -= factor * values[k];
+    }
+}
+
+/// Subtracts what an eliminated part says of the next one.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn subtract(before: &Rows, block: &mut Rows) {
+    for (r, row) in block.iter_mut().enumerate() {
+        let mut sum = *row;
+        for from in before {
+            let factor = from[NEXT + r];
+            for j in 0..SLOW {
+                sum[j] -= factor * from[NEXT + j];
+            }
+            for j in BORDER..ROW {
+                sum[j] -= factor * from[j];
+            }
+        }
+        *row = sum;
+    }
+}
+
+/// Adds the products of a part's border with itself, above the diagonal.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn add_gram(gram: &mut [[f64; CONSTANTS]; CONSTANTS], rows: &Rows) {
+    for (i, sum) in gram.iter_mut().enumerate() {
+        for row in rows {
+            let factor = row[BORDER + i];
+            for j in 0..CONSTANTS {
+                sum[j] += factor * row[BORDER + j];
+            }
+        }
     }
 }

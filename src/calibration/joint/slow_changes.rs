@@ -1,6 +1,7 @@
 //! What changes slowly, or at once: how far stations may settle, how ranges wander, and which steps there are.
 
 use nalgebra::{Matrix4, SMatrix, SVector, Vector3};
+use rayon::prelude::*;
 
 use super::chain::{Data, Factor, SlowPrecisions, SlowPriors, Wander};
 use super::drive::Drive;
@@ -82,20 +83,21 @@ pub fn likeliest(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> W
         let held: f64 = at.slow.iter().zip(&pulls).map(|(slow, pull)| slow.dot(pull)).sum();
         Some(factor.log_determinant + held - gradient.dot(&factor.solve(&gradient))[0])
     };
-    let best = |all: &mut dyn Iterator<Item = Wander>, otherwise: Wander| {
-        all.filter_map(|wander| Some((unlikeliness(wander)?, wander)))
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map_or(otherwise, |(_, wander)| wander)
+    let best = |all: Vec<Wander>, otherwise: Wander| {
+        let likely: Vec<_> = all
+            .into_par_iter()
+            .filter_map(|wander| Some((unlikeliness(wander)?, wander)))
+            .collect();
+        let best = likely.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map_or(otherwise, |(_, wander)| wander)
     };
-    let correlation_s = model.priors.wander.correlation_s;
-    let first = best(
-        &mut WANDER_SIGMAS_M.into_iter().map(|sigma_m| Wander { sigma_m, correlation_s }),
-        model.priors.wander,
-    );
-    best(
-        &mut WANDER_TIMES_S.into_iter().map(|correlation_s| Wander { correlation_s, ..first }),
-        first,
-    )
+    let now = model.priors.wander;
+    let first = best(WANDER_SIGMAS_M.map(|sigma_m| Wander { sigma_m, ..now }).to_vec(), now);
+    // What hardly wanders tells no time.
+    if first.sigma_m == WANDER_SIGMAS_M[0] {
+        return first;
+    }
+    best(WANDER_TIMES_S.map(|correlation_s| Wander { correlation_s, ..first }).to_vec(), first)
 }
 
 /// Variance of how stations 2 and 3 walk against station 1, which walks as well.

@@ -5,6 +5,7 @@
 //! other two; a clock has one. The step that explains most, by χ², is the one that is told.
 
 use nalgebra::{SMatrix, SVector, Vector3};
+use rayon::prelude::*;
 
 use super::chain::{Columns, Data, Factor, SlowPrecisions, SlowPriors};
 use super::unknowns::{Constants, SLOW_CLOCKS, SLOW_RANGES, Slow};
@@ -16,7 +17,9 @@ const STEPPING: usize = SLOW_RANGES;
 const FREEDOM: f64 = 30.0;
 const FREE_CLOCK_S: f64 = 0.03;
 /// Times that are tried, at most; then every part about the best one.
-const MOST_CUTS: usize = 24;
+const MOST_CUTS: usize = 12;
+/// A step is at least this clear at the nearest of them.
+const PROMISING: f64 = 0.4;
 /// Fewer parts on a side tell nothing.
 const FEWEST_PARTS: usize = 2;
 /// χ² of a step that chance hardly makes, at any of the times, with four numbers and with one.
@@ -91,14 +94,19 @@ pub fn clearest_step(search: &Search<'_>) -> Option<Step> {
     let step = factor.solve(&gradient);
     let slow: Vec<Slow> = search.slow.iter().zip(&step.slow).map(|(at, step)| at - step).collect();
     let found = Columns { slow, constants: Constants::zeros() };
-    let best = |cuts: &mut dyn Iterator<Item = usize>| {
-        cuts.filter_map(|cut| best_at(search, &factor, &found, cut))
-            .max_by(|a, b| a.0.total_cmp(&b.0))
+    let best = |cuts: Vec<usize>| {
+        let all: Vec<_> =
+            cuts.into_par_iter().filter_map(|cut| best_at(search, &factor, &found, cut)).collect();
+        all.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))
     };
     let stride = parts.div_ceil(MOST_CUTS);
-    let (_, coarse) = best(&mut (FEWEST_PARTS..=parts - FEWEST_PARTS).step_by(stride))?;
+    let cuts = (FEWEST_PARTS..=parts - FEWEST_PARTS).step_by(stride).collect();
+    let (coarse_clarity, coarse) = best(cuts)?;
+    if coarse_clarity < PROMISING {
+        return None;
+    }
     let about = coarse.part.saturating_sub(stride)..(coarse.part + stride).min(parts);
-    let (clarity, step) = best(&mut about.into_iter())?;
+    let (clarity, step) = best(about.collect())?;
     (clarity > 1.0).then_some(step)
 }
 
