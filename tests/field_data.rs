@@ -289,3 +289,35 @@ fn the_methods_that_the_data_lacks_say_what() {
     let lacks = analysis.offer.lacks.iter().filter(|lack| lack.is_some()).count();
     assert_eq!(lacks, 1);
 }
+
+#[test]
+fn halves_of_the_drive_agree_within_what_the_joint_estimate_states() {
+    let Some(path) = field_data("2022-07-11-2") else { return };
+    let whole = open(&path).expect("opens");
+    let readings = &whole.tracks[0].measurements;
+    let middle_s = readings[readings.len() / 2].time_s;
+    let half = |first: bool| {
+        let mut deployment = whole.clone();
+        for track in &mut deployment.tracks {
+            track.measurements.retain(|m| (m.time_s < middle_s) == first);
+        }
+        answer(&analyse(&deployment, &by(Method::Joint))).calibration.clone()
+    };
+    let [a, b] = [half(true), half(false)];
+    for station in 1..3 {
+        let off = a.station1_from_station[station].translation_m
+            - b.station1_from_station[station].translation_m;
+        let yaw_rad =
+            a.station1_from_station[station].yaw_rad() - b.station1_from_station[station].yaw_rad();
+        let [sigma_a, sigma_b] =
+            [&a, &b].map(|half| half.sigma.expect("both halves hold all")[station - 1]);
+        let together = |a: f64, b: f64| a.hypot(b);
+        for axis in 0..3 {
+            let sigma_m = together(sigma_a.translation_m[axis], sigma_b.translation_m[axis]);
+            let sigmas = off[axis].abs() / sigma_m;
+            assert!(sigmas < 3.5, "station {}, axis {axis}: {sigmas:.1} σ", station + 1);
+        }
+        let sigmas = yaw_rad.abs() / together(sigma_a.yaw_rad, sigma_b.yaw_rad);
+        assert!(sigmas < 3.5, "yaw of station {}: {sigmas:.1} σ", station + 1);
+    }
+}

@@ -1,4 +1,4 @@
-//! The motion of the prisms as uniform cubic B-splines, one for each unbroken stretch of a drive, and its parts.
+//! The motion of the prisms as uniform cubic B-splines, one for each unbroken stretch of a drive, and the parts of these.
 
 use std::ops::Range;
 
@@ -8,6 +8,9 @@ use super::band::TIED;
 const MARGIN_S: f64 = 0.25;
 /// Shorter stretches than this many knots hold too few readings for a motion.
 const FEWEST_KNOTS: f64 = 4.0;
+/// Longer ones are cut: what a cut forgets of the motion is nothing beside so many knots, whose rows stay near the
+/// processor, and stretches are eliminated side by side.
+const MOST_KNOTS: f64 = 100.0;
 /// Instants further apart than this many of their own steps belong to different stretches.
 const STEPS_APART: f64 = 2.5;
 /// What is slow is constant for this many knots at least.
@@ -42,6 +45,16 @@ pub fn stretches(time_s: &[f64], interval: &[u32], knot_s: f64, part_s: f64) -> 
         .into_iter()
         .map(|range| (time_s[range.start], time_s[range.end - 1]))
         .filter(|(start_s, end_s)| end_s - start_s >= FEWEST_KNOTS * knot_s)
+        .flat_map(|(start_s, end_s)| {
+            let pieces = ((end_s - start_s) / (MOST_KNOTS * knot_s)).ceil().max(1.0);
+            let cut_s = move |k: f64| start_s + (end_s - start_s) * k / pieces;
+            // No instant is in two of them.
+            (0..pieces as usize).map(move |k| match k as f64 {
+                0.0 => (start_s, if pieces > 1.0 { cut_s(1.0) } else { end_s }),
+                k if k + 1.0 < pieces => (cut_s(k).next_up(), cut_s(k + 1.0)),
+                k => (cut_s(k).next_up(), end_s),
+            })
+        })
         .map(|(start_s, end_s)| {
             let knots = ((end_s - start_s + 2.0 * MARGIN_S) / knot_s).ceil() as usize + 3;
             let part_s = part_s.max(PART_KNOTS * knot_s);
