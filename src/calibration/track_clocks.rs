@@ -1,12 +1,13 @@
 //! The clocks of stations 2 and 3 out of tracks of one prism: a late stamp moves a track along itself, which no turn or
 //! shift of the whole does where the drive turns.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
 use super::inter_prism::{Clock, Estimate, with_clocks};
 use super::time_blocks;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
+use crate::statistics::sandwich::{self, Block};
 
 /// For each of stations 2 and 3: (x, y, z, yaw), clock offset (s), clock drift (s per s).
 const PER_STATION: usize = 6;
@@ -42,8 +43,6 @@ pub fn estimate(
     let late = Clock { offset_s: STEP_S, drift: 0.0 };
     let moved = with_clocks(triplets, [late, late]);
     let middle_s = 0.5 * (triplets.time_s.first()? + triplets.time_s.last()?);
-    let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-    let mut right = SVector::<f64, UNKNOWNS>::zeros();
     let equations = |index: usize, slot: usize| {
         let (station, transform) = (slot + 1, &station1_from_station[slot + 1]);
         let point = &triplets.points_m[station][index];
@@ -61,41 +60,36 @@ pub fn estimate(
         let error = triplets.points_m[0][index] - turned - transform.translation_m;
         (columns, error)
     };
-    for index in 0..triplets.len() {
-        for slot in 0..2 {
-            let (columns, error) = equations(index, slot);
-            let at = PER_STATION * slot;
-            for (i, a) in columns.iter().enumerate() {
-                right[at + i] += a.dot(&error);
-                for (j, b) in columns.iter().enumerate() {
-                    normal[(at + i, at + j)] += a.dot(b);
-                }
-            }
-        }
-    }
-    let inverse = normal.cholesky()?.inverse();
-    let step = inverse * right;
     let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
-    let mut middle = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-    for block in &blocks {
-        let mut pull = SVector::<f64, UNKNOWNS>::zeros();
-        for index in block.clone() {
-            for slot in 0..2 {
-                let (columns, error) = equations(index, slot);
-                let at = PER_STATION * slot;
-                let explained: Vector3<f64> =
-                    columns.iter().enumerate().map(|(i, column)| column * step[at + i]).sum();
-                for (i, column) in columns.iter().enumerate() {
-                    pull[at + i] += column.dot(&(error - explained));
+    let mut blocks: Vec<Block> = blocks
+        .into_iter()
+        .map(|block| {
+            let mut information = DMatrix::zeros(UNKNOWNS, UNKNOWNS);
+            let mut gradient = DVector::zeros(UNKNOWNS);
+            for index in block {
+                for slot in 0..2 {
+                    let (columns, error) = equations(index, slot);
+                    let at = PER_STATION * slot;
+                    for (i, a) in columns.iter().enumerate() {
+                        gradient[at + i] += a.dot(&error);
+                        for (j, b) in columns.iter().enumerate() {
+                            information[(at + i, at + j)] += a.dot(b);
+                        }
+                    }
                 }
             }
-        }
-        middle += pull * pull.transpose();
+            Block { information, gradient }
+        })
+        .collect();
+    let normal: DMatrix<f64> = blocks.iter().map(|block| &block.information).sum();
+    let right: DVector<f64> = blocks.iter().map(|block| &block.gradient).sum();
+    let step = normal.cholesky()?.solve(&right);
+    // What the step leaves of them.
+    for block in &mut blocks {
+        block.gradient -= &block.information * &step;
     }
-    let count = blocks.len() as f64;
-    let freedom = (count - PER_STATION as f64 / 3.0).max(1.0) / count;
-    let covariance = inverse * middle * inverse / freedom;
-    if step.iter().chain(covariance.iter()).any(|entry| !entry.is_finite()) {
+    let covariance = sandwich::covariance(&blocks, None)?;
+    if step.iter().any(|entry| !entry.is_finite()) {
         return None;
     }
     let estimate = |place: usize| Estimate {
