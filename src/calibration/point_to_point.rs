@@ -283,3 +283,107 @@ pub fn relative_to_station1(
     });
     (transforms, covariance)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    const SIGMA_M: f64 = 0.003;
+    const DRAWS: usize = 300;
+
+    /// Control points as they are set out: most of them near the stations, one in five far away.
+    fn points_m(count: usize, rng: &mut ChaCha8Rng) -> Vec<Vector3<f64>> {
+        (0..count)
+            .map(|k| {
+                let reach_m = if k % 5 == 0 { 60.0 } else { 10.0 };
+                let mut along = || rng.random_range(-reach_m..reach_m);
+                Vector3::new(along(), along(), 0.05 * along())
+            })
+            .collect()
+    }
+
+    /// Stated over true variance of each number of two alignments of stations that see the same points, and of what the two
+    /// have in common; `state` says how the covariance of the first is stated.
+    fn stated_over_true(
+        count: usize,
+        alignment: Alignment,
+        state: impl Fn(&[Matches], &Aligned) -> DMatrix<f64>,
+    ) -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(count as u64);
+        let noise = Normal::new(0.0, SIGMA_M).expect("a σ");
+        let columns = estimated(alignment);
+        let mut ratios = vec![0.0; 3 * columns.len()];
+        for _ in 0..DRAWS {
+            let truth_m = points_m(count, &mut rng);
+            let mut seen = || -> Vec<Vector3<f64>> {
+                truth_m.iter().map(|p| p.map(|axis| axis + noise.sample(&mut rng))).collect()
+            };
+            let to_m = seen();
+            let matches = [0, 1].map(|_| Matches {
+                to_m: to_m.clone(),
+                from_m: seen(),
+                block: (0..count as u32).collect(),
+            });
+            let aligned = align(&matches, alignment, Errors::ByBlock).expect("held");
+            let stated = state(&matches, &aligned);
+            let rows = truth_m.iter().map(|point| jacobian(point, alignment));
+            let normal: Matrix6<f64> = rows.map(|j| j.transpose() * j).sum();
+            let unit = inverse(normal, alignment).expect("held") * SIGMA_M.powi(2);
+            for (place, k) in columns.iter().enumerate() {
+                let variance = unit[(*k, *k)];
+                let [own, other, common] = [(*k, *k), (6 + k, 6 + k), (*k, 6 + k)];
+                for (kind, (at, truth)) in
+                    [(own, 2.0 * variance), (other, 2.0 * variance), (common, variance)]
+                        .into_iter()
+                        .enumerate()
+                {
+                    ratios[kind * columns.len() + place] += stated[at] / truth / DRAWS as f64;
+                }
+            }
+        }
+        ratios
+    }
+
+    fn ours(_: &[Matches], aligned: &Aligned) -> DMatrix<f64> {
+        aligned.covariance.clone().expect("held")
+    }
+
+    /// The sandwich with B / (B − n/3) for B points and n unknowns.
+    fn with_a_common_factor(matches: &[Matches], aligned: &Aligned) -> DMatrix<f64> {
+        let alignment = Alignment::Level;
+        let count = matches[0].len() as f64;
+        let mut covariance = DMatrix::zeros(12, 12);
+        for (a, one) in matches.iter().enumerate() {
+            let rows =
+                || one.from_m.iter().map(|p| jacobian(&aligned.to_from[a].rotate(p), alignment));
+            let inverse =
+                inverse(rows().map(|j| j.transpose() * j).sum(), alignment).expect("held");
+            let pulls = rows().zip(&aligned.residuals_m[a]).map(|(j, r)| j.transpose() * r);
+            let middle: Matrix6<f64> = pulls.map(|pull| pull * pull.transpose()).sum();
+            let part = inverse * middle * inverse * (count / (count - 4.0 / 3.0));
+            covariance.fixed_view_mut::<6, 6>(6 * a, 6 * a).copy_from(&part);
+        }
+        covariance
+    }
+
+    #[test]
+    fn stated_variances_by_block_are_the_true_ones_from_8_to_60_points() {
+        for count in [8, 12, 16, 20, 40, 60] {
+            for alignment in [Alignment::Level, Alignment::Rigid] {
+                let ratios = stated_over_true(count, alignment, ours);
+                let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+                assert!((0.93..1.07).contains(&mean), "{count} points: {ratios:.2?}");
+                let all = ratios.iter().all(|ratio| (0.75..1.25).contains(ratio));
+                assert!(all, "{count} points: {ratios:.2?}");
+            }
+        }
+        // The few points far away hold yaw, which a common factor does not know of.
+        for (count, most) in [(8, 0.65), (12, 0.75), (20, 0.85)] {
+            let old = stated_over_true(count, Alignment::Level, with_a_common_factor);
+            assert!(old[3] < most, "{count} points: {old:.2?}");
+        }
+    }
+}

@@ -104,3 +104,51 @@ pub fn estimate(
         covariance: SMatrix::from_fn(|i, j| covariance[(places[i], places[j])]),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    /// Readings of one winding way by three stations with right clocks, in so many blocks of time.
+    fn triplets(blocks: usize, rng: &mut ChaCha8Rng) -> Triplets {
+        let noise = Normal::new(0.0, 0.002).expect("a σ");
+        let time_s: Vec<f64> = (0..10 * blocks).map(|k| 0.5 * k as f64).collect();
+        let points_m = [0, 1, 2].map(|_| {
+            let at = |t: &f64| {
+                let (x, y) = (20.0 * (0.13 * t).sin(), 15.0 * (0.29 * t + 1.0).cos());
+                Vector3::new(x, y, 0.3 * (0.2 * t).sin()).map(|axis| axis + noise.sample(rng))
+            };
+            time_s.iter().map(at).collect()
+        });
+        let interval = vec![0; time_s.len()];
+        Triplets::new(time_s, interval, points_m)
+    }
+
+    #[test]
+    fn stated_variances_are_the_true_ones_from_8_to_60_blocks() {
+        const DRAWS: usize = 300;
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        for blocks in [8, 12, 16, 20, 40, 60] {
+            let (mut stated, mut truth) = ([0.0; 12], [0.0; 12]);
+            for _ in 0..DRAWS {
+                let triplets = triplets(blocks, &mut rng);
+                let found = estimate(&triplets, &[RigidTransform::IDENTITY; 3]).expect("held");
+                let clocks = found.offsets_s.into_iter().chain(found.drifts);
+                let moves = (0..8).map(|k| Estimate {
+                    value: found.moves[k],
+                    sigma: found.covariance[(k, k)].sqrt(),
+                });
+                for (k, estimate) in moves.chain(clocks).enumerate() {
+                    stated[k] += estimate.sigma.powi(2);
+                    truth[k] += estimate.value.powi(2);
+                }
+            }
+            // 1 σ of the mean over the twelve is 3 %.
+            let ratio = stated.iter().zip(truth).map(|(s, t)| s / t).sum::<f64>() / 12.0;
+            assert!((0.93..1.1).contains(&ratio), "{blocks} blocks: {ratio:.3}");
+        }
+    }
+}
