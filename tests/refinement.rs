@@ -241,11 +241,10 @@ fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
 /// Fitted on some intervals, judged on the others.
 #[test]
 fn on_intervals_left_out_of_the_fit_the_joint_estimate_is_better_too() {
-    use resect::calibration::{self, Offer};
     use resect::evaluation::evaluate_answer;
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployment = open(&path).expect("opens");
-    let triplets = resect::pipeline::run(&deployment, &Settings::default().pipeline).triplets;
+    let triplets = pipeline::run(&deployment, &Settings::default().pipeline).triplets;
     let offer = Offer::of(&deployment, &triplets);
     let side = |odd: bool| {
         let indices: Vec<usize> =
@@ -256,7 +255,7 @@ fn on_intervals_left_out_of_the_fit_the_joint_estimate_is_better_too() {
         let mut all = Vec::new();
         for odd in [false, true] {
             let (train, test) = (side(odd), side(!odd));
-            let found = calibration::solve(&deployment, &train, settings, &offer).expect("solves");
+            let found = solve(&deployment, &train, settings, &offer).expect("solves");
             let (_, evaluation) = evaluate_answer(&deployment, &test, offer.targets, &found);
             all.extend(evaluation.distance_errors_mm.into_iter().flatten().map(f64::abs));
         }

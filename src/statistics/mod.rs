@@ -1,6 +1,6 @@
 //! The statistics that everything here shares: one definition of each, with where it comes from.
 //!
-//! [`order`] has medians and quantiles, and the spread that wild values leave alone; [`robust`] what a large error counts;
+//! Here are medians, quantiles, and the spreads that wild values leave alone; [`robust`] is what a large error counts;
 //! [`sandwich`] the covariance of an estimate from data that is correlated in time, with and without prior knowledge.
 
 mod order;

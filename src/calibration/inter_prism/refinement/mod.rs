@@ -6,7 +6,7 @@
 //! λ = tr(H⁻¹B)/8, the ratio of the sandwich's middle to the Hessian of the transforms: with independent residuals of
 //! unit variance it is 1. H = Σ ψ'(r) J Jᵀ, B the sum over blocks of time of the outer products of their gradients (Huber
 //! 1981, "Robust Statistics", section 6.3). The covariance is the [`sandwich`](crate::statistics::sandwich) with both
-//! ([`covariance`]).
+//! ([`mod@covariance`]).
 
 mod answer;
 mod covariance;
