@@ -26,6 +26,7 @@
 //! | module | what is in it | what goes there next |
 //! |---|---|---|
 //! | [`geometry`] | polar and geodetic coordinates, level and rigid transforms, alignment | |
+//! | [`statistics`] | medians, robust losses, covariances from data that is correlated in time | |
 //! | [`progress`] | how far long work is, and whether anyone still wants it | |
 //! | [`deployment`] | the data model; `format/` has a file a format | a reader: a file in `format/`, a line in `recognise` |
 //! | [`pipeline`] | outlier filter, interval split and filter, interpolation | an interpolation: a file in `interpolation/` |
@@ -60,3 +61,4 @@ pub mod palette;
 pub mod pipeline;
 pub mod progress;
 pub mod simulation;
+pub mod statistics;

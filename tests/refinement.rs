@@ -5,12 +5,17 @@ mod common;
 use std::sync::Arc;
 use std::time::Instant;
 
-use common::{analyse, answer, by, field_data, normalised, published, rms_by_component};
+use common::{
+    analyse, answer, by, field_data, normalised, off_in_sigmas, published, rms_by_component,
+};
 use resect::analysis::{Analysis, Analyst, Settings};
 use resect::calibration::inter_prism::Refinement;
 use resect::calibration::joint::Stepped;
-use resect::calibration::{CalibrationSettings, Estimated, Loss, Method, Verdict};
+use resect::calibration::{
+    CalibrationSettings, Estimated, Loss, Method, Offer, Verdict, solve, time_blocks,
+};
 use resect::deployment::open;
+use resect::pipeline::{self, PipelineSettings};
 use resect::progress::{Cancelled, Progress};
 use resect::simulation::{
     ARCSECOND_RAD, ClockStep, ErrorKind, Preset, SystematicErrors, simulate, simulate_scenario,
@@ -96,6 +101,35 @@ fn stated_sigmas_hold_for_the_joint_estimate() {
     }
     let rms = rms_by_component(&runs);
     assert!(rms.iter().all(|rms| (0.6..1.4).contains(rms)), "{rms:.2?}");
+}
+
+/// Drives of a minute and a half, of which all is estimated that can be: one unknown for each stretch of time.
+#[test]
+fn stated_sigmas_of_a_refinement_hold_where_stretches_of_time_are_few() {
+    const SEEDS: std::ops::Range<u64> = 500..524;
+    let all = Estimated { clocks: true, distances: true, tilt: true };
+    let settings = settings(Loss::Huber, all).calibration;
+    for blocks in [16, 20] {
+        let (mut squares, mut clock_squares) = (0.0, 0.0);
+        for seed in SEEDS {
+            let simulated = simulate(Preset::Warthog, seed);
+            let deployment = simulated.deployment().expect("valid");
+            let triplets = pipeline::run(&deployment, &PipelineSettings::default()).triplets;
+            let end = time_blocks::of(&triplets.time_s, &triplets.interval)[blocks - 1].end;
+            let triplets = triplets.select(&(0..end).collect::<Vec<_>>());
+            let offer = Offer::of(&deployment, &triplets);
+            let calibration = solve(&deployment, &triplets, &settings, &offer).expect("an answer");
+            let off = off_in_sigmas(&calibration, &simulated.truth.station1_from_station);
+            squares += off.iter().map(|z| z * z).sum::<f64>() / 8.0;
+            let clocks = calibration.clock_estimates().expect("estimated");
+            clock_squares +=
+                clocks.map(|(late_s, _)| late_s.sigmas_from(0.0).powi(2)).iter().sum::<f64>() / 2.0;
+        }
+        for squares in [squares, clock_squares] {
+            let rms = (squares / SEEDS.count() as f64).sqrt();
+            assert!((0.75..1.35).contains(&rms), "{blocks} blocks: {rms:.2}");
+        }
+    }
 }
 
 #[test]
@@ -207,11 +241,10 @@ fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
 /// Fitted on some intervals, judged on the others.
 #[test]
 fn on_intervals_left_out_of_the_fit_the_joint_estimate_is_better_too() {
-    use resect::calibration::{self, Offer};
     use resect::evaluation::evaluate_answer;
     let Some(path) = field_data("2022-07-11-2") else { return };
     let deployment = open(&path).expect("opens");
-    let triplets = resect::pipeline::run(&deployment, &Settings::default().pipeline).triplets;
+    let triplets = pipeline::run(&deployment, &Settings::default().pipeline).triplets;
     let offer = Offer::of(&deployment, &triplets);
     let side = |odd: bool| {
         let indices: Vec<usize> =
@@ -222,7 +255,7 @@ fn on_intervals_left_out_of_the_fit_the_joint_estimate_is_better_too() {
         let mut all = Vec::new();
         for odd in [false, true] {
             let (train, test) = (side(odd), side(!odd));
-            let found = calibration::solve(&deployment, &train, settings, &offer).expect("solves");
+            let found = solve(&deployment, &train, settings, &offer).expect("solves");
             let (_, evaluation) = evaluate_answer(&deployment, &test, offer.targets, &found);
             all.extend(evaluation.distance_errors_mm.into_iter().flatten().map(f64::abs));
         }

@@ -7,6 +7,7 @@ use super::{Calibration, Method, TransformSigma, Verdict, Witness};
 use crate::deployment::{ControlPointSet, Deployment, Finding, Rig, TrackFrame};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
+use crate::statistics::median;
 
 /// An answer whose largest standard deviation exceeds this is weak (m). The paper's deployments reach a few
 /// millimetres; two centimetres is what its failed ones show.
@@ -25,12 +26,6 @@ const CONTROL_POINT_SIGMA_M: f64 = 0.005;
 const DISTANCE_SIGMA_M: f64 = 0.003;
 /// Witnesses this many times further off than expected contradict the answer.
 const CONTRADICTION: f64 = 3.0;
-
-/// Median of an ordered list.
-pub fn median(sorted: &[f64]) -> Option<f64> {
-    let middle = sorted.len().checked_sub(1)? / 2;
-    Some(0.5 * (sorted[middle] + sorted[sorted.len() / 2]))
-}
 
 /// Adds what the uncertainty and the unseen witnesses say to the findings and the verdict of methods A, B and C.
 pub fn hold_against_the_rest(
@@ -98,9 +93,7 @@ pub fn control_points_contradict(
 ) -> Option<Finding> {
     let mut worst: Option<(f64, f64, &str)> = None;
     for set in deployment.comparable_control_points().iter().filter(|set| !set.pillars) {
-        let mut apart_m = set.disagreements_m(station1_from_station);
-        apart_m.sort_by(f64::total_cmp);
-        let Some(median_m) = median(&apart_m) else { continue };
+        let Some(median_m) = median(set.disagreements_m(station1_from_station)) else { continue };
         let expected_m = expected_m(sigma, middle_range_m(set), CONTROL_POINT_SIGMA_M);
         if median_m > CONTRADICTION * expected_m && worst.is_none_or(|(known, ..)| median_m > known)
         {
@@ -125,9 +118,7 @@ fn distances_contradict(
     sigma: &[TransformSigma; 2],
 ) -> Option<Finding> {
     let errors_m = distance_errors_m(triplets, station1_from_station, &rig.inter_prism_m);
-    let mut errors_m: Vec<f64> = errors_m.into_iter().flatten().map(f64::abs).collect();
-    errors_m.sort_by(f64::total_cmp);
-    let median_m = median(&errors_m)?;
+    let median_m = median(errors_m.into_iter().flatten().map(f64::abs))?;
     let range_m = triplets.points_m[0][triplets.len() / 2].norm();
     let expected_m = expected_m(sigma, range_m, DISTANCE_SIGMA_M);
     let line = if median_m > CONTRADICTION * expected_m {
@@ -160,8 +151,6 @@ fn expected_m(sigma: &[TransformSigma; 2], range_m: f64, floor_m: f64) -> f64 {
 }
 
 fn middle_range_m(set: &ControlPointSet) -> f64 {
-    let mut ranges_m: Vec<f64> =
-        set.points.iter().flat_map(|p| p.readings).flatten().map(|polar| polar.range_m).collect();
-    ranges_m.sort_by(f64::total_cmp);
-    median(&ranges_m).unwrap_or(0.0)
+    let readings = set.points.iter().flat_map(|point| point.readings).flatten();
+    median(readings.map(|polar| polar.range_m)).unwrap_or(0.0)
 }

@@ -93,8 +93,10 @@ pub fn solve(
         covariance =
             covariance.map(|covariance| covariance + found.moves * found.moves.transpose());
     }
-    let common =
-        common_errors::covariance(&used, |triplets| align(triplets).map(|a| transforms(&a)));
+    let common = common_errors::covariance(&used, |triplets| {
+        let placed = point_to_point::transforms(&matches(triplets), settings.alignment)?;
+        Some([RigidTransform::IDENTITY, placed[0], placed[1]])
+    });
     let covariance = covariance.zip(common).map(|(own, common)| own + common);
     let blocks = time_blocks::of(&used.time_s, &used.interval);
     let squares = aligned.residuals_m.iter().flatten().map(nalgebra::Vector3::norm_squared);
@@ -229,20 +231,24 @@ pub fn solve_jointly(
 }
 
 fn align(triplets: &Triplets, alignment: Alignment) -> Option<Aligned> {
+    point_to_point::align(&matches(triplets), alignment, Errors::ByBlock)
+}
+
+/// Stations 2 and 3 with station 1.
+fn matches(triplets: &Triplets) -> Vec<Matches> {
     let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
     let block: Vec<u32> = blocks
         .iter()
         .enumerate()
         .flat_map(|(number, range)| range.clone().map(move |_| number as u32))
         .collect();
-    let matches: Vec<Matches> = (1..3)
+    (1..3)
         .map(|station| Matches {
             to_m: triplets.points_m[0].clone(),
             from_m: triplets.points_m[station].clone(),
             block: block.clone(),
         })
-        .collect();
-    point_to_point::align(&matches, alignment, Errors::ByBlock)
+        .collect()
 }
 
 fn transforms(aligned: &Aligned) -> [RigidTransform; 3] {

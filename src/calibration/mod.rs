@@ -13,7 +13,6 @@ pub mod inter_prism;
 pub mod joint;
 mod method;
 mod point_to_point;
-mod sandwich;
 mod sense;
 mod settings;
 pub mod static_gcp;

@@ -4,10 +4,13 @@
 //! full rigid T. The estimates are unweighted least squares, so to first order the error of (t, ω) is
 //! N⁻¹ Jᵀ e with J = [I, −(R from)×]; what is known about e makes the covariance.
 
-use nalgebra::{DMatrix, Matrix3, Matrix3x6, Matrix6, SMatrix, Vector3, Vector6};
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x6, Matrix6, SMatrix, Vector3};
 
 use super::{Alignment, TransformSigma};
 use crate::geometry::{LevelTransform, RigidTransform, align_level, align_rigid};
+use crate::statistics::sandwich::{self, Block};
 
 /// Points in two frames, in corresponding order.
 #[derive(Clone, Debug, Default)]
@@ -37,7 +40,7 @@ pub enum Errors {
     /// As large as the residuals, alike on all axes, independent from block to block; a block is one point in each
     /// alignment. For too few points to tell more.
     AsResiduals,
-    /// Correlated within each block, whatever their size: the sandwich estimator.
+    /// Correlated within each block, whatever their size: the [`sandwich`].
     ByBlock,
     /// This large on each axis (m, 1 σ), independent.
     Known(f64),
@@ -57,15 +60,18 @@ pub struct Aligned {
 /// The scaled normal matrix of a free direction: points in one place, or on a line with roll and pitch free.
 const FREE_DIRECTION: f64 = 1e-9;
 
-/// Aligns; `None` where a list is too short or the points do not hold a transform.
+/// The transforms that align; `None` where a list is too short or the points do not hold a transform.
+pub fn transforms(matches: &[Matches], alignment: Alignment) -> Option<Vec<RigidTransform>> {
+    let align = |m: &Matches| match alignment {
+        Alignment::Level => align_level(&m.to_m, &m.from_m).map(RigidTransform::from),
+        Alignment::Rigid => align_rigid(&m.to_m, &m.from_m),
+    };
+    matches.iter().map(align).collect()
+}
+
+/// The same with their residuals, and the covariance that these errors make.
 pub fn align(matches: &[Matches], alignment: Alignment, errors: Errors) -> Option<Aligned> {
-    let to_from: Vec<RigidTransform> = matches
-        .iter()
-        .map(|m| match alignment {
-            Alignment::Level => align_level(&m.to_m, &m.from_m).map(RigidTransform::from),
-            Alignment::Rigid => align_rigid(&m.to_m, &m.from_m),
-        })
-        .collect::<Option<_>>()?;
+    let to_from = transforms(matches, alignment)?;
     let residuals_m: Vec<Vec<_>> = matches
         .iter()
         .zip(&to_from)
@@ -110,59 +116,89 @@ fn covariance(
         .iter()
         .map(|rows| inverse(rows.iter().map(|j| j.transpose() * j).sum(), alignment))
         .collect::<Option<_>>()?;
+    let covariance = match errors {
+        Errors::AsResiduals => {
+            as_residuals(matches, &jacobians, &inverses, residuals_m, alignment)?
+        }
+        Errors::ByBlock => by_block(matches, &jacobians, residuals_m, alignment)?,
+        Errors::Known(sigma_m) => {
+            let mut covariance = DMatrix::zeros(6 * inverses.len(), 6 * inverses.len());
+            for (a, inverse) in inverses.iter().enumerate() {
+                let own = inverse * sigma_m.powi(2);
+                covariance.fixed_view_mut::<6, 6>(6 * a, 6 * a).copy_from(&own);
+            }
+            covariance
+        }
+    };
+    covariance.iter().all(|entry| entry.is_finite()).then_some(covariance)
+}
+
+/// One variance for all axes of all points, so that of their leverages only the sum counts: the number of unknowns.
+fn as_residuals(
+    matches: &[Matches],
+    jacobians: &[Vec<Matrix3x6<f64>>],
+    inverses: &[Matrix6<f64>],
+    residuals_m: &[Vec<Vector3<f64>>],
+    alignment: Alignment,
+) -> Option<DMatrix<f64>> {
     let count = matches.len();
-    let unknowns = estimated(alignment).len() as f64;
     let mut covariance = DMatrix::zeros(6 * count, 6 * count);
     for a in 0..count {
         for b in 0..count {
-            let meat: Matrix6<f64> = match errors {
-                Errors::Known(_) if a != b => Matrix6::zeros(),
-                Errors::Known(sigma_m) => {
-                    jacobians[a].iter().map(|j| j.transpose() * j).sum::<Matrix6<f64>>()
-                        * sigma_m.powi(2)
+            let shared = shared_points(&matches[a].block, &matches[b].block);
+            let degrees = 3.0 * shared.len() as f64 - estimated(alignment).len() as f64;
+            if degrees <= 0.0 {
+                if a == b {
+                    return None;
                 }
-                Errors::AsResiduals => {
-                    let shared = shared_points(&matches[a].block, &matches[b].block);
-                    let products: f64 = shared
-                        .iter()
-                        .map(|(i, j)| residuals_m[a][*i].dot(&residuals_m[b][*j]))
-                        .sum();
-                    let degrees = 3.0 * shared.len() as f64 - unknowns;
-                    if degrees <= 0.0 {
-                        if a == b {
-                            return None;
-                        }
-                        // Too few points in common to tell how the two hang together.
-                        continue;
-                    }
-                    shared
-                        .iter()
-                        .map(|(i, j)| jacobians[a][*i].transpose() * jacobians[b][*j])
-                        .sum::<Matrix6<f64>>()
-                        * (products / degrees)
-                }
-                Errors::ByBlock => {
-                    let [pulls_a, pulls_b] =
-                        [a, b].map(|k| pulls(&matches[k].block, &jacobians[k], &residuals_m[k]));
-                    let numbers = |pulls: &[(u32, Vector6<f64>)]| -> Vec<u32> {
-                        pulls.iter().map(|(number, _)| *number).collect()
-                    };
-                    let shared = shared_points(&numbers(&pulls_a), &numbers(&pulls_b));
-                    // Residuals are smaller than errors: each block of points lost a share of its freedom.
-                    let blocks = shared.len() as f64;
-                    let freedom = (blocks - unknowns / 3.0).max(1.0);
-                    shared
-                        .iter()
-                        .map(|(i, j)| pulls_a[*i].1 * pulls_b[*j].1.transpose())
-                        .sum::<Matrix6<f64>>()
-                        * (blocks / freedom)
-                }
-            };
-            let part = inverses[a] * meat * inverses[b];
+                // Too few points in common to tell how the two hang together.
+                continue;
+            }
+            let products: f64 =
+                shared.iter().map(|(i, j)| residuals_m[a][*i].dot(&residuals_m[b][*j])).sum();
+            let middle: Matrix6<f64> =
+                shared.iter().map(|(i, j)| jacobians[a][*i].transpose() * jacobians[b][*j]).sum();
+            let part = inverses[a] * (middle * (products / degrees)) * inverses[b];
             covariance.fixed_view_mut::<6, 6>(6 * a, 6 * b).copy_from(&part);
         }
     }
-    covariance.iter().all(|entry| entry.is_finite()).then_some(covariance)
+    Some(covariance)
+}
+
+/// The sandwich of all alignments at once: they share no unknown, but blocks.
+fn by_block(
+    matches: &[Matches],
+    jacobians: &[Vec<Matrix3x6<f64>>],
+    residuals_m: &[Vec<Vector3<f64>>],
+    alignment: Alignment,
+) -> Option<DMatrix<f64>> {
+    let columns = estimated(alignment);
+    let (each, all) = (columns.len(), columns.len() * matches.len());
+    let mut blocks: BTreeMap<u32, Block> = BTreeMap::new();
+    for (a, matches) in matches.iter().enumerate() {
+        let points = matches.block.iter().zip(&jacobians[a]).zip(&residuals_m[a]);
+        for ((number, jacobian), residual_m) in points {
+            let block = blocks.entry(*number).or_insert_with(|| Block {
+                information: DMatrix::zeros(all, all),
+                gradient: DVector::zeros(all),
+            });
+            let jacobian = jacobian.select_columns(columns);
+            let mut own = block.information.view_mut((each * a, each * a), (each, each));
+            own += jacobian.tr_mul(&jacobian);
+            let mut own = block.gradient.rows_mut(each * a, each);
+            own += jacobian.tr_mul(residual_m);
+        }
+    }
+    let blocks: Vec<Block> = blocks.into_values().collect();
+    let found = sandwich::covariance(&blocks, None)?;
+    let place = |k: usize| 6 * (k / each) + columns[k % each];
+    let mut covariance = DMatrix::zeros(6 * matches.len(), 6 * matches.len());
+    for i in 0..all {
+        for j in 0..all {
+            covariance[(place(i), place(j))] = found[(i, j)];
+        }
+    }
+    Some(covariance)
 }
 
 /// Inverse over the estimated directions, zeros elsewhere; `None` when one of them is free.
@@ -196,24 +232,6 @@ fn shared_points(a: &[u32], b: &[u32]) -> Vec<(usize, usize)> {
         .enumerate()
         .filter_map(|(i, block)| b.binary_search(block).ok().map(|j| (i, j)))
         .collect()
-}
-
-/// Number of each block, and Jᵀ r summed over it.
-fn pulls(
-    block: &[u32],
-    jacobians: &[Matrix3x6<f64>],
-    residuals_m: &[Vector3<f64>],
-) -> Vec<(u32, Vector6<f64>)> {
-    let mut sums: Vec<(u32, Vector6<f64>)> = Vec::new();
-    for ((block, jacobian), residual) in block.iter().zip(jacobians).zip(residuals_m) {
-        if sums.last().is_none_or(|(last, _)| last != block) {
-            sums.push((*block, Vector6::zeros()));
-        }
-        if let Some((_, sum)) = sums.last_mut() {
-            *sum += jacobian.transpose() * residual;
-        }
-    }
-    sums
 }
 
 /// Covariance of (x, y, z, yaw) of two transforms out of that of their (t, ω).
@@ -264,4 +282,108 @@ pub fn relative_to_station1(
         &jacobian * covariance * jacobian.transpose()
     });
     (transforms, covariance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    const SIGMA_M: f64 = 0.003;
+    const DRAWS: usize = 300;
+
+    /// Control points as they are set out: most of them near the stations, one in five far away.
+    fn points_m(count: usize, rng: &mut ChaCha8Rng) -> Vec<Vector3<f64>> {
+        (0..count)
+            .map(|k| {
+                let reach_m = if k % 5 == 0 { 60.0 } else { 10.0 };
+                let mut along = || rng.random_range(-reach_m..reach_m);
+                Vector3::new(along(), along(), 0.05 * along())
+            })
+            .collect()
+    }
+
+    /// Stated over true variance of each number of two alignments of stations that see the same points, and of what the two
+    /// have in common; `state` says how the covariance of the first is stated.
+    fn stated_over_true(
+        count: usize,
+        alignment: Alignment,
+        state: impl Fn(&[Matches], &Aligned) -> DMatrix<f64>,
+    ) -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(count as u64);
+        let noise = Normal::new(0.0, SIGMA_M).expect("a σ");
+        let columns = estimated(alignment);
+        let mut ratios = vec![0.0; 3 * columns.len()];
+        for _ in 0..DRAWS {
+            let truth_m = points_m(count, &mut rng);
+            let mut seen = || -> Vec<Vector3<f64>> {
+                truth_m.iter().map(|p| p.map(|axis| axis + noise.sample(&mut rng))).collect()
+            };
+            let to_m = seen();
+            let matches = [0, 1].map(|_| Matches {
+                to_m: to_m.clone(),
+                from_m: seen(),
+                block: (0..count as u32).collect(),
+            });
+            let aligned = align(&matches, alignment, Errors::ByBlock).expect("held");
+            let stated = state(&matches, &aligned);
+            let rows = truth_m.iter().map(|point| jacobian(point, alignment));
+            let normal: Matrix6<f64> = rows.map(|j| j.transpose() * j).sum();
+            let unit = inverse(normal, alignment).expect("held") * SIGMA_M.powi(2);
+            for (place, k) in columns.iter().enumerate() {
+                let variance = unit[(*k, *k)];
+                let [own, other, common] = [(*k, *k), (6 + k, 6 + k), (*k, 6 + k)];
+                for (kind, (at, truth)) in
+                    [(own, 2.0 * variance), (other, 2.0 * variance), (common, variance)]
+                        .into_iter()
+                        .enumerate()
+                {
+                    ratios[kind * columns.len() + place] += stated[at] / truth / DRAWS as f64;
+                }
+            }
+        }
+        ratios
+    }
+
+    fn ours(_: &[Matches], aligned: &Aligned) -> DMatrix<f64> {
+        aligned.covariance.clone().expect("held")
+    }
+
+    /// The sandwich with B / (B − n/3) for B points and n unknowns.
+    fn with_a_common_factor(matches: &[Matches], aligned: &Aligned) -> DMatrix<f64> {
+        let alignment = Alignment::Level;
+        let count = matches[0].len() as f64;
+        let mut covariance = DMatrix::zeros(12, 12);
+        for (a, one) in matches.iter().enumerate() {
+            let rows =
+                || one.from_m.iter().map(|p| jacobian(&aligned.to_from[a].rotate(p), alignment));
+            let inverse =
+                inverse(rows().map(|j| j.transpose() * j).sum(), alignment).expect("held");
+            let pulls = rows().zip(&aligned.residuals_m[a]).map(|(j, r)| j.transpose() * r);
+            let middle: Matrix6<f64> = pulls.map(|pull| pull * pull.transpose()).sum();
+            let part = inverse * middle * inverse * (count / (count - 4.0 / 3.0));
+            covariance.fixed_view_mut::<6, 6>(6 * a, 6 * a).copy_from(&part);
+        }
+        covariance
+    }
+
+    #[test]
+    fn stated_variances_by_block_are_the_true_ones_from_8_to_60_points() {
+        for count in [8, 12, 16, 20, 40, 60] {
+            for alignment in [Alignment::Level, Alignment::Rigid] {
+                let ratios = stated_over_true(count, alignment, ours);
+                let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+                assert!((0.93..1.07).contains(&mean), "{count} points: {ratios:.2?}");
+                let all = ratios.iter().all(|ratio| (0.75..1.25).contains(ratio));
+                assert!(all, "{count} points: {ratios:.2?}");
+            }
+        }
+        // The few points far away hold yaw, which a common factor does not know of.
+        for (count, most) in [(8, 0.65), (12, 0.75), (20, 0.85)] {
+            let old = stated_over_true(count, Alignment::Level, with_a_common_factor);
+            assert!(old[3] < most, "{count} points: {old:.2?}");
+        }
+    }
 }

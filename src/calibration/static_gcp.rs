@@ -12,6 +12,7 @@ use super::{
 use crate::deployment::{ControlPoint, Deployment, Finding};
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
+use crate::statistics::median;
 
 pub const FEWEST_POINTS: usize = 3;
 const FEWEST_FOR_SANDWICH: usize = 10;
@@ -160,9 +161,8 @@ fn blunders(
             *size = size.max(residual.norm());
         }
     }
-    let mut sorted: Vec<f64> = worst.iter().copied().filter(|size| *size > 0.0).collect();
-    sorted.sort_by(f64::total_cmp);
-    let Some(typical_m) = checks::median(&sorted) else { return Vec::new() };
+    let measured = worst.iter().copied().filter(|size| *size > 0.0);
+    let Some(typical_m) = median(measured) else { return Vec::new() };
     let limit_m = (BLUNDER * typical_m).max(LEAST_BLUNDER_M);
     points
         .iter()

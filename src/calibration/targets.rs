@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 use crate::deployment::{Deployment, PAIRS};
 use crate::geometry::align_level;
 use crate::pipeline::Triplets;
+use crate::statistics::median;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Targets {
@@ -63,12 +64,8 @@ fn median_distance_m(triplets: &Triplets) -> Option<f64> {
             c.iter().map(|p| third.apply(p)).collect(),
         ]
     };
-    let mut apart_m: Vec<f64> = PAIRS
-        .iter()
-        .flat_map(|(a, b)| placed[*a].iter().zip(&placed[*b]).map(|(a, b)| (a - b).norm()))
-        .collect();
-    let middle = apart_m.len() / 2;
-    Some(*apart_m.select_nth_unstable_by(middle, f64::total_cmp).1)
+    let pairs = PAIRS.iter().flat_map(|(a, b)| placed[*a].iter().zip(&placed[*b]));
+    median(pairs.map(|(a, b)| (a - b).norm()))
 }
 
 /// Whether the direction of travel varies; there and back along a line does not count.

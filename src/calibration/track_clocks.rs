@@ -1,12 +1,13 @@
 //! The clocks of stations 2 and 3 out of tracks of one prism: a late stamp moves a track along itself, which no turn or
 //! shift of the whole does where the drive turns.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
 use super::inter_prism::{Clock, Estimate, with_clocks};
 use super::time_blocks;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
+use crate::statistics::sandwich::{self, Block};
 
 /// For each of stations 2 and 3: (x, y, z, yaw), clock offset (s), clock drift (s per s).
 const PER_STATION: usize = 6;
@@ -42,8 +43,6 @@ pub fn estimate(
     let late = Clock { offset_s: STEP_S, drift: 0.0 };
     let moved = with_clocks(triplets, [late, late]);
     let middle_s = 0.5 * (triplets.time_s.first()? + triplets.time_s.last()?);
-    let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-    let mut right = SVector::<f64, UNKNOWNS>::zeros();
     let equations = |index: usize, slot: usize| {
         let (station, transform) = (slot + 1, &station1_from_station[slot + 1]);
         let point = &triplets.points_m[station][index];
@@ -61,41 +60,36 @@ pub fn estimate(
         let error = triplets.points_m[0][index] - turned - transform.translation_m;
         (columns, error)
     };
-    for index in 0..triplets.len() {
-        for slot in 0..2 {
-            let (columns, error) = equations(index, slot);
-            let at = PER_STATION * slot;
-            for (i, a) in columns.iter().enumerate() {
-                right[at + i] += a.dot(&error);
-                for (j, b) in columns.iter().enumerate() {
-                    normal[(at + i, at + j)] += a.dot(b);
-                }
-            }
-        }
-    }
-    let inverse = normal.cholesky()?.inverse();
-    let step = inverse * right;
     let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
-    let mut middle = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-    for block in &blocks {
-        let mut pull = SVector::<f64, UNKNOWNS>::zeros();
-        for index in block.clone() {
-            for slot in 0..2 {
-                let (columns, error) = equations(index, slot);
-                let at = PER_STATION * slot;
-                let explained: Vector3<f64> =
-                    columns.iter().enumerate().map(|(i, column)| column * step[at + i]).sum();
-                for (i, column) in columns.iter().enumerate() {
-                    pull[at + i] += column.dot(&(error - explained));
+    let mut blocks: Vec<Block> = blocks
+        .into_iter()
+        .map(|block| {
+            let mut information = DMatrix::zeros(UNKNOWNS, UNKNOWNS);
+            let mut gradient = DVector::zeros(UNKNOWNS);
+            for index in block {
+                for slot in 0..2 {
+                    let (columns, error) = equations(index, slot);
+                    let at = PER_STATION * slot;
+                    for (i, a) in columns.iter().enumerate() {
+                        gradient[at + i] += a.dot(&error);
+                        for (j, b) in columns.iter().enumerate() {
+                            information[(at + i, at + j)] += a.dot(b);
+                        }
+                    }
                 }
             }
-        }
-        middle += pull * pull.transpose();
+            Block { information, gradient }
+        })
+        .collect();
+    let normal: DMatrix<f64> = blocks.iter().map(|block| &block.information).sum();
+    let right: DVector<f64> = blocks.iter().map(|block| &block.gradient).sum();
+    let step = normal.cholesky()?.solve(&right);
+    // What the step leaves of them.
+    for block in &mut blocks {
+        block.gradient -= &block.information * &step;
     }
-    let count = blocks.len() as f64;
-    let freedom = (count - PER_STATION as f64 / 3.0).max(1.0) / count;
-    let covariance = inverse * middle * inverse / freedom;
-    if step.iter().chain(covariance.iter()).any(|entry| !entry.is_finite()) {
+    let covariance = sandwich::covariance(&blocks, None)?;
+    if step.iter().any(|entry| !entry.is_finite()) {
         return None;
     }
     let estimate = |place: usize| Estimate {
@@ -109,4 +103,52 @@ pub fn estimate(
         moves: SVector::from_fn(|k, _| step[places[k]]),
         covariance: SMatrix::from_fn(|i, j| covariance[(places[i], places[j])]),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    /// Readings of one winding way by three stations with right clocks, in so many blocks of time.
+    fn triplets(blocks: usize, rng: &mut ChaCha8Rng) -> Triplets {
+        let noise = Normal::new(0.0, 0.002).expect("a σ");
+        let time_s: Vec<f64> = (0..10 * blocks).map(|k| 0.5 * k as f64).collect();
+        let points_m = [0, 1, 2].map(|_| {
+            let at = |t: &f64| {
+                let (x, y) = (20.0 * (0.13 * t).sin(), 15.0 * (0.29 * t + 1.0).cos());
+                Vector3::new(x, y, 0.3 * (0.2 * t).sin()).map(|axis| axis + noise.sample(rng))
+            };
+            time_s.iter().map(at).collect()
+        });
+        let interval = vec![0; time_s.len()];
+        Triplets::new(time_s, interval, points_m)
+    }
+
+    #[test]
+    fn stated_variances_are_the_true_ones_from_8_to_60_blocks() {
+        const DRAWS: usize = 300;
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        for blocks in [8, 12, 16, 20, 40, 60] {
+            let (mut stated, mut truth) = ([0.0; 12], [0.0; 12]);
+            for _ in 0..DRAWS {
+                let triplets = triplets(blocks, &mut rng);
+                let found = estimate(&triplets, &[RigidTransform::IDENTITY; 3]).expect("held");
+                let clocks = found.offsets_s.into_iter().chain(found.drifts);
+                let moves = (0..8).map(|k| Estimate {
+                    value: found.moves[k],
+                    sigma: found.covariance[(k, k)].sqrt(),
+                });
+                for (k, estimate) in moves.chain(clocks).enumerate() {
+                    stated[k] += estimate.sigma.powi(2);
+                    truth[k] += estimate.value.powi(2);
+                }
+            }
+            // 1 σ of the mean over the twelve is 3 %.
+            let ratio = stated.iter().zip(truth).map(|(s, t)| s / t).sum::<f64>() / 12.0;
+            assert!((0.93..1.1).contains(&ratio), "{blocks} blocks: {ratio:.3}");
+        }
+    }
 }

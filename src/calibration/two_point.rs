@@ -6,12 +6,13 @@
 
 use nalgebra::Vector3;
 
-use super::checks::{self, median};
+use super::checks;
 use super::point_to_point::{self, Errors, Matches};
 use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer, Verdict};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS};
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
+use crate::statistics::{median, quantile_of_sorted};
 
 /// Range accuracy of the instruments (m) and what an arcsecond is: the nominal values of the paper.
 const RANGE_SIGMA_M: f64 = 0.002;
@@ -22,6 +23,8 @@ const NOTABLE_PPM: f64 = 10.0;
 const NOTABLE_M: f64 = 0.008;
 /// A point this many times further off than the next is named and left out.
 const MISPLACED: f64 = 3.0;
+/// The median of the sum of two normal errors' squares, over their variance: χ² of two degrees of freedom.
+const MEDIAN_OF_TWO_SQUARES: f64 = 2.0 * std::f64::consts::LN_2;
 
 /// What one pair of points gives.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +54,11 @@ impl PairResection {
     /// The largest distance of a point left out to its known position (m).
     pub fn largest_from_known_m(&self) -> Option<f64> {
         self.left_out.iter().map(|left_out| left_out.from_known_m).max_by(f64::total_cmp)
+    }
+
+    /// What the stations make of a point left out lies this far apart (m, median).
+    pub fn median_left_out_m(&self) -> Option<f64> {
+        quantile_of_sorted(&self.left_out_m, 0.5)
     }
 }
 
@@ -92,7 +100,7 @@ pub fn solve(
     let misplaced = misplaced(&pairs);
     let sound = |i: &usize| misplaced.as_ref().is_none_or(|point| !point.is_in(&pairs[*i]));
     // The points left out judge best; with none, the longest baseline holds yaw best.
-    let by_left_out = |i: &usize| median(&pairs[*i].left_out_m).unwrap_or(f64::INFINITY);
+    let by_left_out = |i: &usize| pairs[*i].median_left_out_m().unwrap_or(f64::INFINITY);
     let chosen = (0..pairs.len())
         .filter(sound)
         .min_by(|i, j| {
@@ -114,7 +122,7 @@ pub fn solve(
     let covariance = covariance.map(|c| point_to_point::level_part(&c));
     let mut findings = findings(&pairs, chosen);
     let mut verdict = Verdict::Good;
-    let doubt = match median(&pairs[chosen].left_out_m) {
+    let doubt = match pairs[chosen].median_left_out_m() {
         None => Some(
             "no third known point checks this resection; a wrong coordinate or a wrong marker would not show"
                 .to_owned(),
@@ -213,16 +221,15 @@ fn resect(
     Some((pair, Placed { world_from_station, matches, squares_m2, range_m }))
 }
 
-/// How well a point of a file is known on each axis (m): what the residuals of its pairs say (half of the sums of squares
-/// of two degrees of freedom are below 1.386 σ²), but no better than the instruments.
+/// How well a point of a file is known on each axis (m): what the residuals of its pairs say (each gives
+/// a sum of squares of two degrees of freedom), but no better than the instruments.
 fn point_sigma_m<'a>(placed: impl Iterator<Item = &'a Placed>) -> f64 {
     let (mut squares_m2, mut range_m) = (Vec::new(), 0.0_f64);
     for one in placed {
         squares_m2.extend(one.squares_m2);
         range_m = range_m.max(one.range_m);
     }
-    squares_m2.sort_by(f64::total_cmp);
-    let shown_m = (median(&squares_m2).unwrap_or(0.0) / 1.386).sqrt();
+    let shown_m = (median(squares_m2).unwrap_or(0.0) / MEDIAN_OF_TWO_SQUARES).sqrt();
     shown_m.max(RANGE_SIGMA_M).max(ANGLE_SIGMA_RAD * range_m)
 }
 
@@ -282,7 +289,7 @@ fn findings(pairs: &[PairResection], chosen: usize) -> Vec<Finding> {
         pair.file,
         pair.baseline_m,
         pairs.len(),
-        median(&pair.left_out_m).map_or(String::new(), |median_m| format!(
+        pair.median_left_out_m().map_or(String::new(), |median_m| format!(
             ": stations agree there within {:.1} mm (median)",
             median_m * 1e3
         ))

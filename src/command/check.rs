@@ -9,6 +9,7 @@ use super::{Failure, load, print};
 use crate::analysis::{Analysis, Analyst, Settings};
 use crate::calibration::{CalibrationError, Method};
 use crate::deployment::{Deployment, Extras, Finding, Severity, Track, pair_label};
+use crate::statistics::median;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -115,15 +116,14 @@ fn describe(track: &Track) -> String {
     let (Some(first), Some(last)) = (readings.first(), readings.last()) else {
         return "no measurement".to_owned();
     };
-    let mut gaps: Vec<f64> = readings.windows(2).map(|w| w[1].time_s - w[0].time_s).collect();
-    gaps.sort_by(f64::total_cmp);
+    let gaps_s = || readings.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
     let ranges = || readings.iter().map(|m| m.range_m);
     let (near, far) = (ranges().fold(f64::INFINITY, f64::min), ranges().fold(0.0, f64::max));
-    let rate = gaps.get(gaps.len() / 2).map_or("–".to_owned(), |gap| format!("{:.2}", 1.0 / gap));
+    let rate = median(gaps_s()).map_or("–".to_owned(), |gap_s| format!("{:.2}", 1.0 / gap_s));
     format!(
         "{} readings over {:.1} s at {rate} Hz, longest gap {:.1} s, range {near:.1}–{far:.1} m",
         readings.len(),
         last.time_s - first.time_s,
-        gaps.last().copied().unwrap_or(0.0),
+        gaps_s().fold(0.0, f64::max),
     )
 }

@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::{Finding, Measurement, OpenError};
 use crate::geometry::LONGEST_RANGE_M;
+use crate::statistics::median;
 
 /// The year 5138 in Unix seconds; milliseconds and nanoseconds are beyond it.
 const LATEST_STAMP_S: f64 = 1e11;
@@ -172,9 +173,7 @@ impl Column {
         if self.0.len() < FEWEST {
             return None;
         }
-        let mut values = self.0.clone();
-        let middle = values.len() / 2;
-        Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+        median(self.0.iter().copied())
     }
 
     fn share(&self, is: impl Fn(f64) -> bool) -> f64 {

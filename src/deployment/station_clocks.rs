@@ -9,15 +9,14 @@ mod arrivals;
 mod robust;
 
 pub use self::arrivals::Arrivals;
-use self::robust::{jumps, median, slope_of_neighbours, theil_sen};
+use self::robust::{jumps, slope_of_neighbours, theil_sen};
 use super::{Finding, TimeCorrection, Track};
+use crate::statistics::{median, sigma_of_errors};
 
 /// Fewer readings than this tell nothing of a drift (readings on either side of a jump: half of it).
 const FEWEST_READINGS: usize = 10;
 /// Crystals of small computers are good to 20 to 50 ppm; more is a clock that is being pulled.
 const ORDINARY_DRIFT_PPM: f64 = 100.0;
-/// From the median absolute deviation to σ of a normal distribution.
-const SIGMA_OF_MAD: f64 = 1.4826;
 /// Headers that lie apart by this much (s) against the recorder, where the own clocks do not, are doubted.
 const DOUBTED_S: f64 = 0.05;
 
@@ -66,18 +65,18 @@ pub fn compare(track: &Track) -> Option<ClockComparison> {
     for segment in segments {
         let flat: Vec<f64> =
             segment.map(|k| apart_s[k] - drift * (times_s[k] - times_s[0])).collect();
-        let level = median(flat.clone());
-        left_s.extend(flat.into_iter().map(|value| (value - level).abs()));
+        let level = median(flat.iter().copied()).unwrap_or(0.0);
+        left_s.extend(flat.into_iter().map(|value| value - level));
     }
     Some(ClockComparison {
         readings: times_s.len(),
-        median_s: median(apart_s),
+        median_s: median(apart_s.iter().copied())?,
         drift_ppm: drift * 1e6,
         jumps: jumps
             .into_iter()
             .map(|(index, by_s)| ClockJump { time_s: times_s[index], by_s })
             .collect(),
-        spread_s: SIGMA_OF_MAD * median(left_s),
+        spread_s: sigma_of_errors(left_s)?,
     })
 }
 
@@ -167,7 +166,7 @@ fn against_corrections(
     if apart_s.len() < FEWEST_READINGS {
         return Some(Finding::note(format!("station {number}: {count} time corrections")));
     }
-    let off_s = median(apart_s);
+    let off_s = median(apart_s)?;
     Some(if off_s.abs() > DOUBTED_S {
         Finding::doubt(format!(
             "station {number}: own clock minus stamp is {off_s:+.4} s off the {count} time corrections in the recording: the \

@@ -11,6 +11,7 @@ use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
+use crate::statistics::quantiles;
 
 /// Median and quartiles of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,38 +24,13 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Quartiles of sizes (not negative) by linear interpolation between order statistics, as numpy does it;
-    /// `None` of nothing.
+    /// Of the sizes of these; `None` of nothing.
     pub fn of(sizes: impl IntoIterator<Item = f64>) -> Option<Self> {
-        // The bits of floats that are not negative sort like the floats, and integers are selected faster.
-        let mut bits: Vec<u64> = sizes.into_iter().map(|size| size.abs().to_bits()).collect();
-        let n = bits.len();
-        let last = n.checked_sub(1)?;
-        // Each selection leaves its part of the list on its own side, and the next looks only there.
-        let middle = last / 2;
-        let median = quantile(&mut bits, 0, 0.5 * last as f64);
-        let q25 = quantile(&mut bits[..(middle + 2).min(n)], 0, 0.25 * last as f64);
-        let q75 = quantile(&mut bits[middle..], middle, 0.75 * last as f64);
+        let mut n = 0;
+        let counted = sizes.into_iter().inspect(|_| n += 1).map(f64::abs);
+        let [q25, median, q75] = quantiles(counted, [0.25, 0.5, 0.75])?;
         Some(Self { median, q25, q75, iqr: q75 - q25, n })
     }
-}
-
-/// The value below which a share of the list lies, by linear interpolation between order statistics.
-pub fn quantile_of(sorted: &[f64], share: f64) -> Option<f64> {
-    let last = sorted.len().checked_sub(1)?;
-    let rank = share * last as f64;
-    let (low, high) = (sorted[rank as usize], sorted[(rank as usize + 1).min(last)]);
-    Some(low + (high - low) * rank.fract())
-}
-
-/// The value at a fractional rank of the whole list, of which `part` is the piece from rank `first` on.
-fn quantile(part: &mut [u64], first: usize, rank: f64) -> f64 {
-    let index = rank as usize - first;
-    let (_, low, above) = part.select_nth_unstable(index);
-    let low = *low;
-    let high = above.iter().copied().min().unwrap_or(low);
-    let (low, high) = (f64::from_bits(low), f64::from_bits(high));
-    low + (high - low) * rank.fract()
 }
 
 /// The control-point metric of one file.

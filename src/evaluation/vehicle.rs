@@ -7,6 +7,7 @@ use crate::calibration::Targets;
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
 use crate::pipeline::Triplets;
+use crate::statistics::sigma_of_errors;
 
 /// Epochs with a larger inter-prism error are left out of trajectories unless asked for otherwise (m).
 pub const LARGEST_POSE_ERROR_M: f64 = 0.020;
@@ -120,12 +121,10 @@ fn observed(
             .unwrap_or([std::f64::consts::SQRT_2; 3]);
         for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
             let error_m = (points[b] - points[a]).norm() - inter_prism_m[pair];
-            ratios.push(error_m.abs() / sigma_m[pair]);
+            ratios.push(error_m / sigma_m[pair]);
         }
     }
-    ratios.sort_by(f64::total_cmp);
-    // Half of the normal deviates are smaller than 0.6745.
-    let shown = ratios.get(ratios.len() / 2).map_or(0.0, |median| median / 0.6745);
+    let shown = sigma_of_errors(ratios).unwrap_or(0.0);
     let factor = if triplets.sigma_m.is_some() { shown.max(1.0) } else { shown };
     (0..triplets.len())
         .map(|index| ObservedRig {

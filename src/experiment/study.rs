@@ -2,8 +2,8 @@
 
 use crate::analysis::Settings;
 use crate::deployment::Finding;
-use crate::evaluation::quantile_of;
 use crate::palette::Rgb;
+use crate::statistics::quantiles;
 
 /// One box: sizes of errors, summed up (mm).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -19,17 +19,10 @@ pub struct Quantiles {
 impl Quantiles {
     /// Of errors (mm) of either sign, in any order; `None` of nothing.
     pub fn of(errors_mm: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let mut sizes_mm: Vec<f64> = errors_mm.into_iter().map(f64::abs).collect();
-        sizes_mm.sort_unstable_by(f64::total_cmp);
-        let at = |share: f64| quantile_of(&sizes_mm, share);
-        Some(Self {
-            q05: at(0.05)?,
-            q25: at(0.25)?,
-            median: at(0.5)?,
-            q75: at(0.75)?,
-            q95: at(0.95)?,
-            n: sizes_mm.len(),
-        })
+        let mut n = 0;
+        let sizes_mm = errors_mm.into_iter().inspect(|_| n += 1).map(f64::abs);
+        let [q05, q25, median, q75, q95] = quantiles(sizes_mm, [0.05, 0.25, 0.5, 0.75, 0.95])?;
+        Some(Self { q05, q25, median, q75, q95, n })
     }
 
     pub fn values(&self) -> [f64; 5] {

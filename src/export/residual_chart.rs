@@ -2,8 +2,8 @@
 
 use super::drawing::{Anchor, Drawing, Ink, Mark};
 use super::frame::Frame;
-use crate::evaluation::quantile_of;
 use crate::palette;
+use crate::statistics::{quantile_of_sorted, quantiles};
 
 const LABEL: f32 = 11.0;
 const LEFT: f32 = 58.0;
@@ -84,7 +84,8 @@ fn draw_strokes(errors_mm: &[f64], time_s: &[f64], plot: &Frame, ink: Ink, marks
         sorted.sort_by(f64::total_cmp);
         let middle_s = 0.5 * (time_s[group[0]] + time_s[group[group.len() - 1]]);
         for (shares, strokes) in [([0.0, 1.0], &mut thin), ([0.25, 0.75], &mut thick)] {
-            let [Some(low), Some(high)] = shares.map(|share| quantile_of(&sorted, share)) else {
+            let [Some(low), Some(high)] = shares.map(|share| quantile_of_sorted(&sorted, share))
+            else {
                 continue;
             };
             let ([x, bottom], [_, top]) = (plot.place(middle_s, low), plot.place(middle_s, high));
@@ -109,12 +110,9 @@ fn draw_bars(counts: &[usize], range: [f64; 2], frame: &Frame, ink: Ink, marks: 
 
 /// The range that shows nearly all errors (mm): about zero, or from zero up where no error is negative.
 pub fn range_mm(errors_mm: &[Vec<f64>; 3]) -> [f64; 2] {
-    let mut sizes: Vec<f64> = errors_mm.iter().flatten().map(|e| e.abs()).collect();
-    if sizes.is_empty() {
-        return [-1.0, 1.0];
-    }
-    let index = ((sizes.len() as f64 * SHOWN) as usize).min(sizes.len() - 1);
-    let high = (*sizes.select_nth_unstable_by(index, f64::total_cmp).1 * 1.15).max(0.5);
+    let sizes = errors_mm.iter().flatten().map(|error| error.abs());
+    let Some([shown]) = quantiles(sizes, [SHOWN]) else { return [-1.0, 1.0] };
+    let high = (shown * 1.15).max(0.5);
     if errors_mm.iter().flatten().any(|error| *error < 0.0) { [-high, high] } else { [0.0, high] }
 }
 

@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use resect::analysis::{Analysis, Analyst, Answer, Settings};
-use resect::calibration::Method;
+use resect::calibration::{Calibration, Method};
 use resect::deployment::Deployment;
 use resect::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 
@@ -66,7 +66,12 @@ pub fn assert_close(
 /// Errors of (x, y, z, yaw) of stations 2 and 3 over their stated σ.
 #[track_caller]
 pub fn normalised(analysis: &Analysis, truth: &[LevelTransform; 3]) -> [f64; 8] {
-    let calibration = &answer(analysis).calibration;
+    off_in_sigmas(&answer(analysis).calibration, truth)
+}
+
+/// The same of a calibration by itself.
+#[track_caller]
+pub fn off_in_sigmas(calibration: &Calibration, truth: &[LevelTransform; 3]) -> [f64; 8] {
     let sigma = calibration.sigma.expect("nothing is free");
     std::array::from_fn(|k| {
         let (station, part) = (k / 4 + 1, k % 4);

@@ -5,6 +5,7 @@ use egui_plot::PlotPoint;
 use super::pyramid::Pyramid;
 use crate::deployment::station_clocks::{self, ClockComparison};
 use crate::deployment::{TimeCorrection, Track};
+use crate::statistics::median;
 
 /// A station's own clock minus the synchronised time.
 #[derive(Clone, Debug, Default)]
@@ -38,8 +39,10 @@ impl ClockSeries {
         let corrections: Vec<[f64; 2]> =
             corrections.iter().map(|c| [c.time_s, c.offset_s]).collect();
         let comparison = station_clocks::compare(track);
-        let median_s = comparison.as_ref().map(|both| both.median_s);
-        let median_s = median_s.or_else(|| median(&readings)).or_else(|| median(&corrections));
+        let compared_s = comparison.as_ref().map(|both| both.median_s);
+        let median_s = compared_s
+            .or_else(|| median_offset_s(&readings))
+            .or_else(|| median_offset_s(&corrections));
         let dots = |offsets: &[[f64; 2]]| {
             Dots::of(offsets.iter().map(|[time_s, offset_s]| {
                 let left_s = offset_s - median_s.unwrap_or(0.0);
@@ -71,11 +74,8 @@ impl Dots {
     }
 }
 
-fn median(offsets: &[[f64; 2]]) -> Option<f64> {
-    let mut values: Vec<f64> = offsets.iter().map(|[_, offset_s]| *offset_s).collect();
-    let middle = values.len().checked_sub(1)? / 2;
-    let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    Some(*median)
+fn median_offset_s(offsets: &[[f64; 2]]) -> Option<f64> {
+    median(offsets.iter().map(|[_, offset_s]| *offset_s))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::pyramid::Pyramid;
 use crate::deployment::{Deployment, Measurement, Track};
 use crate::pipeline::outlier_filter::{Rates, rates};
 use crate::pipeline::{OutlierReason, Thresholds};
+use crate::statistics::quantile_of_sorted;
 
 /// What is measured, each with its rate and its threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -189,8 +190,7 @@ impl RateSeries {
     }
 
     fn quantile(&self, share: f64) -> Option<f64> {
-        let last = self.sorted.len().checked_sub(1)?;
-        Some(self.sorted[(share * last as f64).round() as usize])
+        quantile_of_sorted(&self.sorted, share)
     }
 }
 

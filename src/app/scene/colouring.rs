@@ -271,7 +271,7 @@ fn scale_of(title: &'static str, values: &[&Vec<f64>; 3]) -> Scale {
     let step = count.div_ceil(MOST_LOOKED_AT).max(1);
     let mut some: Vec<f64> = values.iter().flat_map(|v| v.iter().step_by(step)).copied().collect();
     some.sort_by(f64::total_cmp);
-    let high = crate::evaluation::quantile_of(&some, SPANNED).unwrap_or(1.0);
+    let high = crate::statistics::quantile_of_sorted(&some, SPANNED).unwrap_or(1.0);
     let high = round_up(high);
     Scale { title, low: 0.0, high, exceeded: some.last().is_some_and(|most| *most > high) }
 }

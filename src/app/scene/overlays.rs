@@ -124,9 +124,7 @@ fn add_ellipsoid(
 }
 
 fn exaggeration<'a>(sigma_m: impl Iterator<Item = &'a Vector3<f64>>) -> Option<f64> {
-    let mut all: Vec<f64> = sigma_m.map(|sigma| 2.0 * sigma.max()).collect();
-    let middle = all.len().checked_sub(1)? / 2;
-    let radius_m = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let radius_m = crate::statistics::median(sigma_m.map(|sigma| 2.0 * sigma.max()))?;
     Some(round_factor(radius_m, WANTED_RADIUS_M))
 }
 

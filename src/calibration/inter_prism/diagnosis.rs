@@ -12,6 +12,7 @@ use crate::calibration::checks::{
 use crate::calibration::{ResolvedBy, TransformSigma, Verdict};
 use crate::deployment::{Deployment, Finding, Severity};
 use crate::geometry::RigidTransform;
+use crate::statistics::median;
 
 /// A minimum that is no mirror twin makes the answer ambiguous below this cost ratio.
 const CLOSE_RIVAL: f64 = 2.0;
@@ -174,10 +175,8 @@ fn rival(evidence: &Evidence<'_>) -> Option<Finding> {
 
 /// Errors larger than noise, interpolation and the distances explain.
 fn poor_fit(evidence: &Evidence<'_>) -> Option<Finding> {
-    let mut errors_m = evidence.thinned.distance_errors_m(&evidence.answer.parameters);
-    errors_m.iter_mut().for_each(|e| *e = e.abs());
-    let middle = errors_m.len() / 2;
-    let median_m = *errors_m.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let errors_m = evidence.thinned.distance_errors_m(&evidence.answer.parameters);
+    let median_m = median(errors_m.into_iter().map(f64::abs))?;
     (median_m > POOR_FIT_M).then(|| {
         Finding::warning(format!(
             "the distances fit poorly (median {:.1} mm): check the order of the prisms, the distances, the clocks and the filters",

@@ -13,6 +13,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use super::CentredTriplets;
+use crate::statistics::{self, central_sigma, median};
 
 /// Drives that reach less far than this have not moved (m).
 const STANDING_M: f64 = 1.0;
@@ -95,13 +96,10 @@ impl DriveShape {
     pub fn of(data: &CentredTriplets) -> Self {
         let heights_m = quantiles(&data.coordinates[0][2], [0.01, 0.99]);
         let tilt_rad = [1, 2].map(|station| {
-            let apart: Vec<f64> = (data.coordinates[0][2].iter())
+            let apart = (data.coordinates[0][2].iter())
                 .zip(&data.coordinates[station][2])
-                .map(|(first, other)| first - other)
-                .collect();
-            // A standard deviation that outliers leave alone.
-            let [low, high] = quantiles(&apart, [0.16, 0.84]);
-            0.5 * (high - low) / data.inter_prism_m[station - 1]
+                .map(|(first, other)| first - other);
+            central_sigma(apart).unwrap_or(0.0) / data.inter_prism_m[station - 1]
         });
         Self {
             plan: plan(data),
@@ -152,8 +150,8 @@ fn chords([x, y, _]: &[Vec<f64>; 3]) -> Option<Vec<Chord>> {
             from = to;
         }
     }
-    let lengths: Vec<f64> = chords.iter().map(|chord| chord.length_m).collect();
-    let [longest_m] = quantiles(&lengths, [0.5]).map(|middle| GAP * middle);
+    let lengths = chords.iter().map(|chord| chord.length_m);
+    let longest_m = GAP * median(lengths).unwrap_or(0.0);
     chords.retain(|chord| chord.length_m <= longest_m);
     (!chords.is_empty()).then_some(chords)
 }
@@ -282,12 +280,7 @@ fn along_and_beside<'a>(chords: impl Iterator<Item = &'a Chord>, course_rad: f64
 
 /// Values below which these shares of the list lie; zeros of an empty one.
 fn quantiles<const N: usize>(values: &[f64], shares: [f64; N]) -> [f64; N] {
-    let mut values = values.to_vec();
-    shares.map(|share| {
-        let Some(last) = values.len().checked_sub(1) else { return 0.0 };
-        let index = (share * last as f64).round() as usize;
-        *values.select_nth_unstable_by(index, f64::total_cmp).1
-    })
+    statistics::quantiles(values.iter().copied(), shares).unwrap_or([0.0; N])
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use crate::calibration::{TransformSigma, Verdict};
 use crate::deployment::Finding;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
+use crate::statistics::median;
 
 /// A triplet is wild when one of its distances is off by more than both: bends and stops make 20 mm of chords. Wild ones
 /// seem to turn a rig, and so to hold what the drive leaves free: a hundredth of triplets off by 20 mm adds 5e-6 to the
@@ -32,13 +33,7 @@ fn worst(pairs: [f64; 3]) -> f64 {
 
 /// What a triplet's worst error must stay below (m).
 fn limit_m(worst_m: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut worst_m: Vec<f64> = worst_m.collect();
-    let middle = worst_m.len() / 2;
-    if worst_m.is_empty() {
-        return None;
-    }
-    let middle_m = *worst_m.select_nth_unstable_by(middle, f64::total_cmp).1;
-    Some(WILD_M.max(WILD_TIMES * middle_m))
+    Some(WILD_M.max(WILD_TIMES * median(worst_m)?))
 }
 
 /// Errors of the three distances of each triplet out of a list of them all.

@@ -9,6 +9,7 @@ use super::levenberg_marquardt::ROUGH_M;
 use super::{CentredTriplets, FEWEST_TRIPLETS, distance_errors_m, minimise, same_solution};
 use crate::geometry::{LevelTransform, RigidTransform, align_level};
 use crate::pipeline::Triplets;
+use crate::statistics::median;
 
 const FIRST_LIMIT_M_PER_S: f64 = 0.01;
 const LIMIT_STEP_M_PER_S: f64 = 0.10;
@@ -132,9 +133,7 @@ fn metric_m(
 ) -> f64 {
     let transforms = transforms.map(RigidTransform::from);
     let [a, b, c] = distance_errors_m(triplets, &transforms, inter_prism_m);
-    let mut all: Vec<f64> = a.into_iter().chain(b).chain(c).map(f64::abs).collect();
-    let middle = all.len() / 2;
-    *all.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(a.into_iter().chain(b).chain(c).map(f64::abs)).unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]

@@ -9,8 +9,8 @@
 use nalgebra::{Const, DMatrix, DVector, SMatrix, SVector, SymmetricEigen, Vector3};
 
 use super::{CentredTriplets, Minimum, NormalEquations, Parameters, distance_pulls};
-use crate::calibration::sandwich::{self, Block};
 use crate::calibration::{CalibrationSettings, TransformSigma, time_blocks};
+use crate::statistics::sandwich::{self, Block};
 
 /// The sandwich needs clearly more blocks than unknowns.
 const FEWEST_BLOCKS: usize = 16;
@@ -80,7 +80,6 @@ pub fn estimate(
     };
 
     let mut centred = if blocks.len() >= FEWEST_BLOCKS {
-        let information = DMatrix::from_column_slice(8, 8, normal.matrix.as_slice());
         let each = blocks.iter().map(|block| {
             let own = NormalEquations::over(data, &answer.parameters, block.clone());
             Block {
@@ -88,12 +87,13 @@ pub fn estimate(
                 gradient: DVector::from_column_slice(own.gradient.as_slice()),
             }
         });
-        match sandwich::covariance(&information, each) {
+        match sandwich::covariance(&each.collect::<Vec<_>>(), None) {
             Some(found) => SMatrix::from_column_slice(found.as_slice()),
             None => return free(spectrum),
         }
     } else {
-        // Too few blocks: one residual variance, and as many independent triplets as readings.
+        // Too few blocks for a sandwich: one residual variance of what degrees of freedom the unknowns leave, and as many
+        // independent triplets as readings.
         let duration_s: f64 = time_s.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap < 1.0).sum();
         let independent = (duration_s * READINGS_HZ).clamp(3.0, data.len() as f64);
         let degrees = (3.0 * independent - 8.0).max(1.0);

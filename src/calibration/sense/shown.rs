@@ -3,10 +3,11 @@
 use nalgebra::Vector3;
 
 use crate::calibration::TransformSigma;
-use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M, median};
+use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M};
 use crate::deployment::{ControlPointSet, PAIRS, Rig};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
+use crate::statistics::{central_sigma, median};
 
 /// Prisms whose triangle, seen from above, is thinner than this (m) have no way round to speak of; nor have those that
 /// tilting by [`SHEAR_RAD`] can turn over.
@@ -66,15 +67,16 @@ impl Shown {
                 heights_m.push(placed[0].z - placed[other].z);
             }
         }
-        let heights = heights_m.each_mut().map(|heights_m| middle_and_spread(heights_m));
-        let [first, second] = heights;
-        let ((first_m, first_spread_m), (second_m, second_spread_m)) = (first?, second?);
-        let [d12, d13, _] = rig.inter_prism_m;
+        let tilt_rad = |slot: usize| {
+            let sigma_m = central_sigma(heights_m[slot].iter().copied())?;
+            Some(sigma_m / rig.inter_prism_m[slot])
+        };
+        let height_m = |slot: usize| median(heights_m[slot].iter().copied());
         Some(Self {
-            fit_m: middle_and_spread(&mut errors_m)?.0,
-            area_m2: middle_and_spread(&mut areas_m2)?.0,
-            heights_m: [first_m, second_m],
-            tilt_rad: (first_spread_m / d12).max(second_spread_m / d13),
+            fit_m: median(errors_m)?,
+            area_m2: median(areas_m2)?,
+            heights_m: [height_m(0)?, height_m(1)?],
+            tilt_rad: tilt_rad(0)?.max(tilt_rad(1)?),
             control_points_m: control_points_apart_m(control_points, station1_from_station),
         })
     }
@@ -85,26 +87,14 @@ pub fn control_points_apart_m(
     control_points: &[ControlPointSet],
     station1_from_station: &[RigidTransform; 3],
 ) -> Option<f64> {
-    let mut apart_m: Vec<f64> = control_points
-        .iter()
-        .filter(|set| !set.pillars)
-        .flat_map(|set| set.disagreements_m(station1_from_station))
-        .collect();
-    apart_m.sort_by(f64::total_cmp);
-    median(&apart_m)
+    let sets = control_points.iter().filter(|set| !set.pillars);
+    median(sets.flat_map(|set| set.disagreements_m(station1_from_station)))
 }
 
 /// Signed area of a triangle seen from above (m²), positive where its corners lie counter-clockwise.
 pub fn plan_area_m2(corners_m: &[Vector3<f64>; 3]) -> f64 {
     let [a, b, c] = corners_m.map(|corner| corner.xy());
     0.5 * (b - a).perp(&(c - a))
-}
-
-/// Median, and half of what the middle 68 % range over: a standard deviation that outliers leave alone.
-fn middle_and_spread(values: &mut [f64]) -> Option<(f64, f64)> {
-    values.sort_by(f64::total_cmp);
-    let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
-    Some((median(values)?, 0.5 * (at(0.84) - at(0.16))))
 }
 
 /// How well what an answer shows goes with one witness.

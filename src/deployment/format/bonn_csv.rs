@@ -15,6 +15,7 @@ use std::io::Read;
 use super::{OpenError, polar_csv, table};
 use crate::deployment::{Finding, Measurement, RawRecord, Recording};
 use crate::progress::Progress;
+use crate::statistics::median;
 
 pub const COLUMNS: [&str; 7] = [
     "ref_time",
@@ -100,9 +101,8 @@ impl Clock {
             |r: &&Reading| r.status == 0 && r.arrived_s.is_finite() && r.instrument.is_finite();
         let pairs: Vec<_> =
             readings.iter().filter(valid).map(|r| [r.instrument, r.arrived_s]).collect();
-        let mut apart: Vec<_> = pairs.iter().map(|[own, arrived]| (arrived - own).abs()).collect();
-        apart.sort_by(f64::total_cmp);
-        if apart.get(apart.len() / 2).is_some_and(|apart| *apart < NEAR_S) {
+        let apart_s = median(pairs.iter().map(|[own, arrived]| (arrived - own).abs()));
+        if apart_s.is_some_and(|apart_s| apart_s < NEAR_S) {
             return Self::Corrected;
         }
         let count = pairs.len() as f64;

@@ -16,11 +16,14 @@ use crate::deployment::recording::station_index;
 use crate::deployment::{Finding, Measurement, PAIRS, RawRecord, Recording, TrackFrame};
 use crate::geometry::{Polar, RigidTransform};
 use crate::progress::Progress;
+use crate::statistics::quantiles;
 
 /// Prisms of one vehicle are no further apart than this (m) …
 const LARGEST_RIG_M: f64 = 5.0;
 /// … and their distances are steady: half of them lie within this (m).
 const STEADY_M: f64 = 0.1;
+/// Fewer distances than this say nothing of that.
+const FEWEST_DISTANCES: usize = 10;
 /// Longest gap to interpolate over, when two tracks are compared (s).
 const LONGEST_GAP_S: f64 = 1.0;
 /// Steps in which instruments give ranges (m).
@@ -175,13 +178,10 @@ fn in_common_frame() -> Finding {
 fn in_one_frame(positions: &[Vec<Position>; 3]) -> bool {
     let spreads: Vec<[f64; 2]> = PAIRS
         .iter()
-        .filter_map(|(a, b)| {
-            let mut distances_m = distances_m(&positions[*a], &positions[*b]);
-            distances_m.sort_by(f64::total_cmp);
-            let n = distances_m.len();
-            let at = |share: usize| distances_m[share * (n - 1) / 4];
-            (n >= 10).then(|| [at(2), at(3) - at(1)])
-        })
+        .map(|(a, b)| distances_m(&positions[*a], &positions[*b]))
+        .filter(|distances_m| distances_m.len() >= FEWEST_DISTANCES)
+        .filter_map(|distances_m| quantiles(distances_m, [0.25, 0.5, 0.75]))
+        .map(|[q25, median, q75]| [median, q75 - q25])
         .collect();
     !spreads.is_empty()
         && spreads.iter().all(|[median, iqr]| *median < LARGEST_RIG_M && *iqr < STEADY_M)

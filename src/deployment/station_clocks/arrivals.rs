@@ -1,8 +1,8 @@
 //! The recorder's clock as a witness: whether stamps or own clocks of the stations lie apart against it.
 
-use super::robust::median;
 use super::{DOUBTED_S, FEWEST_READINGS};
 use crate::deployment::Finding;
+use crate::statistics::median;
 
 /// Arrivals that are kept of a station, at most.
 const KEPT_ARRIVALS: usize = 4096;
@@ -39,9 +39,9 @@ impl Arrivals {
         let stations =
             self.kept.iter().enumerate().filter(|(_, kept)| kept.len() >= FEWEST_READINGS);
         let medians: Vec<(usize, f64, f64)> = stations
-            .map(|(station, kept)| {
-                let stamp_s = median(kept.iter().map(|(stamp_s, _)| *stamp_s).collect());
-                (station, stamp_s, median(kept.iter().map(|(_, own_s)| *own_s).collect()))
+            .filter_map(|(station, kept)| {
+                let stamp_s = median(kept.iter().map(|(stamp_s, _)| *stamp_s))?;
+                Some((station, stamp_s, median(kept.iter().map(|(_, own_s)| *own_s))?))
             })
             .collect();
         let range = |value: fn(&(usize, f64, f64)) -> f64| {

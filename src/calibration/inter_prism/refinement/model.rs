@@ -2,11 +2,12 @@
 
 use std::borrow::Cow;
 
-use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
 use crate::deployment::PAIRS;
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
+use crate::statistics::median;
 
 /// (x, y, z, yaw) of stations 2 and 3; their clock offsets; the three distances; their tilts about their own x and y; the
 /// drifts of their clocks; how much too long all ranges are by the prism constant's error.
@@ -18,6 +19,16 @@ pub const DRIFTS: usize = 17;
 pub const CONSTANT: usize = 19;
 
 pub type State = SVector<f64, UNKNOWNS>;
+pub type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// The rows and columns of some of the unknowns.
+pub fn reduced(matrix: &Matrix, places: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(places.len(), places.len(), |i, j| matrix[(places[i], places[j])])
+}
+
+pub fn reduced_vector(vector: &State, places: &[usize]) -> DVector<f64> {
+    DVector::from_fn(places.len(), |i, _| vector[places[i]])
+}
 
 /// How late the stamps of a station are against station 1's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,12 +104,7 @@ pub fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] 
 /// The median step between triplets of one interval (s).
 fn usual_step_s(triplets: &Triplets) -> Option<f64> {
     let pairs = triplets.time_s.windows(2).zip(triplets.interval.windows(2));
-    let mut steps_s: Vec<f64> =
-        pairs.filter(|(_, i)| i[0] == i[1]).map(|(t, _)| t[1] - t[0]).collect();
-    let middle = steps_s.len() / 2;
-    let (_, step_s, _) =
-        (!steps_s.is_empty()).then(|| steps_s.select_nth_unstable_by(middle, f64::total_cmp))?;
-    Some(*step_s)
+    median(pairs.filter(|(_, i)| i[0] == i[1]).map(|(t, _)| t[1] - t[0]))
 }
 
 /// The middle of a drive (s).

@@ -8,14 +8,15 @@ use crate::calibration::Loss;
 use crate::deployment::PAIRS;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
+use crate::statistics::robust::{CAUCHY_SCALE, HUBER_BEND};
+use crate::statistics::sigma_of_errors;
 
 /// What straight lines between readings miss on bends (m, 1 σ); a Gaussian process states its own.
 const CHORD_SIGMA_M: f64 = 0.001;
 /// Share of two readings' noise that a point between them has on average: ∫(1−s)² + s² ds.
 const CHORD_NOISE: f64 = 2.0 / 3.0;
-/// Scale of the losses over the residuals' spread: Huber's constant. At it Huber's loss is 95 % and Cauchy's about 80 %
-/// efficient on normal errors, and tails as heavy as a real drive's hardly count.
-const LOSS_SCALE: f64 = 1.345;
+/// Errors of a simulation without any are this at least, in units of the stated noise.
+const LEAST_SIGMA: f64 = 1e-12;
 
 /// What is known of the noise of each triplet and pair.
 pub struct Noise {
@@ -35,12 +36,10 @@ impl Noise {
             let found = distances(data, index, state, &placed);
             for (pair, covariance_m2) in covariances.iter().enumerate() {
                 let stated_m = found.variance_along_m2(pair, covariance_m2).sqrt();
-                ratios.push(found.residual_m[pair].abs() / stated_m.max(1e-9));
+                ratios.push(found.residual_m[pair] / stated_m.max(1e-9));
             }
         }
-        let middle = ratios.len() / 2;
-        let median = *ratios.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let share = (median / 0.6745).powi(2).min(1.0);
+        let share = sigma_of_errors(ratios).unwrap_or(1.0).powi(2).min(1.0);
         self.covariance_m2.iter_mut().flatten().for_each(|covariance| *covariance *= share);
         self
     }
@@ -68,25 +67,22 @@ impl Noise {
     }
 }
 
-/// The scale of the loss, in units of the stated noise, from the median of the errors' sizes.
+/// The scale of the loss, in units of the stated noise, from the errors' σ.
 pub fn loss_scale(
     data: &MovingTriplets<'_>,
     state: &State,
     noise: &Noise,
     loss: Loss,
 ) -> Option<f64> {
-    if loss == Loss::Squared {
-        return None;
-    }
+    let scale = match loss {
+        Loss::Squared => return None,
+        Loss::Huber => HUBER_BEND,
+        Loss::Cauchy => CAUCHY_SCALE,
+    };
     let placed = transforms(state);
-    let mut sizes: Vec<f64> = (0..data.triplets.len())
-        .flat_map(|index| {
-            let residual_m = distances(data, index, state, &placed).residual_m;
-            [0, 1, 2].map(|pair| residual_m[pair].abs() * noise.weights[index][pair].sqrt())
-        })
-        .collect();
-    let middle = sizes.len() / 2;
-    let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
-    // Half of normal deviates are smaller than 0.6745.
-    Some(LOSS_SCALE * median / 0.6745)
+    let errors = (0..data.triplets.len()).flat_map(|index| {
+        let residual_m = distances(data, index, state, &placed).residual_m;
+        [0, 1, 2].map(|pair| residual_m[pair] * noise.weights[index][pair].sqrt())
+    });
+    Some(scale * sigma_of_errors(errors)?.max(LEAST_SIGMA))
 }

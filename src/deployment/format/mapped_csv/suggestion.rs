@@ -7,6 +7,7 @@ use super::super::ColumnMapping;
 use super::super::column_mapping::{TableAngle, TableLength, TimeFormat, VerticalAngle};
 use super::values::with_point;
 use super::{first_rows, separator, table};
+use crate::statistics::median;
 
 /// Names of a column without its unit and what is not a letter or digit: whole ones, and parts of longer ones. In
 /// English, German and French.
@@ -158,14 +159,6 @@ fn numbers(texts: &[String]) -> Vec<f64> {
         .collect()
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    if values.is_empty() {
-        return None;
-    }
-    values.sort_by(f64::total_cmp);
-    Some(values[values.len() / 2])
-}
-
 fn time_format(texts: &[String]) -> TimeFormat {
     let Some(first) = texts.first() else { return TimeFormat::Seconds };
     if first.contains(':') {
@@ -174,7 +167,7 @@ fn time_format(texts: &[String]) -> TimeFormat {
     }
     let stamps = numbers(texts);
     let steps = stamps.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
-    match (median(stamps.clone()).unwrap_or(0.0), median(steps.collect()).unwrap_or(0.0)) {
+    match (median(stamps.iter().copied()).unwrap_or(0.0), median(steps).unwrap_or(0.0)) {
         (stamp, _) if stamp > 1e17 => TimeFormat::Nanoseconds,
         (stamp, _) if stamp > 1e14 => TimeFormat::Microseconds,
         (stamp, _) if stamp > 1e11 => TimeFormat::Milliseconds,
@@ -228,7 +221,7 @@ fn vertical_angle(texts: &[String], unit: TableAngle) -> VerticalAngle {
         let end = text.find(|c: char| !c.is_ascii_digit() && !"+-.e".contains(c));
         text[..end.unwrap_or(text.len())].parse::<f64>().ok()
     };
-    match median(texts.iter().filter_map(leading).collect()) {
+    match median(texts.iter().filter_map(leading)) {
         Some(middle) if middle.abs() < right_angle / 2.0 => VerticalAngle::Elevation,
         _ => VerticalAngle::Zenith,
     }
@@ -237,7 +230,7 @@ fn vertical_angle(texts: &[String], unit: TableAngle) -> VerticalAngle {
 fn length_unit(name: &str, values: &[f64]) -> TableLength {
     let name = name.to_lowercase();
     let named = |unit: &str| words(&name).any(|word| word == unit);
-    let middle = median(values.iter().map(|value| value.abs()).collect()).unwrap_or(0.0);
+    let middle = median(values.iter().map(|value| value.abs())).unwrap_or(0.0);
     if named("mm") || middle > 2_000.0 {
         TableLength::Millimetres
     } else if named("ftus") || named("usft") {
