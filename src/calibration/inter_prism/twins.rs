@@ -7,10 +7,10 @@ use super::{
     minimise, mirror,
 };
 use crate::calibration::Basin;
-use crate::calibration::checks::median;
 use crate::deployment::{ControlPointSet, Rig};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
+use crate::statistics::median;
 
 /// The lowest minimum and its mirror twin, judged by nothing yet.
 pub struct Twins {
@@ -29,10 +29,8 @@ impl Twins {
         let fit_m = |prior: &Parameters| {
             let nearest = data.transforms(&minimise(&data, *prior, ROUGH_M).parameters);
             let placed = nearest.map(RigidTransform::from);
-            let mut errors_m = distance_errors_m(triplets, &placed, &rig.inter_prism_m).concat();
-            errors_m.iter_mut().for_each(|error_m| *error_m = error_m.abs());
-            errors_m.sort_by(f64::total_cmp);
-            median(&errors_m).unwrap_or(f64::INFINITY)
+            let errors_m = distance_errors_m(triplets, &placed, &rig.inter_prism_m);
+            median(errors_m.concat().into_iter().map(f64::abs)).unwrap_or(f64::INFINITY)
         };
         if hopeless_m.is_finite() && priors.iter().map(fit_m).all(|fit_m| fit_m > hopeless_m) {
             return None;

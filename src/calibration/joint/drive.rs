@@ -4,6 +4,7 @@ use super::equations::{Piece, Reading};
 use super::motion::stretches;
 use super::unknowns::{Outlook, Station};
 use crate::pipeline::Triplets;
+use crate::statistics::median;
 
 /// The readings of a drive, by stretch, and what its parts look like.
 pub struct Drive {
@@ -106,8 +107,7 @@ impl Drive {
     }
 }
 
+/// Between consecutive instants.
 fn median_step_s(time_s: &[f64]) -> f64 {
-    let mut steps_s: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
-    steps_s.sort_by(f64::total_cmp);
-    steps_s.get(steps_s.len() / 2).copied().unwrap_or(f64::NAN)
+    median(time_s.windows(2).map(|w| w[1] - w[0])).unwrap_or(f64::NAN)
 }

@@ -6,6 +6,7 @@ use super::band::{Band, PROBES, PartVector, Rows, TIED};
 use super::motion::{Place, Stretch};
 use super::unknowns::{PART_DISTANCES, PART_LATE, PART_LATENCIES, Sight, Station};
 use crate::deployment::PAIRS;
+use crate::statistics::robust::cauchy;
 
 /// How far the rig's distances vary from knot to knot (m, 1 σ): masts flex, and prisms are not seen in their very centre.
 const RIGID_M: f64 = 0.00035;
@@ -161,7 +162,7 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
     fn weight(&mut self, square: f64) -> f64 {
         let weight = match self.by.held {
             Some(held) => held[self.weights.len()],
-            None => 1.0 / (1.0 + square / (LOSS_SCALE * LOSS_SCALE)),
+            None => cauchy(square.sqrt(), LOSS_SCALE).weight,
         };
         self.weights.push(weight);
         weight

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::band::TIED;
+use crate::statistics::median;
 
 /// Clocks may be off by this much (s); the splines reach as far beyond their stretches.
 const MARGIN_S: f64 = 0.25;
@@ -38,9 +39,7 @@ pub struct Place {
 
 /// The stretches of consecutive instants of the same interval, in parts of about `part_s`; what is too short is left out.
 pub fn stretches(time_s: &[f64], interval: &[u32], knot_s: f64, part_s: f64) -> Vec<Stretch> {
-    let mut steps_s: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
-    steps_s.sort_by(f64::total_cmp);
-    let apart_s = STEPS_APART * steps_s.get(steps_s.len() / 2).copied().unwrap_or(1.0);
+    let apart_s = STEPS_APART * median(time_s.windows(2).map(|w| w[1] - w[0])).unwrap_or(1.0);
     unbroken(time_s, interval, apart_s)
         .into_iter()
         .map(|range| (time_s[range.start], time_s[range.end - 1]))
