@@ -27,6 +27,12 @@ const DISTANCE_SIGMA_M: f64 = 0.003;
 /// Witnesses this many times further off than expected contradict the answer.
 const CONTRADICTION: f64 = 3.0;
 
+/// What is wrong with an estimate that went on until it was stopped.
+pub fn unconverged(converged: bool) -> Option<(Verdict, Finding)> {
+    let line = "the estimate did not converge: it stopped before it reached a minimum";
+    (!converged).then(|| (Verdict::Weak, Finding::warning(line)))
+}
+
 /// Adds what the uncertainty and the unseen witnesses say to the findings and the verdict of methods A, B and C.
 pub fn hold_against_the_rest(
     calibration: &mut Calibration,

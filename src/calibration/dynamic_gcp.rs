@@ -214,7 +214,8 @@ pub fn solve_jointly(
         calibration.findings.insert(0, Finding::warning(line));
         return Ok(calibration);
     };
-    for (to, finding) in joint::in_words::doubts(&joint) {
+    let doubts = checks::unconverged(joint.converged).into_iter();
+    for (to, finding) in doubts.chain(joint::in_words::doubts(&joint)).rev() {
         calibration.verdict = calibration.verdict.max(to);
         calibration.findings.insert(0, finding);
     }

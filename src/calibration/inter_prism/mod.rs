@@ -54,6 +54,7 @@ pub use refinement::{
 pub use squared_cost::SquaredCost;
 pub use twins::Twins;
 
+use super::checks;
 use super::joint::{self, ErrorSizes};
 use super::method::why_no_triplets;
 use super::sense::explain_no_triplets;
@@ -201,6 +202,7 @@ pub fn solve(
         );
         station1_from_station = refined.station1_from_station;
         doubts.extend(answer.doubt);
+        doubts.extend(checks::unconverged(refined.converged));
         doubts.extend(refinement_in_words::doubts(refined, &rig.inter_prism_m, settings));
         doubts.extend(refined.joint.iter().flat_map(|joint| joint::in_words::doubts(joint)));
     }

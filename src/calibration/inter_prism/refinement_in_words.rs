@@ -64,18 +64,13 @@ pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> 
     findings
 }
 
-/// What the refinement found that speaks against itself: no minimum, or estimates that their priors do not allow.
+/// Estimates of the refinement that their priors do not allow.
 pub fn doubts(
     refined: &Refinement,
     inter_prism_m: &[f64; 3],
     settings: &CalibrationSettings,
 ) -> Vec<(Verdict, Finding)> {
     let mut doubts = Vec::new();
-    if !refined.converged && refined.joint.is_none() {
-        doubts.push(
-            "the estimate did not converge: it stopped before it reached a minimum".to_owned(),
-        );
-    }
     let distance_sigma_m = settings.inter_prism_sigma_m.max(LEAST_DISTANCE_SIGMA_M);
     for (pair, distance) in refined.distances_m.iter().flatten().enumerate() {
         let off_m = distance.value - inter_prism_m[pair];

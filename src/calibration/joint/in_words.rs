@@ -24,14 +24,6 @@ pub fn findings(found: &JointEstimate) -> Vec<Finding> {
 /// What speaks against the estimate itself, each with the verdict that it allows at most.
 pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
     let mut doubts = Vec::new();
-    if !found.converged {
-        doubts.push((
-            Verdict::Weak,
-            Finding::warning(
-                "the estimate did not converge: it stopped before it reached a minimum",
-            ),
-        ));
-    }
     for error in instruments(found) {
         // What is held to be nothing says nothing.
         if error.known > 0.0 && error.estimate.value.abs() > MOST_PRIOR_SIGMAS * error.known {
