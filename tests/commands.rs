@@ -5,8 +5,8 @@ mod common;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use common::{field_data, sample_folder};
-use resect::simulation::{EPOCH_S, Preset, Settling, simulate_scenario, write_folder};
+use common::{field_data, knock, sample_folder, two_runs};
+use resect::simulation::{Preset, write_folder};
 use serde_json::Value;
 
 /// Runs resect without a display.
@@ -629,25 +629,12 @@ fn nonsense_for_a_study_is_bad_usage() {
 
 /// A calibration as JSON in a file, and the folder of another run of its set-up in which station 2 was turned.
 fn calibration_and_a_run(folder: &Path) -> (PathBuf, PathBuf) {
-    let mut scenario = Preset::Warthog.scenario();
-    scenario.duration_s = 420.0;
-    scenario.pauses_s.push([200.0, 220.0]);
-    scenario.errors.settling.push(Settling {
-        station: 1,
-        from_s: 210.0,
-        over_s: 0.0,
-        turn_rad: 1e-3,
-        move_m: nalgebra::Vector3::zeros(),
-        lean_rad: [0.0; 2],
-    });
-    let whole = simulate_scenario(&scenario, 3);
-    let [first, second] = [true, false].map(|first| {
-        let mut part = whole.clone();
-        part.records.retain(|r| (r.measurement.time_s < EPOCH_S + 210.0) == first);
-        let path = folder.join(if first { "first" } else { "second" });
-        write_folder(&part, &path).expect("writable");
-        path
-    });
+    let knock = knock(1, 1e-3, [0.0; 3]);
+    let [first, second] = ["first", "second"].map(|name| folder.join(name));
+    let runs = two_runs(Preset::Warthog.scenario(), 3, &[knock]);
+    for (run, path) in runs.iter().zip([&first, &second]) {
+        write_folder(run, path).expect("writable");
+    }
     let file = folder.join("first.json");
     let calibration = stdout(&["calibrate", text(&first), "--json"]);
     std::fs::write(&file, calibration).expect("writable");
