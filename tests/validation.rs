@@ -170,6 +170,8 @@ fn a_run_that_cannot_see_says_so() {
     assert_untold(&validate(before, &unknown, &none), "inter-prism distances are not known");
     let free = Earlier { verdict: Verdict::Degenerate, covariance: None, ..before.clone() };
     assert_untold(&validate(&free, second, own), "it is itself degenerate");
+    let without = Earlier { covariance: None, ..before.clone() };
+    assert_untold(&validate(&without, second, own), "has no σ");
     let ambiguous = Earlier { verdict: Verdict::Ambiguous, ..before.clone() };
     assert_untold(&validate(&ambiguous, second, own), "it is itself ambiguous");
     // Answers that agree, one of which knows nothing.
@@ -196,7 +198,7 @@ fn what_looks_like_a_move_and_is_none_is_said() {
     let weak = Earlier { verdict: Verdict::Weak, doubt, ..before.clone() };
     assert_eq!(caveat(&weak, "the earlier calibration is weak: something"), Outcome::Holds);
     let by_d = Earlier { method: Method::InterPrism, ..before.clone() };
-    caveat(&by_d, "method D, whose σ leaves out");
+    caveat(&by_d, "the earlier calibration is by method D");
     let mut elsewhere = before.clone();
     elsewhere.station1_from_station[2].translation_m.y += 2.0;
     let found = validate(&elsewhere, second, own);

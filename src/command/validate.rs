@@ -12,7 +12,6 @@ use crate::export::json::read_earlier;
 use crate::export::validation;
 use crate::validation::{drive_alone, validate};
 
-/// The exit code is 0 whatever the verdict: a script reads `verdict` of the JSON
 #[derive(Args)]
 pub struct Arguments {
     /// What `calibrate --json` wrote
@@ -21,7 +20,7 @@ pub struct Arguments {
     /// Folders or files with the tracks of other runs
     #[arg(required = true)]
     path: Vec<PathBuf>,
-    /// Print one JSON object (a list for several runs)
+    /// Print one JSON object (a list for several runs); its verdict is for scripts, the exit code is 0 whatever it is
     #[arg(long)]
     json: bool,
     #[command(flatten)]

@@ -27,19 +27,20 @@ pub fn text(found: &Validation) -> String {
                 let sigma = difference.covariance[(k, k)].max(0.0).sqrt();
                 Estimate { value: difference.values[k], sigma }
             });
-            _ = writeln!(text, "T1{}        {}", slot + 2, four(&parts));
+            _ = writeln!(text, "T1{}        {}", slot + 2, four(&parts).trim_end());
         }
         _ = writeln!(text, "all together: {}", chance(difference.p_value));
-        text += "\nif it alone moved    x (mm)            y (mm)            z (mm)          yaw (mrad)\n";
+        text += "\nif it alone moved    x (mm)            y (mm)            z (mm)          yaw (mrad)         not moved     moved alone\n";
         for (station, moved) in difference.stations.iter().enumerate() {
             let parts = [0, 1, 2, 3].map(|part| moved.part(part));
-            let (explained, left) = (chance(moved.p_value), chance(moved.rest_p_value));
-            let verdict = moved.verdict();
             _ = writeln!(
                 text,
-                "station {}  {}   {explained}; the rest {left}: {verdict}",
+                "station {}  {}   {:<12}  {:<12}  {}",
                 station + 1,
-                four(&parts)
+                four(&parts),
+                chance(moved.p_value),
+                chance(moved.rest_p_value),
+                moved.verdict()
             );
         }
     }
@@ -126,7 +127,7 @@ fn station(index: usize, moved: &StationMove) -> Value {
         "chi_square": moved.chi_square,
         "p_value": moved.p_value,
         "rest_p_value": moved.rest_p_value,
-        "moved": moved.rejects(),
+        "explains_more_than_chance": moved.rejects(),
         "explains_all": moved.explains_all(),
     })
 }

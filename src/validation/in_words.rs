@@ -95,12 +95,12 @@ impl StationMove {
         )
     }
 
-    /// What the test of this station says.
+    /// What its move says about the difference.
     pub fn verdict(&self) -> &'static str {
         match (self.rejects(), self.explains_all()) {
-            (false, _) => "not moved",
-            (true, true) => "moved, and that is all",
-            (true, false) => "moved, and not alone",
+            (false, _) => "need not have moved",
+            (true, true) => "explains it alone",
+            (true, false) => "does not explain it alone",
         }
     }
 }

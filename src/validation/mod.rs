@@ -196,7 +196,7 @@ fn outcome(
     let cannot = |why: String| Outcome::CannotBeTold(why);
     if in_other_frames(earlier, deployment) {
         return cannot(
-            "it maps other frames: the tracks of one run are in the stations' own, those of the other were turned into one"
+            "it is about other frames: the stations' own for one run, and one that the tracks were turned into for the other"
                 .to_owned(),
         );
     }
@@ -208,12 +208,12 @@ fn outcome(
         let why = first_doubt(&answer.findings);
         return cannot(with_doubt("the run's own answer is", answer.verdict, why.as_deref()));
     }
-    if earlier.verdict > Verdict::Weak || earlier.covariance.is_none() {
+    if earlier.verdict > Verdict::Weak {
         return cannot(with_doubt("it is itself", earlier.verdict, earlier.doubt.as_deref()));
     }
     let Some(difference) = &found.difference else {
         return cannot(
-            "the answers have no covariance that a difference could be held against".to_owned(),
+            "one of the answers has no σ that a difference could be held against".to_owned(),
         );
     };
     if difference.rejects() {
@@ -256,11 +256,15 @@ fn caveats(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> Vec<Fi
             with_doubt("the earlier calibration is", earlier.verdict, earlier.doubt.as_deref());
         caveats.push(Finding::warning(line));
     }
-    if earlier.method != Method::Joint {
-        caveats.push(Finding::note(format!(
-            "the earlier calibration is by {}, whose σ leaves out clocks and instruments: what it is off by looks like a move",
-            earlier.method
-        )));
+    let own_method = own.settings.calibration.method.unwrap_or_default();
+    for (which, method) in
+        [("earlier calibration", earlier.method), ("run's own answer", own_method)]
+    {
+        if method != Method::Joint {
+            caveats.push(Finding::note(format!(
+                "the {which} is by {method}, not by the joint estimate: errors that its σ leaves out look like a move"
+            )));
+        }
     }
     if earlier.frame() == Some(TrackFrame::Common) && deployment.track_frame == TrackFrame::Common {
         caveats.push(Finding::warning(

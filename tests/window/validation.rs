@@ -31,7 +31,7 @@ fn a_calibration_is_applied_to_the_other_open_deployments() {
     assert_eq!(outcomes(&harness), moved);
     assert!(harness.query_by_label_contains("does not hold").is_some());
     assert!(harness.query_by_label_contains("station 2 turned by").is_some());
-    assert!(harness.query_by_label("moved, and that is all").is_some());
+    assert!(harness.query_by_label("explains it alone").is_some());
 
     // It is of the deployment shown, and of answers that are there.
     let ids: Vec<u64> = harness.state().state.open.iter().map(|open| open.id).collect();

@@ -73,8 +73,8 @@ fn stations(ui: &mut egui::Ui, (index, difference): (usize, &Difference), units:
             for name in ["x (mm)", "y (mm)", "z (mm)", &format!("turn ({small})")] {
                 ui.label(name);
             }
-            ui.label("not by chance");
-            ui.label("the rest");
+            ui.label("not moved");
+            ui.label("moved alone");
             ui.end_row();
             for (station, moved) in difference.stations.iter().enumerate() {
                 ui.strong(format!("station {}", station + 1));
