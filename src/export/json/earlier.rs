@@ -173,8 +173,16 @@ mod tests {
     fn what_is_written_is_read_again() {
         let (answered, written) = &*SAMPLE;
         let found = read(written).expect("its own text");
+        // Fifteen digits of each number come back.
+        let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-14);
+        for (a, b) in found.station1_from_station.iter().zip(&answered.station1_from_station) {
+            assert!(near(a.matrix().as_slice(), b.matrix().as_slice()), "{a:?} {b:?}");
+        }
+        let [a, b] = [&found, answered].map(|one| one.covariance.expect("held"));
+        assert!((a - b).norm() < 1e-12 * b.norm(), "{a}{b}");
         assert_eq!(found.name, format!("a.json ({})", answered.name));
-        assert_eq!(Earlier { name: answered.name.clone(), ..found }, *answered);
+        let Earlier { station1_from_station, covariance, name, .. } = answered.clone();
+        assert_eq!(Earlier { station1_from_station, covariance, name, ..found }, *answered);
     }
 
     #[test]
