@@ -33,6 +33,7 @@
 //! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and what checked it | a better estimate of D: a file in `inter_prism/` |
 //! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | |
 //! | [`analysis`] | settings, and the one path | |
+//! | [`validation`] | whether a calibration holds for another run, and which station moved | |
 //! | [`simulation`] | deployments with known truth | a preset: an arm in `scenario.rs` |
 //! | [`palette`] | the colours that mean something | |
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |
@@ -62,3 +63,4 @@ pub mod pipeline;
 pub mod progress;
 pub mod simulation;
 pub mod statistics;
+pub mod validation;

@@ -5,6 +5,7 @@
 use crate::calibration::Verdict;
 use crate::calibration::inter_prism::observability::Hold;
 use crate::pipeline::{OutlierReason, SampleFate};
+use crate::validation::Outcome;
 
 /// Red, green, blue, sRGB.
 pub type Rgb = [u8; 3];
@@ -39,6 +40,15 @@ pub fn verdict(verdict: Verdict) -> [Rgb; 2] {
         Verdict::Ambiguous => [[204, 121, 167], [0; 3]],
         Verdict::Degenerate => [[200, 60, 30], [255; 3]],
     }
+}
+
+/// The same of whether a calibration holds for another run.
+pub fn outcome(outcome: &Outcome) -> [Rgb; 2] {
+    verdict(match outcome {
+        Outcome::Holds => Verdict::Good,
+        Outcome::CannotBeTold(_) => Verdict::Weak,
+        Outcome::DoesNotHold(_) => Verdict::Degenerate,
+    })
 }
 
 /// How a drive holds a direction: vermilion, purple, grey.

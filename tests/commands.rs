@@ -2,10 +2,11 @@
 
 mod common;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use common::{field_data, sample_folder};
+use common::{field_data, knock, sample_folder, two_runs};
+use resect::simulation::{Preset, write_folder};
 use serde_json::Value;
 
 /// Runs resect without a display.
@@ -624,4 +625,70 @@ fn nonsense_for_a_study_is_bad_usage() {
         all.extend(more);
         complaint(&all, 2);
     }
+}
+
+/// A calibration as JSON in a file, and the folder of another run of its set-up in which station 2 was turned.
+fn calibration_and_a_run(folder: &Path) -> (PathBuf, PathBuf) {
+    let knock = knock(1, 1e-3, [0.0; 3]);
+    let [first, second] = ["first", "second"].map(|name| folder.join(name));
+    let runs = two_runs(Preset::Warthog.scenario(), 3, &[knock]);
+    for (run, path) in runs.iter().zip([&first, &second]) {
+        write_folder(run, path).expect("writable");
+    }
+    let file = folder.join("first.json");
+    let calibration = stdout(&["calibrate", text(&first), "--json"]);
+    std::fs::write(&file, calibration).expect("writable");
+    (file, second)
+}
+
+#[test]
+fn validate_tells_what_holds_and_which_station_moved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, second) = calibration_and_a_run(folder.path());
+    let first = folder.path().join("first");
+    // Whatever the verdict, it is an answer.
+    let found = json(&["validate", text(&file), text(&first), text(&second), "--json"]);
+    assert_eq!(found[0]["verdict"], "holds", "{:#}", found[0]);
+    assert_eq!(found[1]["verdict"], "does-not-hold", "{:#}", found[1]);
+    assert_eq!(found[1]["cause"], serde_json::json!({ "is": "station", "stations": [2] }));
+    let turned = &found[1]["stations"][1];
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let off = (number(&turned["turned_rad"]) - 1e-3) / number(&turned["sigma"]["turned_rad"]);
+    assert!(off.abs() < 3.0, "{off} σ");
+    let metrics = &found[1]["metrics"]["inter_prism_mm"];
+    assert!(number(&metrics["earlier"]["median"]) > 2.0 * number(&metrics["own"]["median"]));
+    // One run is one object, and a text says the same.
+    let one = json(&["validate", text(&file), text(&second), "--json"]);
+    assert_eq!(one, found[1]);
+    let said = stdout(&["validate", text(&file), text(&second)]);
+    assert!(said.contains("DOES NOT HOLD") && said.contains("station 2 turned by"), "{said}");
+    assert!(said.contains(one["why"].as_str().expect("a reason")), "{said}");
+}
+
+#[test]
+fn validate_reads_calibrations_by_every_method() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, file) = (sample_folder("warthog"), folder.path().join("a.json"));
+    for method in ["two-point", "static-gcp", "inter-prism", "joint"] {
+        let calibration = stdout(&["calibrate", text(&path), "--method", method, "--json"]);
+        std::fs::write(&file, calibration).expect("writable");
+        let found = json(&["validate", text(&file), text(&path), "--json"]);
+        assert_eq!(found["verdict"], "holds", "{method}: {found:#}");
+    }
+}
+
+#[test]
+fn validate_without_a_calibration_is_one_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, file) = (sample_folder("warthog"), folder.path().join("a.json"));
+    let line = complaint(&["validate", text(&path), text(&path)], 1);
+    assert!(line.contains("give the file of `resect calibrate FOLDER --json` first"), "{line}");
+    let line = complaint(&["validate", text(&file), text(&path)], 1);
+    assert!(line.contains("a.json"), "{line}");
+    std::fs::write(&file, "{").expect("writable");
+    let line = complaint(&["validate", text(&file), text(&path)], 1);
+    assert!(line.contains("a.json: not the JSON of a calibration"), "{line}");
+    complaint(&["validate", text(&file)], 2);
+    let methods = ["--method", "joint", "--method", "inter-prism"];
+    complaint(&[&["validate", text(&file), text(&path)], &methods[..]].concat(), 2);
 }

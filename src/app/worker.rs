@@ -20,12 +20,12 @@ use super::persist::session::{SavedDeployment, Session, SessionError};
 use super::plots::{PreparedPlots, RawReadings};
 use super::scene::{CloudMaker, Clouds};
 use super::state::put_right::Extra;
-use super::state::{AskedToml, PictureTo, TableHead};
+use super::state::{AskedToml, PictureTo, TableHead, Validated};
 use super::studies::StudyResult;
 use crate::analysis::{Analysis, Analyst, Settings};
 use crate::deployment::{Deployment, Finding, OpenError, Sorted, Source, sort};
 use crate::experiment::StudyError;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 
 #[expect(clippy::large_enum_variant, reason = "a handful wait at any time")]
 enum Request {
@@ -80,6 +80,8 @@ pub enum Reply {
         answered: Answered,
     },
     Studied(u64, Result<Arc<StudyResult>, StudyError>),
+    /// Whether a calibration holds for other runs.
+    Validated(u64, Result<Validated, Cancelled>),
     /// The picture of the scene that was asked for.
     Pictured {
         to: PictureTo,

@@ -12,6 +12,7 @@ mod simulate;
 mod study_args;
 mod sweep;
 mod trajectory;
+mod validate;
 mod window;
 
 use std::path::{Path, PathBuf};
@@ -40,6 +41,8 @@ enum Command {
     Calibrate(calibrate::Arguments),
     /// Compare all calibrations that the data allows, by both metrics
     Compare(compare::Arguments),
+    /// Tell whether a calibration holds for other runs, and which station moved since
+    Validate(validate::Arguments),
     /// Tell what each module of the pipeline brings
     Ablate(ablate::Arguments),
     /// Tell how the errors depend on one threshold
@@ -88,6 +91,7 @@ pub fn run() -> ExitCode {
         None => window::run(&arguments.path),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
+        Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Ablate(arguments)) => ablate::run(&arguments),
         Some(Command::Sweep(arguments)) => sweep::run(&arguments),
         Some(Command::Trajectory(arguments)) => trajectory::run(&arguments),

@@ -33,6 +33,8 @@ pub use source::{Extras, Place, Source};
 pub use track::{Measurement, TimeCorrection, Track};
 pub use what_is::{Dropped, SESSION_KEY, Sorted, sort, what_is};
 
+use serde::{Deserialize, Serialize};
+
 /// Names of the pairs of prisms in the order of every `[f64; 3]` of distances: α, β, γ.
 pub const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
@@ -43,7 +45,8 @@ pub fn pair_label(pair: usize) -> String {
 }
 
 /// The frames that a deployment's tracks are in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum TrackFrame {
     /// Each in its station's own, as measured; answers map those of stations 2 and 3 to that of station 1.
     #[default]

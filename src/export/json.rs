@@ -1,6 +1,9 @@
 //! The JSON of `calibrate`: a contract with scripts, version 1. Lengths m, angles rad, metrics mm.
 
+mod earlier;
 mod observability;
+
+pub use earlier::{EarlierError, read_earlier};
 
 use nalgebra::SMatrix;
 use serde_json::{Value, json};
@@ -10,7 +13,7 @@ use crate::calibration::inter_prism::{Estimate, InterPrismDetails, PriorSearch, 
 use crate::calibration::joint::{JointEstimate, Stepped};
 use crate::calibration::two_point::PairResection;
 use crate::calibration::{Basin, Calibration, Details, TransformSigma};
-use crate::deployment::Deployment;
+use crate::deployment::{Deployment, Severity};
 use crate::export::difference::moved_from_published;
 use crate::geometry::RigidTransform;
 
@@ -32,10 +35,20 @@ pub fn calibration(
         .chain(&calibration.findings)
         .map(|finding| finding.message.clone())
         .collect();
+    let doubts: Vec<&String> = calibration
+        .findings
+        .iter()
+        .filter(|finding| finding.severity > Severity::Note)
+        .map(|finding| &finding.message)
+        .collect();
     json!({
         "schema": SCHEMA,
         "deployment": deployment.name,
         "method": calibration.method.name(),
+        // Of the tracks: each in its station's "own", or all turned into a "common" one.
+        "track_frame": deployment.track_frame,
+        // Of prisms 12, 13, 23 as measured on the vehicle.
+        "inter_prism_m": deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
         "settings": analysis.settings,
         "pipeline": {
             "raw": deployment.tracks.each_ref().map(|track| track.measurements.len()),
@@ -57,6 +70,8 @@ pub fn calibration(
             "independently_checked": calibration.is_independently_checked(),
             "checked_by": calibration.checked_by,
             "findings": findings,
+            // Those that limit the answer.
+            "doubts": doubts,
             "observability": calibration
                 .inter_prism()
                 .map(|details| observability::observability(&details.observability)),
@@ -162,7 +177,8 @@ pub fn transform_of(
     })
 }
 
-fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
+/// A matrix, row by row.
+pub fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
     (0..N).map(|row| matrix.row(row).iter().copied().collect()).collect()
 }
 

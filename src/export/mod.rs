@@ -19,3 +19,4 @@ pub mod summary;
 pub mod svg;
 pub mod text;
 pub mod tum;
+pub mod validation;

@@ -4,10 +4,12 @@
 
 use std::path::PathBuf;
 
+use nalgebra::Vector3;
 use resect::analysis::{Analysis, Analyst, Answer, Settings};
 use resect::calibration::{Calibration, Method};
 use resect::deployment::Deployment;
 use resect::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
+use resect::simulation::{EPOCH_S, Scenario, Settling, Simulated, simulate_scenario};
 
 /// A folder or file of the field data, which is never part of the repository; `None` (said aloud) where it is
 /// not there.
@@ -90,4 +92,35 @@ pub fn rms_by_component(runs: &[[f64; 8]]) -> [f64; 8] {
     std::array::from_fn(|k| {
         (runs.iter().map(|run| run[k].powi(2)).sum::<f64>() / runs.len() as f64).sqrt()
     })
+}
+
+/// How long each of two runs is, and the pause between them (s).
+const RUN_S: f64 = 200.0;
+const BETWEEN_RUNS_S: f64 = 20.0;
+
+/// Two runs of one set-up, with what happens to stations in between: one drive with a pause, cut there.
+pub fn two_runs(scenario: Scenario, seed: u64, between: &[Settling]) -> [Simulated; 2] {
+    let duration_s = 2.0 * RUN_S + BETWEEN_RUNS_S;
+    let mut scenario = Scenario { duration_s, ..scenario }.draw_errors(seed);
+    scenario.pauses_s.push([RUN_S, RUN_S + BETWEEN_RUNS_S]);
+    scenario.errors.settling.extend_from_slice(between);
+    let whole = simulate_scenario(&scenario, seed);
+    let middle_s = EPOCH_S + RUN_S + 0.5 * BETWEEN_RUNS_S;
+    [true, false].map(|first| {
+        let mut run = whole.clone();
+        run.records.retain(|record| (record.measurement.time_s < middle_s) == first);
+        run
+    })
+}
+
+/// A station (0 to 2) that turns and moves between two runs.
+pub fn knock(station: usize, turn_rad: f64, move_m: [f64; 3]) -> Settling {
+    Settling {
+        station,
+        from_s: RUN_S + 0.5 * BETWEEN_RUNS_S,
+        over_s: 0.0,
+        turn_rad,
+        move_m: Vector3::from(move_m),
+        lean_rad: [0.0; 2],
+    }
 }

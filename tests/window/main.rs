@@ -16,4 +16,5 @@ mod results;
 mod scene;
 mod screenshots;
 mod sessions;
+mod validation;
 mod workspace;

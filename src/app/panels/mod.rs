@@ -22,6 +22,7 @@ pub mod studies;
 pub mod time_bar;
 pub mod toasts;
 pub mod top_bar;
+pub mod validation;
 
 use eframe::egui;
 

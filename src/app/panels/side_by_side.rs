@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, RichText};
 
+use super::validation;
 use crate::analysis::{Answer, Settings};
 use crate::app::open_deployment::OpenDeployment;
 use crate::app::state::{Command, Commands, State};
@@ -16,6 +17,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.centered_and_justified(|ui| ui.weak("Nothing open."));
         return;
     }
+    let width = ui.available_width() - 24.0;
     egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
             egui::Grid::new("side by side")
@@ -27,6 +29,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let small = state.units.angle.small_name();
             ui.small(format!("± one standard deviation in mm and {small}"));
             give_all(ui, state, commands);
+            validation::ui(ui, state, width, commands);
         });
     });
 }

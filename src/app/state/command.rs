@@ -103,6 +103,9 @@ pub enum Command {
     SaveTrajectoryDialog,
     SaveReportDialog,
 
+    /// Holds the active deployment's calibration against the others that are open.
+    ValidateOthers,
+
     SetStudy(StudyOptions),
     RunStudy,
     CancelStudy,

@@ -140,6 +140,8 @@ impl State {
             Command::SaveTrajectoryDialog => self.save_trajectory(),
             Command::SaveReportDialog => self.save_report(),
 
+            Command::ValidateOthers => self.validate_others(),
+
             Command::SetStudy(options) => self.studies.options = options,
             Command::RunStudy => self.run_study(),
             Command::CancelStudy => {

@@ -17,6 +17,7 @@ mod saving;
 mod sessions;
 mod timeline;
 mod undo;
+mod validating;
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -38,6 +39,7 @@ pub use results::{Pin, Results, Run};
 pub use sessions::SessionState;
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
+pub use validating::{Validated, Validations};
 
 use super::file_dialog;
 use super::open_deployment::{Analysing, OpenDeployment};
@@ -124,6 +126,7 @@ pub struct State {
     pub units: Units,
     pub overlay: Overlay,
     pub studies: Studies,
+    pub validations: Validations,
     /// The dialog for a path inside the window.
     pub prompt: Option<OpenPrompt>,
     /// What the user is asked before it goes on, one after the other.
@@ -166,6 +169,7 @@ impl State {
             units: Units::default(),
             overlay: Overlay::None,
             studies: Studies::default(),
+            validations: Validations::default(),
             prompt: None,
             asked: VecDeque::new(),
             asks_in_window: !file_dialog::system::is_there(),
@@ -203,7 +207,7 @@ impl State {
         self.asked.front().map(|waiting| &waiting.asked)
     }
 
-    /// Whether anything is being opened, saved as a session, calibrated or studied.
+    /// Whether anything is being opened, saved as a session, calibrated, studied or validated.
     pub fn is_busy(&self) -> bool {
         let analysing = self.open.iter().any(|open| open.analysing.is_some());
         let listing = self.prompt.as_ref().is_some_and(|prompt| prompt.shown.is_reading());
@@ -213,6 +217,7 @@ impl State {
             || listing
             || analysing
             || self.studies.running.is_some()
+            || self.validations.running.is_some()
     }
 
     /// Whether the answer shown is old enough to be dimmed.

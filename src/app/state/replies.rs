@@ -41,6 +41,7 @@ impl State {
                     Err(error) => self.toasts.error(&error.to_string()),
                 }
             }
+            Reply::Validated(number, result) => self.take_validated(number, result),
             Reply::Pictured { to, image } => self.take_pictured(to, image),
             Reply::PinDrawn { id, plots } => {
                 if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
@@ -55,6 +56,8 @@ impl State {
                     open.analysing = open.analysing.filter(|newest| newest.number != number);
                 }
                 self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);
+                let validating = &mut self.validations.running;
+                *validating = validating.take().filter(|(n, _)| *n != number);
                 self.toasts.error(
                     "a bug in resect stopped the calculation; please report it with the data and the settings",
                 );

@@ -1,0 +1,97 @@
+//! Whether the active deployment's calibration holds for the other open ones: a verdict and a test for each station.
+
+use eframe::egui::{self, RichText};
+
+use super::{finding, heading};
+use crate::app::state::{Command, Commands, State};
+use crate::app::theme;
+use crate::app::units::Units;
+use crate::palette;
+use crate::validation::in_words::chance;
+use crate::validation::{Difference, Validation};
+
+/// Nothing where no other deployment is open. Sentences wrap at this width (points).
+pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands) {
+    let Some(active) = state.active().filter(|_| state.open.len() > 1) else { return };
+    ui.add_space(6.0);
+    heading(ui, "The same set-up?");
+    ui.horizontal(|ui| {
+        let text = format!("Apply {}'s calibration to the others", active.deployment.name);
+        let button = ui
+            .add_enabled(state.can_validate(), egui::Button::new(text))
+            .on_hover_text("Whether it holds there: the metric, and which station moved since")
+            .on_disabled_hover_text("Once its answer is there");
+        if button.clicked() {
+            commands.push(Command::ValidateOthers);
+        }
+        if let Some((_, progress)) = &state.validations.running {
+            ui.spinner();
+            if ui.button("Cancel").clicked() {
+                progress.cancel();
+            }
+        }
+    });
+    for (index, found) in state.validations().enumerate() {
+        ui.add_space(4.0);
+        ui.scope(|ui| {
+            ui.set_max_width(width);
+            one(ui, (index, found), state.units);
+        });
+    }
+}
+
+fn one(ui: &mut egui::Ui, (index, found): (usize, &Validation), units: Units) {
+    ui.horizontal(|ui| {
+        let [ground, ink] = palette::outcome(&found.outcome).map(theme::rgb);
+        let word = RichText::new(format!(" {} ", found.outcome.name()));
+        ui.label(word.color(ink).background_color(ground));
+        ui.strong(format!("for {}", found.deployment));
+    });
+    ui.add(egui::Label::new(found.why()).wrap());
+    if let Some(difference) = &found.difference {
+        stations(ui, (index, difference), units);
+    }
+    if let Some(metric) = &found.metric {
+        ui.monospace(format!(
+            "inter-prism median / IQR (mm): applied {:.2} / {:.2}, own {:.2} / {:.2}",
+            metric.earlier_mm.median,
+            metric.earlier_mm.iqr,
+            metric.own_mm.median,
+            metric.own_mm.iqr
+        ));
+    }
+    found.caveats.iter().for_each(|caveat| finding(ui, caveat));
+}
+
+/// What each station would have done, were it the only one that moved.
+fn stations(ui: &mut egui::Ui, (index, difference): (usize, &Difference), units: Units) {
+    let small = units.angle.small_name();
+    egui::Grid::new(("validation", index)).num_columns(8).spacing([12.0, 3.0]).striped(true).show(
+        ui,
+        |ui| {
+            ui.label("if it alone moved");
+            for name in ["x (mm)", "y (mm)", "z (mm)", &format!("turn ({small})")] {
+                ui.label(name);
+            }
+            ui.label("not moved");
+            ui.label("moved alone");
+            ui.end_row();
+            for (station, moved) in difference.stations.iter().enumerate() {
+                ui.strong(format!("station {}", station + 1));
+                for part in [0, 1, 2].map(|axis| moved.part(axis)) {
+                    let (by, sigma) =
+                        (units.length_difference(part.value), units.length_sigma(Some(part.sigma)));
+                    ui.monospace(format!("{by:>8} ± {sigma}"));
+                }
+                let turned = moved.turned_rad();
+                let (by, sigma) =
+                    (units.angle_difference(turned.value), units.angle_sigma(Some(turned.sigma)));
+                ui.monospace(format!("{by:>8} ± {sigma}"));
+                ui.monospace(chance(moved.p_value));
+                ui.monospace(chance(moved.rest_p_value));
+                ui.label(moved.verdict());
+                ui.end_row();
+            }
+        },
+    );
+}

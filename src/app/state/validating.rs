@@ -1,0 +1,96 @@
+//! Whether the calibration of one open deployment holds for the others: what was asked, and what was found.
+
+use std::sync::Arc;
+
+use super::State;
+use crate::analysis::{Analyst, Settings};
+use crate::app::open_deployment::OpenDeployment;
+use crate::app::worker::Reply;
+use crate::calibration::Method;
+use crate::deployment::Deployment;
+use crate::progress::{Cancelled, Progress};
+use crate::validation::{Earlier, Validation, drive_alone, validate};
+
+/// An open deployment's answer: its id, and which of its answers it is.
+type Answered = (u64, u64);
+
+/// What was asked and found.
+#[derive(Default)]
+pub struct Validations {
+    /// Whose calibration it was.
+    of: Option<Answered>,
+    /// What it was held against.
+    found: Vec<(Answered, Validation)>,
+    /// The request's number.
+    pub running: Option<(u64, Arc<Progress>)>,
+}
+
+/// What came of a request.
+pub struct Validated {
+    of: Answered,
+    found: Vec<(Answered, Validation)>,
+}
+
+impl State {
+    /// What was found of the active deployment's calibration, as long as neither answer has changed since.
+    pub fn validations(&self) -> impl Iterator<Item = &Validation> {
+        let is_newest = |(id, run): Answered| {
+            self.open.iter().any(|open| open.id == id && open.analysis_run == run)
+        };
+        let of_active = self.active().map(newest) == self.validations.of;
+        let found = self.validations.found.iter();
+        found.filter(move |(run, _)| of_active && is_newest(*run)).map(|(_, found)| found)
+    }
+
+    /// Whether there is a calibration, and another run that it can be held against.
+    pub fn can_validate(&self) -> bool {
+        let has_answer = self.analysed().is_some_and(|(open, analysis)| {
+            analysis.answer.is_ok() && !open.joint_follows() && !self.is_stale()
+        });
+        has_answer && self.open.len() > 1 && self.validations.running.is_none()
+    }
+
+    /// Holds the active deployment's calibration against all others that are open, beside the worker.
+    pub(super) fn validate_others(&mut self) {
+        let Some((active, analysis)) = self.analysed().filter(|_| self.can_validate()) else {
+            return;
+        };
+        let Ok(answer) = &analysis.answer else { return };
+        let (of, earlier) = (newest(active), Earlier::of(&active.deployment, answer));
+        let others = self.open.iter().filter(|open| open.id != active.id);
+        let runs: Vec<(Answered, Arc<Deployment>, Settings)> = others
+            .map(|open| (newest(open), Arc::clone(&open.deployment), jointly(open.settings)))
+            .collect();
+        let progress = Arc::new(Progress::default());
+        let shared = Arc::clone(&progress);
+        let number = self.worker.numbered(Reply::Validated, move || {
+            let of_run = |(run, deployment, settings): (Answered, Arc<Deployment>, Settings)| {
+                let alone = drive_alone(&deployment);
+                let own = Analyst::new(Arc::clone(&alone)).run_while(&settings, &shared)?;
+                Ok((run, validate(&earlier, &alone, &own)))
+            };
+            let found = runs.into_iter().map(of_run).collect::<Result<_, Cancelled>>()?;
+            Ok(Validated { of, found })
+        });
+        self.validations.running = Some((number, progress));
+    }
+
+    pub(super) fn take_validated(&mut self, number: u64, result: Result<Validated, Cancelled>) {
+        if self.validations.running.as_ref().is_none_or(|(running, _)| *running != number) {
+            return;
+        }
+        self.validations.running = None;
+        if let Ok(Validated { of, found }) = result {
+            (self.validations.of, self.validations.found) = (Some(of), found);
+        }
+    }
+}
+
+fn newest(open: &OpenDeployment) -> Answered {
+    (open.id, open.analysis_run)
+}
+
+/// A run's own answer is the joint estimate, whatever is shown of it.
+fn jointly(settings: Settings) -> Settings {
+    Settings { calibration: settings.calibration.plain(Method::Joint), ..settings }
+}

@@ -1,0 +1,49 @@
+//! `resect validate`: whether a calibration holds for other runs of its set-up.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::Value;
+
+use super::settings_args::AnswerArguments;
+use super::{Failure, load, print};
+use crate::analysis::Analyst;
+use crate::export::json::read_earlier;
+use crate::export::validation;
+use crate::validation::{drive_alone, validate};
+
+#[derive(Args)]
+pub struct Arguments {
+    /// What `calibrate --json` wrote
+    #[arg(value_name = "CALIBRATION.json")]
+    calibration: PathBuf,
+    /// Folders or files with the tracks of other runs
+    #[arg(required = true)]
+    path: Vec<PathBuf>,
+    /// Print one JSON object (a list for several runs); its verdict is for scripts, the exit code is 0 whatever it is
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    settings: AnswerArguments,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let settings = arguments.settings.settings()?;
+    let earlier = read_earlier(&arguments.calibration)?;
+    let mut found = Vec::new();
+    for path in &arguments.path {
+        let (deployment, _) = load(path, arguments.settings.extras())?;
+        let deployment = drive_alone(&deployment);
+        let own = Analyst::new(deployment.clone()).run(&settings);
+        found.push(validate(&earlier, &deployment, &own));
+    }
+    if arguments.json {
+        let mut objects: Vec<Value> = found.iter().map(validation::json).collect();
+        let value = if objects.len() == 1 { objects.remove(0) } else { Value::Array(objects) };
+        print(&format!("{value:#}\n"))?;
+    } else {
+        let texts: Vec<String> = found.iter().map(validation::text).collect();
+        print(&texts.join("\n"))?;
+    }
+    Ok(())
+}

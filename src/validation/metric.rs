@@ -1,0 +1,137 @@
+//! The inter-prism metric of a run under an earlier calibration, beside the one under its own answer.
+
+use nalgebra::{SMatrix, Vector3};
+
+use super::Earlier;
+use super::moved::Difference;
+use crate::analysis::Answer;
+use crate::calibration::inter_prism::distance_errors_m;
+use crate::deployment::PAIRS;
+use crate::evaluation::Spread;
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+/// A normal deviate that chance exceeds with probability [`LEVEL_OF_ONE`](super::LEVEL_OF_ONE).
+const NORMAL_OF_ONE: f64 = 2.8782;
+/// More triplets than this say nothing new about how distances follow the transforms.
+const MOST_TRIPLETS: usize = 2000;
+
+/// What the earlier transforms make of the run's distances between prisms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MetricThere {
+    /// |distance error| against the measured distances, pooled over the pairs (mm): by the earlier transforms, and by the
+    /// run's own. Clocks and instruments are put right as the run's own answer says for both.
+    pub earlier_mm: Spread,
+    pub own_mm: Spread,
+    /// How much the distances of one differ from those of the other (m, rms), and what σ allows.
+    pub apart_m: f64,
+    pub allowed_m: f64,
+}
+
+impl MetricThere {
+    /// Whether the earlier transforms are worse by more than σ allows.
+    pub fn is_worse(&self) -> bool {
+        self.apart_m > self.allowed_m && self.earlier_mm.median > self.own_mm.median
+    }
+}
+
+/// `known_m` are the measured distances. `None` without triplets.
+pub fn metric_there(
+    earlier: &Earlier,
+    own: &Answer,
+    difference: &Difference,
+    known_m: &[f64; 3],
+    one_prism: bool,
+) -> Option<MetricThere> {
+    let transforms = &own.calibration.station1_from_station;
+    let by = |transforms: &[RigidTransform; 3]| {
+        let errors = distance_errors_m(&own.triplets, transforms, known_m);
+        Spread::of(errors.iter().flatten().map(|error_m| error_m.abs() * 1e3))
+    };
+    let follows = follows(&own.triplets, transforms, one_prism)?;
+    Some(MetricThere {
+        earlier_mm: by(&earlier.station1_from_station)?,
+        own_mm: by(transforms)?,
+        apart_m: difference.values.dot(&(follows * difference.values)).max(0.0).sqrt(),
+        allowed_m: allowed_m2(&(follows * difference.covariance)).sqrt(),
+    })
+}
+
+/// Mean over the distances of gᵀg, g being how a distance follows (x, y, z, yaw) of stations 2 and 3.
+///
+/// Where all stations follow one prism, a distance of nothing has no direction: there it is the three coordinates.
+fn follows(
+    triplets: &Triplets,
+    station1_from_station: &[RigidTransform; 3],
+    one_prism: bool,
+) -> Option<SMatrix<f64, 8, 8>> {
+    let mut sum = SMatrix::<f64, 8, 8>::zeros();
+    let mut distances = 0.0;
+    for index in (0..triplets.len()).step_by(triplets.len().div_ceil(MOST_TRIPLETS).max(1)) {
+        let own = triplets.triplet_m(index);
+        let placed: [Vector3<f64>; 3] =
+            std::array::from_fn(|station| station1_from_station[station].apply(&own[station]));
+        for (a, b) in PAIRS {
+            let apart = placed[a] - placed[b];
+            let directions = if one_prism {
+                vec![Vector3::x(), Vector3::y(), Vector3::z()]
+            } else {
+                apart.try_normalize(0.0).into_iter().collect()
+            };
+            for direction in directions {
+                let mut g = SMatrix::<f64, 8, 1>::zeros();
+                for (station, sign) in [(a, 1.0), (b, -1.0)] {
+                    let Some(slot) = station.checked_sub(1) else { continue };
+                    let out = placed[station] - station1_from_station[station].translation_m;
+                    g.fixed_rows_mut::<3>(4 * slot).copy_from(&(sign * direction));
+                    g[4 * slot + 3] = sign * direction.dot(&Vector3::z().cross(&out));
+                }
+                sum += g * g.transpose();
+            }
+            distances += 1.0;
+        }
+    }
+    (distances > 0.0).then(|| sum / distances)
+}
+
+/// What a mean square dᵀA d of normal d with covariance Σ exceeds with probability
+/// [`LEVEL_OF_ONE`](super::LEVEL_OF_ONE), from AΣ (m²).
+///
+/// A shifted multiple of χ² with the same first three moments (Pearson's approximation: Imhof 1961), and the cube root of
+/// that normal (Wilson & Hilferty 1931).
+fn allowed_m2(follows_covariance: &SMatrix<f64, 8, 8>) -> f64 {
+    let squared = follows_covariance * follows_covariance;
+    let (first, second) = (follows_covariance.trace(), squared.trace());
+    let third = (squared * follows_covariance).trace();
+    let degrees = second.powi(3) / third.powi(2).max(f64::MIN_POSITIVE);
+    let spread = 2.0 / (9.0 * degrees);
+    let chi_square = degrees * (1.0 - spread + NORMAL_OF_ONE * spread.sqrt()).powi(3);
+    first + (second / degrees).sqrt() * (chi_square - degrees)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::validation::LEVEL_OF_ONE;
+    use nalgebra::SVector;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn what_sigma_allows_is_exceeded_as_often_as_is_said() {
+        const DRAWS: usize = 100_000;
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        // A drive tells of few directions well, and of others hardly.
+        for share in [1.0, 0.5, 0.2] {
+            let sizes = SVector::<f64, 8>::from_fn(|k, _| f64::powi(share, k as i32));
+            let allowed = allowed_m2(&SMatrix::from_diagonal(&sizes.component_mul(&sizes)));
+            let beyond = (0..DRAWS)
+                .filter(|_| sizes.map(|size| size * normal()).norm_squared() > allowed)
+                .count() as f64;
+            let expected = LEVEL_OF_ONE * DRAWS as f64;
+            assert!((0.7..1.3).contains(&(beyond / expected)), "{share}: {beyond} of {expected}");
+        }
+    }
+}

@@ -1,0 +1,341 @@
+//! Whether a station was moved or turned between two runs: which one, how much, and how well that is known.
+//!
+//! A station that moves has four numbers, (x, y, z) and yaw. Those of stations 2 and 3 change their own transform, those of
+//! station 1 both, since it is what they are told in. "Only this station moved" is fitted to the eight numbers of the
+//! difference: what it explains of their χ² tests whether it moved, and what it leaves whether that is all.
+
+use nalgebra::{Matrix4, SMatrix, SVector, Vector3, Vector4};
+
+use super::{Cause, LEVEL_OF_ONE};
+use crate::calibration::inter_prism::Estimate;
+use crate::calibration::joint::ErrorSizes;
+use crate::geometry::{LevelTransform, wrap_to_pi};
+
+/// χ² of four numbers that chance exceeds with probability [`LEVEL_OF_ONE`].
+const CHI_SQUARE_OF_ONE: f64 = 16.924;
+/// A station that explains the difference this much better than another, in χ², is the one: a hundred times likelier.
+const CLEARLY: f64 = 9.2;
+/// Steps of Gauss & Newton; only a turn of station 1 needs more than one.
+const STEPS: usize = 6;
+
+/// The difference of two answers to one set-up, and what could have made it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// Own minus earlier: (x, y, z, yaw) of station 2, then of station 3 (m, rad).
+    pub values: SVector<f64, 8>,
+    /// Of both answers, and of what tripods settle in between.
+    pub covariance: SMatrix<f64, 8, 8>,
+    pub chi_square: f64,
+    /// How often chance makes a larger χ² where nothing moved.
+    pub p_value: f64,
+    /// Of stations 1 to 3.
+    pub stations: [StationMove; 3],
+}
+
+/// What a station would have done, were it the only one that moved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StationMove {
+    /// (x, y, z) along station 1's axes as they were (m), and the turn about z (rad), with their covariance.
+    pub by: Vector4<f64>,
+    pub covariance: Matrix4<f64>,
+    /// χ² that it explains, and how often chance explains more where it did not move.
+    pub chi_square: f64,
+    pub p_value: f64,
+    /// How often chance leaves more, where only it moved.
+    pub rest_p_value: f64,
+}
+
+impl StationMove {
+    /// Along x, y or z (m), or the turn (rad).
+    pub fn part(&self, part: usize) -> Estimate {
+        Estimate { value: self.by[part], sigma: self.covariance[(part, part)].max(0.0).sqrt() }
+    }
+
+    pub fn turned_rad(&self) -> Estimate {
+        self.part(3)
+    }
+
+    /// How far it moved (m), with σ along the way.
+    pub fn moved_m(&self) -> Estimate {
+        let by: Vector3<f64> = self.by.xyz();
+        let along = by.try_normalize(1e-12).unwrap_or_else(Vector3::x);
+        let covariance = self.covariance.fixed_view::<3, 3>(0, 0);
+        Estimate { value: by.norm(), sigma: along.dot(&(covariance * along)).max(0.0).sqrt() }
+    }
+
+    /// The least move (m) along its worst axis, and the least turn (rad), that would show in every second run.
+    pub fn visible(&self) -> Option<(f64, f64)> {
+        let precision = self.covariance.cholesky()?.inverse();
+        let least = |part: usize| (CHI_SQUARE_OF_ONE / precision[(part, part)]).sqrt();
+        Some(((0..3).map(least).fold(0.0, f64::max), least(3)))
+    }
+
+    /// Whether more changed than chance changes.
+    pub fn rejects(&self) -> bool {
+        self.p_value < LEVEL_OF_ONE
+    }
+
+    /// Whether nothing else needs to have moved.
+    pub fn explains_all(&self) -> bool {
+        self.rest_p_value >= LEVEL_OF_ONE
+    }
+}
+
+impl Difference {
+    /// `None` where the covariance is none.
+    pub fn between(
+        before: &[LevelTransform; 3],
+        after: &[LevelTransform; 3],
+        covariance: SMatrix<f64, 8, 8>,
+    ) -> Option<Self> {
+        let precision = covariance.cholesky()?.inverse();
+        let values = minus(after, before);
+        let chi_square = values.dot(&(precision * values));
+        let [first, second, third] = [0, 1, 2].map(|station| {
+            only(station, before, after, &precision).map(|(by, covariance, left)| {
+                let explained = (chi_square - left).max(0.0);
+                StationMove {
+                    by,
+                    covariance,
+                    chi_square: explained,
+                    p_value: chance_of_more::<4>(explained),
+                    rest_p_value: chance_of_more::<4>(left),
+                }
+            })
+        });
+        Some(Self {
+            values,
+            covariance,
+            chi_square,
+            p_value: chance_of_more::<8>(chi_square),
+            stations: [first?, second?, third?],
+        })
+    }
+
+    /// Whether any test says that something moved.
+    pub fn rejects(&self) -> bool {
+        self.p_value < LEVEL_OF_ONE || self.stations.iter().any(StationMove::rejects)
+    }
+
+    /// What the difference comes from, given that it is one.
+    pub fn cause(&self) -> Cause {
+        let alone = |station: &usize| {
+            self.stations[*station].rejects() && self.stations[*station].explains_all()
+        };
+        let mut stations: Vec<usize> = (0..3).filter(alone).collect();
+        let best = stations.iter().map(|k| self.stations[*k].chi_square).fold(0.0, f64::max);
+        stations.retain(|station| self.stations[*station].chi_square > best - CLEARLY);
+        match stations[..] {
+            [] => Cause::NoneAlone,
+            [station] => Cause::Station(station),
+            _ => Cause::OneOf(stations),
+        }
+    }
+
+    /// Whether a station is this far, or turned this far, from where it was.
+    pub fn reaches(&self, far_m: f64, far_rad: f64) -> bool {
+        [0, 4].into_iter().any(|slot| {
+            let far = self.values.fixed_rows::<3>(slot).norm();
+            far > far_m || self.values[slot + 3].abs() > far_rad
+        })
+    }
+
+    /// Of the translations (m).
+    pub fn largest_sigma_m(&self) -> f64 {
+        let variance = |k: usize| if k % 4 == 3 { 0.0 } else { self.covariance[(k, k)] };
+        (0..8).map(variance).fold(0.0, f64::max).sqrt()
+    }
+}
+
+/// Covariance of what the three tripods settle between two runs, as stations 2 and 3 show it.
+pub fn settled(before: &[LevelTransform; 3], sizes: &ErrorSizes) -> SMatrix<f64, 8, 8> {
+    let (move_m2, turn_rad2) = (sizes.settling_m.powi(2), sizes.settling_rad.powi(2));
+    let own = Matrix4::from_diagonal(&Vector4::new(move_m2, move_m2, move_m2, turn_rad2));
+    let of = |station: usize| {
+        let shape = shape(station, before);
+        shape * own * shape.transpose()
+    };
+    of(0) + of(1) + of(2)
+}
+
+/// How the eight numbers change with the four of one station's move, as long as it is small.
+fn shape(station: usize, before: &[LevelTransform; 3]) -> SMatrix<f64, 8, 4> {
+    let mut shape = SMatrix::<f64, 8, 4>::zeros();
+    match station.checked_sub(1) {
+        Some(slot) => shape.fixed_view_mut::<4, 4>(4 * slot, 0).fill_with_identity(),
+        None => {
+            // The world goes the other way about station 1, and the others with it.
+            for slot in 0..2 {
+                shape.fixed_view_mut::<4, 4>(4 * slot, 0).copy_from(&-Matrix4::identity());
+                let arm = Vector3::z().cross(&before[slot + 1].translation_m);
+                shape.fixed_view_mut::<3, 1>(4 * slot, 3).copy_from(&-arm);
+            }
+        }
+    }
+    shape
+}
+
+/// Where the stations stand once one of them has moved.
+fn once_moved(
+    station: usize,
+    by: &Vector4<f64>,
+    before: &[LevelTransform; 3],
+) -> [LevelTransform; 3] {
+    let mut after = *before;
+    if station == 0 {
+        let now_from_before = LevelTransform::new(by.xyz(), by.w).inverse();
+        for other in &mut after[1..] {
+            *other = now_from_before.then_from(other);
+        }
+    } else {
+        let moved = &mut after[station];
+        *moved = LevelTransform::new(moved.translation_m + by.xyz(), moved.yaw_rad + by.w);
+    }
+    after
+}
+
+/// "Only this station moved", by least squares: the four numbers, their covariance, and the χ² that is left.
+fn only(
+    station: usize,
+    before: &[LevelTransform; 3],
+    after: &[LevelTransform; 3],
+    precision: &SMatrix<f64, 8, 8>,
+) -> Option<(Vector4<f64>, Matrix4<f64>, f64)> {
+    let shape = shape(station, before);
+    let weighted = precision * shape;
+    let covariance = shape.tr_mul(&weighted).cholesky()?.inverse();
+    let mut by = Vector4::zeros();
+    for _ in 0..STEPS {
+        by += covariance * weighted.tr_mul(&minus(after, &once_moved(station, &by, before)));
+    }
+    let left = minus(after, &once_moved(station, &by, before));
+    Some((by, covariance, left.dot(&(precision * left))))
+}
+
+/// (x, y, z, yaw) of stations 2 and 3.
+fn minus(a: &[LevelTransform; 3], b: &[LevelTransform; 3]) -> SVector<f64, 8> {
+    SVector::from_fn(|k, _| {
+        let (a, b) = (&a[k / 4 + 1], &b[k / 4 + 1]);
+        match k % 4 {
+            3 => wrap_to_pi(a.yaw_rad - b.yaw_rad),
+            axis => a.translation_m[axis] - b.translation_m[axis],
+        }
+    })
+}
+
+/// How often χ² of an even number of degrees of freedom is larger than this.
+fn chance_of_more<const DEGREES: usize>(chi_square: f64) -> f64 {
+    const { assert!(DEGREES.is_multiple_of(2)) };
+    let half = 0.5 * chi_square;
+    let (mut term, mut sum) = (1.0, 1.0);
+    for k in 1..DEGREES / 2 {
+        term *= half / k as f64;
+        sum += term;
+    }
+    (sum * (-half).exp()).clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn stations() -> [LevelTransform; 3] {
+        let at = |x: f64, y: f64, yaw: f64| LevelTransform::new(Vector3::new(x, y, -0.3), yaw);
+        [LevelTransform::IDENTITY, at(5.2, -2.6, 3.1), at(-5.4, 0.4, -0.5)]
+    }
+
+    /// Of 2 mm and 0.05 mrad, the two stations having half of it in common.
+    fn covariance() -> SMatrix<f64, 8, 8> {
+        let sigma = |k: usize| if k % 4 == 3 { 5e-5 } else { 2e-3 };
+        SMatrix::from_fn(|i, j| {
+            let shared = if i == j { 1.0 } else { f64::from(u8::from(i % 4 == j % 4)) * 0.5 };
+            shared * sigma(i) * sigma(j)
+        })
+    }
+
+    #[test]
+    fn chances_are_those_of_tables() {
+        assert!((chance_of_more::<4>(9.487_729) - 0.05).abs() < 1e-6);
+        assert!((chance_of_more::<8>(20.090_235) - 0.01).abs() < 1e-6);
+        assert!((chance_of_more::<4>(CHI_SQUARE_OF_ONE) / LEVEL_OF_ONE - 1.0).abs() < 1e-3);
+        assert_eq!((chance_of_more::<8>(0.0), chance_of_more::<8>(1e6)), (1.0, 0.0));
+    }
+
+    #[test]
+    fn stations_that_moved_alike_cannot_be_told_apart() {
+        // Stations 2 and 3 moved by the same, or station 1 the other way: the least that explains it is told.
+        let before = stations();
+        let mut after = before;
+        after[1].translation_m.x += 0.05;
+        after[2].translation_m.x += 0.05;
+        let found = Difference::between(&before, &after, covariance()).expect("a covariance");
+        assert_eq!(found.cause(), Cause::Station(0));
+        // Where nothing is known of station 3, station 1 might as well have moved as station 2.
+        let mut blind = covariance();
+        for k in 4..8 {
+            blind[(k, k)] *= 1e6;
+        }
+        let found = Difference::between(&before, &once_moved(1, &MOVE, &before), blind);
+        assert_eq!(found.expect("a covariance").cause(), Cause::OneOf(vec![0, 1]));
+    }
+
+    const MOVE: Vector4<f64> = Vector4::new(0.03, -0.01, 0.0, 1e-3);
+
+    #[test]
+    fn what_settles_is_what_each_station_may_move() {
+        let sizes = ErrorSizes { settling_m: 1e-3, settling_rad: 2e-4, ..ErrorSizes::default() };
+        let before = stations();
+        let covariance = settled(&before, &sizes);
+        // By the moves themselves, one number of one station at a time.
+        let mut sum = SMatrix::<f64, 8, 8>::zeros();
+        for station in 0..3 {
+            for part in 0..4 {
+                let mut by = Vector4::zeros();
+                by[part] = if part == 3 { sizes.settling_rad } else { sizes.settling_m };
+                let change = minus(&once_moved(station, &by, &before), &before);
+                sum += change * change.transpose();
+            }
+        }
+        assert!((covariance - sum).norm() < 1e-3 * sum.norm(), "{covariance}{sum}");
+    }
+
+    proptest! {
+        #[test]
+        fn the_station_that_moved_is_found_exactly(
+            station in 0..3_usize,
+            by in proptest::array::uniform4(-1.0..1.0f64),
+        ) {
+            let by = Vector4::new(0.2 * by[0], 0.2 * by[1], 0.1 + 0.1 * by[2], 0.04 * by[3]);
+            let before = stations();
+            let after = once_moved(station, &by, &before);
+            let found = Difference::between(&before, &after, covariance()).expect("a covariance");
+            prop_assert_eq!(found.cause(), Cause::Station(station));
+            prop_assert!((found.stations[station].by - by).norm() < 1e-6);
+        }
+
+        /// Whether anything moved does not depend on which run came first.
+        #[test]
+        fn the_order_of_runs_does_not_matter(
+            off in proptest::collection::vec(-1.0..1.0f64, 8),
+        ) {
+            let before = stations();
+            let mut after = before;
+            for k in 0..8 {
+                let transform = &mut after[k / 4 + 1];
+                match k % 4 {
+                    3 => transform.yaw_rad += 2e-4 * off[k],
+                    axis => transform.translation_m[axis] += 0.01 * off[k],
+                }
+            }
+            let one = Difference::between(&before, &after, covariance()).expect("a covariance");
+            let other = Difference::between(&after, &before, covariance()).expect("a covariance");
+            prop_assert!((one.chi_square - other.chi_square).abs() < 1e-6 * one.chi_square);
+            prop_assert!((one.values + other.values).norm() < 1e-12);
+            for station in 1..3 {
+                let [one, other] = [&one, &other].map(|found| &found.stations[station]);
+                prop_assert!((one.by + other.by).norm() < 1e-9);
+            }
+        }
+    }
+}
