@@ -53,7 +53,7 @@ const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
 const NEAR: f64 = 100.0;
 /// Noise is learned from stretches of about so many knots, in so many steps.
 const LEARNING_KNOTS: usize = 300;
-const LEARNING_STEPS: usize = 7;
+const LEARNING_STEPS: usize = 5;
 /// How far the published answer may be off meanwhile (1 σ).
 const NEAR_M: f64 = 0.1;
 const NEAR_RAD: f64 = 0.002;
