@@ -42,10 +42,15 @@ impl Default for Camera {
 
 impl Camera {
     pub fn eye_m(&self) -> Vector3<f32> {
+        self.target_m + self.distance_m * self.back()
+    }
+
+    /// Towards the eye, of length 1. By the angles alone: told from eye and target, it would depend in its last digits on
+    /// what was looked at before.
+    fn back(&self) -> Vector3<f32> {
         let (sin_pitch, cos_pitch) = self.pitch_rad.sin_cos();
         let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
-        self.target_m
-            + self.distance_m * Vector3::new(cos_pitch * cos_yaw, cos_pitch * sin_yaw, sin_pitch)
+        Vector3::new(cos_pitch * cos_yaw, cos_pitch * sin_yaw, sin_pitch)
     }
 
     /// Clip coordinates from world, depth from 0 to 1 as wgpu wants it.
@@ -167,7 +172,7 @@ impl Camera {
     fn axes(&self) -> [Vector3<f32>; 3] {
         let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
         let right = Vector3::new(-sin_yaw, cos_yaw, 0.0);
-        let back = (self.eye_m() - self.target_m) / self.distance_m;
+        let back = self.back();
         [right, back.cross(&right), back]
     }
 }

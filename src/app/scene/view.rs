@@ -28,9 +28,7 @@ pub struct SceneView {
     pub(super) camera: Camera,
     /// To be done at the next frame.
     pub(super) pending_look: Option<ViewPreset>,
-    /// What was done while the joint estimate was still to follow, with where it left the camera: done again with the whole
-    /// answer, so that what is seen does not depend on which answer was drawn first.
-    early_look: Option<(ViewPreset, Camera)>,
+    last_look: Option<Look>,
     pub(super) flight: Option<Flight>,
     /// What the content was made from.
     built: Option<Built>,
@@ -40,6 +38,18 @@ pub struct SceneView {
     hover: Option<(u64, usize)>,
     /// What the controls took in the last frame.
     controls_size: Vec2,
+}
+
+/// What the camera was told to look at last. What is seen does not depend on which of two answers was drawn first, nor on
+/// the size that the scene had by then: it looks again with the whole answer, and in another room, until someone moves it.
+#[derive(Clone, Copy)]
+struct Look {
+    preset: ViewPreset,
+    /// Where it left the camera.
+    camera: Camera,
+    size: Vec2,
+    /// Whether the joint estimate was still to follow.
+    early: bool,
 }
 
 #[derive(PartialEq)]
@@ -57,7 +67,7 @@ impl SceneView {
             content: SceneContent::default(),
             camera: Camera::default(),
             pending_look: None,
-            early_look: None,
+            last_look: None,
             flight: None,
             built: None,
             coloured: None,
@@ -149,10 +159,8 @@ impl SceneView {
                 self.pending_look = Some(ViewPreset::Slanted);
                 self.flight = None;
             }
-            if let Some((preset, left_at)) = self.early_look.take()
-                && left_at == self.camera
-            {
-                self.pending_look = self.pending_look.or(Some(preset));
+            if let Some(look) = self.last_look.filter(|look| look.early) {
+                self.look_again(look);
             }
             self.content.set_clouds(&open.clouds);
             let grid = theme::scene_grid(dark).to_array();
@@ -184,8 +192,18 @@ impl SceneView {
         self.content.set_ruler(&state.ruler, colour);
     }
 
+    /// Once more, unless the camera was moved since.
+    fn look_again(&mut self, look: Look) {
+        if look.camera == self.camera {
+            self.pending_look = self.pending_look.or(Some(look.preset));
+        }
+    }
+
     /// Does what was asked of the camera since the last frame.
     fn look_and_fly(&mut self, ui: &egui::Ui, rect: Rect, state: &State) {
+        if let Some(look) = self.last_look.filter(|look| look.size != rect.size()) {
+            self.look_again(look);
+        }
         if let Some(preset) = self.pending_look.filter(|_| !self.content.outline_m.is_empty()) {
             self.flight = None;
             self.pending_look = None;
@@ -203,8 +221,8 @@ impl SceneView {
                     self.camera.look(preset, &self.content.outline_m, aspect);
                 }
             }
-            let follows = state.active().is_some_and(OpenDeployment::joint_follows);
-            self.early_look = follows.then_some((preset, self.camera));
+            let early = state.active().is_some_and(OpenDeployment::joint_follows);
+            self.last_look = Some(Look { preset, camera: self.camera, size: rect.size(), early });
         }
         if let Some(flight) = &mut self.flight {
             if flight.advance(&mut self.camera, ui.input(|i| i.time)) {

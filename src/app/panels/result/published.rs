@@ -37,7 +37,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut 
             difference_row(ui, &yaw, turned, |rad| units.angle_difference(rad));
         },
     );
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let verdict = published.verdict_in_words();
         ui.label(format!("Verdict of {name}: {verdict}"));
         let button = ui
