@@ -176,10 +176,15 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
             if !factorise(own) {
                 return false;
             }
-            let mut after = after.iter_mut();
-            after.next().map(|target| subtract::<LOCAL, ROW, 1>(own, target));
-            after.next().map(|target| subtract::<LOCAL, ROW, 2>(own, target));
-            after.next().map(|target| subtract::<LOCAL, ROW, 3>(own, target));
+            if let Some(target) = after.first_mut() {
+                subtract::<LOCAL, ROW, 1>(own, target);
+            }
+            if let Some(target) = after.get_mut(1) {
+                subtract::<LOCAL, ROW, 2>(own, target);
+            }
+            if let Some(target) = after.get_mut(2) {
+                subtract::<LOCAL, ROW, 3>(own, target);
+            }
             add_gram(&mut gram, own);
             let ends = |part: usize| knot + 1 == knots || (part < last && next_begins == knot + 1);
             for part in last.saturating_sub(1)..=last {

@@ -83,8 +83,8 @@ impl Default for ErrorSizes {
             range_scale: 7e-6,
             index_rad: 4.0 * ARCSECOND_RAD,
             collimation_rad: 3.0 * ARCSECOND_RAD,
-            settling_rad: 30e-6,
-            settling_m: 0.0006,
+            settling_rad: 36e-6,
+            settling_m: 0.0007,
             ranges_wander: true,
         }
     }
