@@ -6,6 +6,7 @@
 
 #![allow(clippy::print_stdout, reason = "the tables are the point")]
 
+mod beyond;
 #[path = "../common/mod.rs"]
 mod common;
 mod cramer_rao;
@@ -363,4 +364,48 @@ fn no_kind_of_error_is_silent() {
         assert_eq!((silent, gross.unwrap_or(0)), (0, 0), "{}", kind.name());
         assert!(covered > 0.88, "{}: {covered:.3}", kind.name());
     }
+}
+
+/// With all that the field is known for, and an error beyond it.
+fn scenario_beyond(kind: usize, preset: Preset, seed: u64) -> Scenario {
+    let mut scenario = with_everything(preset, seed).draw_errors(seed);
+    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0xbe70);
+    beyond::KINDS[kind].1(&mut scenario, &mut rng);
+    scenario
+}
+
+#[test]
+#[ignore = "an hour in release; prints the table"]
+fn no_error_beyond_the_field_is_silent() {
+    const EACH: u64 = 120;
+    let settings = [by(Method::InterPrism), by(Method::Joint)];
+    println!("beyond the field         D: good silent gross   joint: good silent gross");
+    let mut all_gross = 0;
+    for (kind, (name, _)) in beyond::KINDS.iter().enumerate() {
+        let of_kind = |preset, seed| scenario_beyond(kind, preset, seed);
+        let outcomes = run(EACH, &PRESETS, of_kind, &settings);
+        let line = [0, 1].map(|which| {
+            let count = |is: fn(&Outcome) -> bool| {
+                outcomes.iter().filter(|(_, all)| is(&all[which])).count()
+            };
+            let good = count(|outcome| outcome.verdict == Some(Verdict::Good));
+            (good, count(Outcome::is_silent_failure), count(Outcome::is_grossly_silent))
+        });
+        println!("{name:<24} {:?}   {:?}", line[0], line[1]);
+        all_gross += line[1].2;
+        if std::env::var_os("EACH").is_some() {
+            for (seed, (preset, all)) in outcomes.iter().enumerate() {
+                if all[1].is_silent_failure() {
+                    println!(
+                        "  {} {seed}: {:.1} σ {:.1} mm {:.3}",
+                        PRESETS[*preset].name(),
+                        all[1].largest_sigmas(),
+                        all[1].largest_m() * 1e3,
+                        all[1].error.transpose() * 1e3
+                    );
+                }
+            }
+        }
+    }
+    assert_eq!(all_gross, 0, "good, and off by more than 5 σ and 2 cm or 1 mrad");
 }

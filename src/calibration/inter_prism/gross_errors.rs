@@ -17,6 +17,8 @@ const WILD_TIMES: f64 = 5.0;
 const LONG_TAIL: f64 = 1.3;
 /// An answer that leaves out this share of the triplets rests on a choice, and not on the drive.
 const TOO_MANY: f64 = 0.2;
+/// A station that follows another prism finds its own again within seconds; this (s) is longer.
+const LONG_RUN_S: f64 = 10.0;
 /// A pull is worth a warning when it is more than this (m) and as much as the answer's own σ.
 pub const NOTABLE_PULL_M: f64 = 0.002;
 
@@ -41,21 +43,48 @@ fn in_triplets(errors_m: &[f64]) -> impl Iterator<Item = [f64; 3]> + '_ {
     errors_m.chunks_exact(3).map(|pairs| [pairs[0], pairs[1], pairs[2]])
 }
 
-/// What is said of triplets that a robust answer leaves out as wild; a doubt where they are many.
-pub fn left_out(count: usize, of: usize) -> Vec<(Verdict, Finding)> {
+/// What is said of triplets that a robust answer leaves out as wild; a doubt where they are many, or one after the other.
+///
+/// `kept_s` are the times of those that it keeps.
+pub fn left_out(time_s: &[f64], kept_s: &[f64]) -> Vec<(Verdict, Finding)> {
+    let count = time_s.len() - kept_s.len();
     if count == 0 {
         return Vec::new();
     }
     let line = format!("{count} triplets that cannot be right were left out");
-    if (count as f64) < TOO_MANY * of as f64 {
-        return vec![(Verdict::Good, Finding::note(line))];
+    let mut doubts = Vec::new();
+    if count as f64 >= TOO_MANY * time_s.len() as f64 {
+        let line = format!(
+            "{line}, {:.0} % of all: the rest may be wrong as well; find out what station followed another prism, or whose \
+             distances are another rig's",
+            1e2 * count as f64 / time_s.len() as f64
+        );
+        doubts.push((Verdict::Weak, Finding::warning(line)));
+    } else {
+        doubts.push((Verdict::Good, Finding::note(line)));
     }
-    let line = format!(
-        "{line}, {:.0} % of all: the rest may be wrong as well; find out what station followed another prism, or whose \
-         distances are another rig's",
-        1e2 * count as f64 / of as f64
-    );
-    vec![(Verdict::Weak, Finding::warning(line))]
+    // Pauses of the recording are not counted.
+    let step_s = median(time_s.windows(2).map(|both| both[1] - both[0])).unwrap_or(0.0);
+    let run = longest_run(time_s, kept_s);
+    if let (Some(from_s), Some(to_s)) = (run.first(), run.last())
+        && run.len() as f64 * step_s > LONG_RUN_S
+    {
+        let line = format!(
+            "nothing from {:.0} to {:.0} s of the drive fits the rest, and it was left out: a station moved, or followed \
+             another prism for that long; cut the recording there",
+            from_s - time_s[0],
+            to_s - time_s[0]
+        );
+        doubts.push((Verdict::Weak, Finding::warning(line)));
+    }
+    doubts
+}
+
+/// Times of the most triplets in a row that were left out (s).
+fn longest_run<'a>(time_s: &'a [f64], kept_s: &[f64]) -> &'a [f64] {
+    let mut kept_s = kept_s.iter().peekable();
+    let runs = time_s.split(|time| kept_s.next_if(|kept| *kept == time).is_some());
+    runs.max_by_key(|run| run.len()).unwrap_or_default()
 }
 
 /// Triplets that fit an answer.
@@ -130,5 +159,23 @@ mod tests {
         assert!(kept.contains(&4) && !kept.contains(&7));
         assert_eq!(kept.len(), 29);
         assert!(fitting(std::iter::empty()).is_empty());
+    }
+
+    #[test]
+    fn half_a_minute_in_a_row_is_a_doubt_and_as_many_here_and_there_are_not() {
+        let time_s: Vec<f64> = (0..4000).map(|i| 100.0 + f64::from(i) * 0.1).collect();
+        let verdicts = |kept: &dyn Fn(usize) -> bool| {
+            let kept_s = (0..time_s.len()).filter(|i| kept(*i)).map(|i| time_s[i]);
+            let doubts = left_out(&time_s, &kept_s.collect::<Vec<_>>());
+            doubts
+                .into_iter()
+                .map(|(verdict, finding)| (verdict, finding.message))
+                .collect::<Vec<_>>()
+        };
+        assert!(verdicts(&|_| true).is_empty());
+        assert_eq!(verdicts(&|i| i % 13 != 0).iter().map(|d| d.0).max(), Some(Verdict::Good));
+        let run = verdicts(&|i| !(600..900).contains(&i));
+        assert_eq!(run[1].0, Verdict::Weak);
+        assert!(run[1].1.starts_with("nothing from 60 to 90 s of the drive"), "{run:?}");
     }
 }

@@ -155,9 +155,9 @@ pub fn solve(
         used = Cow::Owned(triplets.select(&kept));
         published = solve_published(&used);
     }
-    let (all, mut left_out) = (triplets.len(), triplets.len() - used.len());
     let mut doubts = Vec::new();
-    let triplets = used.as_ref();
+    let (all_s, triplets) = (&triplets.time_s, used.as_ref());
+    let mut kept_s = Cow::Borrowed(&triplets.time_s);
     let prior_search = published.prior_search.take();
     let prior_ms = published.prior_ms;
     let plain = published.choice.answer.station1_from_station;
@@ -192,7 +192,9 @@ pub fn solve(
         let answer = refined_answer::solve(refined, rig, points, triplets, settings.loss);
         let findings = std::mem::replace(&mut published, answer.found).findings;
         published.findings = findings;
-        left_out += answer.set_aside;
+        if let Some(own_s) = answer.kept_s {
+            kept_s = Cow::Owned(own_s);
+        }
         fitting = observability::fitting(&published.thinned, &published.answer.parameters);
         uncertainty = uncertainty::of_covariance(
             &published.data,
@@ -251,7 +253,7 @@ pub fn solve(
         let line = "nothing was refined: the data does not hold all that was to be estimated";
         lower(Verdict::Weak, vec![Finding::warning(line)]);
     }
-    doubts.extend(gross_errors::left_out(left_out, all));
+    doubts.extend(gross_errors::left_out(all_s, &kept_s));
     // The answer's own evidence against it comes first.
     for (to, finding) in doubts.into_iter().rev() {
         verdict = verdict.max(to);

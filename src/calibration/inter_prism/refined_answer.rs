@@ -12,8 +12,8 @@ use crate::pipeline::Triplets;
 /// The refined answer with what is beside it.
 pub struct RefinedAnswer {
     pub found: Published,
-    /// Triplets that cannot be right by this answer.
-    pub set_aside: usize,
+    /// Times of the triplets that it keeps (s), where it sets others aside that cannot be right.
+    pub kept_s: Option<Vec<f64>>,
     pub doubt: Option<(Verdict, Finding)>,
 }
 
@@ -44,14 +44,14 @@ pub fn solve(
     let inter_prism_m =
         refined.distances_m.map_or(rig.inter_prism_m, |all| all.map(|distance| distance.value));
     let rig = Rig { inter_prism_m, ..rig.clone() };
-    let mut set_aside = 0;
+    let mut kept_s = None;
     if loss != Loss::Squared {
         // What a robust loss sets aside must not lead the minima astray.
         let placed = level.map(RigidTransform::from);
         let fitting = gross_errors::fitting_triplets(&upright, &placed, &inter_prism_m);
         if fitting.len() >= FEWEST_TRIPLETS {
-            set_aside = upright.len() - fitting.len();
             upright = upright.select(&fitting);
+            kept_s = Some(upright.time_s.clone());
         }
     }
     let mut found = published::solve(&rig, control_points, &upright, PriorMethod::ClosedForm);
@@ -66,12 +66,12 @@ pub fn solve(
         *own = answer;
     }
     if same(&other) || !refined.converged {
-        return RefinedAnswer { found, set_aside, doubt: None };
+        return RefinedAnswer { found, kept_s, doubt: None };
     }
     found.choice.mirror.twin = Some(other);
     let finding = Finding::warning(
         "with all that was estimated taken into account another minimum fits better than this answer; nothing decides \
          between them",
     );
-    RefinedAnswer { found, set_aside, doubt: Some((Verdict::Ambiguous, finding)) }
+    RefinedAnswer { found, kept_s, doubt: Some((Verdict::Ambiguous, finding)) }
 }

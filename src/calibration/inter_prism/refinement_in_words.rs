@@ -64,12 +64,15 @@ pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> 
     findings
 }
 
-/// Estimates of the refinement that their priors do not allow.
+/// Estimates of the refinement that their priors do not allow; those of the joint estimate are for its own words.
 pub fn doubts(
     refined: &Refinement,
     inter_prism_m: &[f64; 3],
     settings: &CalibrationSettings,
 ) -> Vec<(Verdict, Finding)> {
+    if refined.joint.is_some() {
+        return Vec::new();
+    }
     let mut doubts = Vec::new();
     let distance_sigma_m = settings.inter_prism_sigma_m.max(LEAST_DISTANCE_SIGMA_M);
     for (pair, distance) in refined.distances_m.iter().flatten().enumerate() {

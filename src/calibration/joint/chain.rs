@@ -35,8 +35,9 @@ pub struct SlowPriors {
     /// The same of their clocks (s²).
     pub clocks_s2: f64,
     pub wander: Wander,
-    /// Parts before which something happened that no prior expects.
-    pub steps: Vec<usize>,
+    /// Parts before which stations, or clocks, did what no prior expects.
+    pub station_steps: Vec<usize>,
+    pub clock_steps: Vec<usize>,
 }
 
 /// One part, linear about where everything is taken to be.
@@ -89,17 +90,17 @@ impl SlowPrecisions {
                 0 => 0.5 * whole_s / time_s.len() as f64,
                 _ => time_s[part] - time_s[part - 1],
             };
-            let mut share = (since_s / whole_s).max(1e-4);
-            if priors.steps.contains(&part) {
-                share = STEP;
-            }
+            let usual = (since_s / whole_s).max(1e-4);
+            let share = |steps: &[usize]| if steps.contains(&part) { STEP } else { usual };
+            let (stations, clocks) = (share(&priors.station_steps), share(&priors.clock_steps));
+            let clocks_s2 = clocks * priors.clocks_s2;
             let mut step = SlowMatrix::zeros();
-            step.fixed_view_mut::<8, 8>(0, 0).copy_from(&(settling / share));
+            step.fixed_view_mut::<8, 8>(0, 0).copy_from(&(settling / stations));
             for clock in SLOW_CLOCKS..SLOW_RANGES {
-                step[(clock, clock)] = 1.0 / (share * priors.clocks_s2);
+                step[(clock, clock)] = clocks_s2.recip();
             }
             own[part] += step;
-            log_determinant -= settled + 8.0 * share.ln() + 2.0 * (share * priors.clocks_s2).ln();
+            log_determinant -= settled + 8.0 * stations.ln() + 2.0 * clocks_s2.ln();
             let kept = if part == 0 { 0.0 } else { (-since_s / priors.wander.correlation_s).exp() };
             let fresh = 1.0 / (variance_m2 * (1.0 - kept * kept).max(1e-6));
             for range in SLOW_RANGES..SLOW {
@@ -123,6 +124,11 @@ impl SlowPrecisions {
         let more = |all: &[SlowMatrix]| all.iter().map(|matrix| matrix * 1e6).collect();
         let log_determinant = self.log_determinant;
         Self { own: more(&self.own), with_next: more(&self.with_next), log_determinant }
+    }
+
+    /// Precision of how stations 2 and 3 and their clocks walk to a part from the one before it.
+    pub fn of_walk(&self, part: usize) -> SMatrix<f64, SLOW_RANGES, SLOW_RANGES> {
+        -self.with_next[part - 1].fixed_view::<SLOW_RANGES, SLOW_RANGES>(0, 0)
     }
 
     /// Times slow states.

@@ -1,14 +1,18 @@
 //! What the joint estimate found, in words: instruments, what did not stay as it was, and what its σ are made of.
 
+use super::unknowns::{COLLIMATIONS, DISTANCES, INDICES, LATENCIES, LEANS, OFFSETS, SCALES};
 use super::{JointEstimate, Step, Stepped};
 use crate::calibration::Verdict;
 use crate::calibration::inter_prism::{Estimate, refinement_in_words};
-use crate::deployment::Finding;
+use crate::deployment::{Finding, pair_label};
 
-/// An estimate further than this many σ of its prior from where that puts it has another cause than chance.
-const MOST_PRIOR_SIGMAS: f64 = 5.0;
-/// Five of them together are this large once in a hundred thousand times.
-const MOST_TOGETHER_SIGMAS: f64 = 5.5;
+/// How far one estimate may be from its prior by chance (σ): once in forty thousand, by some of thirty.
+const MOST_STRAIN: f64 = 4.2;
+/// And those of a station, or all of them, together: once in a thousand.
+const MOST_STRAIN_OF_STATION: f64 = 3.0;
+const MOST_STRAIN_OF_ALL: f64 = 3.3;
+/// The largest errors of ranges to prisms that turn are 5 mm (Lackner & Lienhart 2016).
+const MOST_WANDER_M: f64 = 0.005;
 /// An instrument's error is told where it is this many of its σ, and the data narrowed what was known by this share.
 const TOLD_SIGMAS: f64 = 2.5;
 const TOLD_NARROWED: f64 = 0.8;
@@ -24,29 +28,57 @@ pub fn findings(found: &JointEstimate) -> Vec<Finding> {
 /// What speaks against the estimate itself, each with the verdict that it allows at most.
 pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
     let mut doubts = Vec::new();
+    let mut doubt = |line: String| doubts.push((Verdict::Weak, Finding::warning(line)));
+    let strain = &found.strain;
+    let mut strained = false;
     for error in instruments(found) {
-        // What is held to be nothing says nothing.
-        if error.known > 0.0 && error.estimate.value.abs() > MOST_PRIOR_SIGMAS * error.known {
-            let line = format!(
-                "{}, which instruments in order do not leave ({:.1} {}, 1 σ): something is wrong that this estimate takes \
-                 for it",
+        let sigmas = strain.of[error.place].abs();
+        if sigmas > MOST_STRAIN {
+            strained = true;
+            doubt(format!(
+                "{}, where instruments in order have {:.1} {} (1 σ): {sigmas:.1} σ beyond chance, so something is wrong that \
+                 this estimate takes for it",
                 error.in_words(),
                 error.known * error.scale,
                 error.unit
-            );
-            doubts.push((Verdict::Weak, Finding::warning(line)));
+            ));
         }
     }
-    for station in 0..3 {
-        let sigmas = instrument_sigmas(found, station);
-        if sigmas > MOST_TOGETHER_SIGMAS {
-            let line = format!(
-                "what is wrong with station {}'s ranges, zenith angles and lean would be {sigmas:.1} σ of what instruments in \
-                 order have, taken together: it was knocked, or something else bends the answer",
-                station + 1
-            );
-            doubts.push((Verdict::Weak, Finding::warning(line)));
+    for pair in 0..3 {
+        let sigmas = strain.of[DISTANCES + pair].abs();
+        if found.distances_m.is_some() && sigmas > MOST_STRAIN {
+            strained = true;
+            doubt(format!(
+                "prisms {} would be {:+.1} mm from their measured distance, which is known to {:.1} mm (1 σ), {sigmas:.1} σ \
+                 beyond chance: the rig, its units or the stations' numbers are wrong",
+                pair_label(pair),
+                strain.moved[DISTANCES + pair] * 1e3,
+                found.sizes.inter_prism_m * 1e3
+            ));
         }
+    }
+    for (station, sigmas) in strain.of_stations.into_iter().enumerate() {
+        if sigmas > MOST_STRAIN_OF_STATION {
+            strained = true;
+            doubt(format!(
+                "what is wrong with station {}'s ranges, angles and lean is {sigmas:.1} σ beyond what instruments in order \
+                 have, taken together: it was knocked, or something else bends the answer",
+                station + 1
+            ));
+        }
+    }
+    if !strained && strain.of_all > MOST_STRAIN_OF_ALL {
+        doubt(format!(
+            "what is wrong with all stations and distances is {:.1} σ beyond what instruments in order have, taken together: \
+             something that this estimate does not know bends the answer",
+            strain.of_all
+        ));
+    }
+    if found.wander.sigma_m > MOST_WANDER_M {
+        doubt(format!(
+            "ranges wander by {:.0} mm, more than any prism makes them: find out what else does",
+            found.wander.sigma_m * 1e3
+        ));
     }
     doubts.extend(found.stepped.iter().map(|step| stepped(step, found)));
     doubts.extend(
@@ -55,21 +87,6 @@ pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
             .map(|finding| (Verdict::Weak, finding)),
     );
     doubts
-}
-
-/// How large the errors of a station are together, in units of what is known of each beforehand.
-fn instrument_sigmas(found: &JointEstimate, station: usize) -> f64 {
-    let sizes = &found.sizes;
-    let [x, y] = found.leans_rad[station];
-    let errors = [
-        (found.range_offsets_m[station], sizes.range_offset_m),
-        (found.range_scales[station], sizes.range_scale),
-        (found.indices_rad[station], sizes.index_rad),
-        (x, sizes.lean_rad),
-        (y, sizes.lean_rad),
-    ];
-    let told = errors.iter().filter(|(_, known)| *known > 0.0);
-    told.map(|(error, known)| (error.value / known).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Whether the clocks of stations 2 and 3 jump.
@@ -115,6 +132,7 @@ fn stepped(step: &Step, found: &JointEstimate) -> (Verdict, Finding) {
 /// An error of an instrument that was estimated.
 struct InstrumentError {
     what: String,
+    place: usize,
     /// About zero, or what geometry says.
     estimate: Estimate,
     /// What was known of it beforehand (1 σ).
@@ -145,24 +163,29 @@ impl InstrumentError {
 fn instruments(found: &JointEstimate) -> Vec<InstrumentError> {
     let (sizes, arcseconds) = (&found.sizes, 3600.0_f64.to_degrees());
     let mut errors = Vec::new();
-    let mut add = |what: String, estimate: Estimate, known: f64, scale: f64, unit: &'static str| {
-        errors.push(InstrumentError { what, estimate, known, scale, unit });
+    let mut add = |what: String, place, estimate, known, scale, unit| {
+        errors.push(InstrumentError { what, place, estimate, known, scale, unit });
     };
     for station in 0..3 {
         let own = format!("station {}'s", station + 1);
+        let ranges = || format!("{own} ranges are off by");
         let offset = found.range_offsets_m[station];
-        add(format!("{own} ranges are off by"), offset, sizes.range_offset_m, 1e3, "mm");
+        add(ranges(), OFFSETS + station, offset, sizes.range_offset_m, 1e3, "mm");
         let scale = found.range_scales[station];
-        add(format!("{own} ranges are off by"), scale, sizes.range_scale, 1e6, "ppm");
+        add(ranges(), SCALES + station, scale, sizes.range_scale, 1e6, "ppm");
         let index = found.indices_rad[station];
         let what = format!("{own} zenith angles are off by");
-        add(what, index, sizes.index_rad, arcseconds, "″");
+        add(what, INDICES + station, index, sizes.index_rad, arcseconds, "″");
+        let sight = found.collimations_rad[station];
+        let what = format!("{own} line of sight is off by");
+        add(what, COLLIMATIONS + station, sight, sizes.collimation_rad, arcseconds, "″");
         let latency = found.latencies_s[station];
         let what = format!("{own} angles are older than its ranges by");
-        add(what, latency, sizes.latency_s, 1e3, "ms");
+        add(what, LATENCIES + station, latency, sizes.latency_s, 1e3, "ms");
         for (axis, lean) in found.leans_rad[station].into_iter().enumerate() {
-            let own = format!("station {} leans about {} by", station + 1, ["x", "y"][axis]);
-            add(own, lean, sizes.lean_rad, arcseconds, "″");
+            let what = format!("station {} leans about {} by", station + 1, ["x", "y"][axis]);
+            let place = LEANS + 2 * station + axis;
+            add(what, place, lean, sizes.lean_rad, arcseconds, "″");
         }
     }
     errors

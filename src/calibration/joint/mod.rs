@@ -8,8 +8,8 @@
 //! One [pass](mod@pass) is a step of Gauss & Newton: [`equations`] of each stretch of the [`drive`] → [`band`] eliminates the
 //! [`motion`], which leaves a [`chain`] of the drive's parts → constants ([`unknowns`]) and [`slow_changes`] → and back. The
 //! [`noise`] of ranges, angles and stamps and the drive's smoothness are learned on the way as Helmert's variance components,
-//! their redundancies by random probes (Girard 1989). [`stability`] looks for stations and clocks that step, [`summary`] makes
-//! the answer, [`in_words`] tells it, [`corrected`] puts the triplets right.
+//! their redundancies by random probes (Girard 1989). [`stability`] looks for stations and clocks that step, [`strain`] holds what was
+//! found against the priors, [`summary`] makes the answer, [`in_words`] tells it, [`corrected`] puts the triplets right.
 
 mod band;
 mod chain;
@@ -22,6 +22,7 @@ mod noise;
 mod pass;
 mod slow_changes;
 mod stability;
+mod strain;
 mod summary;
 mod unknowns;
 
@@ -35,8 +36,9 @@ use self::drive::Drive;
 pub use self::equations::Levels;
 use self::noise::{FIRST_LEVELS, learned};
 use self::pass::{Estimates, Model, Spare, Weigh, pass};
-use self::slow_changes::{is_usual, likeliest, steps_found};
+use self::slow_changes::{add_steps, is_usual, likeliest};
 pub use self::stability::{Step, Stepped};
+use self::strain::Strain;
 pub use self::unknowns::ErrorSizes;
 use self::unknowns::{CLOCKS, Constants, precisions, start};
 use super::TransformSigma;
@@ -78,6 +80,7 @@ pub struct JointEstimate {
     pub range_scales: [Estimate; 3],
     pub indices_rad: [Estimate; 3],
     pub collimations_rad: [Estimate; 3],
+    strain: Strain,
     pub levels: Levels,
     pub wander: Wander,
     /// What was known of all that beforehand.
@@ -160,14 +163,18 @@ fn solve<const LOCAL: usize, const ROW: usize>(
         let pass = pass::<LOCAL, ROW>(drive, &at, &by, &model, &mut spare, progress)?;
         let Some(mut pass) = pass else { return Ok(None) };
         let settles = near && by.held.is_none();
+        let mut holds = settles;
         if settles {
             if sizes.ranges_wander {
                 model.priors.wander = likeliest(&pass.data, &model, drive, &at);
             }
-            stepped = steps_found(&pass.data, &mut model, drive, &at, sizes);
+            let known = stepped.len();
+            add_steps(&mut stepped, &pass.data, &mut model, drive, &at);
             if !pass.solve(drive, &at, &model) {
                 return Ok(None);
             }
+            // Readings about a step that nothing allowed for seem worse than they are.
+            holds = stepped.len() == known;
         }
         let moved = pass.walk(drive, &mut at);
         let converged = by.held.is_some() && moved < SMALL_STEP;
@@ -177,7 +184,7 @@ fn solve<const LOCAL: usize, const ROW: usize>(
             (found.stepped, found.converged, found.steps) = (stepped, converged, steps);
             return Ok(Some(found));
         }
-        if settles {
+        if holds {
             by.held = Some(pass.eliminated.iter_mut().map(|one| take(&mut one.weights)).collect());
         }
         near |= moved < NEAR;

@@ -7,10 +7,10 @@ use super::chain::{Data, Factor, SlowPrecisions, SlowPriors, Wander};
 use super::drive::Drive;
 use super::pass::{Estimates, Model, with_priors};
 use super::stability::{self, Step, Stepped};
-use super::unknowns::{Constants, ErrorSizes};
+use super::unknowns::{Constants, ErrorSizes, Slow};
 
 /// Wanderings of ranges that are tried.
-const WANDER_SIGMAS_M: [f64; 6] = [1e-4, 4e-4, 8e-4, 0.0014, 0.0025, 0.0045];
+const WANDER_SIGMAS_M: [f64; 7] = [1e-4, 4e-4, 8e-4, 0.0014, 0.0025, 0.0045, 0.008];
 const WANDER_TIMES_S: [f64; 3] = [3.0, 12.0, 50.0];
 /// Steps of stations and clocks that are looked for, at most.
 const MOST_STEPS_FOUND: usize = 4;
@@ -24,7 +24,8 @@ pub fn priors(sizes: &ErrorSizes, start: &Constants) -> SlowPriors {
         settling: settling(sizes, start),
         clocks_s2: sizes.clock_wander_s.powi(2),
         wander: Wander { sigma_m: WANDER_SIGMAS_M[0], correlation_s: WANDER_TIMES_S[1] },
-        steps: Vec::new(),
+        station_steps: Vec::new(),
+        clock_steps: Vec::new(),
     }
 }
 
@@ -39,37 +40,38 @@ pub fn is_usual(step: &Step, sizes: &ErrorSizes) -> bool {
     }
 }
 
-/// Steps of stations and clocks, the clearest first; what is none of the usual gets room in the priors.
-pub fn steps_found(
+/// Adds steps of stations and clocks that are not known yet, the clearest first, and gives them room in the priors.
+pub fn add_steps(
+    known: &mut Vec<Step>,
     data: &Data,
     model: &mut Model,
     drive: &Drive,
     at: &Estimates,
-    sizes: &ErrorSizes,
-) -> Vec<Step> {
-    let mut found = Vec::new();
-    while found.len() < MOST_STEPS_FOUND {
-        let step = stability::clearest_step(&stability::Search {
-            data,
-            precision: &model.precision,
-            priors: &model.priors,
-            part_times_s: &drive.part_times_s,
-            slow: &at.slow,
-            from_priors: &(at.constants - model.start),
-            known: &model.priors.steps,
-            places_m: [0, 1].map(|slot| at.constants.fixed_rows::<3>(4 * slot).into()),
-        });
-        let Some(step) = step else { break };
-        let usual = is_usual(&step, sizes);
-        if !usual {
-            model.priors.steps.push(step.part);
+) {
+    while known.len() < MOST_STEPS_FOUND {
+        let Some(step) = clearest_step(data, model, drive, at) else { break };
+        let priors = &mut model.priors;
+        match step.what {
+            Stepped::Station { .. } => priors.station_steps.push(step.part),
+            Stepped::Clock(_) => priors.clock_steps.push(step.part),
         }
-        found.push(step);
-        if usual {
-            break;
-        }
+        known.push(step);
     }
-    found
+}
+
+fn clearest_step(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> Option<Step> {
+    let slow_priors = SlowPrecisions::new(&model.priors, &drive.part_times_s)?;
+    let factor = Factor::new(data, &model.precision, &slow_priors)?;
+    let ahead = factor.solve(&with_priors(data, model, &slow_priors, at));
+    let slow: Vec<Slow> = at.slow.iter().zip(&ahead.slow).map(|(at, ahead)| at - ahead).collect();
+    stability::clearest_step(&stability::Search {
+        factor: &factor,
+        slow_priors: &slow_priors,
+        slow: &slow,
+        part_times_s: &drive.part_times_s,
+        known: [&model.priors.station_steps, &model.priors.clock_steps],
+        places_m: [0, 1].map(|slot| at.constants.fixed_rows::<3>(4 * slot).into()),
+    })
 }
 
 /// The wandering of ranges that makes what was read likeliest, the motion being what it is.

@@ -1,30 +1,26 @@
 //! Whether stations and clocks stayed as they were: the likeliest step of each, at any time of the drive.
 //!
-//! Where slow states may walk as far as the data leads them, the mean after a time less the mean before it is an estimate of
-//! a step at that time, with its covariance. A station that turns and moves has four numbers for it, station 1 through the
-//! other two; a clock has one. The step that explains most, by χ², is the one that is told.
+//! Slow states walk from part to part by as much as the priors let them. How far the data wants one of these walks to go
+//! beyond that is told by its smoothed value alone (de Jong & Penzer 1998, "Diagnosing shocks in time series"), so that one
+//! factorisation tests all times. A station that turns and moves has four numbers for it, station 1 through the other two; a
+//! clock has one. The step that explains most, by χ², is the one that is told.
 
 use nalgebra::{SMatrix, SVector, Vector3};
 use rayon::prelude::*;
 
-use super::chain::{Columns, Data, Factor, SlowPrecisions, SlowPriors};
-use super::unknowns::{Constants, SLOW_CLOCKS, SLOW_RANGES, Slow};
+use super::chain::{Columns, Factor, SlowPrecisions};
+use super::unknowns::{SLOW_CLOCKS, SLOW_RANGES, Slow};
 use crate::calibration::inter_prism::Estimate;
 
 /// Poses of stations 2 and 3, and their clocks.
 const STEPPING: usize = SLOW_RANGES;
-/// How much further than usual states may walk, and clocks in any case (s).
-const FREEDOM: f64 = 30.0;
-const FREE_CLOCK_S: f64 = 0.03;
 /// Times that are tried, at most; then every part about the best one.
 const MOST_CUTS: usize = 12;
 /// A step is at least this clear at the nearest of them.
 const PROMISING: f64 = 0.4;
-/// Fewer parts on a side tell nothing.
-const FEWEST_PARTS: usize = 2;
 /// χ² of a step that chance hardly makes, at any of the times, with four numbers and with one.
-const STATION_CHI_SQUARE: f64 = 45.0;
-const CLOCK_CHI_SQUARE: f64 = 36.0;
+const STATION_CHI_SQUARE: f64 = 28.0;
+const CLOCK_CHI_SQUARE: f64 = 25.0;
 
 /// A station, or its clock, that was not the same before and after.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,16 +56,13 @@ impl Step {
 
 /// What a search for steps looks at.
 pub struct Search<'a> {
-    pub data: &'a Data,
-    /// With all priors.
-    pub precision: &'a Constants,
-    pub priors: &'a SlowPriors,
-    pub part_times_s: &'a [f64],
-    /// Where everything is taken to be, and the constants less their priors.
+    pub factor: &'a Factor,
+    pub slow_priors: &'a SlowPrecisions,
+    /// By part, where everything is best.
     pub slow: &'a [Slow],
-    pub from_priors: &'a Constants,
-    /// Steps that are known already, by their first part.
-    pub known: &'a [usize],
+    pub part_times_s: &'a [f64],
+    /// Steps of stations, and of clocks, that are known already, by their first part.
+    pub known: [&'a [usize]; 2],
     /// Of station 2 and 3 from station 1 (m).
     pub places_m: [Vector3<f64>; 2],
 }
@@ -77,60 +70,36 @@ pub struct Search<'a> {
 /// The clearest step that is not known yet.
 pub fn clearest_step(search: &Search<'_>) -> Option<Step> {
     let parts = search.part_times_s.len();
-    if parts < 2 * FEWEST_PARTS {
-        return None;
-    }
-    let free = SlowPriors {
-        settling: search.priors.settling * FREEDOM.powi(2),
-        clocks_s2: FREE_CLOCK_S.powi(2),
-        ..search.priors.clone()
-    };
-    let slow_priors = SlowPrecisions::new(&free, search.part_times_s)?;
-    let factor = Factor::new(search.data, search.precision, &slow_priors)?;
-    let mut gradient = search.data.gradient.clone();
-    gradient.constants += search.precision.component_mul(search.from_priors);
-    let pulls = slow_priors.times(search.slow);
-    gradient.slow.iter_mut().zip(&pulls).for_each(|(slow, pull)| *slow += pull);
-    let step = factor.solve(&gradient);
-    let slow: Vec<Slow> = search.slow.iter().zip(&step.slow).map(|(at, step)| at - step).collect();
-    let found = Columns { slow, constants: Constants::zeros() };
     let best = |cuts: Vec<usize>| {
-        let all: Vec<_> =
-            cuts.into_par_iter().filter_map(|cut| best_at(search, &factor, &found, cut)).collect();
+        let all: Vec<_> = cuts.into_par_iter().filter_map(|cut| best_at(search, cut)).collect();
         all.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))
     };
     let stride = parts.div_ceil(MOST_CUTS);
-    let cuts = (FEWEST_PARTS..=parts - FEWEST_PARTS).step_by(stride).collect();
-    let (coarse_clarity, coarse) = best(cuts)?;
+    let (coarse_clarity, coarse) = best((1..parts).step_by(stride).collect())?;
     if coarse_clarity < PROMISING {
         return None;
     }
-    let about = coarse.part.saturating_sub(stride)..(coarse.part + stride).min(parts);
+    let about = coarse.part.saturating_sub(stride).max(1)..(coarse.part + stride).min(parts);
     let (clarity, step) = best(about.collect())?;
     (clarity > 1.0).then_some(step)
 }
 
 /// The best step at a time, with its χ² over what is asked of it.
-fn best_at(
-    search: &Search<'_>,
-    factor: &Factor,
-    found: &Columns<1>,
-    cut: usize,
-) -> Option<(f64, Step)> {
-    let parts = search.part_times_s.len();
-    let from = search.known.iter().copied().filter(|known| *known <= cut).max().unwrap_or(0);
-    let to = search.known.iter().copied().filter(|known| *known > cut).min().unwrap_or(parts);
-    if cut < from + FEWEST_PARTS || to < cut + FEWEST_PARTS {
-        return None;
+///
+/// With Q the variance that the priors give the walk w from the part before, C what is left of it with the data, and S the
+/// shape of a step θ in it, θ without any prior has the normal matrix Sᵀ(Q⁻¹ − Q⁻¹CQ⁻¹)S and the right-hand side SᵀQ⁻¹w.
+fn best_at(search: &Search<'_>, cut: usize) -> Option<(f64, Step)> {
+    let [is_moved, is_late] = search.known.map(|known| known.contains(&cut));
+    let mut walked = Columns::<STEPPING>::zeros(search.part_times_s.len());
+    for k in 0..STEPPING {
+        walked.slow[cut][(k, k)] = 1.0;
+        walked.slow[cut - 1][(k, k)] = -1.0;
     }
-    let mut wanted = Columns::<STEPPING>::zeros(parts);
-    for part in from..to {
-        let share = if part < cut { -1.0 / (cut - from) as f64 } else { 1.0 / (to - cut) as f64 };
-        (0..STEPPING).for_each(|k| wanted.slow[part][(k, k)] = share);
-    }
-    let covariance = wanted.dot(&factor.solve(&wanted));
-    let steps = wanted.dot(found);
-    let precision = covariance.cholesky()?.inverse();
+    let left = walked.dot(&search.factor.solve(&walked));
+    let by_priors = search.slow_priors.of_walk(cut);
+    let precision = by_priors - by_priors * left * by_priors;
+    let walk = search.slow[cut] - search.slow[cut - 1];
+    let pull = by_priors * walk.fixed_rows::<STEPPING>(0);
     let after_s =
         0.5 * (search.part_times_s[cut - 1] + search.part_times_s[cut]) - search.part_times_s[0];
     let mut best: Option<(f64, Step)> = None;
@@ -141,7 +110,7 @@ fn best_at(
     };
     for station in 0..3 {
         let (turned, late) = shapes(station, &search.places_m);
-        if let Some((chi_square, at, covariance)) = fit(&turned, &precision, &steps) {
+        if !is_moved && let Some((chi_square, at, covariance)) = fit(&turned, &precision, &pull) {
             let estimate =
                 |k: usize| Estimate { value: at[k], sigma: covariance[(k, k)].max(0.0).sqrt() };
             let what = Stepped::Station {
@@ -150,7 +119,7 @@ fn best_at(
             };
             offer(chi_square / STATION_CHI_SQUARE, station, what);
         }
-        if let Some((chi_square, at, covariance)) = fit(&late, &precision, &steps) {
+        if !is_late && let Some((chi_square, at, covariance)) = fit(&late, &precision, &pull) {
             let by_s = Estimate { value: at[0], sigma: covariance[(0, 0)].max(0.0).sqrt() };
             offer(chi_square / CLOCK_CHI_SQUARE, station, Stepped::Clock(by_s));
         }
@@ -182,15 +151,14 @@ fn shapes(
     (turned, late)
 }
 
-/// Least squares of the steps by some numbers: the χ² that they explain, the numbers, their covariance.
+/// The χ² that a step of this shape explains, its numbers, and their covariance.
 fn fit<const N: usize>(
     shape: &SMatrix<f64, STEPPING, N>,
     precision: &SMatrix<f64, STEPPING, STEPPING>,
-    steps: &SVector<f64, STEPPING>,
+    pull: &SVector<f64, STEPPING>,
 ) -> Option<(f64, SVector<f64, N>, SMatrix<f64, N, N>)> {
-    let weighted = precision * shape;
-    let covariance = shape.tr_mul(&weighted).cholesky()?.inverse();
-    let pull = weighted.tr_mul(steps);
+    let covariance = shape.tr_mul(&(precision * shape)).cholesky()?.inverse();
+    let pull = shape.tr_mul(pull);
     let numbers = covariance * pull;
     Some((pull.dot(&numbers), numbers, covariance))
 }

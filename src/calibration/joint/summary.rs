@@ -6,6 +6,7 @@ use super::JointEstimate;
 use super::chain::Columns;
 use super::equations::Levels;
 use super::pass::{Estimates, Model, Pass};
+use super::strain::Strain;
 use super::unknowns::{
     CLOCKS, COLLIMATIONS, CONSTANTS, DISTANCES, DRIFTS, ErrorSizes, INDICES, LATENCIES, LEANS,
     OFFSETS, SCALES, SLOW, SLOW_CLOCKS, SLOW_RANGES,
@@ -94,6 +95,7 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             range_scales: [0, 1, 2].map(|station| estimate(SCALES + station)),
             indices_rad: [0, 1, 2].map(|station| estimate(INDICES + station)),
             collimations_rad: [0, 1, 2].map(|station| estimate(COLLIMATIONS + station)),
+            strain: Strain::new(&(at.constants - model.start), &model.precision, &constants),
             levels,
             wander: model.priors.wander,
             sizes: *sizes,
