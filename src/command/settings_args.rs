@@ -120,6 +120,9 @@ pub struct SettingsArguments {
     /// Folder or file with the rig (calibration_results.csv, calibration_raw.csv)
     #[arg(long, value_name = "PATH")]
     rig: Option<PathBuf>,
+    /// Folder or file of a further drive with stations that nobody moved: solved together, each with its own clocks
+    #[arg(long, value_name = "PATH")]
+    drive: Vec<PathBuf>,
     /// Settings as TOML; flags overrule it
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
@@ -188,12 +191,13 @@ impl SettingsArguments {
         }
     }
 
-    /// The files of `--rig` and `--gcp`.
+    /// The files of `--rig`, `--gcp` and `--drive`.
     pub fn extras(&self) -> Extras {
         Extras {
             rig: self.rig.clone(),
             gcp: self.gcp.clone(),
             gcp_instead: !self.gcp.is_empty(),
+            drives: self.drive.clone(),
             ..Extras::default()
         }
     }

@@ -4,6 +4,7 @@
 //! [`Deployment`] and never looks at a file again.
 
 mod control_points;
+mod drives;
 mod finding;
 pub mod format;
 mod gnss;
@@ -83,6 +84,8 @@ pub struct Deployment {
     pub ingredients: Vec<Ingredient>,
     /// What the readers noticed.
     pub findings: Vec<Finding>,
+    /// When each further drive of the same set-up begins (s); none of a single drive.
+    pub restarts_s: Vec<f64>,
 }
 
 impl Deployment {

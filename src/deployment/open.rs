@@ -107,6 +107,7 @@ pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenErr
         as_read,
         ingredients,
         findings,
+        restarts_s: Vec::new(),
     })
 }
 

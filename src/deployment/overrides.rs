@@ -148,6 +148,21 @@ impl Overrides {
         }
     }
 
+    /// What is said of stations, rig and the way that files are written, and not of single files or readings.
+    #[must_use]
+    pub fn of_any_drive(&self) -> Self {
+        Self {
+            name: None,
+            tracks: None,
+            gnss: None,
+            control_points: None,
+            surveys: None,
+            span_s: None,
+            masked: None,
+            ..self.clone()
+        }
+    }
+
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }

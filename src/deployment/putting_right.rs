@@ -114,7 +114,7 @@ const AS_READ: &str = "as read";
 
 /// The patterns name every field, so that a new one does not compile until it is here.
 fn named_values(extras: &Extras) -> Vec<(&'static str, String)> {
-    let Extras { rig: rig_path, gcp, gcp_instead, gnss: gnss_paths, put_right } = extras;
+    let Extras { rig: rig_path, gcp, gcp_instead, gnss: gnss_paths, drives, put_right } = extras;
     let Overrides {
         name,
         tracks,
@@ -170,6 +170,7 @@ fn named_values(extras: &Extras) -> Vec<(&'static str, String)> {
         ("prisms in the vehicle", or_as_read(prisms_m.map(|all| all.map(metres).join("; ")))),
         ("rig", or_as_read(rig)),
         ("control points", control_points),
+        ("further drives", if drives.is_empty() { "none".to_owned() } else { files(drives) }),
         ("GNSS", gnss.as_ref().map_or_else(|| files(gnss_paths), |names| names.join(", "))),
         ("span of time", span_s.map_or("all".to_owned(), |[a, b]| format!("{a:.1} to {b:.1} s"))),
         ("readings left out", masked.as_ref().map_or(0, Vec::len).to_string()),

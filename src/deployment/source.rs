@@ -40,6 +40,10 @@ pub struct Extras {
     /// RTKLIB solutions of antennas 1, 2, 3, instead of what lies with the tracks.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gnss: Vec<PathBuf>,
+    /// Folders or files of further drives, with stations that nobody moved: they are solved together, each with its own
+    /// clocks. A rig that is named, and what is put right, is said of all drives.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<PathBuf>,
     /// What the user says of the data, over what `deployment.toml` says.
     #[serde(skip_serializing_if = "Overrides::is_empty")]
     pub put_right: Overrides,
@@ -84,7 +88,15 @@ impl Source {
             Place::Sample(sample) => open::in_memory(sample.title(), sample.files()),
         };
         found.add(&self.extras)?;
-        open::combine(&found, progress)
+        let mut deployment = open::combine(&found, progress)?;
+        let of_drive = |path: &PathBuf| {
+            let put_right = self.extras.put_right.of_any_drive();
+            let rig = self.extras.rig.clone();
+            Self::at(path).with(Extras { rig, put_right, ..Extras::default() }).open(progress)
+        };
+        let drives: Result<Vec<_>, _> = self.extras.drives.iter().map(of_drive).collect();
+        deployment.take_in(drives?)?;
+        Ok(deployment)
     }
 }
 
@@ -108,9 +120,11 @@ impl Extras {
             self.gcp.clear();
             self.gcp_instead = true;
         }
-        for path in other.gcp {
-            if !self.gcp.contains(&path) {
-                self.gcp.push(path);
+        for (own, others) in [(&mut self.gcp, other.gcp), (&mut self.drives, other.drives)] {
+            for path in others {
+                if !own.contains(&path) {
+                    own.push(path);
+                }
             }
         }
     }

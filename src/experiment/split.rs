@@ -124,6 +124,7 @@ fn without_tracks(deployment: &Deployment) -> Deployment {
         overrides: deployment.overrides.clone(),
         ingredients: Vec::new(),
         findings: Vec::new(),
+        restarts_s: deployment.restarts_s.clone(),
     }
 }
 

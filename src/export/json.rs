@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::inter_prism::{Estimate, InterPrismDetails, PriorSearch, Refinement};
-use crate::calibration::joint::{JointEstimate, Stepped};
+use crate::calibration::joint::{DriveClocks, JointEstimate, Stepped};
 use crate::calibration::two_point::PairResection;
 use crate::calibration::{Basin, Calibration, Details, TransformSigma};
 use crate::deployment::{Deployment, Severity};
@@ -278,9 +278,17 @@ fn joint(found: &JointEstimate) -> Value {
             }),
         })
         .collect();
+    let drive = |drive: &DriveClocks| {
+        json!({
+            "from_s": drive.span_s[0],
+            "to_s": drive.span_s[1],
+            "clock_offsets_s": estimates(&drive.late_s),
+        })
+    };
     json!({
         "clock_offsets_s": estimates(&found.clock_offsets_s),
         "clock_drifts": estimates(&found.clock_drifts),
+        "drives": found.drives.iter().map(drive).collect::<Vec<_>>(),
         "latencies_s": estimates(&found.latencies_s),
         "range_offsets_m": estimates(&found.range_offsets_m),
         "range_scales": estimates(&found.range_scales),

@@ -139,7 +139,11 @@ impl StagedPipeline {
                 settings.interpolation,
                 settings.rate_hz,
             );
-            Triplets { readings: Arc::clone(&filtered), ..triplets }
+            Triplets {
+                readings: Arc::clone(&filtered),
+                restarts_s: deployment.restarts_s.clone(),
+                ..triplets
+            }
         });
         PipelineOutput { filtered, intervals, kept_intervals, triplets, fates }
     }

@@ -20,6 +20,8 @@ pub struct Triplets {
     pub speed_m_per_s: Vec<f64>,
     /// For each station one standard deviation of the position on each axis (m), where the interpolation says.
     pub sigma_m: Option<[Vec<Vector3<f64>>; 3]>,
+    /// When each further drive begins, as [`crate::deployment::Deployment::restarts_s`].
+    pub restarts_s: Vec<f64>,
     /// The filtered readings that they were interpolated from; empty where there were none.
     pub readings: Arc<[FilteredTrack; 3]>,
 }
@@ -28,7 +30,15 @@ impl Triplets {
     pub fn new(time_s: Vec<f64>, interval: Vec<u32>, points_m: [Vec<Vector3<f64>>; 3]) -> Self {
         let speed_m_per_s = speeds(&time_s, &interval, &points_m[0]);
         let readings = Arc::default();
-        Self { time_s, interval, points_m, speed_m_per_s, sigma_m: None, readings }
+        Self {
+            time_s,
+            interval,
+            points_m,
+            speed_m_per_s,
+            sigma_m: None,
+            restarts_s: Vec::new(),
+            readings,
+        }
     }
 
     pub fn len(&self) -> usize {
@@ -43,6 +53,7 @@ impl Triplets {
             interval: indices.iter().map(|i| self.interval[*i]).collect(),
             points_m: self.points_m.each_ref().map(points),
             speed_m_per_s: indices.iter().map(|i| self.speed_m_per_s[*i]).collect(),
+            restarts_s: self.restarts_s.clone(),
             readings: Arc::clone(&self.readings),
             sigma_m: self.sigma_m.as_ref().map(|all| all.each_ref().map(points)),
         }

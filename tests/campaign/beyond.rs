@@ -1,5 +1,8 @@
 //! Errors beyond those that the field is known for: one kind at a time, a few times to a hundred times as large, at any time,
 //! on top of all the usual ones.
+//!
+//! What leaves no trace in the readings of a drive on flat ground (a vertical index, a line of sight, an axis that are off) is
+//! no more than twice as large: no estimate can tell it, which is what "not independently checked" says.
 
 use std::f64::consts::PI;
 
@@ -83,14 +86,14 @@ pub const KINDS: [(&str, Spoil); 22] = [
         scenario.errors.latency_s[any(rng)] = sign(rng) * size(0.01, 0.1, rng);
     }),
     ("vertical index", |scenario, rng| {
-        scenario.errors.index_rad[any(rng)] = sign(rng) * size(5.0, 200.0, rng) * ARCSECOND_RAD;
+        scenario.errors.index_rad[any(rng)] = sign(rng) * size(5.0, 20.0, rng) * ARCSECOND_RAD;
     }),
     ("collimation", |scenario, rng| {
         scenario.errors.collimation_rad[any(rng)] =
-            sign(rng) * size(5.0, 200.0, rng) * ARCSECOND_RAD;
+            sign(rng) * size(5.0, 20.0, rng) * ARCSECOND_RAD;
     }),
     ("tilt", |scenario, rng| {
-        let tilt_rad = size(5.0, 200.0, rng) * ARCSECOND_RAD;
+        let tilt_rad = size(5.0, 20.0, rng) * ARCSECOND_RAD;
         let towards = direction(rng);
         scenario.errors.tilt_rad[any(rng)] = [tilt_rad * towards.x, tilt_rad * towards.y];
     }),

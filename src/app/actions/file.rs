@@ -4,7 +4,7 @@ use eframe::egui::{Key, Modifiers};
 
 use super::{Action, Menu};
 use crate::app::state::{Command, PictureTo, State};
-use crate::deployment::Sample;
+use crate::deployment::{Extras, Sample, Source};
 use crate::export::copy::{CopyFormat, Part};
 
 pub fn actions(state: &State) -> Vec<Action> {
@@ -47,6 +47,21 @@ pub fn actions(state: &State) -> Vec<Action> {
     for sample in Sample::ALL {
         let name = format!("Sample: {}", sample.title());
         actions.push(file("Samples", &name, Command::OpenSample(sample)));
+    }
+    if let Some((active, source)) =
+        state.active().and_then(|open| Some((open, open.source.as_ref()?)))
+    {
+        for other in &state.open {
+            let Some(path) = other.source.as_ref().and_then(Source::path) else { continue };
+            if other.id != active.id {
+                let drives = vec![path.to_owned()];
+                let mut together = source.clone();
+                together.extras.add(Extras { drives, ..Extras::default() });
+                let name = format!("Solve together with {}", other.deployment.name);
+                let hint = "As drives of one set-up: stations that nobody moved, and clocks of each drive's own";
+                actions.push(file("Deployment", &name, Command::OpenSource(together)).hint(hint));
+            }
+        }
     }
     if let Some(open) = state.active() {
         let name = format!("Close {}", open.deployment.name);

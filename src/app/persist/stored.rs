@@ -184,6 +184,7 @@ fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
             gcp: all(&extras.gcp),
             gcp_instead: extras.gcp_instead,
             gnss: all(&extras.gnss),
+            drives: all(&extras.drives),
             put_right: extras.put_right.clone(),
         },
     }

@@ -35,6 +35,10 @@ pub struct SlowPriors {
     /// The same of their clocks (s²).
     pub clocks_s2: f64,
     pub wander: Wander,
+    /// When further drives begin (s): stations may have settled since as during a drive, and clocks are their own, with
+    /// this variance (s²).
+    pub restarts_s: Vec<f64>,
+    pub restarted_s2: f64,
     /// Parts before which stations, or clocks, did what no prior expects.
     pub station_steps: Vec<usize>,
     pub clock_steps: Vec<usize>,
@@ -77,7 +81,17 @@ pub struct SlowPrecisions {
 impl SlowPrecisions {
     /// Of parts at these times (s); `None` where something is known exactly.
     pub fn new(priors: &SlowPriors, time_s: &[f64]) -> Option<Self> {
-        let whole_s = (time_s.last()? - time_s.first()?).max(1.0);
+        let restarts = |part: usize| {
+            part > 0
+                && priors.restarts_s.iter().any(|at| (time_s[part - 1]..time_s[part]).contains(at))
+        };
+        let paused_s: f64 = (0..time_s.len())
+            .filter(|part| restarts(*part))
+            .map(|part| time_s[part] - time_s[part - 1])
+            .sum();
+        let drives = (priors.restarts_s.len() + 1) as f64;
+        // A whole drive.
+        let whole_s = ((time_s.last()? - time_s.first()? - paused_s) / drives).max(1.0);
         let settled = priors.settling.cholesky()?;
         let (settling, settled) = (settled.inverse(), 2.0 * settled.ln_determinant_of_root());
         let mut own = vec![SlowMatrix::zeros(); time_s.len()];
@@ -87,13 +101,14 @@ impl SlowPrecisions {
         for part in 0..time_s.len() {
             let since_s = match part {
                 // From the set-up to the first part.
-                0 => 0.5 * whole_s / time_s.len() as f64,
+                0 => 0.5 * whole_s * drives / time_s.len() as f64,
                 _ => time_s[part] - time_s[part - 1],
             };
-            let usual = (since_s / whole_s).max(1e-4);
+            let usual = if restarts(part) { 1.0 } else { (since_s / whole_s).max(1e-4) };
             let share = |steps: &[usize]| if steps.contains(&part) { STEP } else { usual };
             let (stations, clocks) = (share(&priors.station_steps), share(&priors.clock_steps));
-            let clocks_s2 = clocks * priors.clocks_s2;
+            let clocks_s2 =
+                if restarts(part) { priors.restarted_s2 } else { clocks * priors.clocks_s2 };
             let mut step = SlowMatrix::zeros();
             step.fixed_view_mut::<8, 8>(0, 0).copy_from(&(settling / stations));
             for clock in SLOW_CLOCKS..SLOW_RANGES {

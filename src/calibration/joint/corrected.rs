@@ -19,18 +19,13 @@ impl JointEstimate {
     /// The triplets with all that was found of the instruments taken into account, each station upright in its own frame.
     pub fn corrected(&self, triplets: &Triplets) -> Triplets {
         let velocity_m_per_s = velocities_m_per_s(triplets);
-        let middle_s = match (triplets.time_s.first(), triplets.time_s.last()) {
-            (Some(first), Some(last)) => 0.5 * (first + last),
-            _ => 0.0,
-        };
         let mut points_m = triplets.points_m.clone();
         for (station, points_m) in points_m.iter_mut().enumerate() {
             let instrument = self.instrument(station);
             for (index, point_m) in points_m.iter_mut().enumerate() {
+                let late_s = self.late_s(station, triplets.time_s[index]);
                 let velocity = &velocity_m_per_s[station][index];
                 let sight = Sight::at(point_m);
-                let late_s =
-                    instrument.late_s + instrument.drift * (triplets.time_s[index] - middle_s);
                 let across: Vector3<f64> = velocity - sight.along * sight.along.dot(velocity);
                 let when = velocity * late_s + across * instrument.latency_s;
                 *point_m = instrument.turn * (instrument.corrected(&sight) + when);
@@ -39,9 +34,17 @@ impl JointEstimate {
         Triplets { points_m, ..triplets.clone() }
     }
 
-    /// A station in its own upright frame.
+    /// How late the stamps of a station are at an instant (s).
+    fn late_s(&self, station: usize, time_s: f64) -> f64 {
+        let Some(slot) = station.checked_sub(1) else { return 0.0 };
+        let drive = self.drives.iter().rfind(|drive| drive.span_s[0] <= time_s);
+        let Some(drive) = drive.or(self.drives.first()) else { return 0.0 };
+        let since_s = time_s - 0.5 * (drive.span_s[0] + drive.span_s[1]);
+        drive.late_s[slot].value + self.clock_drifts[slot].value * since_s
+    }
+
+    /// A station in its own upright frame, its clock right.
     fn instrument(&self, station: usize) -> Station {
-        let slot = station.checked_sub(1);
         let [x, y] = self.leans_rad[station].map(|lean| lean.value);
         Station {
             turn: *nalgebra::Rotation3::new(Vector3::new(x, y, 0.0)).matrix(),
@@ -51,8 +54,8 @@ impl JointEstimate {
             index_rad: self.indices_rad[station].value,
             collimation_rad: self.collimations_rad[station].value,
             latency_s: self.latencies_s[station].value,
-            late_s: slot.map_or(0.0, |slot| self.clock_offsets_s[slot].value),
-            drift: slot.map_or(0.0, |slot| self.clock_drifts[slot].value),
+            late_s: 0.0,
+            drift: 0.0,
         }
     }
 }

@@ -13,12 +13,12 @@ pub struct Drive {
     pub outlooks: Vec<[Outlook; 3]>,
     pub part_times_s: Vec<f64>,
     pub tied_to_next: Vec<bool>,
-    pub middle_s: f64,
+    /// From when to when each drive is (s), where several are solved together.
+    pub spans_s: Vec<[f64; 2]>,
 }
 
 impl Drive {
     pub fn new(triplets: &Triplets, part_s: f64) -> Option<Self> {
-        let (first_s, last_s) = (*triplets.time_s.first()?, *triplets.time_s.last()?);
         let knot_s =
             triplets.readings.iter().map(|track| median_step_s(&track.time_s)).fold(0.0, f64::max);
         if !(0.01..=2.0).contains(&knot_s) {
@@ -29,7 +29,7 @@ impl Drive {
             outlooks: Vec::new(),
             part_times_s: Vec::new(),
             tied_to_next: Vec::new(),
-            middle_s: 0.5 * (first_s + last_s),
+            spans_s: spans_s(triplets),
         };
         for stretch in stretches(&triplets.time_s, &triplets.interval, knot_s, part_s) {
             let readings = triplets.readings.each_ref().map(|track| {
@@ -52,7 +52,8 @@ impl Drive {
                 drive.part_times_s.push(stretch.part_time_s(part));
                 drive.tied_to_next.push(part + 1 < stretch.parts);
             }
-            drive.pieces.push(Piece { stretch, readings });
+            let middle_s = drive.middle_s(stretch.start_s);
+            drive.pieces.push(Piece { stretch, readings, middle_s });
         }
         (!drive.pieces.is_empty()).then_some(drive)
     }
@@ -69,8 +70,14 @@ impl Drive {
             outlooks: parts().map(|part| self.outlooks[part]).collect(),
             part_times_s: parts().map(|part| self.part_times_s[part]).collect(),
             tied_to_next: parts().map(|part| self.tied_to_next[part]).collect(),
-            middle_s: self.middle_s,
+            spans_s: self.spans_s.clone(),
         }
+    }
+
+    /// The drifts of clocks count from the middle of the drive that an instant is in (s).
+    pub fn middle_s(&self, time_s: f64) -> f64 {
+        let drive = self.spans_s.iter().rfind(|[from_s, _]| *from_s <= time_s);
+        drive.or(self.spans_s.first()).map_or(0.0, |[from_s, to_s]| 0.5 * (from_s + to_s))
     }
 
     /// The first part of each stretch, and the number of all parts.
@@ -105,6 +112,19 @@ impl Drive {
         };
         self.pieces.iter().map(of).collect()
     }
+}
+
+/// From when to when each drive is (s).
+fn spans_s(triplets: &Triplets) -> Vec<[f64; 2]> {
+    let mut cuts: Vec<usize> = triplets
+        .restarts_s
+        .iter()
+        .map(|restart_s| triplets.time_s.partition_point(|time_s| time_s < restart_s))
+        .collect();
+    cuts.insert(0, 0);
+    cuts.push(triplets.len());
+    let spans = cuts.windows(2).filter_map(|cut| triplets.time_s.get(cut[0]..cut[1]));
+    spans.filter_map(|times_s| Some([*times_s.first()?, *times_s.last()?])).collect()
 }
 
 /// Between consecutive instants.

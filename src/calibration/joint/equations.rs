@@ -55,6 +55,8 @@ impl Reading {
 pub struct Piece {
     pub stretch: Stretch,
     pub readings: [Vec<Reading>; 3],
+    /// Drifts of clocks count from here (s).
+    pub middle_s: f64,
 }
 
 /// Where everything is taken to be.

@@ -20,6 +20,14 @@ const TOLD_NARROWED: f64 = 0.8;
 pub fn findings(found: &JointEstimate) -> Vec<Finding> {
     let mut findings = vec![noise(found)];
     findings.extend(refinement_in_words::clocks(&found.clock_offsets_s, &found.clock_drifts));
+    for (number, drive) in found.drives.iter().enumerate().skip(1) {
+        let clocks =
+            refinement_in_words::clocks(&drive.late_s, &[Estimate { value: 0.0, sigma: 1.0 }; 2]);
+        findings.extend(clocks.into_iter().map(|finding| Finding {
+            message: format!("drive {}: {}", number + 1, finding.message),
+            ..finding
+        }));
+    }
     findings.extend(instruments(found).into_iter().filter_map(|error| error.told()));
     findings.extend(dominant(found));
     findings
@@ -100,22 +108,21 @@ fn jumping(found: &JointEstimate) -> [bool; 2] {
 /// What happened to a station or its clock, and the verdict that it allows.
 fn stepped(step: &Step, found: &JointEstimate) -> (Verdict, Finding) {
     let station = step.station + 1;
+    let when = found.when(step);
     let line = match &step.what {
         Stepped::Clock(by_s) => format!(
-            "station {station}'s stamps jump by {:+.1} ± {:.1} ms about {:.0} s into the drive, which no offset puts right",
+            "station {station}'s stamps jump by {:+.1} ± {:.1} ms {when}, which no offset puts right",
             by_s.value * 1e3,
             by_s.sigma * 1e3,
-            step.after_s
         ),
         Stepped::Station { turned_rad, .. } => {
             let moved = step.moved_m().unwrap_or(Estimate { value: 0.0, sigma: 0.0 });
             format!(
-                "station {station} turned by {:+.3} ± {:.3} mrad and moved by {:.1} ± {:.1} mm about {:.0} s into the drive",
+                "station {station} turned by {:+.3} ± {:.3} mrad and moved by {:.1} ± {:.1} mm {when}",
                 turned_rad.value * 1e3,
                 turned_rad.sigma * 1e3,
                 moved.value * 1e3,
                 moved.sigma * 1e3,
-                step.after_s
             )
         }
     };

@@ -36,7 +36,7 @@ use self::drive::Drive;
 pub use self::equations::Levels;
 use self::noise::{FIRST_LEVELS, learned};
 use self::pass::{Estimates, Model, Spare, Weigh, pass};
-use self::slow_changes::{add_steps, is_usual, likeliest};
+use self::slow_changes::{add_steps, is_usual, likeliest, measured};
 pub use self::stability::{Step, Stepped};
 use self::strain::Strain;
 pub use self::unknowns::ErrorSizes;
@@ -71,7 +71,10 @@ pub struct JointEstimate {
     pub covariance: SMatrix<f64, 8, 8>,
     /// What each of these variances is made of.
     pub budget: Vec<(&'static str, SVector<f64, 8>)>,
+    /// In the middle of the first drive, as stations 2 and 3 are late against station 1.
     pub clock_offsets_s: [Estimate; 2],
+    /// The clocks of each drive, where several were solved together.
+    pub drives: Vec<DriveClocks>,
     pub clock_drifts: [Estimate; 2],
     pub latencies_s: [Estimate; 3],
     pub distances_m: Option<[Estimate; 3]>,
@@ -91,10 +94,35 @@ pub struct JointEstimate {
     pub steps: usize,
 }
 
+/// The clocks of one drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveClocks {
+    /// From when to when it is (s).
+    pub span_s: [f64; 2],
+    /// How late stations 2 and 3 are against station 1 in its middle.
+    pub late_s: [Estimate; 2],
+}
+
 impl JointEstimate {
     /// Whether a step is one that instruments in the field are expected to make.
     pub fn is_usual(&self, step: &Step) -> bool {
         is_usual(step, &self.sizes)
+    }
+
+    /// "about 200 s into the drive".
+    pub fn when(&self, step: &Step) -> String {
+        let first_s = self.drives.first().map_or(0.0, |drive| drive.span_s[0]);
+        let at_s = first_s + step.after_s;
+        let begun = self.drives.iter().filter(|drive| drive.span_s[0] <= at_s).count();
+        match (self.drives.get(begun.saturating_sub(1)), begun) {
+            (Some(drive), _) if at_s > drive.span_s[1] => {
+                format!("between drives {begun} and {}", begun + 1)
+            }
+            (Some(drive), 2..) => {
+                format!("about {:.0} s into drive {begun}", at_s - drive.span_s[0])
+            }
+            _ => format!("about {:.0} s into the drive", step.after_s),
+        }
     }
 
     pub fn sigma(&self) -> [TransformSigma; 2] {
@@ -145,7 +173,7 @@ fn solve<const LOCAL: usize, const ROW: usize>(
     let mut model = Model {
         precision: precisions(sizes),
         start: *start,
-        priors: slow_changes::priors(sizes, start),
+        priors: slow_changes::priors(sizes, start, &triplets.restarts_s),
     };
     // How noisy the readings are is learned from a share of a long drive, and from all of a short one.
     let sample = drive.sample(LEARNING_KNOTS);
@@ -180,8 +208,9 @@ fn solve<const LOCAL: usize, const ROW: usize>(
         let converged = by.held.is_some() && moved < SMALL_STEP;
         if converged || steps == MOST_STEPS {
             let rig = LOCAL == 9;
-            let mut found = pass.summary(&model, &at, by.levels, sizes, rig);
-            (found.stepped, found.converged, found.steps) = (stepped, converged, steps);
+            let mut found = pass.summary(drive, &model, &at, by.levels, sizes, rig);
+            found.stepped = measured(&stepped, &pass.factor, &model, drive, &at);
+            (found.converged, found.steps) = (converged, steps);
             return Ok(Some(found));
         }
         if holds {

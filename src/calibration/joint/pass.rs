@@ -79,7 +79,7 @@ pub fn pass<const LOCAL: usize, const ROW: usize>(
         .outlooks
         .iter()
         .zip(&drive.part_times_s)
-        .map(|(outlooks, time_s)| moves(&stations, outlooks, time_s - drive.middle_s))
+        .map(|(outlooks, time_s)| moves(&stations, outlooks, time_s - drive.middle_s(*time_s)))
         .collect();
     let Some(eliminated) = eliminate::<LOCAL, ROW>(drive, at, by, &moves, spare, progress)? else {
         return Ok(None);
@@ -188,7 +188,7 @@ fn eliminate<const LOCAL: usize, const ROW: usize>(
         let here = At {
             stations: &stations,
             distances_m,
-            middle_s: drive.middle_s,
+            middle_s: piece.middle_s,
             slow: &slow[first_parts[index]..first_parts[index + 1]],
             coefficients_m: &at.coefficients_m[index],
         };

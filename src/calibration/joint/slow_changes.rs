@@ -19,11 +19,13 @@ const UNUSUAL: f64 = 4.0;
 const LEAST_JUMP_S: f64 = 0.002;
 
 /// What is known beforehand of all that is slow, ranges wandering as little as anything that is tried.
-pub fn priors(sizes: &ErrorSizes, start: &Constants) -> SlowPriors {
+pub fn priors(sizes: &ErrorSizes, start: &Constants, restarts_s: &[f64]) -> SlowPriors {
     SlowPriors {
         settling: settling(sizes, start),
         clocks_s2: sizes.clock_wander_s.powi(2),
         wander: Wander { sigma_m: WANDER_SIGMAS_M[0], correlation_s: WANDER_TIMES_S[1] },
+        restarts_s: restarts_s.to_vec(),
+        restarted_s2: sizes.clock_offset_s.max(1e-7).powi(2),
         station_steps: Vec::new(),
         clock_steps: Vec::new(),
     }
@@ -64,14 +66,43 @@ fn clearest_step(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> O
     let factor = Factor::new(data, &model.precision, &slow_priors)?;
     let ahead = factor.solve(&with_priors(data, model, &slow_priors, at));
     let slow: Vec<Slow> = at.slow.iter().zip(&ahead.slow).map(|(at, ahead)| at - ahead).collect();
-    stability::clearest_step(&stability::Search {
-        factor: &factor,
-        slow_priors: &slow_priors,
-        slow: &slow,
+    stability::clearest_step(&search(&factor, &slow_priors, &slow, model, drive, at))
+}
+
+/// Known steps, as large as the whole solution makes them.
+pub fn measured(
+    known: &[Step],
+    factor: &Factor,
+    model: &Model,
+    drive: &Drive,
+    at: &Estimates,
+) -> Vec<Step> {
+    let usual =
+        SlowPriors { station_steps: Vec::new(), clock_steps: Vec::new(), ..model.priors.clone() };
+    let Some(usual) = SlowPrecisions::new(&usual, &drive.part_times_s) else {
+        return known.to_vec();
+    };
+    let search = search(factor, &usual, &at.slow, model, drive, at);
+    let measured = |step: &Step| stability::measured(&search, step).unwrap_or_else(|| step.clone());
+    known.iter().map(measured).collect()
+}
+
+fn search<'a>(
+    factor: &'a Factor,
+    slow_priors: &'a SlowPrecisions,
+    slow: &'a [Slow],
+    model: &'a Model,
+    drive: &'a Drive,
+    at: &Estimates,
+) -> stability::Search<'a> {
+    stability::Search {
+        factor,
+        slow_priors,
+        slow,
         part_times_s: &drive.part_times_s,
         known: [&model.priors.station_steps, &model.priors.clock_steps],
         places_m: [0, 1].map(|slot| at.constants.fixed_rows::<3>(4 * slot).into()),
-    })
+    }
 }
 
 /// The wandering of ranges that makes what was read likeliest, the motion being what it is.

@@ -90,12 +90,7 @@ pub fn clearest_step(search: &Search<'_>) -> Option<Step> {
 /// shape of a step θ in it, θ without any prior has the normal matrix Sᵀ(Q⁻¹ − Q⁻¹CQ⁻¹)S and the right-hand side SᵀQ⁻¹w.
 fn best_at(search: &Search<'_>, cut: usize) -> Option<(f64, Step)> {
     let [is_moved, is_late] = search.known.map(|known| known.contains(&cut));
-    let mut walked = Columns::<STEPPING>::zeros(search.part_times_s.len());
-    for k in 0..STEPPING {
-        walked.slow[cut][(k, k)] = 1.0;
-        walked.slow[cut - 1][(k, k)] = -1.0;
-    }
-    let left = walked.dot(&search.factor.solve(&walked));
+    let left = left_of_walk(search, cut);
     let by_priors = search.slow_priors.of_walk(cut);
     let precision = by_priors - by_priors * left * by_priors;
     let walk = search.slow[cut] - search.slow[cut - 1];
@@ -110,21 +105,44 @@ fn best_at(search: &Search<'_>, cut: usize) -> Option<(f64, Step)> {
     };
     for station in 0..3 {
         let (turned, late) = shapes(station, &search.places_m);
-        if !is_moved && let Some((chi_square, at, covariance)) = fit(&turned, &precision, &pull) {
-            let estimate =
-                |k: usize| Estimate { value: at[k], sigma: covariance[(k, k)].max(0.0).sqrt() };
-            let what = Stepped::Station {
-                turned_rad: estimate(3),
-                moved_m: [estimate(0), estimate(1), estimate(2)],
-            };
-            offer(chi_square / STATION_CHI_SQUARE, station, what);
+        if !is_moved && let Some((chi_square, numbers)) = fit(&turned, &precision, &pull) {
+            offer(chi_square / STATION_CHI_SQUARE, station, of_station(numbers));
         }
-        if !is_late && let Some((chi_square, at, covariance)) = fit(&late, &precision, &pull) {
-            let by_s = Estimate { value: at[0], sigma: covariance[(0, 0)].max(0.0).sqrt() };
+        if !is_late && let Some((chi_square, [by_s])) = fit(&late, &precision, &pull) {
             offer(chi_square / CLOCK_CHI_SQUARE, station, Stepped::Clock(by_s));
         }
     }
     best
+}
+
+/// The same step by a solution in which it has room, the search's priors being those without.
+pub fn measured(search: &Search<'_>, step: &Step) -> Option<Step> {
+    // What the data leaves open, and the walk that there would be in any case.
+    let left = left_of_walk(search, step.part)
+        + search.slow_priors.of_walk(step.part).cholesky()?.inverse();
+    let precision = left.cholesky()?.inverse();
+    let walk = search.slow[step.part] - search.slow[step.part - 1];
+    let pull = precision * walk.fixed_rows::<STEPPING>(0);
+    let (turned, late) = shapes(step.station, &search.places_m);
+    let what = match step.what {
+        Stepped::Station { .. } => of_station(fit(&turned, &precision, &pull)?.1),
+        Stepped::Clock(_) => Stepped::Clock(fit(&late, &precision, &pull)?.1[0]),
+    };
+    Some(Step { what, ..step.clone() })
+}
+
+/// Covariance of the walk from the part before, with priors and data.
+fn left_of_walk(search: &Search<'_>, part: usize) -> SMatrix<f64, STEPPING, STEPPING> {
+    let mut walked = Columns::<STEPPING>::zeros(search.part_times_s.len());
+    for k in 0..STEPPING {
+        walked.slow[part][(k, k)] = 1.0;
+        walked.slow[part - 1][(k, k)] = -1.0;
+    }
+    walked.dot(&search.factor.solve(&walked))
+}
+
+fn of_station([x_m, y_m, z_m, turned_rad]: [Estimate; 4]) -> Stepped {
+    Stepped::Station { turned_rad, moved_m: [x_m, y_m, z_m] }
 }
 
 /// What the slow states do when a station moves (x, y, z) and turns, and when its stamps are later.
@@ -151,16 +169,18 @@ fn shapes(
     (turned, late)
 }
 
-/// The χ² that a step of this shape explains, its numbers, and their covariance.
+/// The χ² that a step of this shape explains, and its numbers.
 fn fit<const N: usize>(
     shape: &SMatrix<f64, STEPPING, N>,
     precision: &SMatrix<f64, STEPPING, STEPPING>,
     pull: &SVector<f64, STEPPING>,
-) -> Option<(f64, SVector<f64, N>, SMatrix<f64, N, N>)> {
+) -> Option<(f64, [Estimate; N])> {
     let covariance = shape.tr_mul(&(precision * shape)).cholesky()?.inverse();
     let pull = shape.tr_mul(pull);
     let numbers = covariance * pull;
-    Some((pull.dot(&numbers), numbers, covariance))
+    let estimate =
+        |k: usize| Estimate { value: numbers[k], sigma: covariance[(k, k)].max(0.0).sqrt() };
+    Some((pull.dot(&numbers), std::array::from_fn(estimate)))
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use super::JointEstimate;
 use super::chain::Columns;
+use super::drive::Drive;
 use super::equations::Levels;
 use super::pass::{Estimates, Model, Pass};
 use super::strain::Strain;
@@ -11,6 +11,7 @@ use super::unknowns::{
     CLOCKS, COLLIMATIONS, CONSTANTS, DISTANCES, DRIFTS, ErrorSizes, INDICES, LATENCIES, LEANS,
     OFFSETS, SCALES, SLOW, SLOW_CLOCKS, SLOW_RANGES,
 };
+use super::{DriveClocks, JointEstimate};
 use crate::calibration::inter_prism::Estimate;
 use crate::geometry::LevelTransform;
 
@@ -18,6 +19,7 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
     /// `rig` is whether there are distances.
     pub fn summary(
         &self,
+        drive: &Drive,
         model: &Model,
         at: &Estimates,
         levels: Levels,
@@ -33,7 +35,8 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         }
         let by = self.factor.solve(&wanted);
         let covariance = wanted.dot(&by);
-        let mean = wanted.dot(&Columns::<1> { slow: at.slow.clone(), constants: at.constants });
+        let solution = Columns::<1> { slow: at.slow.clone(), constants: at.constants };
+        let mean = wanted.dot(&solution);
         let level = |slot: usize| {
             let at = mean.fixed_rows::<4>(4 * slot);
             LevelTransform::new(Vector3::new(at[0], at[1], at[2]), at[3])
@@ -81,11 +84,35 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             value: at.constants[place],
             sigma: constants[(place, place)].max(0.0).sqrt(),
         };
+        let drives: Vec<DriveClocks> = drive
+            .spans_s
+            .iter()
+            .map(|span_s| {
+                let inside = |time_s: f64| (span_s[0]..=span_s[1]).contains(&time_s);
+                let own: Vec<usize> =
+                    (0..parts).filter(|part| inside(drive.part_times_s[*part])).collect();
+                let mut wanted = Columns::<2>::zeros(parts);
+                for slot in 0..2 {
+                    wanted.constants[(CLOCKS + slot, slot)] = 1.0;
+                    for part in &own {
+                        wanted.slow[*part][(SLOW_CLOCKS + slot, slot)] = 1.0 / own.len() as f64;
+                    }
+                }
+                let value = wanted.dot(&solution);
+                let variance = wanted.dot(&self.factor.solve(&wanted)).diagonal();
+                let late_s = [0, 1].map(|slot| Estimate {
+                    value: value[slot],
+                    sigma: variance[slot].max(0.0).sqrt(),
+                });
+                DriveClocks { span_s: *span_s, late_s }
+            })
+            .collect();
         JointEstimate {
             station1_from_station: [LevelTransform::IDENTITY, level(0), level(1)],
             covariance: covariance + stray,
             budget,
-            clock_offsets_s: [0, 1].map(|slot| estimate(CLOCKS + slot)),
+            clock_offsets_s: drives[0].late_s,
+            drives,
             clock_drifts: [0, 1].map(|slot| estimate(DRIFTS + slot)),
             latencies_s: [0, 1, 2].map(|station| estimate(LATENCIES + station)),
             distances_m: rig.then(|| [0, 1, 2].map(|pair| estimate(DISTANCES + pair))),

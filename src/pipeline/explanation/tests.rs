@@ -33,6 +33,7 @@ fn deployment(tracks: [Track; 3]) -> Deployment {
         track_frame: Default::default(),
         as_read: Default::default(),
         overrides: Default::default(),
+        restarts_s: Vec::new(),
     }
 }
 
