@@ -115,3 +115,46 @@ fn a_refined_answer_is_judged_as_itself() {
     let direct = details.mirror.twin.as_ref().map(|twin| details.cost_ratio(twin));
     assert_eq!(direct.map(|ratio| ratio > 10.0), Some(true), "{direct:?}");
 }
+
+/// The drive through the tunnel, station 2's azimuths turned by this much (mrad) at each share of the drive.
+fn turned(by_mrad: impl Fn(f64) -> f64) -> Calibration {
+    let mut tunnel = Sample::Hd2Tunnel.open().expect("built in");
+    let (from_s, to_s) = (tunnel.start_s().expect("readings"), tunnel.end_s().expect("readings"));
+    for m in &mut tunnel.tracks[1].measurements {
+        m.azimuth_rad += 1e-3 * by_mrad((m.time_s - from_s) / (to_s - from_s));
+    }
+    solved(&tunnel, Method::Joint)
+}
+
+/// Along a tunnel a turn looks like a move, which hides it from who compares two halves.
+#[test]
+fn a_station_that_turns_half_way_through_a_tunnel_is_told() {
+    let calibration = turned(|share| if share > 0.5 { 0.5 } else { 0.0 });
+    assert_doubted(&calibration, "station 2 turned by");
+    let said = calibration.findings[0].to_string();
+    let after_s: f64 = said
+        .split_once("about ")
+        .and_then(|(_, rest)| rest.split_once(" s into the drive")?.0.parse().ok())
+        .unwrap_or_else(|| panic!("{said}"));
+    assert!((after_s - 200.0).abs() < 15.0, "{said}");
+}
+
+#[test]
+fn a_station_that_turns_slowly_is_told() {
+    let calibration = turned(|share| 0.4 * share);
+    assert_doubted(&calibration, "station 2 turned by");
+}
+
+/// Ranges 0.1 m too long for the first twenty seconds: what fits is the rest alone.
+#[test]
+fn what_was_left_out_in_a_row_is_told() {
+    let mut moved = sample();
+    let from_s = moved.start_s().expect("readings");
+    for m in &mut moved.tracks[2].measurements {
+        if m.time_s < from_s + 20.0 {
+            m.range_m += 0.1;
+        }
+    }
+    let calibration = solved(&moved, Method::Joint);
+    assert_doubted(&calibration, "of the drive fits the rest, and it was left out");
+}

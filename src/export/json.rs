@@ -273,6 +273,7 @@ fn joint(found: &JointEstimate) -> Value {
             Stepped::Station { turned_rad, moved_m } => json!({
                 "station": step.station + 1,
                 "after_s": step.after_s,
+                "slowly": step.slowly,
                 "turned_rad": estimate(turned_rad),
                 "moved_m": estimates(moved_m),
             }),

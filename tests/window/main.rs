@@ -6,6 +6,7 @@ mod common;
 
 mod asking;
 mod clocks;
+mod drives;
 mod harness;
 mod naming;
 mod opening;

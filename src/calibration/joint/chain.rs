@@ -146,6 +146,15 @@ impl SlowPrecisions {
         -self.with_next[part - 1].fixed_view::<SLOW_RANGES, SLOW_RANGES>(0, 0)
     }
 
+    /// The same from the first part to the last; `None` where that is known exactly.
+    pub fn of_whole_walk(&self) -> Option<SMatrix<f64, SLOW_RANGES, SLOW_RANGES>> {
+        let mut covariance = SMatrix::<f64, SLOW_RANGES, SLOW_RANGES>::zeros();
+        for part in 1..self.own.len() {
+            covariance += self.of_walk(part).cholesky()?.inverse();
+        }
+        Some(covariance.cholesky()?.inverse())
+    }
+
     /// Times slow states.
     pub fn times<const K: usize>(
         &self,

@@ -130,8 +130,9 @@ fn stepped(step: &Step, found: &JointEstimate) -> (Verdict, Finding) {
         let line = format!("{line}; no more than σ allows for");
         return (Verdict::Good, Finding::note(line));
     }
+    let remedy = if step.slowly { "find out why" } else { "cut the recording there" };
     let line = format!(
-        "{line}; the estimate allows for it, but no one answer holds for the whole drive: cut the recording there"
+        "{line}; the estimate allows for it, but no one answer holds for the whole drive: {remedy}"
     );
     (Verdict::Weak, Finding::warning(line))
 }

@@ -54,7 +54,7 @@ const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
 /// A step whose square is below this many of the answer's variances brings the motion near the readings.
 const NEAR: f64 = 100.0;
 /// Noise is learned from stretches of about so many knots, in so many steps.
-const LEARNING_KNOTS: usize = 300;
+const LEARNING_KNOTS: usize = 600;
 const LEARNING_STEPS: usize = 5;
 /// How far the published answer may be off meanwhile (1 σ).
 const NEAR_M: f64 = 0.1;
@@ -111,6 +111,9 @@ impl JointEstimate {
 
     /// "about 200 s into the drive".
     pub fn when(&self, step: &Step) -> String {
+        if step.slowly {
+            return "over the whole drive".to_owned();
+        }
         let first_s = self.drives.first().map_or(0.0, |drive| drive.span_s[0]);
         let at_s = first_s + step.after_s;
         let begun = self.drives.iter().filter(|drive| drive.span_s[0] <= at_s).count();

@@ -69,7 +69,7 @@ fn clearest_step(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> O
     stability::clearest_step(&search(&factor, &slow_priors, &slow, model, drive, at))
 }
 
-/// Known steps, as large as the whole solution makes them.
+/// Known steps, as large as the whole solution makes them; where there is none, a station that moved slowly.
 pub fn measured(
     known: &[Step],
     factor: &Factor,
@@ -83,6 +83,9 @@ pub fn measured(
         return known.to_vec();
     };
     let search = search(factor, &usual, &at.slow, model, drive, at);
+    if known.is_empty() {
+        return stability::clearest_drift(&search).into_iter().collect();
+    }
     let measured = |step: &Step| stability::measured(&search, step).unwrap_or_else(|| step.clone());
     known.iter().map(measured).collect()
 }

@@ -14,12 +14,15 @@ use crate::calibration::inter_prism::Estimate;
 
 /// Poses of stations 2 and 3, and their clocks.
 const STEPPING: usize = SLOW_RANGES;
+type Walk = SMatrix<f64, STEPPING, STEPPING>;
 /// Times that are tried, at most; then every part about the best one.
 const MOST_CUTS: usize = 12;
 /// A step is at least this clear at the nearest of them.
 const PROMISING: f64 = 0.4;
 /// χ² of a step that chance hardly makes, at any of the times, with four numbers and with one.
 const STATION_CHI_SQUARE: f64 = 28.0;
+/// The same with four numbers of three stations, at one time.
+const DRIFT_CHI_SQUARE: f64 = 20.0;
 const CLOCK_CHI_SQUARE: f64 = 25.0;
 
 /// A station, or its clock, that was not the same before and after.
@@ -31,6 +34,8 @@ pub struct Step {
     pub part: usize,
     /// From the first part's middle on (s).
     pub after_s: f64,
+    /// It took the whole drive, from its first part to its last.
+    pub slowly: bool,
     pub what: Stepped,
 }
 
@@ -85,22 +90,16 @@ pub fn clearest_step(search: &Search<'_>) -> Option<Step> {
 }
 
 /// The best step at a time, with its χ² over what is asked of it.
-///
-/// With Q the variance that the priors give the walk w from the part before, C what is left of it with the data, and S the
-/// shape of a step θ in it, θ without any prior has the normal matrix Sᵀ(Q⁻¹ − Q⁻¹CQ⁻¹)S and the right-hand side SᵀQ⁻¹w.
 fn best_at(search: &Search<'_>, cut: usize) -> Option<(f64, Step)> {
     let [is_moved, is_late] = search.known.map(|known| known.contains(&cut));
-    let left = left_of_walk(search, cut);
     let by_priors = search.slow_priors.of_walk(cut);
-    let precision = by_priors - by_priors * left * by_priors;
-    let walk = search.slow[cut] - search.slow[cut - 1];
-    let pull = by_priors * walk.fixed_rows::<STEPPING>(0);
+    let (precision, pull) = beyond_priors(search, cut - 1, cut, &by_priors);
     let after_s =
         0.5 * (search.part_times_s[cut - 1] + search.part_times_s[cut]) - search.part_times_s[0];
     let mut best: Option<(f64, Step)> = None;
     let mut offer = |clarity: f64, station: usize, what: Stepped| {
         if best.as_ref().is_none_or(|(other, _)| clarity > *other) {
-            best = Some((clarity, Step { station, part: cut, after_s, what }));
+            best = Some((clarity, Step { station, part: cut, after_s, slowly: false, what }));
         }
     };
     for station in 0..3 {
@@ -115,10 +114,39 @@ fn best_at(search: &Search<'_>, cut: usize) -> Option<(f64, Step)> {
     best
 }
 
+/// The station that moved most clearly between the first part of the drive and the last, as slowly as that lets it.
+pub fn clearest_drift(search: &Search<'_>) -> Option<Step> {
+    let last = search.part_times_s.len() - 1;
+    let by_priors = search.slow_priors.of_whole_walk()?;
+    let (precision, pull) = beyond_priors(search, 0, last, &by_priors);
+    let of = |station: usize| {
+        let (chi_square, numbers) = fit(&shapes(station, &search.places_m).0, &precision, &pull)?;
+        let what = of_station(numbers);
+        Some((chi_square, Step { station, part: last, after_s: 0.0, slowly: true, what }))
+    };
+    let clearest = (0..3).filter_map(of).max_by(|a, b| a.0.total_cmp(&b.0));
+    clearest.filter(|(chi_square, _)| *chi_square > DRIFT_CHI_SQUARE).map(|(_, drift)| drift)
+}
+
+/// Normal matrix and right-hand side of a walk θ from a part to a later one, without any prior of θ.
+///
+/// With Q⁻¹ the precision that the priors give this walk w, and C what is left of its variance with the data, they are
+/// Q⁻¹ − Q⁻¹CQ⁻¹ and Q⁻¹w.
+fn beyond_priors(
+    search: &Search<'_>,
+    from: usize,
+    to: usize,
+    by_priors: &Walk,
+) -> (Walk, SVector<f64, STEPPING>) {
+    let left = left_of_walk(search, from, to);
+    let walk = search.slow[to] - search.slow[from];
+    (by_priors - by_priors * left * by_priors, by_priors * walk.fixed_rows::<STEPPING>(0))
+}
+
 /// The same step by a solution in which it has room, the search's priors being those without.
 pub fn measured(search: &Search<'_>, step: &Step) -> Option<Step> {
     // What the data leaves open, and the walk that there would be in any case.
-    let left = left_of_walk(search, step.part)
+    let left = left_of_walk(search, step.part - 1, step.part)
         + search.slow_priors.of_walk(step.part).cholesky()?.inverse();
     let precision = left.cholesky()?.inverse();
     let walk = search.slow[step.part] - search.slow[step.part - 1];
@@ -131,12 +159,12 @@ pub fn measured(search: &Search<'_>, step: &Step) -> Option<Step> {
     Some(Step { what, ..step.clone() })
 }
 
-/// Covariance of the walk from the part before, with priors and data.
-fn left_of_walk(search: &Search<'_>, part: usize) -> SMatrix<f64, STEPPING, STEPPING> {
+/// Covariance of the walk from a part to a later one, with priors and data.
+fn left_of_walk(search: &Search<'_>, from: usize, to: usize) -> Walk {
     let mut walked = Columns::<STEPPING>::zeros(search.part_times_s.len());
     for k in 0..STEPPING {
-        walked.slow[part][(k, k)] = 1.0;
-        walked.slow[part - 1][(k, k)] = -1.0;
+        walked.slow[to][(k, k)] = 1.0;
+        walked.slow[from][(k, k)] = -1.0;
     }
     walked.dot(&search.factor.solve(&walked))
 }
@@ -172,7 +200,7 @@ fn shapes(
 /// The χ² that a step of this shape explains, and its numbers.
 fn fit<const N: usize>(
     shape: &SMatrix<f64, STEPPING, N>,
-    precision: &SMatrix<f64, STEPPING, STEPPING>,
+    precision: &Walk,
     pull: &SVector<f64, STEPPING>,
 ) -> Option<(f64, [Estimate; N])> {
     let covariance = shape.tr_mul(&(precision * shape)).cholesky()?.inverse();

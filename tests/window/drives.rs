@@ -1,0 +1,38 @@
+//! Drives of one set-up, solved together in the window.
+
+use eframe::egui::{Key, Modifiers, Theme};
+use resect::app::Command;
+use resect::calibration::Verdict;
+use resect::deployment::Source;
+use resect::simulation::{Preset, write_folder};
+
+use crate::common::{answer, two_runs};
+use crate::harness::{LARGE, Window, press, send, shown, type_and_enter_at_once, window};
+
+fn sigma_m(harness: &Window) -> f64 {
+    let analysis = shown(harness).analysis.clone().expect("analysed");
+    let calibration = &answer(&analysis).calibration;
+    assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
+    calibration.sigma.expect("σ")[0].translation_m.x
+}
+
+#[test]
+fn the_palette_solves_two_drives_together_and_undo_parts_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let runs = two_runs(Preset::Warthog.scenario(), 3, &[]);
+    for (name, run) in ["morning", "noon"].iter().zip(&runs) {
+        write_folder(run, &folder.path().join(name)).expect("written");
+        send(&mut harness, Command::OpenSource(Source::at(folder.path().join(name))));
+    }
+    let (alone_m, readings) = (sigma_m(&harness), crate::harness::triplets(&harness));
+    press(&mut harness, Modifiers::COMMAND, Key::P);
+    type_and_enter_at_once(&mut harness, "solve together");
+    assert_eq!(harness.state().state.open.len(), 2);
+    assert_eq!(shown(&harness).deployment.restarts_s.len(), 1);
+    assert!(crate::harness::triplets(&harness) > readings * 3 / 2);
+    assert!(sigma_m(&harness) < alone_m);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(shown(&harness).deployment.restarts_s.len(), 0);
+    assert_eq!(sigma_m(&harness), alone_m);
+}
