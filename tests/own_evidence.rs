@@ -156,5 +156,5 @@ fn what_was_left_out_in_a_row_is_told() {
         }
     }
     let calibration = solved(&moved, Method::Joint);
-    assert_doubted(&calibration, "of the drive fits the rest, and it was left out");
+    assert_doubted(&calibration, "of the drive does not fit the rest and was left out");
 }

@@ -19,6 +19,8 @@ const LONG_TAIL: f64 = 1.3;
 const TOO_MANY: f64 = 0.2;
 /// A station that follows another prism finds its own again within seconds; this (s) is longer.
 const LONG_RUN_S: f64 = 10.0;
+/// Some of what does not fit fits by chance.
+const MOST: f64 = 0.6;
 /// A pull is worth a warning when it is more than this (m) and as much as the answer's own σ.
 pub const NOTABLE_PULL_M: f64 = 0.002;
 
@@ -63,15 +65,10 @@ pub fn left_out(time_s: &[f64], kept_s: &[f64]) -> Vec<(Verdict, Finding)> {
     } else {
         doubts.push((Verdict::Good, Finding::note(line)));
     }
-    // Pauses of the recording are not counted.
-    let step_s = median(time_s.windows(2).map(|both| both[1] - both[0])).unwrap_or(0.0);
-    let run = longest_run(time_s, kept_s);
-    if let (Some(from_s), Some(to_s)) = (run.first(), run.last())
-        && run.len() as f64 * step_s > LONG_RUN_S
-    {
+    if let Some([from_s, to_s]) = mostly_left_out(time_s, kept_s) {
         let line = format!(
-            "nothing from {:.0} to {:.0} s of the drive fits the rest, and it was left out: a station moved, or followed \
-             another prism for that long; cut the recording there",
+            "most of what is from {:.0} to {:.0} s of the drive does not fit the rest and was left out: a station moved, or \
+             followed another prism for that long; cut the recording there",
             from_s - time_s[0],
             to_s - time_s[0]
         );
@@ -80,11 +77,21 @@ pub fn left_out(time_s: &[f64], kept_s: &[f64]) -> Vec<(Verdict, Finding)> {
     doubts
 }
 
-/// Times of the most triplets in a row that were left out (s).
-fn longest_run<'a>(time_s: &'a [f64], kept_s: &[f64]) -> &'a [f64] {
+/// From when to when most triplets were left out, the first time that this lasts (s); pauses of the recording do not count.
+fn mostly_left_out(time_s: &[f64], kept_s: &[f64]) -> Option<[f64; 2]> {
+    let step_s = median(time_s.windows(2).map(|both| both[1] - both[0]))?;
+    let length = (LONG_RUN_S / step_s).ceil() as usize;
     let mut kept_s = kept_s.iter().peekable();
-    let runs = time_s.split(|time| kept_s.next_if(|kept| *kept == time).is_some());
-    runs.max_by_key(|run| run.len()).unwrap_or_default()
+    let is_out: Vec<bool> =
+        time_s.iter().map(|time| kept_s.next_if(|kept| *kept == time).is_none()).collect();
+    let most = |from: usize| {
+        let out = is_out[from..from + length].iter().filter(|out| **out).count();
+        out as f64 > MOST * length as f64
+    };
+    let starts = 0..(time_s.len() + 1).saturating_sub(length.max(1));
+    let first = starts.clone().find(|from| most(*from))?;
+    let last = (first..starts.end).take_while(|from| most(*from)).last()?;
+    Some([time_s[first], time_s[last + length - 1]])
 }
 
 /// Triplets that fit an answer.
@@ -176,6 +183,6 @@ mod tests {
         assert_eq!(verdicts(&|i| i % 13 != 0).iter().map(|d| d.0).max(), Some(Verdict::Good));
         let run = verdicts(&|i| !(600..900).contains(&i));
         assert_eq!(run[1].0, Verdict::Weak);
-        assert!(run[1].1.starts_with("nothing from 60 to 90 s of the drive"), "{run:?}");
+        assert!(run[1].1.starts_with("most of what is from 56 to 94 s of the drive"), "{run:?}");
     }
 }

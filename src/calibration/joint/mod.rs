@@ -197,10 +197,10 @@ fn solve<const LOCAL: usize, const ROW: usize>(
         let mut holds = settles;
         if settles {
             if sizes.ranges_wander {
-                model.priors.wander = likeliest(&pass.data, &model, drive, &at);
+                model.priors.wander = likeliest(&pass.data, &model, drive, &at, progress)?;
             }
             let known = stepped.len();
-            add_steps(&mut stepped, &pass.data, &mut model, drive, &at);
+            add_steps(&mut stepped, &pass.data, &mut model, drive, &at, progress)?;
             if !pass.solve(drive, &at, &model) {
                 return Ok(None);
             }

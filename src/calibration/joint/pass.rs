@@ -96,6 +96,7 @@ pub fn pass<const LOCAL: usize, const ROW: usize>(
         })
         .collect();
     let data = Data::of(&links);
+    progress.check()?;
     Ok(solved(&data, drive, at, model).map(|(slow_priors, factor, step)| Pass {
         eliminated,
         moves,

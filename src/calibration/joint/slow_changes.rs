@@ -8,6 +8,7 @@ use super::drive::Drive;
 use super::pass::{Estimates, Model, with_priors};
 use super::stability::{self, Step, Stepped};
 use super::unknowns::{Constants, ErrorSizes, Slow};
+use crate::progress::{Cancelled, Progress};
 
 /// Wanderings of ranges that are tried.
 const WANDER_SIGMAS_M: [f64; 7] = [1e-4, 4e-4, 8e-4, 0.0014, 0.0025, 0.0045, 0.008];
@@ -49,8 +50,10 @@ pub fn add_steps(
     model: &mut Model,
     drive: &Drive,
     at: &Estimates,
-) {
+    progress: &Progress,
+) -> Result<(), Cancelled> {
     while known.len() < MOST_STEPS_FOUND {
+        progress.check()?;
         let Some(step) = clearest_step(data, model, drive, at) else { break };
         let priors = &mut model.priors;
         match step.what {
@@ -59,6 +62,7 @@ pub fn add_steps(
         }
         known.push(step);
     }
+    progress.check()
 }
 
 fn clearest_step(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> Option<Step> {
@@ -109,8 +113,15 @@ fn search<'a>(
 }
 
 /// The wandering of ranges that makes what was read likeliest, the motion being what it is.
-pub fn likeliest(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> Wander {
+pub fn likeliest(
+    data: &Data,
+    model: &Model,
+    drive: &Drive,
+    at: &Estimates,
+    progress: &Progress,
+) -> Result<Wander, Cancelled> {
     let unlikeliness = |wander: Wander| {
+        progress.check().ok()?;
         let priors = SlowPriors { wander, ..model.priors.clone() };
         let slow_priors = SlowPrecisions::new(&priors, &drive.part_times_s)?;
         let factor = Factor::new(data, &model.precision, &slow_priors)?;
@@ -131,9 +142,12 @@ pub fn likeliest(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> W
     let first = best(WANDER_SIGMAS_M.map(|sigma_m| Wander { sigma_m, ..now }).to_vec(), now);
     // What hardly wanders tells no time.
     if first.sigma_m == WANDER_SIGMAS_M[0] {
-        return first;
+        return Ok(first);
     }
-    best(WANDER_TIMES_S.map(|correlation_s| Wander { correlation_s, ..first }).to_vec(), first)
+    let times = WANDER_TIMES_S.map(|correlation_s| Wander { correlation_s, ..first });
+    let likeliest = best(times.to_vec(), first);
+    progress.check()?;
+    Ok(likeliest)
 }
 
 /// Variance of how stations 2 and 3 walk against station 1, which walks as well.
