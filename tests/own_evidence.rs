@@ -7,6 +7,7 @@ use nalgebra::{Rotation3, Vector3};
 use resect::calibration::{Calibration, Method, Verdict};
 use resect::deployment::{Deployment, Sample, open};
 use resect::geometry::Polar;
+use resect::simulation::{Preset, Settling, simulate_scenario};
 
 const FOOT_M: f64 = 0.3048;
 
@@ -143,6 +144,31 @@ fn a_station_that_turns_half_way_through_a_tunnel_is_told() {
 fn a_station_that_turns_slowly_is_told() {
     let calibration = turned(|share| 0.4 * share);
     assert_doubted(&calibration, "station 2 turned by");
+}
+
+/// The longer a drive, the smaller the share of it that a moment is.
+#[test]
+fn a_station_that_turns_within_an_hour_is_told_when() {
+    let mut hour = Preset::Warthog.scenario();
+    hour.duration_s = 3600.0;
+    hour.errors.settling = vec![Settling {
+        station: 1,
+        from_s: 1733.0,
+        over_s: 0.0,
+        turn_rad: 3e-4,
+        move_m: Vector3::zeros(),
+        lean_rad: [0.0; 2],
+    }];
+    let deployment = simulate_scenario(&hour, 5).deployment().expect("valid");
+    let calibration = solved(&deployment, Method::Joint);
+    let told = calibration.findings.iter().map(ToString::to_string);
+    let told: Vec<_> = told.filter(|line| line.contains("station 2 turned by")).collect();
+    assert_eq!(told.len(), 1, "{:#?}", calibration.findings);
+    assert!(
+        ["173", "172", "174"].iter().any(|s| told[0].contains(&format!("about {s}"))),
+        "{told:?}"
+    );
+    assert_eq!(calibration.verdict, Verdict::Weak);
 }
 
 /// Ranges 0.1 m too long for the first twenty seconds: what fits is the rest alone.

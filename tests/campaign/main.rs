@@ -393,19 +393,6 @@ fn no_error_beyond_the_field_is_silent() {
         });
         println!("{name:<24} {:?}   {:?}", line[0], line[1]);
         all_gross += line[1].2;
-        if std::env::var_os("EACH").is_some() {
-            for (seed, (preset, all)) in outcomes.iter().enumerate() {
-                if all[1].is_silent_failure() {
-                    println!(
-                        "  {} {seed}: {:.1} σ {:.1} mm {:.3}",
-                        PRESETS[*preset].name(),
-                        all[1].largest_sigmas(),
-                        all[1].largest_m() * 1e3,
-                        all[1].error.transpose() * 1e3
-                    );
-                }
-            }
-        }
     }
     assert_eq!(all_gross, 0, "good, and off by more than 5 σ and 2 cm or 1 mrad");
 }

@@ -14,6 +14,8 @@ use super::band::{PART, Part, factorise};
 use super::unknowns::{CONSTANTS, Constants, SLOW, SLOW_CLOCKS, SLOW_RANGES, Slow};
 
 type SlowMatrix = SMatrix<f64, SLOW, SLOW>;
+/// Of the states that walk: stations and clocks.
+pub type Walk = SMatrix<f64, SLOW_RANGES, SLOW_RANGES>;
 type Between = SMatrix<f64, SLOW, CONSTANTS>;
 type Square = SMatrix<f64, CONSTANTS, CONSTANTS>;
 
@@ -142,13 +144,13 @@ impl SlowPrecisions {
     }
 
     /// Precision of how stations 2 and 3 and their clocks walk to a part from the one before it.
-    pub fn of_walk(&self, part: usize) -> SMatrix<f64, SLOW_RANGES, SLOW_RANGES> {
+    pub fn of_walk(&self, part: usize) -> Walk {
         -self.with_next[part - 1].fixed_view::<SLOW_RANGES, SLOW_RANGES>(0, 0)
     }
 
     /// The same from the first part to the last; `None` where that is known exactly.
-    pub fn of_whole_walk(&self) -> Option<SMatrix<f64, SLOW_RANGES, SLOW_RANGES>> {
-        let mut covariance = SMatrix::<f64, SLOW_RANGES, SLOW_RANGES>::zeros();
+    pub fn of_whole_walk(&self) -> Option<Walk> {
+        let mut covariance = Walk::zeros();
         for part in 1..self.own.len() {
             covariance += self.of_walk(part).cholesky()?.inverse();
         }
@@ -348,6 +350,46 @@ impl Factor {
     }
 }
 
+impl Factor {
+    /// Covariance of how the states that walk do so to each part but the first from the one before it.
+    ///
+    /// Only the blocks of the inverse that this takes, from the last part back (Rauch, Tung & Striebel 1965).
+    pub fn of_walks(&self) -> Vec<Walk> {
+        let by_constants = self.constants.inverse();
+        let walking =
+            |block: &SlowMatrix| block.fixed_view::<SLOW_RANGES, SLOW_RANGES>(0, 0).into_owned();
+        let mut walks = vec![Walk::zeros(); self.rows.len().saturating_sub(1)];
+        // Of the part after: its own covariance, and with the constants.
+        let mut after: Option<(SlowMatrix, Between)> = None;
+        for (part, rows) in self.rows.iter().enumerate().rev() {
+            let own = SlowMatrix::from_fn(|i, j| if j < i { 0.0 } else { rows[i][j] });
+            let inverse = own
+                .solve_upper_triangular(&SlowMatrix::identity())
+                .unwrap_or_else(SlowMatrix::identity);
+            // The part's states are `forward` times the next one's, `aside` times the constants, and noise.
+            let forward = -inverse * SlowMatrix::from_fn(|i, j| rows[i][NEXT + j]);
+            let aside = -inverse * Between::from_fn(|i, j| rows[i][BORDER + j]);
+            let noise = inverse * inverse.transpose();
+            let with_constants = aside * by_constants;
+            after = Some(match after {
+                None => (noise + with_constants * aside.transpose(), with_constants),
+                Some((next, next_with_constants)) => {
+                    let with_constants = with_constants + forward * next_with_constants;
+                    let with_next = forward * next + aside * next_with_constants.transpose();
+                    let covariance = noise
+                        + with_next * forward.transpose()
+                        + with_constants * aside.transpose();
+                    let across = walking(&with_next);
+                    walks[part] =
+                        walking(&next) + walking(&covariance) - across - across.transpose();
+                    (covariance, with_constants)
+                }
+            });
+        }
+        walks
+    }
+}
+
 /// Solves for a part's own rows, and takes them out of what comes after.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
 fn forward<const K: usize>(
@@ -430,6 +472,47 @@ fn add_gram(gram: &mut [[f64; CONSTANTS]; CONSTANTS], rows: &Rows) {
             for j in 0..CONSTANTS {
                 sum[j] += factor * row[BORDER + j];
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    const PARTS: usize = 5;
+
+    #[test]
+    fn walks_are_as_certain_as_their_solutions_say() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        let mut any = || rng.random_range(-1.0..1.0);
+        let slow = |any: &mut dyn FnMut() -> f64| SlowMatrix::from_fn(|_, _| any());
+        let data = Data {
+            own: (0..PARTS)
+                .map(|_| {
+                    let root = slow(&mut any);
+                    root * root.transpose() + SlowMatrix::identity() * 30.0
+                })
+                .collect(),
+            with_next: (0..PARTS).map(|_| slow(&mut any)).collect(),
+            with_constants: (0..PARTS).map(|_| Between::from_fn(|_, _| any())).collect(),
+            constants: Square::identity() * 300.0,
+            gradient: Columns::zeros(PARTS),
+        };
+        let none = vec![SlowMatrix::zeros(); PARTS];
+        let priors = SlowPrecisions { own: none.clone(), with_next: none, log_determinant: 0.0 };
+        let factor = Factor::new(&data, &Constants::repeat(1.0), &priors).expect("definite");
+        let walks = factor.of_walks();
+        assert_eq!(walks.len(), PARTS - 1);
+        for (index, found) in walks.iter().enumerate() {
+            let mut walked = Columns::<SLOW_RANGES>::zeros(PARTS);
+            for k in 0..SLOW_RANGES {
+                walked.slow[index + 1][(k, k)] = 1.0;
+                walked.slow[index][(k, k)] = -1.0;
+            }
+            let expected = walked.dot(&factor.solve(&walked));
+            assert!((found - expected).amax() < 1e-12, "{index}: {found} {expected}");
         }
     }
 }

@@ -8,17 +8,12 @@
 use nalgebra::{SMatrix, SVector, Vector3};
 use rayon::prelude::*;
 
-use super::chain::{Columns, Factor, SlowPrecisions};
+use super::chain::{Columns, Factor, SlowPrecisions, Walk};
 use super::unknowns::{SLOW_CLOCKS, SLOW_RANGES, Slow};
 use crate::calibration::inter_prism::Estimate;
 
 /// Poses of stations 2 and 3, and their clocks.
 const STEPPING: usize = SLOW_RANGES;
-type Walk = SMatrix<f64, STEPPING, STEPPING>;
-/// Times that are tried, at most; then every part about the best one.
-const MOST_CUTS: usize = 12;
-/// A step is at least this clear at the nearest of them.
-const PROMISING: f64 = 0.4;
 /// χ² of a step that chance hardly makes, at any of the times, with four numbers and with one.
 const STATION_CHI_SQUARE: f64 = 28.0;
 /// The same with four numbers of three stations, at one time.
@@ -74,26 +69,18 @@ pub struct Search<'a> {
 
 /// The clearest step that is not known yet.
 pub fn clearest_step(search: &Search<'_>) -> Option<Step> {
-    let parts = search.part_times_s.len();
-    let best = |cuts: Vec<usize>| {
-        let all: Vec<_> = cuts.into_par_iter().filter_map(|cut| best_at(search, cut)).collect();
-        all.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))
-    };
-    let stride = parts.div_ceil(MOST_CUTS);
-    let (coarse_clarity, coarse) = best((1..parts).step_by(stride).collect())?;
-    if coarse_clarity < PROMISING {
-        return None;
-    }
-    let about = coarse.part.saturating_sub(stride).max(1)..(coarse.part + stride).min(parts);
-    let (clarity, step) = best(about.collect())?;
+    let walks = search.factor.of_walks();
+    let all =
+        walks.par_iter().enumerate().filter_map(|(index, left)| best_at(search, index + 1, left));
+    let (clarity, step) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (clarity > 1.0).then_some(step)
 }
 
-/// The best step at a time, with its χ² over what is asked of it.
-fn best_at(search: &Search<'_>, cut: usize) -> Option<(f64, Step)> {
+/// The best step at a time, with its χ² over what is asked of it; `left` is the walk's covariance.
+fn best_at(search: &Search<'_>, cut: usize, left: &Walk) -> Option<(f64, Step)> {
     let [is_moved, is_late] = search.known.map(|known| known.contains(&cut));
     let by_priors = search.slow_priors.of_walk(cut);
-    let (precision, pull) = beyond_priors(search, cut - 1, cut, &by_priors);
+    let (precision, pull) = beyond_priors(search, cut - 1, cut, &by_priors, left);
     let after_s =
         0.5 * (search.part_times_s[cut - 1] + search.part_times_s[cut]) - search.part_times_s[0];
     let mut best: Option<(f64, Step)> = None;
@@ -118,7 +105,8 @@ fn best_at(search: &Search<'_>, cut: usize) -> Option<(f64, Step)> {
 pub fn clearest_drift(search: &Search<'_>) -> Option<Step> {
     let last = search.part_times_s.len() - 1;
     let by_priors = search.slow_priors.of_whole_walk()?;
-    let (precision, pull) = beyond_priors(search, 0, last, &by_priors);
+    let left = left_of_walk(search, 0, last);
+    let (precision, pull) = beyond_priors(search, 0, last, &by_priors, &left);
     let of = |station: usize| {
         let (chi_square, numbers) = fit(&shapes(station, &search.places_m).0, &precision, &pull)?;
         let what = of_station(numbers);
@@ -137,8 +125,8 @@ fn beyond_priors(
     from: usize,
     to: usize,
     by_priors: &Walk,
+    left: &Walk,
 ) -> (Walk, SVector<f64, STEPPING>) {
-    let left = left_of_walk(search, from, to);
     let walk = search.slow[to] - search.slow[from];
     (by_priors - by_priors * left * by_priors, by_priors * walk.fixed_rows::<STEPPING>(0))
 }
