@@ -127,17 +127,19 @@ fn turned(by_mrad: impl Fn(f64) -> f64) -> Calibration {
     solved(&tunnel, Method::Joint)
 }
 
+/// When something happened, by what is said of it (s).
+fn after_s(said: &str) -> f64 {
+    let time = said.split_once("about ").and_then(|(_, rest)| rest.split_once(" s into the drive"));
+    time.and_then(|(time, _)| time.parse().ok()).unwrap_or_else(|| panic!("{said}"))
+}
+
 /// Along a tunnel a turn looks like a move, which hides it from who compares two halves.
 #[test]
 fn a_station_that_turns_half_way_through_a_tunnel_is_told() {
     let calibration = turned(|share| if share > 0.5 { 0.5 } else { 0.0 });
     assert_doubted(&calibration, "station 2 turned by");
     let said = calibration.findings[0].to_string();
-    let after_s: f64 = said
-        .split_once("about ")
-        .and_then(|(_, rest)| rest.split_once(" s into the drive")?.0.parse().ok())
-        .unwrap_or_else(|| panic!("{said}"));
-    assert!((after_s - 200.0).abs() < 15.0, "{said}");
+    assert!((after_s(&said) - 200.0).abs() < 15.0, "{said}");
 }
 
 #[test]
@@ -162,22 +164,19 @@ fn a_station_that_turns_within_an_hour_is_told_when() {
     let deployment = simulate_scenario(&hour, 5).deployment().expect("valid");
     let calibration = solved(&deployment, Method::Joint);
     let told = calibration.findings.iter().map(ToString::to_string);
-    let told: Vec<_> = told.filter(|line| line.contains("station 2 turned by")).collect();
+    let told: Vec<String> = told.filter(|line| line.contains("station 2 turned by")).collect();
     assert_eq!(told.len(), 1, "{:#?}", calibration.findings);
-    assert!(
-        ["173", "172", "174"].iter().any(|s| told[0].contains(&format!("about {s}"))),
-        "{told:?}"
-    );
+    assert!((after_s(&told[0]) - 1733.0).abs() < 20.0, "{told:?}");
     assert_eq!(calibration.verdict, Verdict::Weak);
 }
 
-/// Ranges 0.1 m too long for the first twenty seconds: what fits is the rest alone.
+/// Ranges 0.1 m too long for the first forty seconds: what fits is the rest alone.
 #[test]
 fn what_was_left_out_in_a_row_is_told() {
     let mut moved = sample();
     let from_s = moved.start_s().expect("readings");
     for m in &mut moved.tracks[2].measurements {
-        if m.time_s < from_s + 20.0 {
+        if m.time_s < from_s + 40.0 {
             m.range_m += 0.1;
         }
     }
