@@ -118,6 +118,12 @@ fn drives_whose_stamps_overlap_follow_each_other_and_other_rigs_do_not() {
         assert!(track.measurements.windows(2).all(|w| w[0].time_s < w[1].time_s));
     }
     assert!(both.findings.iter().any(|finding| finding.message.contains("it is put behind that")));
+    let twice = both.take_in(vec![first.clone()]).expect_err("nothing new").to_string();
+    assert!(twice.contains("give each drive once"), "{twice}");
+    let mut lacking = simulate(Preset::Warthog, 3).deployment().expect("valid");
+    lacking.tracks[2].measurements.clear();
+    let complaint = both.take_in(vec![lacking]).expect_err("two stations").to_string();
+    assert!(complaint.contains("station 3 has no measurement"), "{complaint}");
     let other = simulate(Preset::Hd2Tunnel, 3).deployment().expect("valid");
     let complaint = both.take_in(vec![other]).expect_err("another rig").to_string();
     assert!(complaint.contains("it has other inter-prism distances than"), "{complaint}");

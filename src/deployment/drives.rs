@@ -56,6 +56,22 @@ impl Deployment {
                 remedy: "leave it out".to_owned(),
             });
         }
+        if let Some(station) = other.tracks.iter().position(|track| track.measurements.is_empty()) {
+            return Err(OpenError::File {
+                file: other.name.clone(),
+                what: format!("station {} has no measurement; all three are needed", station + 1),
+                remedy: "leave it out".to_owned(),
+            });
+        }
+        // The same readings twice would only seem to be surer.
+        let (own, others) = (&self.tracks[0].measurements, &other.tracks[0].measurements);
+        if own.windows(others.len()).any(|part| part == others) {
+            return Err(OpenError::File {
+                file: other.name.clone(),
+                what: "it has the readings of a drive that is there already".to_owned(),
+                remedy: "give each drive once".to_owned(),
+            });
+        }
         if other.track_frame != self.track_frame {
             return differs("its tracks are in another frame");
         }
