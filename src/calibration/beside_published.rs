@@ -3,7 +3,9 @@
 use std::time::Instant;
 
 use super::sense::Tried;
-use super::{Calibration, CalibrationError, CalibrationSettings, Method, Offer, solve_by};
+use super::{
+    Calibration, CalibrationError, CalibrationSettings, Method, Offer, answer_by, checked,
+};
 use crate::deployment::{Deployment, Finding};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
@@ -17,15 +19,22 @@ pub fn solve(
     progress: &Progress,
 ) -> Result<Calibration, CalibrationError> {
     let started = Instant::now();
-    let mut tried = Tried::default();
-    let mut by = |method: Method| {
-        let settings = settings.plain(method);
-        solve_by(method, deployment, triplets, &settings, offer, &mut tried, progress)
-    };
     let published_method = offer.published_method();
-    let published = by(published_method);
+    let by = |method: Method| {
+        let settings = settings.plain(method);
+        answer_by(method, deployment, triplets, &settings, offer, progress)
+    };
+    let (published, joint) = rayon::join(|| by(published_method), || by(Method::Joint));
     progress.check()?;
-    let mut joint = match (by(Method::Joint), &published) {
+    // What one check has tried serves the other.
+    let mut tried = Tried::default();
+    let mut checked = |answer: Result<Calibration, CalibrationError>, method: Method| {
+        let settings = settings.plain(method);
+        checked(answer?, deployment, triplets, &settings, offer, &mut tried, progress)
+    };
+    let published = checked(published, published_method);
+    progress.check()?;
+    let mut joint = match (checked(joint, Method::Joint), &published) {
         (Err(why), Ok(_)) if why != CalibrationError::Cancelled => {
             let (why, published) = (Box::new(why), published_method);
             return Err(CalibrationError::NoJointEstimate { why, published });

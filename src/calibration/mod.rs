@@ -300,15 +300,34 @@ pub fn solve_while(
     match settings.method.unwrap_or_default() {
         Method::Joint => beside_published::solve(deployment, triplets, settings, offer, progress),
         method => {
+            let answer = answer_by(method, deployment, triplets, settings, offer, progress)?;
             let tried = &mut sense::Tried::default();
-            solve_by(method, deployment, triplets, settings, offer, tried, progress)
+            checked(answer, deployment, triplets, settings, offer, tried, progress)
         }
     }
 }
 
-/// Calibrates by this method, and holds the answer against all that could contradict it.
-fn solve_by(
+/// The answer of a method by itself.
+fn answer_by(
     method: Method,
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
+    match method {
+        Method::TwoPoint => two_point::solve(deployment, triplets, offer),
+        Method::StaticGcp => static_gcp::solve(deployment, triplets, settings, offer),
+        Method::DynamicGcp => dynamic_gcp::solve(deployment, triplets, settings, offer),
+        Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer, progress),
+        Method::Joint => estimate_jointly(deployment, triplets, settings, offer, progress),
+    }
+}
+
+/// An answer held against all that could contradict it.
+fn checked(
+    mut calibration: Calibration,
     deployment: &Deployment,
     triplets: &Triplets,
     settings: &CalibrationSettings,
@@ -316,13 +335,6 @@ fn solve_by(
     tried: &mut sense::Tried,
     progress: &Progress,
 ) -> Result<Calibration, CalibrationError> {
-    let mut calibration = match method {
-        Method::TwoPoint => two_point::solve(deployment, triplets, offer),
-        Method::StaticGcp => static_gcp::solve(deployment, triplets, settings, offer),
-        Method::DynamicGcp => dynamic_gcp::solve(deployment, triplets, settings, offer),
-        Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer, progress),
-        Method::Joint => estimate_jointly(deployment, triplets, settings, offer, progress),
-    }?;
     if calibration.inter_prism().is_some() {
         hold_against_control_points(&mut calibration, deployment, settings, offer);
     }

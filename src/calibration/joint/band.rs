@@ -17,12 +17,15 @@ use nalgebra::{SMatrix, SVector};
 pub const PART: usize = 14;
 /// Knots that a knot is tied to, itself included.
 pub const TIED: usize = 4;
-/// Places in the border: parts with even numbers, parts with odd numbers, the gradient, and probes.
-const GRADIENT: usize = 2 * PART;
-const FIRST_PROBE: usize = GRADIENT + 1;
 /// What redundancies are asked with.
 pub const PROBES: usize = 4;
-pub const BORDER: usize = 36;
+/// Places in the border: the gradient, probes, parts with even numbers, and parts with odd numbers.
+const GRADIENT: usize = 0;
+const FIRST_PROBE: usize = 1;
+const FIRST_PART: usize = 8;
+/// Width of the border, and of one without the parts, whose unknowns then stay as they are.
+pub const BORDER: usize = FIRST_PART + 2 * PART;
+pub const MOTION_BORDER: usize = FIRST_PART;
 /// Numbers in the widest vector of a processor.
 const LANES: usize = 8;
 
@@ -32,7 +35,7 @@ pub type PartVector = SVector<f64, PART>;
 /// Rows of a band by knot.
 pub type Rows<const LOCAL: usize, const ROW: usize> = Vec<[[f64; ROW]; LOCAL]>;
 
-/// One span's equations: `LOCAL` unknowns a knot, `ROW` = 4 × `LOCAL` + [`BORDER`].
+/// One span's equations: `LOCAL` unknowns a knot, `ROW` = 4 × `LOCAL` + [`BORDER`] or + [`MOTION_BORDER`].
 pub struct Band<const LOCAL: usize, const ROW: usize> {
     /// The upper triangle, and after elimination its factor.
     rows: Rows<LOCAL, ROW>,
@@ -61,6 +64,10 @@ impl Part {
 }
 
 impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
+    const WIDTH: usize = ROW - TIED * LOCAL;
+    /// Whether the parts of the drive are unknown as well.
+    pub const HAS_PARTS: bool = Self::WIDTH > MOTION_BORDER;
+
     /// Without any equation, in the room of other rows; parts begin at these knots, the first at 0.
     pub fn new(mut rows: Rows<LOCAL, ROW>, knots: usize, first_knots: Vec<usize>) -> Self {
         rows.clear();
@@ -129,7 +136,7 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         column: usize,
         values: &SVector<f64, SIZE>,
     ) {
-        let column = TIED * LOCAL + PART * (part % 2) + column;
+        let column = TIED * LOCAL + FIRST_PART + PART * (part % 2) + column;
         for k in 0..TIED {
             for i in 0..SIZE {
                 self.rows[first + k][at + i][column] += weights[k] * values[i];
@@ -186,6 +193,9 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
                 subtract::<LOCAL, ROW, 3>(own, target);
             }
             add_gram(&mut gram, own);
+            if !Self::HAS_PARTS {
+                continue;
+            }
             let ends = |part: usize| knot + 1 == knots || (part < last && next_begins == knot + 1);
             for part in last.saturating_sub(1)..=last {
                 if ends(part) {
@@ -201,8 +211,8 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
 
     /// Moves what was gathered about a part out of the border; the one after it, if any, is in the other place.
     fn retire(&mut self, part: usize, gram: &mut [[f64; BORDER]; BORDER]) {
-        let place = PART * (part % 2);
-        let other = PART - place;
+        let place = FIRST_PART + PART * (part % 2);
+        let other = FIRST_PART + PART * ((part + 1) % 2);
         let sum = |gram: &[[f64; BORDER]; BORDER], i: usize, j: usize| gram[i.min(j)][i.max(j)];
         for i in 0..PART {
             for j in 0..PART {
@@ -220,14 +230,32 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         }
     }
 
+    /// Another gradient of an eliminated band, with what it leaves of the parts' gradients; the rest stays as it is.
+    pub fn exchange_gradient(&mut self, mut local: Vec<[f64; LOCAL]>, of_parts: Vec<PartVector>) {
+        for (part, gradient) in self.parts.iter_mut().zip(of_parts) {
+            part.gradient = gradient;
+        }
+        for knot in 0..self.rows.len() {
+            let owners = self.owners(knot);
+            let mut border = [0.0; BORDER];
+            let (own, after) = local[knot..].split_first_mut().expect("a knot");
+            forward(&mut self.rows[knot], own, after, &mut border);
+            for part in owners.into_iter().flatten() {
+                let place = FIRST_PART + PART * (part % 2);
+                let taken = PartVector::from_column_slice(&border[place..place + PART]);
+                self.parts[part].gradient -= taken;
+            }
+        }
+    }
+
     /// The step of the local unknowns, given those of the parts; all are to be subtracted.
     pub fn local_step(&self, of_parts: &[PartVector]) -> Vec<f64> {
         let mut step = vec![0.0; self.rows.len() * LOCAL];
         for knot in (0..self.rows.len()).rev() {
             let mut border = [0.0; BORDER];
             border[GRADIENT] = -1.0;
-            for part in self.owners(knot).into_iter().flatten() {
-                let place = PART * (part % 2);
+            for part in self.owners(knot).into_iter().flatten().filter(|_| Self::HAS_PARTS) {
+                let place = FIRST_PART + PART * (part % 2);
                 border[place..place + PART].copy_from_slice(of_parts[part].as_slice());
             }
             let beyond = step.len().min((knot + TIED) * LOCAL);
@@ -246,9 +274,34 @@ fn substitute<const LOCAL: usize, const ROW: usize>(
 ) {
     for m in (0..LOCAL).rev() {
         let row = &rows[m];
+        let border = &border[..ROW - TIED * LOCAL];
         let known =
             dot(&row[m + 1..step.len()], &step[m + 1..]) + dot(&row[TIED * LOCAL..], border);
         step[m] = -known / row[m];
+    }
+}
+
+/// Takes a knot's own gradient out of those of the knots after it, and gathers what it says of the border.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn forward<const LOCAL: usize, const ROW: usize>(
+    rows: &mut [[f64; ROW]; LOCAL],
+    own: &[f64; LOCAL],
+    after: &mut [[f64; LOCAL]],
+    border: &mut [f64; BORDER],
+) {
+    let mut own = *own;
+    for (m, row) in rows.iter_mut().enumerate() {
+        let value = own[m] / row[m];
+        for (other, factor) in own[m + 1..].iter_mut().zip(&row[m + 1..LOCAL]) {
+            *other -= value * factor;
+        }
+        for (other, factor) in after.as_flattened_mut().iter_mut().zip(&row[LOCAL..TIED * LOCAL]) {
+            *other -= value * factor;
+        }
+        for (sum, factor) in border.iter_mut().zip(&row[TIED * LOCAL..]) {
+            *sum += value * factor;
+        }
+        row[TIED * LOCAL + GRADIENT] = value;
     }
 }
 
@@ -305,18 +358,19 @@ fn add_gram<const LOCAL: usize, const ROW: usize>(
     gram: &mut [[f64; BORDER]; BORDER],
     own: &[[f64; ROW]; LOCAL],
 ) {
+    let width = ROW - TIED * LOCAL;
     let mut borders = [[0.0; BORDER]; LOCAL];
     for (to, from) in borders.iter_mut().zip(own) {
-        to.copy_from_slice(&from[TIED * LOCAL..]);
+        to[..width].copy_from_slice(&from[TIED * LOCAL..]);
     }
     // Four rows at a time: each number that is read serves them all. The lower triangle is never read.
-    let (fours, _) = gram.as_chunks_mut::<4>();
+    let (fours, _) = gram[..width].as_chunks_mut::<4>();
     for (four, rows) in fours.iter_mut().enumerate() {
         let mut sums = *rows;
         for border in &borders {
             for (r, sum) in sums.iter_mut().enumerate() {
                 let factor = border[4 * four + r];
-                for (value, own) in sum.iter_mut().zip(border) {
+                for (value, own) in sum[..width].iter_mut().zip(&border[..width]) {
                     *value += factor * own;
                 }
             }

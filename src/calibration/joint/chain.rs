@@ -255,6 +255,15 @@ impl Data {
         data
     }
 
+    /// Another gradient, by part about slow states and constants.
+    pub fn exchange_gradient(&mut self, parts: impl Iterator<Item = (Slow, Constants)>) {
+        self.gradient.constants.fill(0.0);
+        for (own, (slow, constants)) in self.gradient.slow.iter_mut().zip(parts) {
+            *own = slow;
+            self.gradient.constants += constants;
+        }
+    }
+
     /// Times a solution.
     pub fn times<const K: usize>(&self, columns: &Columns<K>) -> Columns<K> {
         let mut product = Columns::zeros(self.own.len());
@@ -294,14 +303,15 @@ pub struct Factor {
 impl Factor {
     /// `None` where a direction stays free.
     pub fn new(data: &Data, precision: &Constants, priors: &SlowPrecisions) -> Option<Self> {
-        let mut rows: Vec<Rows> = Vec::with_capacity(data.own.len());
+        let mut rows: Vec<Rows> = vec![[[0.0; ROW]; SLOW]; data.own.len()];
         let mut gram = [[0.0; CONSTANTS]; CONSTANTS];
         let mut log_determinant = -priors.log_determinant;
         for part in 0..data.own.len() {
             let own = data.own[part] + priors.own[part];
             let next = data.with_next[part] + priors.with_next[part];
             let border = &data.with_constants[part];
-            let mut block = [[0.0; ROW]; SLOW];
+            let (before, block) = rows[..=part].split_at_mut(part);
+            let block = &mut block[0];
             for (i, row) in block.iter_mut().enumerate() {
                 for j in 0..SLOW {
                     row[j] = own[(i, j)];
@@ -311,21 +321,25 @@ impl Factor {
                     row[BORDER + j] = border[(i, j)];
                 }
             }
-            if let Some(before) = rows.last() {
-                subtract(before, &mut block);
+            if let Some(before) = before.last() {
+                subtract(before, block);
             }
-            if !factorise(&mut block) {
+            if !factorise(block) {
                 return None;
             }
-            add_gram(&mut gram, &block);
+            add_gram(&mut gram, block);
             log_determinant += (0..SLOW).map(|i| 2.0 * block[i][i].ln()).sum::<f64>();
-            rows.push(block);
         }
         let gram = Square::from_fn(|i, j| gram[i.min(j)][i.max(j)]);
         let constants = data.constants + Square::from_diagonal(precision) - gram;
         let constants = constants.cholesky()?;
         log_determinant += 2.0 * constants.ln_determinant_of_root();
         log_determinant.is_finite().then_some(Self { rows, constants, log_determinant })
+    }
+
+    /// Covariance of the constants.
+    pub fn of_constants(&self) -> Square {
+        self.constants.inverse()
     }
 
     pub fn solve<const K: usize>(&self, right: &Columns<K>) -> Columns<K> {
@@ -355,7 +369,7 @@ impl Factor {
     ///
     /// Only the blocks of the inverse that this takes, from the last part back (Rauch, Tung & Striebel 1965).
     pub fn of_walks(&self) -> Vec<Walk> {
-        let by_constants = self.constants.inverse();
+        let by_constants = self.of_constants();
         let walking =
             |block: &SlowMatrix| block.fixed_view::<SLOW_RANGES, SLOW_RANGES>(0, 0).into_owned();
         let mut walks = vec![Walk::zeros(); self.rows.len().saturating_sub(1)];

@@ -26,21 +26,19 @@ mod strain;
 mod summary;
 mod unknowns;
 
-use std::mem::take;
-
 use nalgebra::{SMatrix, SVector};
 
-use self::band::{BORDER, TIED};
+use self::band::{BORDER, MOTION_BORDER, TIED};
 pub use self::chain::Wander;
 use self::drive::Drive;
 pub use self::equations::Levels;
 use self::noise::{FIRST_LEVELS, learned};
-use self::pass::{Estimates, Model, Spare, Weigh, pass};
+use self::pass::{Estimates, Model, Pass, Spare, Weigh, move_motion, pass};
 use self::slow_changes::{add_steps, is_usual, likeliest, measured};
 pub use self::stability::{Step, Stepped};
 use self::strain::Strain;
 pub use self::unknowns::ErrorSizes;
-use self::unknowns::{CLOCKS, Constants, precisions, start};
+use self::unknowns::{CLOCKS, CONSTANTS, Constants, SLOW, precisions, start};
 use super::TransformSigma;
 use super::inter_prism::Estimate;
 use crate::geometry::LevelTransform;
@@ -51,11 +49,16 @@ const MOST_STEPS: usize = 20;
 /// What is slow is constant for about this long (s). Longer where the data holds a direction so weakly that a part's end
 /// matters, and at last for as long as a stretch.
 const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
-/// A step whose square is below this many of the answer's variances brings the motion near the readings.
-const NEAR: f64 = 100.0;
-/// Noise is learned from stretches of about so many knots, in so many steps.
+/// A step whose square is below this many variances for each unknown brings the motion near the readings.
+const NEAR: f64 = 1.0;
+/// Steps whose squares shrink by this factor or more need nothing but gradients.
+const FAST: f64 = 0.1;
+/// Noise is learned from stretches of about so many knots, in these steps: whether all moves, or the motion alone, which
+/// costs a third.
 const LEARNING_KNOTS: usize = 600;
-const LEARNING_STEPS: usize = 5;
+const LEARNING_STEPS: [bool; 5] = [true, false, false, true, false];
+/// So many steps of the motion alone bring the rest of a long drive near its readings.
+const MOTION_STEPS: usize = 2;
 /// How far the published answer may be off meanwhile (1 σ).
 const NEAR_M: f64 = 0.1;
 const NEAR_RAD: f64 = 0.002;
@@ -153,10 +156,16 @@ pub fn estimate(
         let Some(drive) = Drive::new(triplets, part_s) else { return Ok(None) };
         let found = match inter_prism_m {
             Some(_) => {
-                solve::<RIG, { TIED * RIG + BORDER }>(&drive, triplets, &start, sizes, progress)
+                const ROW: usize = TIED * RIG;
+                solve::<RIG, { ROW + BORDER }, { ROW + MOTION_BORDER }>(
+                    &drive, triplets, &start, sizes, progress,
+                )
             }
             None => {
-                solve::<PRISM, { TIED * PRISM + BORDER }>(&drive, triplets, &start, sizes, progress)
+                const ROW: usize = TIED * PRISM;
+                solve::<PRISM, { ROW + BORDER }, { ROW + MOTION_BORDER }>(
+                    &drive, triplets, &start, sizes, progress,
+                )
             }
         }?;
         if found.is_some() {
@@ -166,7 +175,7 @@ pub fn estimate(
     Ok(None)
 }
 
-fn solve<const LOCAL: usize, const ROW: usize>(
+fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     drive: &Drive,
     triplets: &Triplets,
     start: &Constants,
@@ -180,53 +189,71 @@ fn solve<const LOCAL: usize, const ROW: usize>(
     };
     // How noisy the readings are is learned from a share of a long drive, and from all of a short one.
     let sample = drive.sample(LEARNING_KNOTS);
-    let Some((mut by, mut at)) = learn::<LOCAL, ROW>(&sample, triplets, &model, progress)? else {
+    let Some((mut by, mut at)) = learn::<LOCAL, ROW, MOTION>(&sample, triplets, &model, progress)?
+    else {
         return Ok(None);
     };
     // Whether the motion of all stretches is near its readings: only then do errors tell of anything else.
     let mut near = sample.pieces.len() == drive.pieces.len();
     if !near {
         at = Estimates::start(drive, triplets, &at.constants, LOCAL / 3);
+        for _ in 0..MOTION_STEPS {
+            if move_motion::<LOCAL, MOTION>(drive, &mut at, &by, progress)?.is_none() {
+                return Ok(None);
+            }
+        }
     }
     let mut stepped = Vec::new();
     let mut spare = Spare::default();
+    // What is linear about a place so near that gradients alone tell where to go.
+    let mut nearby: Option<Pass<LOCAL, ROW>> = None;
+    let mut before = f64::INFINITY;
     for steps in 1..=MOST_STEPS {
-        let pass = pass::<LOCAL, ROW>(drive, &at, &by, &model, &mut spare, progress)?;
-        let Some(mut pass) = pass else { return Ok(None) };
-        let settles = near && by.held.is_none();
-        let mut holds = settles;
-        if settles {
-            if sizes.ranges_wander {
-                model.priors.wander = likeliest(&pass.data, &model, drive, &at, progress)?;
+        let mut holds = false;
+        let pass = if let Some(mut pass) = nearby.take() {
+            pass.turn_to(drive, &at, &by.levels, &model, progress)?;
+            pass
+        } else {
+            let pass = pass::<LOCAL, ROW>(drive, &at, &by, &model, &mut spare, progress)?;
+            let Some(mut pass) = pass else { return Ok(None) };
+            if near && by.held.is_none() {
+                if sizes.ranges_wander {
+                    model.priors.wander = likeliest(&pass.data, &model, drive, &at, progress)?;
+                }
+                let known = stepped.len();
+                add_steps(&mut stepped, &pass.data, &mut model, drive, &at, progress)?;
+                if !pass.solve(drive, &at, &model) {
+                    return Ok(None);
+                }
+                // Readings about a step that nothing allowed for seem worse than they are.
+                holds = stepped.len() == known;
             }
-            let known = stepped.len();
-            add_steps(&mut stepped, &pass.data, &mut model, drive, &at, progress)?;
-            if !pass.solve(drive, &at, &model) {
-                return Ok(None);
-            }
-            // Readings about a step that nothing allowed for seem worse than they are.
-            holds = stepped.len() == known;
-        }
+            pass
+        };
         let moved = pass.walk(drive, &mut at);
         let converged = by.held.is_some() && moved < SMALL_STEP;
         if converged || steps == MOST_STEPS {
-            let rig = LOCAL == 9;
-            let mut found = pass.summary(drive, &model, &at, by.levels, sizes, rig);
+            let mut found = pass.summary(drive, &model, &at, by.levels, sizes, LOCAL == 9);
             found.stepped = measured(&stepped, &pass.factor, &model, drive, &at);
             (found.converged, found.steps) = (converged, steps);
             return Ok(Some(found));
         }
+        near |= moved < NEAR * (CONSTANTS + SLOW * at.slow.len()) as f64;
         if holds {
-            by.held = Some(pass.eliminated.iter_mut().map(|one| take(&mut one.weights)).collect());
+            by.held = Some(pass.eliminated.iter().map(|one| one.weights.clone()).collect());
         }
-        near |= moved < NEAR;
-        spare = pass.spare();
+        if holds || (by.held.is_some() && moved < FAST * before) {
+            nearby = Some(pass);
+        } else {
+            spare = pass.spare();
+        }
+        before = moved;
     }
     Ok(None)
 }
 
 /// Learns how noisy readings are and how a vehicle jerks from some stretches, and where everything is meanwhile.
-fn learn<const LOCAL: usize, const ROW: usize>(
+fn learn<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     sample: &Drive,
     triplets: &Triplets,
     model: &Model,
@@ -241,15 +268,23 @@ fn learn<const LOCAL: usize, const ROW: usize>(
     let mut by = Weigh { levels: FIRST_LEVELS, redundancy: 0.5, held: None };
     let mut at = Estimates::start(sample, triplets, &model.start, LOCAL / 3);
     let mut spare = Spare::default();
-    for steps in 0..LEARNING_STEPS {
-        let pass = pass::<LOCAL, ROW>(sample, &at, &by, &near, &mut spare, progress)?;
-        let Some(pass) = pass else { return Ok(None) };
+    for (steps, all_moves) in LEARNING_STEPS.into_iter().enumerate() {
+        let squares = if all_moves {
+            let pass = pass::<LOCAL, ROW>(sample, &at, &by, &near, &mut spare, progress)?;
+            let Some(pass) = pass else { return Ok(None) };
+            let squares = pass.squares();
+            pass.walk(sample, &mut at);
+            spare = pass.spare();
+            squares
+        } else {
+            let squares = move_motion::<LOCAL, MOTION>(sample, &mut at, &by, progress)?;
+            let Some(squares) = squares else { return Ok(None) };
+            squares
+        };
         // The first step brings the motion to the readings; only then do errors tell of noise.
         if steps > 0 {
-            (by.levels, by.redundancy) = learned(&by.levels, &pass.squares());
+            (by.levels, by.redundancy) = learned(&by.levels, &squares);
         }
-        pass.walk(sample, &mut at);
-        spare = pass.spare();
     }
     Ok(Some((by, at)))
 }

@@ -1,12 +1,14 @@
 //! One step of Gauss & Newton: everything linear about where it is taken to be, and the way from there.
 
+use std::mem::take;
+
 use nalgebra::SMatrix;
 use rayon::prelude::*;
 
 use super::band::{Band, PART, PartVector, Rows};
 use super::chain::{Columns, Data, Factor, Link, SlowPrecisions, SlowPriors};
 use super::drive::Drive;
-use super::equations::{At, Levels, Piece, Squares, Weighing, equations};
+use super::equations::{At, Levels, Piece, Squares, Weighing, equations, gradients};
 use super::unknowns::{CONSTANTS, Constants, DISTANCES, SLOW, Slow, Station, moves};
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
@@ -74,16 +76,15 @@ pub fn pass<const LOCAL: usize, const ROW: usize>(
     spare: &mut Spare<LOCAL, ROW>,
     progress: &Progress,
 ) -> Result<Option<Pass<LOCAL, ROW>>, Cancelled> {
-    let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
-    let moves: Vec<_> = drive
-        .outlooks
-        .iter()
-        .zip(&drive.part_times_s)
-        .map(|(outlooks, time_s)| moves(&stations, outlooks, time_s - drive.middle_s(*time_s)))
-        .collect();
-    let Some(eliminated) = eliminate::<LOCAL, ROW>(drive, at, by, &moves, spare, progress)? else {
-        return Ok(None);
+    let moves = all_moves(drive, at);
+    let around = Around::new(drive, at, &moves);
+    spare.resize_with(drive.pieces.len(), Rows::default);
+    let one = |(index, rows): (usize, &mut Rows<LOCAL, ROW>)| {
+        progress.check()?;
+        Ok(eliminate(&around, index, by, take(rows)))
     };
+    let all: Result<Vec<_>, Cancelled> = spare.par_iter_mut().enumerate().map(one).collect();
+    let Some(eliminated) = all?.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
     let parts = eliminated.iter().flat_map(|one| &one.band.parts);
     let links: Vec<_> = parts
         .zip(&moves)
@@ -143,6 +144,33 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         is_held
     }
 
+    /// The step from a place nearby, where all that is linear is about as it was: by the gradients there alone.
+    pub fn turn_to(
+        &mut self,
+        drive: &Drive,
+        at: &Estimates,
+        levels: &Levels,
+        model: &Model,
+        progress: &Progress,
+    ) -> Result<(), Cancelled> {
+        let around = Around::new(drive, at, &self.moves);
+        let one = |(index, own): (usize, &mut Eliminated<LOCAL, ROW>)| {
+            progress.check()?;
+            let (piece, at) = around.stretch::<LOCAL>(index);
+            let found = gradients::<LOCAL>(piece, &at, levels, &own.weights);
+            own.band.exchange_gradient(found.local, found.parts);
+            Ok(())
+        };
+        self.eliminated.par_iter_mut().enumerate().try_for_each(one)?;
+        let parts = self.eliminated.iter().flat_map(|one| &one.band.parts);
+        let pulls = parts.zip(&self.moves).map(|(part, (by_constants, by_slow))| {
+            (by_slow.tr_mul(&part.gradient), by_constants.tr_mul(&part.gradient))
+        });
+        self.data.exchange_gradient(pulls);
+        self.step = self.factor.solve(&with_priors(&self.data, model, &self.slow_priors, at));
+        Ok(())
+    }
+
     /// Takes the step; its square in units of the covariance.
     pub fn walk(&self, drive: &Drive, at: &mut Estimates) -> f64 {
         let step = &self.step;
@@ -166,44 +194,99 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
     }
 }
 
+/// One step of the motion alone, all else staying as it is, and what the errors before it tell of noise.
+///
 /// `None` where the motion is not held.
-fn eliminate<const LOCAL: usize, const ROW: usize>(
+pub fn move_motion<const LOCAL: usize, const ROW: usize>(
+    drive: &Drive,
+    at: &mut Estimates,
+    by: &Weigh,
+    progress: &Progress,
+) -> Result<Option<Squares>, Cancelled> {
+    let around = Around::new(drive, at, &all_moves(drive, at));
+    let one = |rows: &mut Rows<LOCAL, ROW>, index: usize| {
+        progress.check()?;
+        let Some(found) = eliminate(&around, index, by, take(rows)) else { return Ok(None) };
+        let step = found.band.local_step(&[]);
+        *rows = found.band.into_rows();
+        Ok(Some((step, found.squares)))
+    };
+    let indices = (0..drive.pieces.len()).into_par_iter();
+    let all: Result<Vec<_>, Cancelled> = indices.map_init(Rows::default, one).collect();
+    let Some(all) = all?.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
+    let mut squares = Squares::default();
+    for (coefficients_m, (step, own)) in at.coefficients_m.iter_mut().zip(&all) {
+        coefficients_m.iter_mut().zip(step).for_each(|(value, step)| *value -= step);
+        squares.add(own);
+    }
+    Ok(Some(squares))
+}
+
+/// How the unknowns of each part move.
+fn all_moves(
     drive: &Drive,
     at: &Estimates,
-    by: &Weigh,
-    moves: &[(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)],
-    spare: &mut Spare<LOCAL, ROW>,
-    progress: &Progress,
-) -> Result<Option<Vec<Eliminated<LOCAL, ROW>>>, Cancelled> {
+) -> Vec<(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)> {
     let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
-    let distances_m = (LOCAL == 9).then(|| {
-        let distances = at.constants.fixed_rows::<3>(DISTANCES);
-        [distances[0], distances[1], distances[2]]
-    });
-    let slow: Vec<PartVector> =
-        moves.iter().zip(&at.slow).map(|((_, by_slow), slow)| by_slow * slow).collect();
-    let first_parts = drive.first_parts();
-    spare.resize_with(drive.pieces.len(), Rows::default);
-    let one = |(index, (piece, rows)): (usize, (&Piece, &mut Rows<LOCAL, ROW>))| {
-        progress.check()?;
-        let here = At {
-            stations: &stations,
-            distances_m,
+    let parts = drive.outlooks.iter().zip(&drive.part_times_s);
+    parts
+        .map(|(outlooks, time_s)| moves(&stations, outlooks, time_s - drive.middle_s(*time_s)))
+        .collect()
+}
+
+/// Where everything is taken to be, for each stretch of a drive.
+struct Around<'a> {
+    drive: &'a Drive,
+    at: &'a Estimates,
+    stations: [Station; 3],
+    slow: Vec<PartVector>,
+    first_parts: Vec<usize>,
+}
+
+impl<'a> Around<'a> {
+    fn new(
+        drive: &'a Drive,
+        at: &'a Estimates,
+        moves: &[(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)],
+    ) -> Self {
+        Self {
+            drive,
+            at,
+            stations: [0, 1, 2].map(|station| Station::of(&at.constants, station)),
+            slow: moves.iter().zip(&at.slow).map(|((_, by_slow), slow)| by_slow * slow).collect(),
+            first_parts: drive.first_parts(),
+        }
+    }
+
+    fn stretch<const LOCAL: usize>(&self, index: usize) -> (&Piece, At<'_>) {
+        let piece = &self.drive.pieces[index];
+        let distances = self.at.constants.fixed_rows::<3>(DISTANCES);
+        let at = At {
+            stations: &self.stations,
+            distances_m: (LOCAL == 9).then(|| [distances[0], distances[1], distances[2]]),
             middle_s: piece.middle_s,
-            slow: &slow[first_parts[index]..first_parts[index + 1]],
-            coefficients_m: &at.coefficients_m[index],
+            slow: &self.slow[self.first_parts[index]..self.first_parts[index + 1]],
+            coefficients_m: &self.at.coefficients_m[index],
         };
-        let held = by.held.as_ref().map(|held| &held[index][..]);
-        let weighing = Weighing { levels: by.levels, redundancy: by.redundancy, held };
-        let mut found = equations(piece, &here, &weighing, std::mem::take(rows));
-        let is_held = found.band.eliminate();
-        found.squares.taken_up = found.band.taken_up;
-        let (band, squares, weights) = (found.band, found.squares, found.weights);
-        Ok(is_held.then_some(Eliminated { band, squares, weights }))
-    };
-    let all: Result<Vec<_>, Cancelled> =
-        drive.pieces.par_iter().zip(spare).enumerate().map(one).collect();
-    Ok(all?.into_iter().collect())
+        (piece, at)
+    }
+}
+
+/// `None` where the motion is not held.
+fn eliminate<const LOCAL: usize, const ROW: usize>(
+    around: &Around<'_>,
+    index: usize,
+    by: &Weigh,
+    rows: Rows<LOCAL, ROW>,
+) -> Option<Eliminated<LOCAL, ROW>> {
+    let (piece, at) = around.stretch::<LOCAL>(index);
+    let held = by.held.as_ref().map(|held| &held[index][..]);
+    let weighing = Weighing { levels: by.levels, redundancy: by.redundancy, held };
+    let mut found = equations(piece, &at, &weighing, rows);
+    let is_held = found.band.eliminate();
+    found.squares.taken_up = found.band.taken_up;
+    let (band, squares, weights) = (found.band, found.squares, found.weights);
+    is_held.then_some(Eliminated { band, squares, weights })
 }
 
 /// The gradient of everything but the motion.

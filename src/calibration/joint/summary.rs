@@ -1,6 +1,6 @@
 //! What an estimate is told as: the answer, its covariance and what that is made of.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SVector, Vector3};
 
 use super::chain::Columns;
 use super::drive::Drive;
@@ -77,9 +77,7 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         budget.push(("settling", by_slow[0] + stray.diagonal()));
         budget.push(("wandering clocks", by_slow[1]));
         budget.push(("wandering ranges", by_slow[2]));
-        let mut each = Columns::<CONSTANTS>::zeros(parts);
-        each.constants = SMatrix::identity();
-        let constants = self.factor.solve(&each).constants;
+        let constants = self.factor.of_constants();
         let estimate = |place: usize| Estimate {
             value: at.constants[place],
             sigma: constants[(place, place)].max(0.0).sqrt(),
