@@ -3,14 +3,16 @@
 use super::levenberg_marquardt::ROUGH_M;
 use super::minima::{self, THINNED};
 use super::{
-    CentredTriplets, Parameters, SquaredCost, basin, closed_form_priors, distance_errors_m,
-    minimise, mirror,
+    CentredTriplets, Parameters, SquaredCost, basin, closed_form_priors, minimise, mirror,
 };
 use crate::calibration::Basin;
 use crate::deployment::{ControlPointSet, Rig};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
+
+/// So many triplets show whether anything near a prior fits at all.
+const FIRST_LOOK: usize = 60;
 
 /// The lowest minimum and its mirror twin, judged by nothing yet.
 pub struct Twins {
@@ -26,11 +28,11 @@ impl Twins {
         let thinned = data.thinned(THINNED);
         let squared = SquaredCost::of(&thinned);
         let priors = closed_form_priors(&squared);
+        let some = data.thinned(FIRST_LOOK);
         let fit_m = |prior: &Parameters| {
-            let nearest = data.transforms(&minimise(&data, *prior, ROUGH_M).parameters);
-            let placed = nearest.map(RigidTransform::from);
-            let errors_m = distance_errors_m(triplets, &placed, &rig.inter_prism_m);
-            median(errors_m.concat().into_iter().map(f64::abs)).unwrap_or(f64::INFINITY)
+            let nearest = minimise(&some, *prior, ROUGH_M).parameters;
+            let errors_m = some.distance_errors_m(&nearest);
+            median(errors_m.into_iter().map(f64::abs)).unwrap_or(f64::INFINITY)
         };
         if hopeless_m.is_finite() && priors.iter().map(fit_m).all(|fit_m| fit_m > hopeless_m) {
             return None;

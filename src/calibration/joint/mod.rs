@@ -50,7 +50,7 @@ const MOST_STEPS: usize = 20;
 /// matters, and at last for as long as a stretch.
 const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
 /// A step whose square is below this many variances for each unknown brings the motion near the readings.
-const NEAR: f64 = 1.0;
+const NEAR: f64 = 0.3;
 /// Steps whose squares shrink by this factor or more need nothing but gradients.
 const FAST: f64 = 0.1;
 /// Noise is learned from stretches of about so many knots, in these steps: whether all moves, or the motion alone, which
@@ -193,9 +193,7 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     else {
         return Ok(None);
     };
-    // Whether the motion of all stretches is near its readings: only then do errors tell of anything else.
-    let mut near = sample.pieces.len() == drive.pieces.len();
-    if !near {
+    if sample.pieces.len() < drive.pieces.len() {
         at = Estimates::start(drive, triplets, &at.constants, LOCAL / 3);
         for _ in 0..MOTION_STEPS {
             if move_motion::<LOCAL, MOTION>(drive, &mut at, &by, progress)?.is_none() {
@@ -216,7 +214,9 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         } else {
             let pass = pass::<LOCAL, ROW>(drive, &at, &by, &model, &mut spare, progress)?;
             let Some(mut pass) = pass else { return Ok(None) };
-            if near && by.held.is_none() {
+            // Only near its readings does the motion leave errors that tell of anything else.
+            let is_near = pass.square() < NEAR * (CONSTANTS + SLOW * at.slow.len()) as f64;
+            if is_near && by.held.is_none() {
                 if sizes.ranges_wander {
                     model.priors.wander = likeliest(&pass.data, &model, drive, &at, progress)?;
                 }
@@ -238,7 +238,6 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
             (found.converged, found.steps) = (converged, steps);
             return Ok(Some(found));
         }
-        near |= moved < NEAR * (CONSTANTS + SLOW * at.slow.len()) as f64;
         if holds {
             by.held = Some(pass.eliminated.iter().map(|one| one.weights.clone()).collect());
         }

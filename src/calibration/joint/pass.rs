@@ -171,7 +171,12 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         Ok(())
     }
 
-    /// Takes the step; its square in units of the covariance.
+    /// The step's square in units of the covariance.
+    pub fn square(&self) -> f64 {
+        self.step.dot(&self.data.times(&self.step))[0]
+    }
+
+    /// Takes the step; its square.
     pub fn walk(&self, drive: &Drive, at: &mut Estimates) -> f64 {
         let step = &self.step;
         let of_parts: Vec<PartVector> = self
@@ -190,7 +195,7 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
                 coefficients_m.iter_mut().zip(&local).for_each(|(value, step)| *value -= step);
             },
         );
-        step.dot(&self.data.times(step))[0]
+        self.square()
     }
 }
 
