@@ -5,29 +5,25 @@
 //! commands.
 
 mod actions;
-mod ago;
 pub mod file_dialog;
 mod layout;
-mod open_deployment;
+mod model;
 mod panels;
 pub mod persist;
 mod plots;
+mod prepared;
 mod scene;
 mod state;
-mod studies;
 mod theme;
-pub mod toasts;
-mod units;
 mod window;
 mod worker;
 
-pub use layout::{Layout, LayoutDescription, LayoutPreset, Pane};
-pub use open_deployment::OpenDeployment;
-pub use scene::{Colouring, Ruler, RulerEnd, SceneView, ViewPreset};
-pub use state::{
-    Asked, AskedAnswer, Command, Overlay, Picked, PictureTo, Pin, Playback, Results, Run, State,
-    Timeline, Visibility,
+pub use layout::Layout;
+pub use model::{
+    AngleUnit, Asked, AskedAnswer, Colouring, Command, LayoutDescription, LayoutPreset, LengthUnit,
+    OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, Playback, Results, Ruler, RulerEnd, Run,
+    StudyKind, StudyOptions, StudyResult, Timeline, Units, ViewPreset, Visibility, toasts,
 };
-pub use studies::{StudyKind, StudyOptions, StudyResult};
-pub use units::{AngleUnit, LengthUnit, Units};
+pub use scene::SceneView;
+pub use state::State;
 pub use window::{ResectWindow, Start, offscreen_renderer, open_window, picture};

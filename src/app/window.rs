@@ -6,14 +6,16 @@ use std::sync::Arc;
 use eframe::egui;
 
 use super::actions;
-use super::layout::{Layout, Pane, Panes};
+use super::layout::{Layout, Panes};
 use super::panels;
 use super::persist::Folders;
 use super::persist::keeping::Keeping;
 use super::scene::SceneView;
-use super::state::{Command, Commands, Overlay, State};
+use super::state::State;
 use super::theme;
 use crate::analysis::Settings;
+use crate::app::model::Pane;
+use crate::app::model::{Command, Commands, Overlay};
 use crate::deployment::{Deployment, Sample, Source};
 
 /// What the window shows first.

@@ -4,7 +4,8 @@ use eframe::egui::{Key, Modifiers};
 
 use super::{Action, Menu};
 use crate::analysis::Settings;
-use crate::app::state::{Command, State, put_right};
+use crate::app::model::Command;
+use crate::app::state::{State, put_right};
 use crate::calibration::Method;
 use crate::deployment::Extras;
 use crate::pipeline::Interpolation;

@@ -3,7 +3,8 @@
 use eframe::egui::{Key, Modifiers};
 
 use super::{Action, Menu};
-use crate::app::state::{Command, PictureTo, State};
+use crate::app::model::{Command, PictureTo};
+use crate::app::state::State;
 use crate::deployment::{Extras, Sample, Source};
 use crate::export::copy::{CopyFormat, Part};
 

@@ -8,7 +8,8 @@ mod view;
 
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
 
-use super::state::{Command, Commands, State};
+use super::state::State;
+use crate::app::model::{Command, Commands};
 
 /// The menus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

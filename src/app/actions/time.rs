@@ -3,7 +3,8 @@
 use eframe::egui::{Key, Modifiers};
 
 use super::{Action, Menu};
-use crate::app::state::{Command, State};
+use crate::app::model::Command;
+use crate::app::state::State;
 
 /// What Shift makes of a step.
 const LONG_STEP: i32 = 10;

@@ -3,9 +3,10 @@
 use eframe::egui::Key;
 
 use super::{Action, Menu};
-use crate::app::layout::{LayoutPreset, Pane};
-use crate::app::scene::{Colouring, Ruler, ViewPreset};
-use crate::app::state::{Command, State};
+use crate::app::model::Command;
+use crate::app::model::{Colouring, Ruler, ViewPreset};
+use crate::app::model::{LayoutPreset, Pane};
+use crate::app::state::State;
 
 pub fn actions(state: &State) -> Vec<Action> {
     let view = |section, name: &str, command| Action::new(Menu::View, section, name, command);

@@ -6,7 +6,7 @@ use egui_tiles::{
     UiResponse,
 };
 
-use super::pane::Pane;
+use crate::app::model::pane::Pane;
 
 /// Side of the cross that closes a tab, and its distance from the title (points).
 const CROSS_POINTS: f32 = 12.0;

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use eframe::egui::Vec2;
 use egui_tiles::{Container, LinearDir, Tile, TileId, Tiles};
 
-use super::pane::Pane;
+use crate::app::model::pane::Pane;
 
 /// Widths that lists need for their numbers (points).
 const LEFT_POINTS: f32 = 286.0;

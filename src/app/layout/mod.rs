@@ -4,10 +4,7 @@
 //! the docking library, [`fit`] lets sizes follow the window, [`reopen`] brings closed panes back.
 
 mod behaviour;
-mod description;
 mod fit;
-mod pane;
-mod presets;
 mod reopen;
 #[cfg(test)]
 mod tests;
@@ -19,13 +16,13 @@ use eframe::egui;
 use egui_tiles::{Tile, TileId, Tree};
 
 use super::scene::SceneView;
-use super::state::{Commands, State};
+use super::state::State;
+use crate::app::model::Commands;
+use crate::app::model::layout_description::Node;
+use crate::app::model::layout_presets;
+use crate::app::model::{LayoutDescription, LayoutPreset, Pane};
 use crate::deployment::Finding;
 use behaviour::{Edits, PaneBehaviour};
-pub use description::LayoutDescription;
-use description::Node;
-pub use pane::Pane;
-pub use presets::LayoutPreset;
 
 /// What a pane is drawn from.
 pub struct Panes<'a> {
@@ -48,7 +45,7 @@ pub struct Layout {
 impl Default for Layout {
     /// What the first window shows.
     fn default() -> Self {
-        Self::of_root(&presets::first(), true)
+        Self::of_root(&layout_presets::first(), true)
     }
 }
 
@@ -76,7 +73,7 @@ impl Layout {
     pub fn describe(&self) -> LayoutDescription {
         let none = HashMap::new();
         let shares = if self.follows_window { &self.shares } else { &none };
-        let root = tree::node_of(&self.tree, shares).unwrap_or_else(presets::first);
+        let root = tree::node_of(&self.tree, shares).unwrap_or_else(layout_presets::first);
         LayoutDescription::new(&root, self.follows_window)
     }
 
@@ -97,7 +94,7 @@ impl Layout {
     pub fn show(&mut self, pane: Pane) {
         if !self.holds(pane) {
             let mut layouts: Vec<Node> = self.preset.map(LayoutPreset::root).into_iter().collect();
-            layouts.push(presets::first());
+            layouts.push(layout_presets::first());
             reopen::reopen(&mut self.tree, &mut self.shares, pane, &layouts);
         }
         self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(p) if *p == pane));

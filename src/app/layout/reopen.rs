@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 
-use super::description::Node;
-use super::pane::Pane;
+use crate::app::model::layout_description::Node;
+use crate::app::model::pane::Pane;
 
 /// A place beside panes that the tree still has.
 enum Place {

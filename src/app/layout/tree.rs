@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use eframe::egui;
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 
-use super::description::{Node, normalised};
-use super::pane::Pane;
+use crate::app::model::layout_description::{Node, normalised};
+use crate::app::model::pane::Pane;
 
 /// The tree of an arrangement, and each child's share of its row or column.
 pub fn tree_of(root: &Node) -> (Tree<Pane>, HashMap<TileId, f32>) {

@@ -4,7 +4,7 @@ mod columns;
 
 use eframe::egui::{self, RichText};
 
-use crate::app::state::{
+use crate::app::model::{
     Asked, AskedAnswer, AskedFiles, AskedStations, AskedToml, AskedTracks, Command, Commands,
     StationsAre,
 };

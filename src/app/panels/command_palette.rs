@@ -3,7 +3,8 @@
 use eframe::egui::{self, Key};
 
 use crate::app::actions::{self, Action};
-use crate::app::state::{Command, Commands, Palette, State};
+use crate::app::model::{Command, Commands, Palette};
+use crate::app::state::State;
 
 const WIDTH: f32 = 520.0;
 const MOST_LINES_IN_SIGHT: f32 = 14.0;

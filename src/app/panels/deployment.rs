@@ -3,8 +3,9 @@
 use eframe::egui;
 
 use super::{finding, heading, put_right, scrolled};
-use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, State, Visibility};
+use crate::app::model::OpenDeployment;
+use crate::app::model::{Command, Commands, Visibility};
+use crate::app::state::State;
 use crate::app::theme;
 use crate::calibration::Calibration;
 use crate::calibration::inter_prism::observability::Hold;

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Align2, Color32, FontId};
 
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::deployment::Sorted;
 
 pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {

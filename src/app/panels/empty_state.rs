@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, RichText};
 
+use crate::app::model::{Command, Commands};
 use crate::app::persist::preferences::Recent;
-use crate::app::state::{Command, Commands};
 use crate::deployment::Sample;
 
 const WIDTH: f32 = 460.0;

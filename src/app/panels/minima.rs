@@ -2,7 +2,7 @@
 
 use eframe::egui;
 
-use crate::app::units::Units;
+use crate::app::model::Units;
 use crate::calibration::inter_prism::InterPrismDetails;
 
 pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {

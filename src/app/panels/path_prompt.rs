@@ -3,7 +3,7 @@
 use eframe::egui::{self, Key, Modifiers, RichText};
 
 use crate::app::file_dialog::{Entry, PathPrompt, PromptCommand, Wanted};
-use crate::app::state::{Command, Commands};
+use crate::app::model::{Command, Commands};
 use crate::app::theme;
 
 const WIDTH: f32 = 620.0;

@@ -7,7 +7,8 @@ use eframe::egui::{self, Shape, Stroke};
 
 use super::scrolled;
 use crate::analysis::{Analysis, Settings};
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::calibration::{
     Alignment, CalibrationSettings, Loss, Method, Offer, PriorMethod, Targets,
 };

@@ -2,7 +2,8 @@
 
 use eframe::egui;
 
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::progress::Progress;
 
 const BAR_WIDTH: f32 = 110.0;

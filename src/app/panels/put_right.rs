@@ -6,9 +6,10 @@ mod times;
 
 use eframe::egui::{self, RichText};
 
-use crate::app::open_deployment::OpenDeployment;
+use crate::app::model::OpenDeployment;
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::app::state::put_right::{effective, exchanged};
-use crate::app::state::{Command, Commands, State};
 use crate::app::theme;
 use crate::deployment::{
     AS_NUMBERED, AzimuthSense, Deployment, Extras, Overrides, PrismConstants, Severity,

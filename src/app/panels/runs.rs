@@ -5,8 +5,9 @@ use eframe::egui::{self, RichText, WidgetInfo};
 use super::result::badge;
 use super::{heading, scrolled};
 use crate::analysis::{Settings, changes_in_words, setting_changes};
-use crate::app::ago::ago;
-use crate::app::state::{Command, Commands, Pin, Run, State};
+use crate::app::model::ago::ago;
+use crate::app::model::{Command, Commands, Pin, Run};
+use crate::app::state::State;
 use crate::export::summary::ResultSummary;
 
 /// Size of the verdicts' letters in a list.

@@ -3,7 +3,8 @@
 use eframe::egui;
 
 use crate::app::actions::{self, Menu};
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 
 /// What the mouse does where.
 const MOUSE: [(&str, &[(&str, &str)]); 2] = [

@@ -4,8 +4,9 @@ use eframe::egui::{self, RichText};
 
 use super::validation;
 use crate::analysis::{Answer, Settings};
-use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::OpenDeployment;
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::app::theme;
 use crate::calibration::Calibration;
 use crate::deployment::Severity;

@@ -3,9 +3,10 @@
 use eframe::egui::{self, RichText};
 
 use super::{finding, scrolled};
+use crate::app::model::studies::{StudyKind, StudyOptions};
+use crate::app::model::{Command, Commands};
 use crate::app::plots::chart;
-use crate::app::state::{Command, Commands, State};
-use crate::app::studies::{StudyKind, StudyOptions};
+use crate::app::state::State;
 use crate::calibration::Method;
 use crate::experiment::{Parameter, Sweep};
 use crate::export::box_chart;

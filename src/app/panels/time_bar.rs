@@ -2,8 +2,9 @@
 
 use eframe::egui::{self, Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
 
-use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, Playback, State, Timeline};
+use crate::app::model::OpenDeployment;
+use crate::app::model::{Command, Commands, Playback, Timeline};
+use crate::app::state::State;
 use crate::app::theme;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {

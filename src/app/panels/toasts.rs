@@ -2,9 +2,9 @@
 
 use eframe::egui::{self, Color32, RichText, accesskit};
 
-use crate::app::state::{Command, Commands};
+use crate::app::model::toasts::{Toast, ToastLevel, Toasts};
+use crate::app::model::{Command, Commands};
 use crate::app::theme;
-use crate::app::toasts::{Toast, ToastLevel, Toasts};
 use crate::deployment::Severity;
 use crate::palette;
 

@@ -4,8 +4,9 @@ use eframe::egui;
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 
 use crate::app::actions::{self, Action, Menu};
-use crate::app::state::{Command, Commands, State};
-use crate::app::units::{AngleUnit, LengthUnit};
+use crate::app::model::{AngleUnit, LengthUnit};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     egui::Panel::top("top bar").show(ui, |ui| {

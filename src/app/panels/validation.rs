@@ -3,9 +3,10 @@
 use eframe::egui::{self, RichText};
 
 use super::{finding, heading};
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::Units;
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::app::theme;
-use crate::app::units::Units;
 use crate::palette;
 use crate::validation::in_words::chance;
 use crate::validation::{Difference, Validation};

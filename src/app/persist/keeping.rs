@@ -12,8 +12,9 @@ use super::autosave::{Autosave, Recovered};
 use super::hashes::HashCache;
 use super::last::LastSession;
 use super::preferences::{Preferences, PreferencesFile};
-use crate::app::ago::ago;
-use crate::app::layout::{Layout, LayoutDescription};
+use crate::app::layout::Layout;
+use crate::app::model::LayoutDescription;
+use crate::app::model::ago::ago;
 use crate::app::state::State;
 use crate::deployment::Finding;
 

@@ -2,7 +2,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::analysis::Analyst;
-use crate::app::layout::{Layout, LayoutPreset};
+use crate::app::layout::Layout;
+use crate::app::model::LayoutPreset;
 use crate::deployment::{Extras, Sample};
 use crate::progress::Progress;
 

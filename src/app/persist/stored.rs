@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::hashes::FileMark;
 use super::session::{Files, SavedDeployment, SavedPin, SavedView, Session};
 use crate::analysis::Settings;
-use crate::app::layout::LayoutDescription;
+use crate::app::model::LayoutDescription;
 use crate::calibration::Method;
 use crate::deployment::{Extras, Finding, Place, Source};
 

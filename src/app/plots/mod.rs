@@ -4,31 +4,24 @@
 //! draws what its [`pyramid`] says.
 
 pub mod chart;
-mod clock_series;
 pub mod clocks;
-mod gaps;
 pub mod histogram;
 pub mod intervals;
 mod log_axis;
 mod navigation;
-mod prepared;
 pub mod prior_search;
-mod pyramid;
 pub mod rates;
-mod raw_readings;
 pub mod residuals;
 mod threshold;
 mod time_plot;
-
-pub use prepared::PreparedPlots;
-pub use raw_readings::RawReadings;
 
 use eframe::egui;
 use egui_plot::{GridInput, GridMark};
 
 use crate::analysis::{Analysis, Answer};
-use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::OpenDeployment;
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;

@@ -4,7 +4,7 @@ use eframe::egui::{self, Key, PointerButton};
 use egui_plot::PlotTransform;
 
 use super::time_plot::Times;
-use crate::app::state::{Command, Commands};
+use crate::app::model::{Command, Commands};
 
 /// What the user asks of the y axis.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,8 @@ use eframe::egui;
 use egui_plot::{AxisHints, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
 use super::{LABELS, answer, log_axis, round_marks};
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::app::theme;
 use crate::calibration::PriorMethod;
 use crate::calibration::inter_prism::{PriorSearch, SearchRun};

@@ -8,12 +8,13 @@ use std::ops::RangeInclusive;
 use eframe::egui::{self, Rect, RichText, Stroke};
 use egui_plot::{AxisHints, HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
-use super::raw_readings::{Quantity, RawReadings, StationReadings};
 use super::threshold::{self, Threshold};
 use super::time_plot::{self, Shown, Times, time_axis};
 use super::{log_axis, station_switches};
-use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, Picked, State};
+use crate::app::model::OpenDeployment;
+use crate::app::model::{Command, Commands, Picked};
+use crate::app::prepared::{Quantity, RawReadings, StationReadings};
+use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;
 use crate::pipeline::outlier_filter::too_fast;

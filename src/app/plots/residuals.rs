@@ -4,12 +4,14 @@ use eframe::egui;
 use egui_plot::{FilledArea, HoverPosition, MarkerShape, Plot, PlotPoints, PlotUi, Points, Span};
 
 use super::navigation::Moved;
-use super::prepared::{Band, PreparedPlots};
 use super::time_plot::{self, Times, time_axis};
-use super::{answer, gaps, pair_switches, round_marks};
+use super::{answer, pair_switches, round_marks};
 use crate::analysis::{Analysis, Answer};
-use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Commands, Pin, State, Visibility};
+use crate::app::model::OpenDeployment;
+use crate::app::model::{Commands, Pin, Visibility};
+use crate::app::prepared::gaps;
+use crate::app::prepared::plots::{Band, PreparedPlots};
+use crate::app::state::State;
 use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;

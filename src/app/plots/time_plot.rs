@@ -5,8 +5,9 @@ use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform, PlotUi};
 
 use super::navigation::{self, Moved};
 use super::{LABELS, round_marks};
-use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::OpenDeployment;
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::app::theme;
 
 /// Where in time the panes are; seconds since the first measurement, as the plots count.

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use eframe::egui_wgpu::wgpu;
 
-use super::cloud::Cloud;
 use super::colouring::PointColour;
 use super::content::Layer;
+use crate::app::prepared::Cloud;
 
 /// Points and lines of a layer.
 #[derive(Default)]

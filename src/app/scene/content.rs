@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::cloud::Clouds;
-use super::colouring::{Colouring, Colours};
+use super::colouring::Colours;
 use super::grid::Grid;
 use super::{overlays, station_uncertainty};
 use crate::analysis::Analysis;
-use crate::app::state::{Picked, Visibility};
+use crate::app::model::Colouring;
+use crate::app::model::{Picked, Visibility};
+use crate::app::prepared::Clouds;
 use crate::deployment::Deployment;
 use crate::evaluation::trajectory::Pose;
 use crate::geometry::RigidTransform;

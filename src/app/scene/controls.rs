@@ -2,8 +2,9 @@
 
 use eframe::egui::{self, Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
 
-use super::{Colouring, Ruler, ViewPreset};
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::{Colouring, Ruler, ViewPreset};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::Camera;
+use crate::app::model::Camera;
 
 /// How long it takes (s): long enough to see where it goes.
 const LASTS_S: f64 = 0.3;

@@ -2,10 +2,12 @@
 
 use eframe::egui::{self, EventFilter, Key, Modifiers, Rect};
 
+use super::SceneView;
 use super::projection::Projection;
 use super::under_pointer::UnderPointer;
-use super::{SceneView, ViewPreset};
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::ViewPreset;
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 
 /// A press of a key turns or moves the camera as far as a drag so long (points).
 const KEY_DRAG: f32 = 14.0;

@@ -13,8 +13,6 @@
 //! the same triplets moves no point. No frame goes through all points.
 
 mod buffers;
-mod camera;
-mod cloud;
 mod colouring;
 mod content;
 mod controls;
@@ -25,7 +23,6 @@ mod input;
 mod labels;
 mod legend;
 mod overlays;
-mod pick;
 mod pipelines;
 mod projection;
 mod readout;
@@ -35,10 +32,6 @@ mod station_uncertainty;
 mod under_pointer;
 mod view;
 
-pub use camera::{Camera, ViewPreset};
-pub use cloud::{CloudMaker, Clouds};
-pub use colouring::Colouring;
 pub use content::SceneContent;
 pub use renderer::SceneRenderer;
-pub use ruler::{Ruler, RulerEnd};
 pub use view::SceneView;

@@ -2,9 +2,9 @@
 
 use eframe::egui_wgpu::wgpu;
 
-use super::cloud::TimedPoint;
 use super::colouring::PointColour;
 use super::content::{LineVertex, PointVertex};
+use crate::app::prepared::TimedPoint;
 
 pub const SAMPLES: u32 = 4;
 /// egui shows native textures of this format only.

@@ -3,8 +3,8 @@
 use eframe::egui::{Pos2, Rect, Vec2};
 use nalgebra::{Matrix4, Vector3, Vector4};
 
-use super::Camera;
-use super::pick::PickView;
+use crate::app::model::Camera;
+use crate::app::prepared::pick::PickView;
 use crate::geometry::RigidTransform;
 
 /// What the camera sees in a rectangle of the window.

@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 use super::projection::Projection;
 use super::{SceneContent, labels};
 use crate::analysis::Analysis;
-use crate::app::open_deployment::OpenDeployment;
+use crate::app::model::OpenDeployment;
+use crate::app::model::Units;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::app::units::Units;
 use crate::evaluation::trajectory::Pose;
 
 /// Wanted length of the bar that says how long a metre is (points).

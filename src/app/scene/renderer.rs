@@ -10,10 +10,10 @@ use eframe::egui_wgpu::{RenderState, wgpu};
 use eframe::{egui, egui_wgpu};
 use nalgebra::Matrix4;
 
-use super::Camera;
 use super::buffers::{CloudBuffers, LayerBuffers};
 use super::content::{Layer, SceneContent};
 use super::pipelines::{COLOUR, DEPTH, Pipelines, SAMPLES};
+use crate::app::model::Camera;
 use crate::geometry::RigidTransform;
 
 #[repr(C)]

@@ -4,17 +4,17 @@ use eframe::egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, Vec2};
 use nalgebra::Vector3;
 
 use super::SceneContent;
-use super::cloud::Cloud;
 use super::content::reading_m;
 use super::labels;
-use super::pick::Hit;
 use super::projection::Projection;
-use super::ruler::RulerEnd;
 use crate::analysis::Analysis;
-use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::Picked;
+use crate::app::model::OpenDeployment;
+use crate::app::model::Picked;
+use crate::app::model::RulerEnd;
+use crate::app::model::Units;
+use crate::app::prepared::Cloud;
+use crate::app::prepared::pick::Hit;
 use crate::app::theme;
-use crate::app::units::Units;
 
 /// The pointer is on a reading within so many points on the screen, and on a track within more.
 const READING_REACH: f32 = 7.0;

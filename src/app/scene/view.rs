@@ -3,18 +3,18 @@
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Sense, StrokeKind, Vec2};
 use nalgebra::Vector3;
 
-use super::cloud::time_origin_s;
 use super::content::reading_m;
 use super::flight::Flight;
 use super::labels::{self, Placer};
 use super::projection::Projection;
 use super::under_pointer::{self, UnderPointer};
-use super::{
-    Camera, Colouring, SceneContent, SceneRenderer, ViewPreset, controls, legend, readout,
-};
+use super::{SceneContent, SceneRenderer, controls, legend, readout};
 use crate::analysis::Analysis;
-use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, Picked, State, Visibility};
+use crate::app::model::OpenDeployment;
+use crate::app::model::{Camera, Colouring, ViewPreset};
+use crate::app::model::{Command, Commands, Picked, Visibility};
+use crate::app::prepared::time_origin_s;
+use crate::app::state::State;
 use crate::app::theme;
 
 /// Radius of the ring around what was picked, and around what would be (points).

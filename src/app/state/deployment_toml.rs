@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Asked, AskedToml, State};
+use super::State;
+use crate::app::model::{Asked, AskedToml};
 use crate::app::worker::Reply;
 use crate::deployment::format::deployment_toml;
 use crate::deployment::{Deployment, Extras, OneOrMany, Overrides, Source, override_changes};

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use eframe::egui;
 
+use super::State;
 use super::put_right::Extra;
-use super::undo::{Change, Changed, Moment};
-use super::{Command, Overlay, Palette, Picked, State, Timeline};
 use crate::analysis::Settings;
-use crate::app::studies;
+use crate::app::model::studies;
+use crate::app::model::undo::{Change, Changed, Moment};
+use crate::app::model::{Command, Overlay, Palette, Picked, Timeline};
 use crate::app::worker::Reply;
 use crate::deployment::{Deployment, Source};
 use crate::export;

@@ -4,7 +4,6 @@
 
 mod asked;
 mod asking;
-mod command;
 mod deployment_toml;
 mod handle;
 mod hovering;
@@ -15,8 +14,6 @@ mod replies;
 mod results;
 mod saving;
 mod sessions;
-mod timeline;
-mod undo;
 mod validating;
 
 use std::collections::VecDeque;
@@ -25,83 +22,23 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui;
-use serde::{Deserialize, Serialize};
 
-pub use asked::{
-    Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedToml, AskedTracks,
-    StationsAre, TableHead,
-};
 pub use asking::OpenPrompt;
-pub use command::{Command, Commands, PictureTo};
 pub use hovering::Hovering;
 pub use opening::Opening;
-pub use results::{Pin, Results, Run};
 pub use sessions::SessionState;
-pub use timeline::{Picked, Playback, Timeline};
-pub use undo::UndoStack;
-pub use validating::{Validated, Validations};
 
 use super::file_dialog;
-use super::open_deployment::{Analysing, OpenDeployment};
-use super::scene::{Colouring, Ruler};
-use super::studies::Studies;
-use super::toasts::Toasts;
-use super::units::Units;
 use super::worker::Worker;
 use crate::analysis::{Analysis, Settings};
-
-/// What the scene and the plots show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Visibility {
-    pub stations: [bool; 3],
-    pub raw: bool,
-    pub tracks: bool,
-    pub control_points: bool,
-    /// The vehicle's frame along the track.
-    pub poses: bool,
-    /// What the interpolation states about its own error: ellipsoids in the scene, bands in the plot.
-    pub uncertainty: bool,
-    /// What the answer states about where stations 2 and 3 stand.
-    pub station_ellipsoids: bool,
-    /// Arrows at stations 2 and 3 along what the drive leaves free or weak.
-    pub weak_directions: bool,
-    /// Pairs of prisms in the plots.
-    pub pairs: [bool; 3],
-}
-
-impl Default for Visibility {
-    fn default() -> Self {
-        Self {
-            stations: [true; 3],
-            raw: true,
-            tracks: true,
-            control_points: true,
-            poses: true,
-            uncertainty: true,
-            station_ellipsoids: true,
-            weak_directions: true,
-            pairs: [true; 3],
-        }
-    }
-}
-
-/// What lies over the panes and has the keyboard.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Overlay {
-    #[default]
-    None,
-    Palette(Palette),
-    Shortcuts,
-}
-
-/// The command palette.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Palette {
-    pub query: String,
-    /// Line among those found.
-    pub chosen: usize,
-}
+use crate::app::model::Units;
+use crate::app::model::studies::Studies;
+use crate::app::model::toasts::Toasts;
+use crate::app::model::{Analysing, OpenDeployment};
+use crate::app::model::{
+    Asked, Overlay, PictureTo, Playback, Results, UndoStack, Validations, Visibility,
+};
+use crate::app::model::{Colouring, Ruler};
 
 /// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
 const DIM_AFTER: Duration = Duration::from_millis(80);

@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use super::State;
 use super::put_right::use_rig;
-use super::undo::Moment;
 use crate::analysis::Settings;
-use crate::app::open_deployment::OpenDeployment;
+use crate::app::model::OpenDeployment;
+use crate::app::model::undo::Moment;
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::session::SavedDeployment;
 use crate::deployment::{Deployment, Extras, Finding, OpenError, Sample, Sorted, Source};

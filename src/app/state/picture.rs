@@ -2,7 +2,8 @@
 
 use eframe::egui;
 
-use super::{PictureTo, State};
+use super::State;
+use crate::app::model::PictureTo;
 use crate::app::worker::Reply;
 
 impl State {

@@ -3,10 +3,11 @@
 
 use std::path::PathBuf;
 
-use super::undo::{Change, Changed, Moment};
-use super::{Picked, State};
+use super::State;
 use crate::app::file_dialog::{Question, Wanted};
-use crate::app::open_deployment::OpenDeployment;
+use crate::app::model::OpenDeployment;
+use crate::app::model::Picked;
+use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::worker::Reply;
 use crate::deployment::{
     AS_NUMBERED, Deployment, Extras, MaskedReading, OneOrMany, Overrides, Source, extras_changes,

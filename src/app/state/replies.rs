@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::State;
-use crate::app::toasts::new_findings;
+use crate::app::model::toasts::new_findings;
 use crate::app::worker::{Answered, Reply};
 use crate::experiment::StudyError;
 use crate::export::summary::ResultSummary;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::State;
-use crate::app::layout::LayoutDescription;
-use crate::app::open_deployment::OpenDeployment;
+use crate::app::model::LayoutDescription;
+use crate::app::model::OpenDeployment;
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::last::LastSession;
 use crate::app::persist::preferences::{Recent, remember};
@@ -132,7 +132,7 @@ impl State {
             deployments.insert(place, missing.saved.clone());
             active = active.map(|active| active + usize::from(place <= active));
         }
-        let pin = |pin: &super::Pin| SavedPin {
+        let pin = |pin: &crate::app::model::Pin| SavedPin {
             name: pin.name.clone(),
             shown: pin.shown,
             result: (*pin.summary).clone(),

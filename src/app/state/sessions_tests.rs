@@ -1,7 +1,7 @@
 use super::*;
 use crate::analysis::Settings;
 use crate::app::layout::Layout;
-use crate::app::state::Command;
+use crate::app::model::Command;
 use crate::deployment::Sample;
 
 fn state() -> State {

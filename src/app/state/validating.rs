@@ -4,37 +4,18 @@ use std::sync::Arc;
 
 use super::State;
 use crate::analysis::{Analyst, Settings};
-use crate::app::open_deployment::OpenDeployment;
+use crate::app::model::OpenDeployment;
+use crate::app::model::{AnswerOf, Validated};
 use crate::app::worker::Reply;
 use crate::calibration::Method;
 use crate::deployment::Deployment;
 use crate::progress::{Cancelled, Progress};
 use crate::validation::{Earlier, Validation, drive_alone, validate};
 
-/// An open deployment's answer: its id, and which of its answers it is.
-type Answered = (u64, u64);
-
-/// What was asked and found.
-#[derive(Default)]
-pub struct Validations {
-    /// Whose calibration it was.
-    of: Option<Answered>,
-    /// What it was held against.
-    found: Vec<(Answered, Validation)>,
-    /// The request's number.
-    pub running: Option<(u64, Arc<Progress>)>,
-}
-
-/// What came of a request.
-pub struct Validated {
-    of: Answered,
-    found: Vec<(Answered, Validation)>,
-}
-
 impl State {
     /// What was found of the active deployment's calibration, as long as neither answer has changed since.
     pub fn validations(&self) -> impl Iterator<Item = &Validation> {
-        let is_newest = |(id, run): Answered| {
+        let is_newest = |(id, run): AnswerOf| {
             self.open.iter().any(|open| open.id == id && open.analysis_run == run)
         };
         let of_active = self.active().map(newest) == self.validations.of;
@@ -58,13 +39,13 @@ impl State {
         let Ok(answer) = &analysis.answer else { return };
         let (of, earlier) = (newest(active), Earlier::of(&active.deployment, answer));
         let others = self.open.iter().filter(|open| open.id != active.id);
-        let runs: Vec<(Answered, Arc<Deployment>, Settings)> = others
+        let runs: Vec<(AnswerOf, Arc<Deployment>, Settings)> = others
             .map(|open| (newest(open), Arc::clone(&open.deployment), jointly(open.settings)))
             .collect();
         let progress = Arc::new(Progress::default());
         let shared = Arc::clone(&progress);
         let number = self.worker.numbered(Reply::Validated, move || {
-            let of_run = |(run, deployment, settings): (Answered, Arc<Deployment>, Settings)| {
+            let of_run = |(run, deployment, settings): (AnswerOf, Arc<Deployment>, Settings)| {
                 let alone = drive_alone(&deployment);
                 let own = Analyst::new(Arc::clone(&alone)).run_while(&settings, &shared)?;
                 Ok((run, validate(&earlier, &alone, &own)))
@@ -86,7 +67,7 @@ impl State {
     }
 }
 
-fn newest(open: &OpenDeployment) -> Answered {
+fn newest(open: &OpenDeployment) -> AnswerOf {
     (open.id, open.analysis_run)
 }
 

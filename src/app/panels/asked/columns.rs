@@ -3,7 +3,7 @@
 use eframe::egui::{self, RichText};
 
 use super::trouble;
-use crate::app::state::{Asked, AskedColumns, Command, Commands, TableHead};
+use crate::app::model::{Asked, AskedColumns, Command, Commands, TableHead};
 use crate::app::theme;
 use crate::deployment::format::column_mapping::{
     TableAngle, TableLength, TimeFormat, VerticalAngle,

@@ -3,8 +3,8 @@
 use eframe::egui::{self, RichText};
 
 use super::{Shown, name};
+use crate::app::model::{Command, Commands};
 use crate::app::state::put_right::without_control_points;
-use crate::app::state::{Command, Commands};
 use crate::deployment::Extras;
 
 impl Shown<'_> {

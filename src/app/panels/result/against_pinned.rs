@@ -3,11 +3,12 @@
 use eframe::egui::{self, RichText};
 
 use super::difference_row;
-use crate::app::open_deployment::OpenDeployment;
+use crate::app::model::OpenDeployment;
+use crate::app::model::Units;
+use crate::app::model::{Command, Commands, Pin};
 use crate::app::panels::heading;
-use crate::app::state::{Command, Commands, Pin, State};
+use crate::app::state::State;
 use crate::app::theme;
-use crate::app::units::Units;
 use crate::calibration::moved_m;
 use crate::deployment::{Deployment, Severity};
 use crate::evaluation::Spread;

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, PopupCloseBehavior, containers::menu};
 
-use crate::app::state::{Command, Commands};
+use crate::app::model::{Command, Commands};
 use crate::calibration::Verdict;
 use crate::export::copy::{CopyFormat, Part};
 use crate::export::summary::ResultSummary;

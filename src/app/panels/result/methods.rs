@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, RichText};
 
+use crate::app::model::Units;
 use crate::app::panels::{heading, minima, observability};
-use crate::app::units::Units;
 use crate::calibration::inter_prism::InterPrismDetails;
 use crate::calibration::static_gcp::StaticGcpDetails;
 use crate::calibration::two_point::TwoPointDetails;

@@ -3,8 +3,9 @@
 use eframe::egui;
 
 use super::difference_row;
+use crate::app::model::{Command, Commands};
 use crate::app::panels::heading;
-use crate::app::state::{Command, Commands, State};
+use crate::app::state::State;
 use crate::calibration::Calibration;
 use crate::export::difference::moved_from_published;
 

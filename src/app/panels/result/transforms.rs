@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, RichText};
 
-use crate::app::units::{AngleUnit, Units};
+use crate::app::model::{AngleUnit, Units};
 use crate::calibration::Calibration;
 use crate::export::text;
 

@@ -3,11 +3,12 @@
 use eframe::egui::{self, Align2, Color32, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2};
 use egui_plot::{AxisHints, GridMark, Plot};
 
-use super::super::gaps::{Seen, visible};
 use super::super::time_plot::{self, Shown, Times, time_axis};
 use crate::analysis::Analysis;
-use crate::app::open_deployment::OpenDeployment;
-use crate::app::state::{Command, Commands, Picked, State};
+use crate::app::model::OpenDeployment;
+use crate::app::model::{Command, Commands, Picked};
+use crate::app::prepared::gaps::{Seen, visible};
+use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;
 use crate::pipeline::{FilteredTrack, Interval, OutlierReason, SampleFate};

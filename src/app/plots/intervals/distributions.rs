@@ -3,11 +3,11 @@
 use eframe::egui::{self, Color32, Rect, RichText};
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform};
 
-use super::super::gaps::LogHistogram;
 use super::super::time_plot::still;
 use super::super::{LABELS, log_axis};
 use super::GapThresholds;
-use crate::app::open_deployment::OpenDeployment;
+use crate::app::model::OpenDeployment;
+use crate::app::prepared::gaps::LogHistogram;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;

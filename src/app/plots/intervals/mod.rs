@@ -10,7 +10,8 @@ use super::station_switches;
 use super::threshold::Threshold;
 use super::time_plot::{self, Times};
 use crate::analysis::Settings;
-use crate::app::state::{Command, Commands, State};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::pipeline::{Interval, Thresholds};
 
 /// The distributions' part of the width, and their least and greatest (points).

@@ -3,7 +3,8 @@
 use egui_plot::PlotPoint;
 
 use super::pyramid::Pyramid;
-use crate::deployment::station_clocks::{self, ClockComparison};
+use crate::deployment::station_clocks;
+use crate::deployment::station_clocks::ClockComparison;
 use crate::deployment::{TimeCorrection, Track};
 use crate::statistics::median;
 

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use super::Units;
+use super::studies::StudyOptions;
 use super::{Asked, AskedAnswer, Palette, Picked, Visibility};
+use super::{Colouring, Ruler, ViewPreset};
+use super::{LayoutPreset, Pane};
 use crate::analysis::Settings;
 use crate::app::file_dialog::PromptCommand;
-use crate::app::layout::{LayoutPreset, Pane};
-use crate::app::scene::{Colouring, Ruler, ViewPreset};
-use crate::app::studies::StudyOptions;
-use crate::app::units::Units;
 use crate::deployment::{Extras, Sample, Source};
 use crate::export::copy::{CopyFormat, Part};
 

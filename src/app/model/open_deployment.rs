@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::persist::session::Files;
-use super::plots::PreparedPlots;
-use super::scene::Clouds;
-use super::state::Timeline;
-use super::worker::Answered;
+use super::Timeline;
 use crate::analysis::{Analysis, Settings};
+use crate::app::persist::session::Files;
+use crate::app::prepared::Clouds;
+use crate::app::prepared::PreparedPlots;
+use crate::app::worker::Answered;
 use crate::deployment::{Deployment, Source};
 use crate::export::summary::ResultSummary;
 

@@ -1,6 +1,6 @@
 //! The ready-made layouts, written as descriptions.
 
-use super::description::{Node, column, row, tabs};
+use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
     Clocks, Deployment, Findings, Histogram, Intervals, Pipeline, PriorSearch, Rates, Reading,
     Residuals, Result, Runs, Scene, SideBySide, Studies,
@@ -37,7 +37,7 @@ impl LayoutPreset {
         }
     }
 
-    pub(super) fn root(self) -> Node {
+    pub fn root(self) -> Node {
         match self {
             Self::Inspect => row([
                 (0.2, column([(0.4, tabs(&[Deployment])), (0.6, tabs(&[Reading, Pipeline]))])),

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::layout::Pane;
-use super::state::Command;
+use super::Command;
+use super::Pane;
 use crate::deployment::{Finding, Severity};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

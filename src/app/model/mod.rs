@@ -1,0 +1,44 @@
+//! What the window holds, as plain data: nothing in here draws, waits, or knows who reads it.
+//!
+//! Panes read it and send [`Command`]s; [`super::state`] alone changes it.
+
+pub mod ago;
+mod asked;
+mod camera;
+mod colouring;
+mod command;
+pub mod layout_description;
+pub mod layout_presets;
+mod open_deployment;
+mod overlay;
+pub mod pane;
+pub mod results;
+mod ruler;
+pub mod studies;
+pub mod timeline;
+pub mod toasts;
+pub mod undo;
+pub mod units;
+mod validations;
+mod visibility;
+
+pub use asked::{
+    Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedToml, AskedTracks,
+    StationsAre, TableHead,
+};
+pub use camera::{Camera, ViewPreset};
+pub use colouring::Colouring;
+pub use command::{Command, Commands, PictureTo};
+pub use layout_description::LayoutDescription;
+pub use layout_presets::LayoutPreset;
+pub use open_deployment::{Analysing, OpenDeployment};
+pub use overlay::{Overlay, Palette};
+pub use pane::Pane;
+pub use results::{Pin, Results, Run};
+pub use ruler::{Ruler, RulerEnd};
+pub use studies::{StudyKind, StudyOptions, StudyResult};
+pub use timeline::{Picked, Playback, Timeline};
+pub use undo::UndoStack;
+pub use units::{AngleUnit, LengthUnit, Units};
+pub use validations::{AnswerOf, Validated, Validations};
+pub use visibility::Visibility;

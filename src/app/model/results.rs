@@ -1,0 +1,68 @@
+//! Results of the session: each run, and those that were pinned to compare later ones with.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::analysis::Settings;
+use crate::app::prepared::PreparedPlots;
+use crate::export::summary::ResultSummary;
+
+/// A result that later ones are seen against.
+#[derive(Clone, Debug)]
+pub struct Pin {
+    pub id: u64,
+    pub name: String,
+    pub summary: Arc<ResultSummary>,
+    /// Whether its residuals are drawn behind the present ones.
+    pub shown: bool,
+    /// Its residuals; `None` until they are computed, or when its deployment is not open.
+    pub plots: Option<Arc<PreparedPlots>>,
+    /// Whether they are being computed.
+    pub drawing: bool,
+}
+
+/// What one change of the settings led to.
+#[derive(Clone, Debug)]
+pub struct Run {
+    pub id: u64,
+    /// Id of the open deployment.
+    pub deployment: u64,
+    pub at: Instant,
+    /// The answer, or why there is none.
+    pub result: Result<Arc<ResultSummary>, String>,
+    pub settings: Settings,
+    /// Which step of the settings it belongs to: of a drag only the last is kept.
+    pub step: u64,
+}
+
+#[derive(Default)]
+pub struct Results {
+    /// The newest last.
+    pub runs: Vec<Run>,
+    pub pins: Vec<Pin>,
+    newest_id: u64,
+}
+
+impl Results {
+    pub fn run(&self, id: u64) -> Option<&Run> {
+        self.runs.iter().find(|run| run.id == id)
+    }
+
+    pub fn next_id(&mut self) -> u64 {
+        self.newest_id += 1;
+        self.newest_id
+    }
+
+    /// Pins a result under a name that tells it from the others, unless it is pinned already; gives its id.
+    pub fn pin(&mut self, summary: Arc<ResultSummary>, plots: Option<Arc<PreparedPlots>>) -> u64 {
+        if let Some(known) = self.pins.iter().find(|pin| pin.summary == summary) {
+            return known.id;
+        }
+        let id = self.next_id();
+        let taken = |name: &str| self.pins.iter().any(|pin| pin.name == name);
+        let letters = ('A'..='Z').map(String::from).find(|name| !taken(name));
+        let name = letters.unwrap_or_else(|| id.to_string());
+        self.pins.push(Pin { id, name, summary, shown: true, plots, drawing: false });
+        id
+    }
+}

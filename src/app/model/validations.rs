@@ -1,0 +1,26 @@
+//! Whether the calibration of one open deployment holds for the others: what was asked, and what was found.
+
+use std::sync::Arc;
+
+use crate::progress::Progress;
+use crate::validation::Validation;
+
+/// An open deployment's answer: its id, and which of its answers it is.
+pub type AnswerOf = (u64, u64);
+
+/// What was asked and found.
+#[derive(Default)]
+pub struct Validations {
+    /// Whose calibration it was.
+    pub of: Option<AnswerOf>,
+    /// What it was held against.
+    pub found: Vec<(AnswerOf, Validation)>,
+    /// The request's number.
+    pub running: Option<(u64, Arc<Progress>)>,
+}
+
+/// What came of a request.
+pub struct Validated {
+    pub of: AnswerOf,
+    pub found: Vec<(AnswerOf, Validation)>,
+}
