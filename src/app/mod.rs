@@ -6,6 +6,7 @@
 
 mod actions;
 pub mod file_dialog;
+mod jobs;
 mod layout;
 mod model;
 mod panels;
@@ -16,7 +17,6 @@ mod scene;
 mod state;
 mod theme;
 mod window;
-mod worker;
 
 pub use layout::Layout;
 pub use model::{

@@ -114,7 +114,7 @@ impl ResectWindow {
 
 impl eframe::App for ResectWindow {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        self.state.take_replies();
+        self.state.take_outcomes();
         self.state.keep_replaced(|| self.layout.describe());
         if let Some(description) = self.state.session.take_layout() {
             let (layout, findings) = Layout::of_description(&description);

@@ -6,10 +6,9 @@ use std::time::Instant;
 
 use super::Timeline;
 use crate::analysis::{Analysis, Settings};
-use crate::app::persist::session::Files;
 use crate::app::prepared::Clouds;
 use crate::app::prepared::PreparedPlots;
-use crate::app::worker::Answered;
+use crate::app::prepared::analyser::Answered;
 use crate::deployment::{Deployment, Source};
 use crate::export::summary::ResultSummary;
 
@@ -19,8 +18,6 @@ pub struct OpenDeployment {
     pub deployment: Arc<Deployment>,
     /// Where it can be read again.
     pub source: Option<Source>,
-    /// What it was read from, as sessions remember it.
-    pub files: Files,
     /// Of each station; found once, because the window asks in every frame.
     pub longest_range_m: [f64; 3],
     pub settings: Settings,
@@ -64,12 +61,10 @@ impl OpenDeployment {
     ) -> Self {
         let longest_range_m = longest_range_m(&deployment);
         let timeline = Timeline::new(&deployment);
-        let files = Files::of(source.as_ref(), &deployment);
         Self {
             id,
             deployment,
             source,
-            files,
             longest_range_m,
             settings,
             analysis: None,
@@ -100,7 +95,6 @@ impl OpenDeployment {
             (self.plots, self.clouds) = (Arc::default(), Clouds::default());
             self.timeline.picked = None;
         }
-        self.files = Files::of(Some(&source), &deployment);
         self.deployment = deployment;
         self.source = Some(source);
         self.placeholder = false;
@@ -117,11 +111,12 @@ impl OpenDeployment {
     }
 
     /// Takes in an answer, unless a newer one is on its way; tells whether it did.
-    pub fn take(&mut self, number: u64, answered: Answered) -> bool {
-        let Some(analysing) = self.analysing.filter(|newest| newest.number == number) else {
+    pub fn take(&mut self, answered: Answered) -> bool {
+        let Some(analysing) = self.analysing.filter(|newest| newest.number == answered.number)
+        else {
             return false;
         };
-        let Answered { analysis, plots, clouds, joint_follows } = answered;
+        let Answered { analysis, plots, clouds, joint_follows, .. } = answered;
         self.analysing = joint_follows.then_some(Analysing { joint_follows, ..analysing });
         self.answered |= !joint_follows;
         if self.timeline.cursor_s.is_none() {

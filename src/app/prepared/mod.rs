@@ -1,6 +1,7 @@
 //! What is computed once so that drawing is quick: series of the plots in several finenesses, gaps, clouds of points and
 //! the trees that find the point under the pointer.
 
+pub mod analyser;
 mod clock_series;
 mod cloud;
 pub mod gaps;
@@ -9,8 +10,6 @@ pub mod plots;
 mod pyramid;
 pub mod raw_readings;
 
-pub use clock_series::ClockSeries;
 pub use cloud::{Cloud, CloudMaker, Clouds, TimedPoint, nearest_triplets, time_origin_s};
 pub use plots::PreparedPlots;
-pub use pyramid::Pyramid;
 pub use raw_readings::{Quantity, RawReadings, StationReadings};

@@ -1,12 +1,9 @@
 //! The ruler in the picture, and what its ends snap to.
 
-use nalgebra::Vector3;
-
 use super::content::{LineVertex, PointVertex, SceneContent, WORLD, f32s, opaque};
 use super::projection::Projection;
 use crate::app::model::Units;
 use crate::app::model::{Ruler, RulerEnd};
-use crate::deployment::{PAIRS, pair_label};
 use crate::palette::Rgb;
 use eframe::egui::Pos2;
 

@@ -2,7 +2,6 @@
 //! a file of his is changed.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use super::State;
 use super::opening::Then;
@@ -11,8 +10,7 @@ use crate::app::model::{
     Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedTracks, StationsAre,
     TableHead,
 };
-use crate::app::worker::Reply;
-use crate::deployment::format::mapped_csv::{self, Preview};
+use crate::deployment::format::mapped_csv::{self};
 use crate::deployment::{AzimuthSense, ColumnMapping, Extras, Overrides, Question, Source, Topic};
 
 /// What is asked, and the reading that goes on with the answer.
@@ -99,9 +97,9 @@ impl State {
         self.ask_user(Asked::Files(Box::new(files)), None);
     }
 
-    /// Reads the beginning of a table beside the worker.
+    /// Reads the beginning of a table beside the window.
     fn read_head(&mut self, path: PathBuf) -> u64 {
-        let number = self.worker.numbered(Reply::HeadRead, move || read_head(&path));
+        let number = self.jobs.start(move || read_head(&path), Self::take_head);
         self.looking.push(number);
         number
     }

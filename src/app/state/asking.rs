@@ -7,7 +7,6 @@ use super::State;
 use crate::app::file_dialog::{
     Answer, Listing, PathPrompt, PromptCommand, PromptStep, Question, Wanted, system,
 };
-use crate::app::worker::Reply;
 
 /// The dialog inside the window, and who waits for its answer.
 pub struct OpenPrompt {
@@ -49,7 +48,14 @@ impl State {
         match step {
             PromptStep::Stay => {}
             PromptStep::Read(folder) => {
-                self.worker.beside(move || Some(Reply::Listed(Listing::read(&folder))));
+                self.jobs.start_unnumbered(
+                    move || Some(Listing::read(&folder)),
+                    |state: &mut Self, listing| {
+                        if let Some(prompt) = &mut state.prompt {
+                            prompt.shown.take(listing);
+                        }
+                    },
+                );
             }
             PromptStep::Chosen(path) => {
                 if let Some(prompt) = self.prompt.take() {

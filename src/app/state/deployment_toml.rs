@@ -5,20 +5,20 @@ use std::sync::Arc;
 
 use super::State;
 use crate::app::model::{Asked, AskedToml};
-use crate::app::worker::Reply;
 use crate::deployment::format::deployment_toml;
 use crate::deployment::{Deployment, Extras, OneOrMany, Overrides, Source, override_changes};
 use crate::export::atomic;
 
 impl State {
-    /// Finds out what would be written, beside the worker.
+    /// Finds out what would be written, beside the window.
     pub(super) fn propose_deployment_toml(&mut self) {
         let Some(open) = self.active() else { return };
         let Some(source) = open.source.clone() else { return };
         let (id, deployment) = (open.id, Arc::clone(&open.deployment));
-        let number = self
-            .worker
-            .numbered(Reply::TomlProposed, move || propose(id, &source, &deployment).map(Box::new));
+        let number = self.jobs.start(
+            move || propose(id, &source, &deployment).map(Box::new),
+            Self::take_proposed_toml,
+        );
         self.looking.push(number);
     }
 
@@ -38,7 +38,7 @@ impl State {
 
     pub(super) fn write_deployment_toml(&mut self, proposed: Box<AskedToml>) {
         let number =
-            self.worker.numbered(Reply::TomlWritten, move || write(&proposed).map(|()| proposed));
+            self.jobs.start(move || write(&proposed).map(|()| proposed), Self::take_written_toml);
         self.looking.push(number);
     }
 

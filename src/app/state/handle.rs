@@ -10,7 +10,6 @@ use crate::analysis::Settings;
 use crate::app::model::studies;
 use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{Command, Overlay, Palette, Picked, Timeline};
-use crate::app::worker::Reply;
 use crate::deployment::{Deployment, Source};
 use crate::export;
 use crate::progress::Progress;
@@ -135,7 +134,7 @@ impl State {
                 let result = export::rerun::open_viewer(&deployment, &analysis)
                     .map(|()| "shown in the Rerun viewer".to_owned())
                     .map_err(|error| error.to_string());
-                Some(Reply::Done(result))
+                Some(result)
             }),
             Command::SaveRecordingDialog => self.save_recording(),
             Command::SaveTrajectoryDialog => self.save_trajectory(),
@@ -227,7 +226,8 @@ impl State {
     pub(super) fn close(&mut self, id: u64) {
         let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
         self.open.remove(index);
-        self.worker.forget(id);
+        self.analyser.forget(id);
+        self.session.files.remove(&id);
         self.undo.forget(id);
         // The one shown stays shown; of a closed one, its neighbour.
         if index == self.active {
@@ -284,9 +284,10 @@ impl State {
         let settings = *self.settings();
         let progress = Arc::new(Progress::default());
         let shared = Arc::clone(&progress);
-        let number = self
-            .worker
-            .study(move || studies::run(&options, &deployments, &settings, &shared).map(Arc::new));
+        let number = self.jobs.start(
+            move || studies::run(&options, &deployments, &settings, &shared).map(Arc::new),
+            Self::take_studied,
+        );
         self.studies.running = Some((number, progress));
     }
 }

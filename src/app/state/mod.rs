@@ -8,9 +8,9 @@ mod deployment_toml;
 mod handle;
 mod hovering;
 mod opening;
+mod outcomes;
 mod picture;
 pub mod put_right;
-mod replies;
 mod results;
 mod saving;
 mod sessions;
@@ -29,7 +29,8 @@ pub use opening::Opening;
 pub use sessions::SessionState;
 
 use super::file_dialog;
-use super::worker::Worker;
+use super::jobs::Jobs;
+use super::prepared::analyser::Analyser;
 use crate::analysis::{Analysis, Settings};
 use crate::app::model::Units;
 use crate::app::model::studies::Studies;
@@ -44,7 +45,8 @@ use crate::app::model::{Colouring, Ruler};
 const DIM_AFTER: Duration = Duration::from_millis(80);
 
 pub struct State {
-    worker: Worker,
+    jobs: Jobs<Self>,
+    analyser: Analyser,
     /// In the order they were opened.
     pub open: Vec<OpenDeployment>,
     /// Which of them the panes show.
@@ -90,8 +92,17 @@ pub struct State {
 
 impl State {
     pub fn new(ctx: egui::Context) -> Self {
+        let jobs = Jobs::new(ctx, Self::failed);
+        let outbox = jobs.outbox();
+        let analyser = Analyser::start(move |found| {
+            outbox.put(move |state: &mut Self| match found {
+                Ok(answered) => state.take_analysed(answered),
+                Err(number) => state.failed(number),
+            });
+        });
         Self {
-            worker: Worker::start(ctx),
+            jobs,
+            analyser,
             open: Vec::new(),
             active: 0,
             newest_id: 0,
@@ -188,7 +199,8 @@ impl State {
 
     fn analyse(&mut self, index: usize) {
         let Some(open) = self.open.get_mut(index) else { return };
-        let number = self.worker.analyse(open.id, Arc::clone(&open.deployment), open.settings);
+        let number = self.jobs.next_number();
+        self.analyser.analyse(number, open.id, Arc::clone(&open.deployment), open.settings);
         // The clock of a first request keeps running while newer ones replace it, until something is shown.
         let awaited = open.analysing.filter(|analysing| !analysing.joint_follows);
         let since = awaited.map_or_else(Instant::now, |analysing| analysing.since);

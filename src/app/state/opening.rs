@@ -10,8 +10,8 @@ use crate::analysis::Settings;
 use crate::app::model::OpenDeployment;
 use crate::app::model::undo::Moment;
 use crate::app::persist::hashes::HashCache;
-use crate::app::persist::session::SavedDeployment;
-use crate::deployment::{Deployment, Extras, Finding, OpenError, Sample, Sorted, Source};
+use crate::app::persist::session::{Files, SavedDeployment};
+use crate::deployment::{Deployment, Extras, Finding, OpenError, Sample, Sorted, Source, sort};
 use crate::progress::Progress;
 
 /// A deployment that is being read.
@@ -77,6 +77,7 @@ impl State {
             self.session.opened(source);
         }
         self.newest_id += 1;
+        self.session.files.insert(self.newest_id, Files::of(source.as_ref(), &deployment));
         self.open.push(OpenDeployment::new(self.newest_id, deployment, source, settings));
         let index = self.open.len() - 1;
         self.show(index);
@@ -127,7 +128,8 @@ impl State {
 
     pub(super) fn read(&mut self, source: Source, then: Then) {
         let progress = Arc::new(Progress::default());
-        let number = self.worker.open(source.clone(), Arc::clone(&progress));
+        let (from, shared) = (source.clone(), Arc::clone(&progress));
+        let number = self.jobs.start(move || from.open(&shared).map(Arc::new), Self::take_opened);
         let (title, since) = (source.title(), Instant::now());
         self.opening.push(Opening { number, title, since, progress, source, then });
     }
@@ -135,7 +137,9 @@ impl State {
     /// Opens a deployment of a session, and finds out which of its files changed since.
     pub(super) fn read_again(&mut self, saved: &SavedDeployment, cache: Arc<HashCache>) {
         let progress = Arc::new(Progress::default());
-        let number = self.worker.open_again(saved.clone(), cache, Arc::clone(&progress));
+        let (again, shared) = (saved.clone(), Arc::clone(&progress));
+        let number =
+            self.jobs.start(move || again.open(&cache, &shared).map(Arc::new), Self::take_opened);
         let (source, since, then) = (saved.source.clone(), Instant::now(), Then::Restore);
         self.opening.push(Opening { number, title: source.title(), since, progress, source, then });
     }
@@ -206,12 +210,13 @@ impl State {
         let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
         let after = source.extras.clone();
         let before = self.open[index].source.as_ref().map(|source| source.extras.clone());
+        self.session.files.insert(id, Files::of(Some(&source), &deployment));
         self.open[index].replace(deployment, source);
         if let Some(before) = before.filter(|_| step) {
             self.record_extras(id, before, after);
         }
         // What is remembered of the old data must not answer for the new.
-        self.worker.forget(id);
+        self.analyser.forget(id);
         self.analyse(index);
         self.tell_of_reading(index);
     }
@@ -225,7 +230,17 @@ impl State {
 
     /// Finds out what paths are, beside the worker: a folder may lie on a slow disk.
     pub(super) fn look_at(&mut self, paths: Vec<PathBuf>) {
-        self.looking.push(self.worker.look_at(paths));
+        let number = self.jobs.start(
+            move || sort(paths.iter().map(PathBuf::as_path)),
+            |state: &mut Self, number, sorted| {
+                if state.is_of_hovering(number) {
+                    state.take_hovering(number, sorted);
+                } else {
+                    state.take_sorted(number, sorted);
+                }
+            },
+        );
+        self.looking.push(number);
     }
 
     /// Opens what the user dropped or chose: deployments with what came with them, else additions to the active one.

@@ -4,7 +4,6 @@ use eframe::egui;
 
 use super::State;
 use crate::app::model::PictureTo;
-use crate::app::worker::Reply;
 
 impl State {
     /// To be called before a frame is drawn: it may become the picture. Some systems take the frame after the one that
@@ -21,10 +20,11 @@ impl State {
             self.toasts.error("the scene is not shown; bring its pane to the front");
             return;
         };
-        let reply = self.worker.reply();
+        let outbox = self.jobs.outbox();
         let pixels_per_point = ctx.pixels_per_point();
         ctx.request_screenshot(move |window| {
-            reply(Reply::Pictured { to, image: cut(&window, scene, pixels_per_point) });
+            let image = cut(&window, scene, pixels_per_point);
+            outbox.put(move |state: &mut Self| state.take_pictured(to, image));
         });
     }
 
@@ -36,7 +36,7 @@ impl State {
         };
         match to {
             PictureTo::Clipboard => {
-                self.worker.ctx().copy_image(image);
+                self.jobs.ctx().copy_image(image);
                 self.toasts.done("picture of the scene copied");
             }
             PictureTo::File => {

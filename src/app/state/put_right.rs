@@ -8,7 +8,6 @@ use crate::app::file_dialog::{Question, Wanted};
 use crate::app::model::OpenDeployment;
 use crate::app::model::Picked;
 use crate::app::model::undo::{Change, Changed, Moment};
-use crate::app::worker::Reply;
 use crate::deployment::{
     AS_NUMBERED, Deployment, Extras, MaskedReading, OneOrMany, Overrides, Source, extras_changes,
 };
@@ -85,7 +84,10 @@ impl State {
             Extra::ControlPoints => "Choose a file of control points",
         };
         let answer = self.ask(Question::new(title, Wanted::ToOpen { folder: false }));
-        self.worker.beside(move || Some(Reply::PickedExtra { id, extra, path: answer.wait()? }));
+        self.jobs.start_unnumbered(
+            move || answer.wait(),
+            move |state: &mut Self, path| state.take_picked_extra(id, extra, path),
+        );
     }
 
     pub(super) fn take_picked_extra(&mut self, id: u64, extra: Extra, path: PathBuf) {

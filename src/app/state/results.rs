@@ -7,8 +7,6 @@ use super::State;
 use crate::analysis::{Analysis, Analyst, Settings, changes_in_words, setting_changes};
 use crate::app::model::{Pin, Run};
 use crate::app::prepared::{PreparedPlots, RawReadings};
-use crate::app::worker::Reply;
-use crate::export::summary::ResultSummary;
 
 /// More runs than this are not looked at again; the oldest go.
 const MOST_RUNS: usize = 200;
@@ -89,17 +87,18 @@ impl State {
             }
             let deployment = Arc::clone(&open.deployment);
             let readings = open.analysis.is_some().then(|| Arc::clone(&open.plots.readings));
-            let reply = self.worker.reply();
-            self.worker.beside(move || {
+            let outbox = self.jobs.outbox();
+            let each = move || {
                 let readings = readings.unwrap_or_else(|| RawReadings::of(&deployment).into());
                 let mut analyst = Analyst::new(deployment);
                 for (id, settings) in wanted {
                     let analysis = analyst.run(&settings);
                     let plots = Arc::new(PreparedPlots::of(&analysis, &readings));
-                    reply(Reply::PinDrawn { id, plots });
+                    outbox.put(move |state: &mut Self| state.take_drawn_pin(id, plots));
                 }
                 None
-            });
+            };
+            self.jobs.start_unnumbered(each, |_, ()| {});
         }
     }
 }

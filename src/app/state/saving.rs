@@ -6,12 +6,14 @@ use std::sync::Arc;
 use super::State;
 use crate::analysis::Analysis;
 use crate::app::file_dialog::{Answer, Question, Wanted};
-use crate::app::worker::Reply;
 use crate::deployment::Deployment;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::export;
 use crate::export::atomic;
 use crate::export::report::{self, Chapter};
+
+/// A line for the user, or why it failed; `None` where the user thought better of it.
+type Told = Option<Result<String, String>>;
 
 impl State {
     pub(super) fn open_folder_dialog(&mut self) {
@@ -32,7 +34,10 @@ impl State {
 
     fn open_picked(&mut self, question: Question) {
         let answer = self.ask(question);
-        self.worker.beside(move || answer.wait().map(Reply::Picked));
+        self.jobs.start_unnumbered(
+            move || answer.wait(),
+            |state: &mut Self, path| state.look_at(vec![path]),
+        );
     }
 
     /// Asks for a file named after the deployment.
@@ -65,7 +70,7 @@ impl State {
 
     pub(super) fn save_picture(&mut self, image: image::RgbaImage) {
         let answer = self.ask_where("Save the picture of the scene (PNG)", "png");
-        self.worker.beside(move || {
+        self.tell_when_done(move || {
             let path = answer.wait()?;
             let mut bytes = std::io::Cursor::new(Vec::new());
             let written = image
@@ -74,7 +79,7 @@ impl State {
                 .and_then(|()| {
                     atomic::write(&path, bytes.into_inner()).map_err(|error| error.to_string())
                 });
-            Some(Reply::Done(written.map(|()| format!("{} written", path.display()))))
+            Some(written.map(|()| format!("{} written", path.display())))
         });
     }
 
@@ -93,7 +98,7 @@ impl State {
         self.with_analysis(move |deployment, analysis| {
             let path = answer.wait()?;
             let written = write(&path, deployment, analysis);
-            Some(Reply::Done(written.map(|()| format!("{} written", path.display()))))
+            Some(written.map(|()| format!("{} written", path.display())))
         });
     }
 
@@ -101,25 +106,33 @@ impl State {
         let Some(result) = self.studies.result.clone() else { return };
         let question = Question::new("Save CSV, SVG and PNG into a folder", Wanted::Folder);
         let answer = self.ask(question);
-        self.worker.beside(move || {
+        self.tell_when_done(move || {
             let folder = answer.wait()?;
             let written = export::study::write(result.study(), &folder);
-            Some(Reply::Done(
+            Some(
                 written
                     .map(|files| format!("{} files written to {}", files.len(), folder.display()))
                     .map_err(|error| error.to_string()),
-            ))
+            )
         });
     }
 
     pub(super) fn with_analysis(
         &self,
-        job: impl FnOnce(Arc<Deployment>, Arc<Analysis>) -> Option<Reply> + Send + 'static,
+        job: impl FnOnce(Arc<Deployment>, Arc<Analysis>) -> Told + Send + 'static,
     ) {
         if let Some((open, analysis)) = self.analysed() {
             let (deployment, analysis) = (Arc::clone(&open.deployment), Arc::clone(analysis));
-            self.worker.beside(move || job(deployment, analysis));
+            self.tell_when_done(move || job(deployment, analysis));
         }
+    }
+
+    /// Runs something beside the window, and tells the user what came of it.
+    fn tell_when_done(&self, job: impl FnOnce() -> Told + Send + 'static) {
+        self.jobs.start_unnumbered(job, |state: &mut Self, told| match told {
+            Ok(line) => state.toasts.done(line),
+            Err(line) => state.toasts.error(&line),
+        });
     }
 }
 

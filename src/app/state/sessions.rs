@@ -1,6 +1,6 @@
 //! The window's state as a session, and a session as the window's state.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,9 +11,8 @@ use crate::app::persist::hashes::HashCache;
 use crate::app::persist::last::LastSession;
 use crate::app::persist::preferences::{Recent, remember};
 use crate::app::persist::session::{
-    self, EXTENSION, SavedDeployment, SavedPin, SavedView, Session, SessionError,
+    self, EXTENSION, Files, SavedDeployment, SavedPin, SavedView, Session, SessionError,
 };
-use crate::app::worker::Reply;
 use crate::deployment::{Deployment, Finding, Source};
 
 /// What belongs to the session beside what is open.
@@ -44,6 +43,8 @@ pub struct SessionState {
     /// Requests that write a session, and which of those that were opened it is.
     writing: Vec<(u64, u64)>,
     cache: Arc<HashCache>,
+    /// What each open deployment was read from, by its id.
+    pub(super) files: BTreeMap<u64, Files>,
 }
 
 /// A deployment of the session that could not be opened.
@@ -116,7 +117,7 @@ impl State {
             if Some(open.id) == shown {
                 active = Some(deployments.len());
             }
-            deployments.push(saved(open, source));
+            deployments.push(self.saved(open, source));
         }
         for waiting in self.session.restoring.iter().chain(&self.session.waiting) {
             if waiting.shown {
@@ -150,6 +151,18 @@ impl State {
         }
     }
 
+    fn saved(&self, open: &OpenDeployment, source: Source) -> SavedDeployment {
+        let timeline = &open.timeline;
+        SavedDeployment {
+            source,
+            settings: open.settings,
+            cursor_s: timeline.cursor_s,
+            window_s: (timeline.window_s != timeline.whole_s).then_some(timeline.window_s),
+            selection_s: timeline.selection_s,
+            files: self.session.files.get(&open.id).cloned().unwrap_or_default(),
+        }
+    }
+
     /// Opens a session's deployments one after the other, and sets what it has set.
     pub fn restore(&mut self, session: Session) {
         self.visibility = session.view.visibility;
@@ -174,12 +187,10 @@ impl State {
 
     /// Reads a session's file, which then takes the place of everything that is open.
     pub fn open_session(&mut self, path: PathBuf) {
-        let number = self.worker.numbered(
-            |number, (path, session)| Reply::SessionRead(number, path, session),
-            move || {
-                let session = session::load(&path);
-                (path, session.map(|(session, findings)| (Box::new(session), findings)))
-            },
+        let from = path.clone();
+        let number = self.jobs.start(
+            move || session::load(&from),
+            move |state: &mut Self, number, result| state.take_session(number, path, result),
         );
         self.session.reading.push(number);
     }
@@ -195,7 +206,7 @@ impl State {
         &mut self,
         number: u64,
         path: PathBuf,
-        result: Result<(Box<Session>, Vec<Finding>), SessionError>,
+        result: Result<(Session, Vec<Finding>), SessionError>,
     ) {
         self.session.done(number);
         match result {
@@ -220,7 +231,7 @@ impl State {
                 let last = self.session.last.as_ref().and_then(LastSession::path);
                 self.session.path = (last != Some(path.as_path())).then_some(path);
                 self.tell(&findings);
-                self.restore(*session);
+                self.restore(session);
             }
             Err(error) => self.toasts.error(&error.to_string()),
         }
@@ -231,9 +242,10 @@ impl State {
         let Some(replaced) = self.session.replaced.take() else { return };
         let Some(last) = self.session.last.clone() else { return };
         let replaced = Session { layout: Some(layout()), ..replaced };
-        let number = self.worker.numbered(Reply::ReplacedKept, move || {
-            last.write(&replaced).map_err(|error| error.to_string())
-        });
+        let number = self.jobs.start(
+            move || last.write(&replaced).map_err(|error| error.to_string()),
+            Self::take_replaced_kept,
+        );
         self.session.writing.push((number, self.session.opened));
     }
 
@@ -253,9 +265,10 @@ impl State {
             Some(path) => self.write_session(path, session, which),
             None => {
                 let answer = self.ask_where("Save the session", EXTENSION);
-                let session = Box::new(session);
-                self.worker
-                    .beside(move || Some(Reply::SessionPlace(answer.wait()?, session, which)));
+                self.jobs.start_unnumbered(
+                    move || answer.wait(),
+                    move |state: &mut Self, path| state.write_session(path, session, which),
+                );
             }
         }
     }
@@ -263,12 +276,10 @@ impl State {
     /// Writes a session; `which` tells which of those that were opened it is.
     pub(super) fn write_session(&mut self, path: PathBuf, session: Session, which: u64) {
         let cache = Arc::clone(&self.session.cache);
-        let number = self.worker.numbered(
-            |number, (path, saved)| Reply::SessionSaved(number, path, saved),
-            move || {
-                let saved = session.save(&path, &cache).map_err(|error| error.to_string());
-                (path, saved)
-            },
+        let to = path.clone();
+        let number = self.jobs.start(
+            move || session.save(&to, &cache).map_err(|error| error.to_string()),
+            move |state: &mut Self, number, result| state.take_session_saved(number, path, result),
         );
         self.session.writing.push((number, which));
     }
@@ -294,10 +305,10 @@ impl State {
 
     /// Waits for what is being written: the window is closed.
     pub fn finish(&mut self) {
-        self.take_replies();
+        self.take_outcomes();
         while !self.session.writing.is_empty() {
-            match self.worker.wait_reply() {
-                Some(reply) => self.take(reply),
+            match self.jobs.wait() {
+                Some(outcome) => outcome(self),
                 None => break,
             }
         }
@@ -362,18 +373,6 @@ impl State {
         for finding in findings {
             self.toasts.warning(&finding.message);
         }
-    }
-}
-
-fn saved(open: &OpenDeployment, source: Source) -> SavedDeployment {
-    let timeline = &open.timeline;
-    SavedDeployment {
-        source,
-        settings: open.settings,
-        cursor_s: timeline.cursor_s,
-        window_s: (timeline.window_s != timeline.whole_s).then_some(timeline.window_s),
-        selection_s: timeline.selection_s,
-        files: open.files.clone(),
     }
 }
 

@@ -64,7 +64,7 @@ fn a_cancelled_deployment_stays_in_the_session_and_that_is_said() {
     let mut state = state();
     state.restore(session());
     let number = state.opening[0].number;
-    state.take(Reply::Opened(number, Err(crate::deployment::OpenError::Cancelled)));
+    state.take_opened(number, Err(crate::deployment::OpenError::Cancelled));
     state.settle();
     let again = state.session(Layout::default().describe());
     assert_eq!(sources(&again), sources(&session()));
@@ -82,7 +82,7 @@ fn a_session_saved_after_another_was_opened_does_not_give_it_its_file() {
     state.session.path = Some(file("a"));
     state.save_session(Layout::default().describe(), false);
     let opened = Ok((Box::new(session()), Vec::new()));
-    state.take(Reply::SessionRead(0, file("b"), opened));
+    state.take_session(0, file("b"), opened);
     state.settle();
     assert!(file("a").is_file());
     assert_eq!(state.session.path, Some(file("b")));

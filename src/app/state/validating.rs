@@ -6,7 +6,6 @@ use super::State;
 use crate::analysis::{Analyst, Settings};
 use crate::app::model::OpenDeployment;
 use crate::app::model::{AnswerOf, Validated};
-use crate::app::worker::Reply;
 use crate::calibration::Method;
 use crate::deployment::Deployment;
 use crate::progress::{Cancelled, Progress};
@@ -31,7 +30,7 @@ impl State {
         has_answer && self.open.len() > 1 && self.validations.running.is_none()
     }
 
-    /// Holds the active deployment's calibration against all others that are open, beside the worker.
+    /// Holds the active deployment's calibration against all others that are open, beside the window.
     pub(super) fn validate_others(&mut self) {
         let Some((active, analysis)) = self.analysed().filter(|_| self.can_validate()) else {
             return;
@@ -44,7 +43,7 @@ impl State {
             .collect();
         let progress = Arc::new(Progress::default());
         let shared = Arc::clone(&progress);
-        let number = self.worker.numbered(Reply::Validated, move || {
+        let job = move || {
             let of_run = |(run, deployment, settings): (AnswerOf, Arc<Deployment>, Settings)| {
                 let alone = drive_alone(&deployment);
                 let own = Analyst::new(Arc::clone(&alone)).run_while(&settings, &shared)?;
@@ -52,7 +51,8 @@ impl State {
             };
             let found = runs.into_iter().map(of_run).collect::<Result<_, Cancelled>>()?;
             Ok(Validated { of, found })
-        });
+        };
+        let number = self.jobs.start(job, Self::take_validated);
         self.validations.running = Some((number, progress));
     }
 

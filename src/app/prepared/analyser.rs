@@ -1,0 +1,305 @@
+//! The thread that calibrates and prepares what is drawn, so that no frame ever waits.
+//!
+//! The newest request wins: requests that pile up behind a running one are answered by one run with the last
+//! settings. Each answer carries the number of its request, so a stale one is recognised.
+//!
+//! The joint estimate takes longer than a frame, so the paper's answer goes first, and the joint one follows when nobody
+//! waits for a first answer any more.
+
+use std::collections::HashMap;
+use std::panic::AssertUnwindSafe;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use super::{CloudMaker, Clouds, PreparedPlots, RawReadings};
+use crate::analysis::{Analysis, Analyst, Settings};
+use crate::deployment::Deployment;
+use crate::progress::Progress;
+
+#[expect(clippy::large_enum_variant, reason = "a handful wait at any time")]
+enum Request {
+    Analyse {
+        number: u64,
+        id: u64,
+        deployment: Arc<Deployment>,
+        settings: Settings,
+        /// Cancelled once a newer request has overtaken this one.
+        progress: Arc<Progress>,
+        /// Wall time of the pipeline (ms) once the paper's answer was sent, and the joint estimate is what is left to do.
+        published_after_ms: Option<f64>,
+    },
+    /// The deployment with this id was closed.
+    Forget(u64),
+}
+
+impl Request {
+    fn number(&self) -> u64 {
+        match self {
+            Self::Analyse { number, .. } | Self::Forget(number) => *number,
+        }
+    }
+
+    /// Of the deployment.
+    fn id(&self) -> u64 {
+        match self {
+            Self::Analyse { id, .. } | Self::Forget(id) => *id,
+        }
+    }
+
+    /// Whether an answer to it is shown already.
+    fn can_wait(&self) -> bool {
+        matches!(self, Self::Analyse { published_after_ms: Some(_), .. })
+    }
+}
+
+/// An analysis, and what is drawn of it.
+pub struct Answered {
+    /// Of the request.
+    pub number: u64,
+    /// Of the deployment.
+    pub id: u64,
+    pub analysis: Arc<Analysis>,
+    pub plots: Arc<PreparedPlots>,
+    pub clouds: Clouds,
+    /// It is the paper's answer alone, to the same request as the joint estimate that comes after it.
+    pub joint_follows: bool,
+}
+
+/// The window's end of the thread.
+pub struct Analyser {
+    requests: Sender<Request>,
+    /// Of the newest analysis of each deployment.
+    analysing: HashMap<u64, Arc<Progress>>,
+}
+
+impl Analyser {
+    /// Gives each answer to `take`, on its own thread; for a request that ended in a bug its number.
+    pub fn start(take: impl Fn(Result<Answered, u64>) + Send + 'static) -> Self {
+        let (requests, inbox) = channel();
+        // Ends when the window drops its sender.
+        std::thread::Builder::new()
+            .name("resect analyser".to_owned())
+            .spawn(move || work(&inbox, take))
+            .expect("a thread can be started");
+        Self { requests, analysing: HashMap::new() }
+    }
+
+    /// Asks for an analysis; nobody wants that of an earlier request about the same deployment any more.
+    pub fn analyse(
+        &mut self,
+        number: u64,
+        id: u64,
+        deployment: Arc<Deployment>,
+        settings: Settings,
+    ) {
+        let progress = Arc::new(Progress::default());
+        if let Some(overtaken) = self.analysing.insert(id, Arc::clone(&progress)) {
+            overtaken.cancel();
+        }
+        let published_after_ms = None;
+        let request =
+            Request::Analyse { number, id, deployment, settings, progress, published_after_ms };
+        // The thread lives as long as this end of the channel: it catches its own panics.
+        self.requests.send(request).ok();
+    }
+
+    /// Lets go of what is remembered of a deployment.
+    pub fn forget(&mut self, id: u64) {
+        if let Some(unwanted) = self.analysing.remove(&id) {
+            unwanted.cancel();
+        }
+        self.requests.send(Request::Forget(id)).ok();
+    }
+}
+
+/// What is remembered of a deployment.
+struct Known {
+    analyst: Analyst,
+    /// No setting changes them.
+    readings: Arc<RawReadings>,
+    clouds: CloudMaker,
+}
+
+fn work(inbox: &Receiver<Request>, take: impl Fn(Result<Answered, u64>)) {
+    let mut known: HashMap<u64, Known> = HashMap::new();
+    let mut waiting = Vec::new();
+    loop {
+        if waiting.is_empty() {
+            match inbox.recv() {
+                Ok(request) => waiting.push(request),
+                Err(_) => return,
+            }
+        }
+        waiting.extend(inbox.try_iter());
+        waiting = without_overtaken(waiting);
+        let next = waiting.iter().position(|request| !request.can_wait()).unwrap_or(0);
+        let request = waiting.remove(next);
+        let number = request.number();
+        let found = std::panic::catch_unwind(AssertUnwindSafe(|| answer(request, &mut known)));
+        match found {
+            Ok((answered, rest)) => {
+                answered.into_iter().for_each(|answered| take(Ok(answered)));
+                waiting.extend(rest);
+            }
+            Err(_) => {
+                known.clear();
+                take(Err(number));
+            }
+        }
+    }
+}
+
+/// What is still worth doing: of several requests about a deployment only the last, but to let go of it is always done.
+fn without_overtaken(waiting: Vec<Request>) -> Vec<Request> {
+    let ids: Vec<u64> = waiting.iter().map(Request::id).collect();
+    waiting
+        .into_iter()
+        .enumerate()
+        .filter(|(at, request)| {
+            matches!(request, Request::Forget(_)) || !ids[at + 1..].contains(&ids[*at])
+        })
+        .map(|(_, request)| request)
+        .collect()
+}
+
+/// The answer, and what is left to do of the request.
+fn answer(
+    request: Request,
+    known: &mut HashMap<u64, Known>,
+) -> (Option<Answered>, Option<Request>) {
+    match request {
+        Request::Analyse { number, id, deployment, settings, progress, published_after_ms } => {
+            let known = known.entry(id).or_insert_with(|| Known {
+                readings: Arc::new(RawReadings::of(&deployment)),
+                clouds: CloudMaker::default(),
+                analyst: Analyst::new(Arc::clone(&deployment)),
+            });
+            let analyst = &mut known.analyst;
+            let first = match published_after_ms {
+                None => analyst.run_published_while(&settings, &progress),
+                Some(_) => Ok(None),
+            };
+            let found = match first {
+                // Where the paper's method has no answer, there is nothing to show before the joint estimate.
+                Ok(Some(published)) if published.answer.is_ok() => Ok((published, true)),
+                Ok(_) => analyst.run_while(&settings, &progress).map(|analysis| (analysis, false)),
+                Err(cancelled) => Err(cancelled),
+            };
+            let Ok((mut analysis, joint_follows)) = found else { return (None, None) };
+            let rest = joint_follows.then_some(Request::Analyse {
+                number,
+                id,
+                deployment,
+                settings,
+                progress,
+                published_after_ms: Some(analysis.pipeline_ms),
+            });
+            // Then the pipeline's stages were remembered.
+            analysis.pipeline_ms += published_after_ms.unwrap_or(0.0);
+            let clouds = known.clouds.make(known.analyst.deployment(), &analysis);
+            let plots = Arc::new(PreparedPlots::of(&analysis, &known.readings));
+            let analysis = Arc::new(analysis);
+            (Some(Answered { number, id, analysis, plots, clouds, joint_follows }), rest)
+        }
+        Request::Forget(id) => {
+            known.remove(&id);
+            (None, None)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::Method;
+    use crate::deployment::Sample;
+
+    fn settings(tau_l_seconds: f64) -> Settings {
+        let mut settings = Settings::default();
+        settings.pipeline.thresholds.tau_l_seconds = tau_l_seconds;
+        settings
+    }
+
+    /// An analyser and where its answers come.
+    fn start() -> (Analyser, Receiver<Answered>) {
+        let (sender, answers) = channel();
+        let analyser = Analyser::start(move |found| {
+            sender.send(found.expect("no bug")).expect("awaited");
+        });
+        (analyser, answers)
+    }
+
+    /// Number, method and whether another follows, of every answer until nothing follows the request with this number.
+    fn answers_until(all: &Receiver<Answered>, last: u64) -> Vec<(u64, Method, bool)> {
+        let mut answers = Vec::new();
+        while let Ok(answered) = all.recv() {
+            let answer = answered.analysis.answer.as_ref().expect("an answer");
+            answers.push((answered.number, answer.calibration.method, answered.joint_follows));
+            if answered.number == last && !answered.joint_follows {
+                break;
+            }
+        }
+        answers
+    }
+
+    #[test]
+    fn the_papers_answer_comes_first_and_the_joint_estimate_follows() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let (mut analyser, answers) = start();
+        analyser.analyse(1, 7, Arc::clone(&deployment), Settings::default());
+        let both = [(1, Method::InterPrism, true), (1, Method::Joint, false)];
+        assert_eq!(answers_until(&answers, 1), both);
+        // The paper's method itself has nothing that follows.
+        let mut published = Settings::default();
+        published.calibration.method = Some(Method::InterPrism);
+        analyser.analyse(2, 7, deployment, published);
+        assert_eq!(answers_until(&answers, 2), [(2, Method::InterPrism, false)]);
+    }
+
+    #[test]
+    fn a_newer_request_takes_the_place_of_a_joint_estimate_that_is_under_way() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let (mut analyser, answers) = start();
+        analyser.analyse(1, 7, Arc::clone(&deployment), settings(6.0));
+        assert!(answers.recv().expect("one").joint_follows);
+        analyser.analyse(2, 7, deployment, settings(7.0));
+        let answers = answers_until(&answers, 2);
+        // Unless it was there already.
+        let own: Vec<_> = answers.iter().filter(|(number, ..)| *number != 1).collect();
+        assert_eq!(own, [&(2, Method::InterPrism, true), &(2, Method::Joint, false)]);
+    }
+
+    #[test]
+    fn first_answers_go_before_joint_estimates_and_a_closed_deployment_has_none() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let analyse = |number, id, published_after_ms| Request::Analyse {
+            number,
+            id,
+            deployment: Arc::clone(&deployment),
+            settings: Settings::default(),
+            progress: Arc::default(),
+            published_after_ms,
+        };
+        assert!(analyse(1, 7, Some(2.0)).can_wait() && !analyse(2, 8, None).can_wait());
+        let waiting = vec![analyse(1, 7, Some(2.0)), analyse(2, 8, Some(2.0)), Request::Forget(7)];
+        let left: Vec<u64> = without_overtaken(waiting).iter().map(Request::id).collect();
+        assert_eq!(left, [8, 7], "only the closed one's");
+    }
+
+    #[test]
+    fn of_several_analyses_of_a_deployment_only_the_newest_is_run() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let analyse = |number, id| Request::Analyse {
+            number,
+            id,
+            deployment: Arc::clone(&deployment),
+            settings: Settings::default(),
+            progress: Arc::default(),
+            published_after_ms: None,
+        };
+        let waiting =
+            vec![analyse(1, 7), Request::Forget(2), analyse(3, 7), analyse(4, 8), analyse(5, 7)];
+        let left: Vec<u64> = without_overtaken(waiting).iter().map(Request::number).collect();
+        assert_eq!(left, [2, 4, 5]);
+    }
+}

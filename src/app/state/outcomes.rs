@@ -1,0 +1,145 @@
+//! What came of the work beside the window, taken in.
+
+use std::sync::Arc;
+
+use super::State;
+use crate::app::model::StudyResult;
+use crate::app::model::toasts::new_findings;
+use crate::app::prepared::PreparedPlots;
+use crate::app::prepared::analyser::Answered;
+use crate::experiment::StudyError;
+use crate::export::summary::ResultSummary;
+
+impl State {
+    /// Takes in what was done since the last frame.
+    pub fn take_outcomes(&mut self) {
+        while let Some(outcome) = self.jobs.outcome() {
+            outcome(self);
+        }
+    }
+
+    /// Waits until nothing is under way; for pictures and tests.
+    pub fn settle(&mut self) {
+        while self.is_busy() {
+            match self.jobs.wait() {
+                Some(outcome) => outcome(self),
+                None => break,
+            }
+        }
+    }
+
+    /// A job, by its number, ended in a bug of the program.
+    pub(super) fn failed(&mut self, number: u64) {
+        self.opening_failed(number);
+        self.looking.retain(|looking| *looking != number);
+        self.session.done(number);
+        for open in &mut self.open {
+            open.analysing = open.analysing.filter(|newest| newest.number != number);
+        }
+        self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);
+        let validating = &mut self.validations.running;
+        *validating = validating.take().filter(|(n, _)| *n != number);
+        self.toasts.error(
+            "a bug in resect stopped the calculation; please report it with the data and the settings",
+        );
+    }
+
+    pub(super) fn take_studied(
+        &mut self,
+        number: u64,
+        result: Result<Arc<StudyResult>, StudyError>,
+    ) {
+        if self.studies.running.as_ref().is_none_or(|(running, _)| *running != number) {
+            return;
+        }
+        self.studies.running = None;
+        match result {
+            Ok(result) => self.studies.result = Some(result),
+            Err(StudyError::Cancelled) => {}
+            Err(error) => self.toasts.error(&error.to_string()),
+        }
+    }
+
+    /// The residuals of a pinned result.
+    pub(super) fn take_drawn_pin(&mut self, id: u64, plots: Arc<PreparedPlots>) {
+        if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
+            pin.plots = Some(plots);
+        }
+    }
+
+    pub(super) fn take_analysed(&mut self, answered: Answered) {
+        let id = answered.id;
+        let shown = self.active().map(|open| open.id);
+        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        let analysis = Arc::clone(&answered.analysis);
+        let (first, joint_follows) = (!open.answered, answered.joint_follows);
+        let before = open.summary.clone();
+        if !open.take(answered) {
+            return;
+        }
+        if let Ok(answer) = analysis.answer.as_ref()
+            && !joint_follows
+        {
+            let findings = &answer.calibration.findings;
+            if first {
+                // The result's pane tells them; news is what a change of the settings brings.
+                new_findings(findings, &mut open.told);
+            } else {
+                let name = &open.deployment.name;
+                self.toasts.retire(name, open.deployment.findings.iter().chain(findings));
+                self.toasts.findings(name, findings, &mut open.told);
+            }
+        }
+        let stations = |summary: &Option<Arc<ResultSummary>>| summary.as_ref().map(|s| s.stations);
+        if stations(&before) != stations(&open.summary) && Some(id) == shown {
+            // Prisms are found anew; everything else stands elsewhere now.
+            self.ruler.ends.retain(|end| end.prism.is_some());
+        }
+        // What is told, remembered and pinned is the joint estimate.
+        if !joint_follows {
+            self.remember_run(id, &analysis);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui;
+
+    use super::*;
+    use crate::calibration::Method;
+    use crate::deployment::Sample;
+
+    /// Takes what comes next.
+    fn take_next(state: &mut State) {
+        let outcome = state.jobs.wait().expect("an outcome");
+        outcome(state);
+    }
+
+    fn shown(state: &State) -> Method {
+        let (_, analysis) = state.analysed().expect("an answer");
+        analysis.answer.as_ref().expect("an answer").calibration.method
+    }
+
+    #[test]
+    fn what_is_pinned_remembered_and_told_is_the_joint_estimate() {
+        let mut state = State::new(egui::Context::default());
+        state.add(Arc::new(Sample::Warthog.open().expect("built in")), None);
+        take_next(&mut state);
+        assert_eq!(shown(&state), Method::InterPrism);
+        assert!(state.open[0].joint_follows() && state.is_busy() && !state.is_stale());
+        let before = state.open[0].analysis_run;
+        state.pin_active();
+        assert!(state.results.pins.is_empty() && state.results.runs.is_empty());
+
+        take_next(&mut state);
+        assert_eq!(shown(&state), Method::Joint);
+        assert!(!state.open[0].joint_follows() && !state.is_busy() && !state.is_stale());
+        assert_ne!(state.open[0].analysis_run, before, "what is drawn is drawn again");
+        state.pin_active();
+        assert_eq!(state.results.pins[0].summary.method, Method::Joint);
+        let run = state.results.runs[0].result.as_ref().expect("an answer");
+        assert_eq!(run.method, Method::Joint);
+        assert!(state.toasts.shown().is_empty(), "at first nothing is news");
+    }
+}
