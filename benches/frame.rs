@@ -133,7 +133,9 @@ fn scene(criterion: &mut Criterion) {
         let mut commands: Vec<Command> = command.into_iter().collect();
         frames.frame(events, |ui| {
             commands.drain(..).for_each(|command| state.handle(command, ui.ctx()));
-            scene.ui(ui, &state, &mut commands);
+            let mut view = std::mem::take(&mut state.view);
+            scene.ui(ui, &state, &mut view, &mut commands);
+            state.view = view;
         })
     };
     for _ in 0..5 {

@@ -7,6 +7,7 @@
 mod actions;
 pub mod file_dialog;
 mod jobs;
+pub mod keeping;
 mod layout;
 mod model;
 mod panels;

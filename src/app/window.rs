@@ -6,16 +6,16 @@ use std::sync::Arc;
 use eframe::egui;
 
 use super::actions;
-use super::layout::{Layout, Panes};
+use super::keeping::Keeping;
+use super::layout::Layout;
+use super::model::View;
 use super::panels;
 use super::persist::Folders;
-use super::persist::keeping::Keeping;
 use super::scene::SceneView;
 use super::state::State;
 use super::theme;
 use crate::analysis::Settings;
-use crate::app::model::Pane;
-use crate::app::model::{Command, Commands, Overlay};
+use crate::app::model::{Command, Commands, Overlay, Pane};
 use crate::deployment::{Deployment, Sample, Source};
 
 /// What the window shows first.
@@ -27,10 +27,9 @@ pub enum Start {
     Session(PathBuf),
 }
 
-/// State, layout and scene; the rest is drawn anew every frame.
+/// The state, and the scene on the GPU; the rest is drawn anew every frame.
 pub struct ResectWindow {
     pub state: State,
-    layout: Layout,
     scene: SceneView,
     /// None of pictures and tests.
     keeping: Option<(Keeping, egui::Context)>,
@@ -52,13 +51,11 @@ impl ResectWindow {
         let ctx = &creation.egui_ctx;
         theme::apply(ctx);
         let mut state = State::new(ctx.clone());
-        let mut layout = Layout::default();
         state.start_settings = settings;
         // What the user asks for by name is not mixed with what another window had open.
         let restores = matches!(start, Start::Sample(_));
-        let restored = keeping
-            .as_mut()
-            .is_some_and(|keeping| keeping.begin(ctx, &mut state, &mut layout, restores));
+        let restored =
+            keeping.as_mut().is_some_and(|keeping| keeping.begin(ctx, &mut state, restores));
         match start {
             Start::Sample(_) if restored => {}
             Start::Sample(sample) => state.open_placeholder(*sample),
@@ -71,11 +68,11 @@ impl ResectWindow {
         }
         let scene = SceneView::new(creation.wgpu_render_state.as_ref());
         let keeping = keeping.map(|keeping| (keeping, ctx.clone()));
-        Self { state, layout, scene, keeping }
+        Self { state, scene, keeping }
     }
 
     pub fn layout(&self) -> &Layout {
-        &self.layout
+        &self.state.layout
     }
 
     /// Waits until nothing is under way; for pictures and tests.
@@ -85,42 +82,14 @@ impl ResectWindow {
 
     /// Carries out a command as if a pane had sent it.
     pub fn send(&mut self, command: Command, ctx: &egui::Context) {
-        match command {
-            Command::Look(preset) => self.scene.look(preset),
-            Command::PickInPlot(picked) => {
-                self.scene.fly_to_reading(&self.state, picked);
-                self.state.handle(command, ctx);
-            }
-            Command::PickInScene(_) => {
-                // Who picks a reading asks about it; where no pane tells, none is forced upon the user.
-                if self.layout.holds(Pane::Reading) {
-                    self.layout.show(Pane::Reading);
-                }
-                self.state.handle(command, ctx);
-            }
-            Command::ShowPane(pane) => self.layout.show(pane),
-            Command::ScenePicture(_) => {
-                self.layout.show(Pane::Scene);
-                self.state.handle(command, ctx);
-            }
-            Command::UseLayout(preset) => self.layout = Layout::from(preset),
-            Command::ResetLayout => self.layout = Layout::default(),
-            Command::SaveSession => self.state.save_session(self.layout.describe(), false),
-            Command::SaveSessionAs => self.state.save_session(self.layout.describe(), true),
-            other => self.state.handle(other, ctx),
-        }
+        self.state.handle(command, ctx);
     }
 }
 
 impl eframe::App for ResectWindow {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.state.take_outcomes();
-        self.state.keep_replaced(|| self.layout.describe());
-        if let Some(description) = self.state.session.take_layout() {
-            let (layout, findings) = Layout::of_description(&description);
-            self.layout = layout;
-            self.state.tell(&findings);
-        }
+        self.state.keep_replaced();
         let now_s = ui.input(|input| input.time);
         if let Some(next_s) = self.state.advance(now_s) {
             ui.ctx().request_repaint_after_secs((next_s - now_s) as f32);
@@ -144,9 +113,17 @@ impl eframe::App for ResectWindow {
         panels::time_bar::ui(ui, &self.state, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
-            let mut panes =
-                Panes { state: &self.state, commands: &mut commands, scene: &mut self.scene };
-            self.layout.ui(ui, &mut panes);
+            // Panes may move the layout and the camera while they read all the rest.
+            let mut layout = std::mem::replace(&mut self.state.layout, Layout::empty());
+            let mut view = std::mem::take(&mut self.state.view);
+            let mut panes = Panes {
+                state: &self.state,
+                commands: &mut commands,
+                scene: &mut self.scene,
+                view: &mut view,
+            };
+            layout.ui(ui, &mut |pane, ui| panes.pane(pane, ui));
+            (self.state.layout, self.state.view) = (layout, view);
         });
         if !self.state.picturing {
             panels::toasts::ui(&ctx, &self.state.toasts, &mut commands);
@@ -180,20 +157,28 @@ impl eframe::App for ResectWindow {
             ctx.request_repaint_after(std::time::Duration::from_millis(50));
         }
         if let Some((keeping, _)) = &mut self.keeping {
-            keeping.frame(&ctx, &mut self.state, &self.layout);
+            keeping.frame(&ctx, &mut self.state);
         }
     }
 
     fn on_exit(&mut self) {
         self.state.finish();
         if let Some((keeping, ctx)) = self.keeping.take() {
-            keeping.finish(&ctx, &self.state, &self.layout);
+            keeping.finish(&ctx, &self.state);
         }
     }
 }
 
+/// What a pane is drawn from.
+struct Panes<'a> {
+    state: &'a State,
+    commands: &'a mut Commands,
+    scene: &'a mut SceneView,
+    view: &'a mut View,
+}
+
 impl Panes<'_> {
-    pub fn pane(&mut self, pane: Pane, ui: &mut egui::Ui) {
+    fn pane(&mut self, pane: Pane, ui: &mut egui::Ui) {
         use super::plots;
         match pane {
             Pane::Deployment => panels::deployment::ui(ui, self.state, self.commands),
@@ -201,7 +186,7 @@ impl Panes<'_> {
             Pane::Scene if self.state.open.is_empty() && self.state.opening.is_empty() => {
                 panels::empty_state::ui(ui, &self.state.session.recent, self.commands);
             }
-            Pane::Scene => self.scene.ui(ui, self.state, self.commands),
+            Pane::Scene => self.scene.ui(ui, self.state, self.view, self.commands),
             Pane::Result => panels::result::ui(ui, self.state, self.commands),
             Pane::Findings => panels::findings::ui(ui, self.state),
             Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),

@@ -7,8 +7,8 @@ use eframe::egui::Vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use resect::analysis::Settings;
+use resect::app::keeping::Keeping;
 use resect::app::persist::hashes::HashCache;
-use resect::app::persist::keeping::Keeping;
 use resect::app::persist::{Folders, session};
 use resect::app::{
     Colouring, Command, LayoutPreset, Pane, ResectWindow, Start, offscreen_renderer,
@@ -124,8 +124,7 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     let settings = prepare(&mut harness, &path);
     let expected = names(&harness);
     let save = |harness: &Harness<'_, ResectWindow>| {
-        let layout = harness.state().layout().describe();
-        harness.state().state.session(layout).save(&file, &HashCache::default()).expect("saved");
+        harness.state().state.session().save(&file, &HashCache::default()).expect("saved");
     };
     save(&harness);
     let start = Start::Session(file.clone());
@@ -185,8 +184,7 @@ fn what_a_dead_window_had_open_waits_while_the_user_asks_for_something_else() {
     let file = folder.path().join("other.resect.toml");
     let mut other = window(&Start::Sample(Sample::Warthog), None);
     send(&mut other, Command::OpenSample(Sample::Hd2Tunnel));
-    let layout = other.state().layout().describe();
-    other.state().state.session(layout).save(&file, &HashCache::default()).expect("saved");
+    other.state().state.session().save(&file, &HashCache::default()).expect("saved");
     let tunnel = Arc::new(Sample::Hd2Tunnel.open().expect("built in"));
     let named = vec![(Arc::clone(&tunnel), Source::sample(Sample::Hd2Tunnel))];
     for start in [Start::Session(file), Start::Deployments(named)] {
@@ -239,8 +237,7 @@ fn what_a_session_takes_the_place_of_can_be_opened_again() {
     let mut harness = window(&Start::Sample(Sample::Warthog), Some(folder.path()));
     send(&mut harness, Command::OpenSample(Sample::Hd2Tunnel));
     let other = names(&harness);
-    let layout = harness.state().layout().describe();
-    harness.state().state.session(layout).save(&file, &HashCache::default()).expect("saved");
+    harness.state().state.session().save(&file, &HashCache::default()).expect("saved");
     let id = harness.state().state.open[0].id;
     send(&mut harness, Command::Close(id));
     let settings = prepare(&mut harness, &data(folder.path(), "figure-eight"));

@@ -3,9 +3,7 @@
 use eframe::egui::Key;
 
 use super::{Action, Menu};
-use crate::app::model::Command;
-use crate::app::model::{Colouring, Ruler, ViewPreset};
-use crate::app::model::{LayoutPreset, Pane};
+use crate::app::model::{Colouring, Command, LayoutPreset, Pane, Ruler, ViewPreset};
 use crate::app::state::State;
 
 pub fn actions(state: &State) -> Vec<Action> {

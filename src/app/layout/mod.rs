@@ -15,21 +15,10 @@ use std::collections::HashMap;
 use eframe::egui;
 use egui_tiles::{Tile, TileId, Tree};
 
-use super::scene::SceneView;
-use super::state::State;
-use crate::app::model::Commands;
 use crate::app::model::layout_description::Node;
-use crate::app::model::layout_presets;
-use crate::app::model::{LayoutDescription, LayoutPreset, Pane};
+use crate::app::model::{LayoutDescription, LayoutPreset, Pane, layout_presets};
 use crate::deployment::Finding;
 use behaviour::{Edits, PaneBehaviour};
-
-/// What a pane is drawn from.
-pub struct Panes<'a> {
-    pub state: &'a State,
-    pub commands: &'a mut Commands,
-    pub scene: &'a mut SceneView,
-}
 
 /// The tree of panes.
 pub struct Layout {
@@ -56,6 +45,12 @@ impl From<LayoutPreset> for Layout {
 }
 
 impl Layout {
+    /// Without any pane: what is left while the panes are drawn.
+    pub fn empty() -> Self {
+        let tree = Tree::empty(egui::Id::unique("panes"));
+        Self { tree, shares: HashMap::new(), follows_window: true, preset: None }
+    }
+
     fn of_root(root: &Node, follows_window: bool) -> Self {
         let (tree, shares) = tree::tree_of(root);
         Self { tree, shares, follows_window, preset: None }
@@ -77,11 +72,8 @@ impl Layout {
         LayoutDescription::new(&root, self.follows_window)
     }
 
-    pub fn ui(&mut self, ui: &mut egui::Ui, panes: &mut Panes<'_>) {
-        self.ui_with(ui, &mut |pane, ui| panes.pane(pane, ui));
-    }
-
-    fn ui_with(&mut self, ui: &mut egui::Ui, draw: &mut dyn FnMut(Pane, &mut egui::Ui)) {
+    /// Draws the panes where they are.
+    pub fn ui(&mut self, ui: &mut egui::Ui, draw: &mut dyn FnMut(Pane, &mut egui::Ui)) {
         if let (true, Some(root)) = (self.follows_window, self.tree.root) {
             fit::fit(&mut self.tree.tiles, &self.shares, root, ui.available_size());
         }

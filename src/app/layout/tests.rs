@@ -27,7 +27,7 @@ fn drawn(layout: Layout, size: Vec2) -> Harness<'static, Drawn> {
         |ui, drawn: &mut Drawn| {
             drawn.places.clear();
             let Drawn { layout, places } = drawn;
-            layout.ui_with(ui, &mut |pane, ui: &mut egui::Ui| {
+            layout.ui(ui, &mut |pane, ui: &mut egui::Ui| {
                 places.insert(pane, ui.max_rect());
             });
         },

@@ -7,6 +7,7 @@ mod asked;
 mod camera;
 mod colouring;
 mod command;
+pub mod flight;
 pub mod layout_description;
 pub mod layout_presets;
 mod open_deployment;
@@ -20,6 +21,7 @@ pub mod toasts;
 pub mod undo;
 pub mod units;
 mod validations;
+mod view;
 mod visibility;
 
 pub use asked::{
@@ -41,4 +43,5 @@ pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
 pub use units::{AngleUnit, LengthUnit, Units};
 pub use validations::{AnswerOf, Validated, Validations};
+pub use view::{Look, View};
 pub use visibility::Visibility;

@@ -6,9 +6,8 @@ use std::time::Instant;
 
 use super::Timeline;
 use crate::analysis::{Analysis, Settings};
-use crate::app::prepared::Clouds;
-use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::analyser::Answered;
+use crate::app::prepared::{Clouds, PreparedPlots};
 use crate::deployment::{Deployment, Source};
 use crate::export::summary::ResultSummary;
 

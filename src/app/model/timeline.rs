@@ -2,6 +2,10 @@
 //!
 //! Times are seconds of the stations' clock; plots count from the first measurement.
 
+use nalgebra::Vector3;
+
+use crate::analysis::Analysis;
+use crate::app::prepared::placing::placed_tracks;
 use crate::deployment::Deployment;
 
 /// A raw reading of a deployment.
@@ -18,6 +22,13 @@ impl Picked {
     pub fn time_s(&self, deployment: &Deployment) -> Option<f64> {
         let track = deployment.tracks.get(self.station)?;
         track.measurements.get(self.index).map(|reading| reading.time_s)
+    }
+
+    /// Where it is (m, in station 1's frame); `None` if there is no such reading, or its station has no place.
+    pub fn place_m(&self, deployment: &Deployment, analysis: &Analysis) -> Option<Vector3<f64>> {
+        let track = deployment.tracks.get(self.station)?;
+        let position_m = track.position_m(track.measurements.get(self.index)?);
+        Some(placed_tracks(deployment, analysis)[self.station]?.apply(&position_m))
     }
 }
 

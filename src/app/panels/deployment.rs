@@ -3,8 +3,7 @@
 use eframe::egui;
 
 use super::{finding, heading, put_right, scrolled};
-use crate::app::model::OpenDeployment;
-use crate::app::model::{Command, Commands, Visibility};
+use crate::app::model::{Command, Commands, OpenDeployment, Visibility};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::calibration::Calibration;

@@ -6,8 +6,7 @@ mod times;
 
 use eframe::egui::{self, RichText};
 
-use crate::app::model::OpenDeployment;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::state::put_right::{effective, exchanged};
 use crate::app::theme;

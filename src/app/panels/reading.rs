@@ -4,10 +4,8 @@ use eframe::egui::{self, RichText};
 
 use super::{heading, scrolled};
 use crate::analysis::{Analysis, Settings, changes_in_words, setting_changes};
-use crate::app::model::OpenDeployment;
-use crate::app::model::Units;
 use crate::app::model::units::without_negative_zero;
-use crate::app::model::{Command, Commands, Picked};
+use crate::app::model::{Command, Commands, OpenDeployment, Picked, Units};
 use crate::app::state::{State, put_right};
 use crate::app::theme;
 use crate::deployment::{Severity, pair_label};

@@ -4,8 +4,7 @@ use eframe::egui::{self, RichText};
 
 use super::validation;
 use crate::analysis::{Answer, Settings};
-use crate::app::model::OpenDeployment;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::calibration::Calibration;

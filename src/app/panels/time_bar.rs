@@ -2,8 +2,7 @@
 
 use eframe::egui::{self, Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
 
-use crate::app::model::OpenDeployment;
-use crate::app::model::{Command, Commands, Playback, Timeline};
+use crate::app::model::{Command, Commands, OpenDeployment, Playback, Timeline};
 use crate::app::state::State;
 use crate::app::theme;
 

@@ -4,8 +4,7 @@ use eframe::egui;
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 
 use crate::app::actions::{self, Action, Menu};
-use crate::app::model::{AngleUnit, LengthUnit};
-use crate::app::model::{Command, Commands};
+use crate::app::model::{AngleUnit, Command, Commands, LengthUnit};
 use crate::app::state::State;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {

@@ -3,8 +3,7 @@
 use eframe::egui::{self, RichText};
 
 use super::{finding, heading};
-use crate::app::model::Units;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Command, Commands, Units};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;

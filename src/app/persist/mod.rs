@@ -6,7 +6,6 @@
 
 pub mod autosave;
 pub mod hashes;
-pub mod keeping;
 pub mod last;
 pub mod preferences;
 pub mod session;

@@ -9,8 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::stored::Lenient;
 use super::writer::Writer;
 use super::{keep_aside, line_of};
-use crate::app::model::LayoutDescription;
-use crate::app::model::Units;
+use crate::app::model::{LayoutDescription, Units};
 use crate::deployment::{Finding, Source};
 use crate::export::atomic;
 

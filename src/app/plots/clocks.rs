@@ -9,8 +9,7 @@ use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, Pl
 use super::time_plot::{self, Times, time_axis};
 use super::{round_marks, station_switches};
 use crate::analysis::Analysis;
-use crate::app::model::Commands;
-use crate::app::model::OpenDeployment;
+use crate::app::model::{Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::calibration::inter_prism::Estimate;

@@ -19,8 +19,7 @@ use eframe::egui;
 use egui_plot::{GridInput, GridMark};
 
 use crate::analysis::{Analysis, Answer};
-use crate::app::model::OpenDeployment;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::deployment::pair_label;

@@ -11,8 +11,7 @@ use egui_plot::{AxisHints, HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoin
 use super::threshold::{self, Threshold};
 use super::time_plot::{self, Shown, Times, time_axis};
 use super::{log_axis, station_switches};
-use crate::app::model::OpenDeployment;
-use crate::app::model::{Command, Commands, Picked};
+use crate::app::model::{Command, Commands, OpenDeployment, Picked};
 use crate::app::prepared::{Quantity, RawReadings, StationReadings};
 use crate::app::state::State;
 use crate::app::theme;

@@ -5,8 +5,7 @@ use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform, PlotUi};
 
 use super::navigation::{self, Moved};
 use super::{LABELS, round_marks};
-use crate::app::model::OpenDeployment;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
 

@@ -6,6 +6,7 @@ mod clock_series;
 mod cloud;
 pub mod gaps;
 pub mod pick;
+pub mod placing;
 pub mod plots;
 mod pyramid;
 pub mod raw_readings;

@@ -8,9 +8,9 @@ use super::colouring::Colours;
 use super::grid::Grid;
 use super::{overlays, station_uncertainty};
 use crate::analysis::Analysis;
-use crate::app::model::Colouring;
-use crate::app::model::{Picked, Visibility};
+use crate::app::model::{Colouring, Visibility};
 use crate::app::prepared::Clouds;
+use crate::app::prepared::placing::{placed, placed_tracks};
 use crate::deployment::Deployment;
 use crate::evaluation::trajectory::Pose;
 use crate::geometry::RigidTransform;
@@ -141,34 +141,6 @@ pub fn f32s(p: &Vector3<f64>) -> [f32; 3] {
 
 pub fn opaque([r, g, b]: Rgb) -> [u8; 4] {
     [r, g, b, 255]
-}
-
-/// Where the stations' frames stand in station 1's. Without an answer only station 1, whose frame is the world, has
-/// a place.
-fn placed(analysis: &Analysis) -> [Option<RigidTransform>; 3] {
-    match &analysis.answer {
-        Ok(answer) => answer.calibration.station1_from_station.map(Some),
-        Err(_) => [Some(RigidTransform::IDENTITY), None, None],
-    }
-}
-
-/// The same for their tracks, which an answer from control points may not place.
-fn placed_tracks(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTransform>; 3] {
-    match &analysis.answer {
-        Ok(answer) if answer.calibration.placing_tracks(deployment).is_none() => [None; 3],
-        _ => placed(analysis),
-    }
-}
-
-/// Where a raw reading is, in station 1's frame; `None` if there is no such reading, or its station has no place.
-pub fn reading_m(
-    deployment: &Deployment,
-    analysis: &Analysis,
-    picked: Picked,
-) -> Option<Vector3<f64>> {
-    let track = deployment.tracks.get(picked.station)?;
-    let position_m = track.position_m(track.measurements.get(picked.index)?);
-    Some(placed_tracks(deployment, analysis)[picked.station]?.apply(&position_m))
 }
 
 impl SceneContent {

@@ -2,8 +2,7 @@
 
 use eframe::egui::{self, Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
 
-use crate::app::model::{Colouring, Ruler, ViewPreset};
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Colouring, Command, Commands, Ruler, ViewPreset};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;

@@ -5,94 +5,92 @@ use eframe::egui::{self, EventFilter, Key, Modifiers, Rect};
 use super::SceneView;
 use super::projection::Projection;
 use super::under_pointer::UnderPointer;
-use crate::app::model::ViewPreset;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Command, Commands, View, ViewPreset};
 use crate::app::state::State;
 
 /// A press of a key turns or moves the camera as far as a drag so long (points).
 const KEY_DRAG: f32 = 14.0;
 const KEY_ZOOM: f32 = 1.15;
 
-impl SceneView {
-    pub(super) fn move_camera(&mut self, ui: &egui::Ui, response: &egui::Response, rect: Rect) {
-        let drag: [f32; 2] = response.drag_delta().into();
-        let shift = ui.input(|i| i.modifiers.shift);
-        use egui::PointerButton::{Middle, Primary, Secondary};
-        if response.drag_started() || response.clicked() {
-            response.request_focus();
-        }
-        if response.dragged_by(Secondary)
-            || response.dragged_by(Middle)
-            || (shift && response.dragged_by(Primary))
-        {
-            self.flight = None;
-            self.camera.pan(drag, rect.height());
-        } else if response.dragged_by(Primary) {
-            self.flight = None;
-            self.camera.orbit(drag);
-        }
-        if response.hovered() {
-            let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
-            if scroll != 0.0 || pinch != 1.0 {
-                self.flight = None;
-                let factor = (-0.004 * scroll).exp() / pinch;
-                self.camera.zoom(factor);
-                // What is under the pointer stays there.
-                if let Some(pointer) = response.hover_pos() {
-                    let shift = (pointer - rect.center()) * (1.0 - 1.0 / factor);
-                    self.camera.pan(shift.into(), rect.height());
-                }
+pub fn move_camera(view: &mut View, ui: &egui::Ui, response: &egui::Response, rect: Rect) {
+    let drag: [f32; 2] = response.drag_delta().into();
+    let shift = ui.input(|i| i.modifiers.shift);
+    use egui::PointerButton::{Middle, Primary, Secondary};
+    if response.drag_started() || response.clicked() {
+        response.request_focus();
+    }
+    if response.dragged_by(Secondary)
+        || response.dragged_by(Middle)
+        || (shift && response.dragged_by(Primary))
+    {
+        view.flight = None;
+        view.camera.pan(drag, rect.height());
+    } else if response.dragged_by(Primary) {
+        view.flight = None;
+        view.camera.orbit(drag);
+    }
+    if response.hovered() {
+        let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+        if scroll != 0.0 || pinch != 1.0 {
+            view.flight = None;
+            let factor = (-0.004 * scroll).exp() / pinch;
+            view.camera.zoom(factor);
+            // What is under the pointer stays there.
+            if let Some(pointer) = response.hover_pos() {
+                let shift = (pointer - rect.center()) * (1.0 - 1.0 / factor);
+                view.camera.pan(shift.into(), rect.height());
             }
         }
-        if response.double_clicked() {
-            self.pending_look = Some(ViewPreset::Fit);
-        }
     }
-
-    /// Keys while the scene has the focus: arrows turn, with shift they move, + and − zoom, Esc clears the ruler.
-    pub(super) fn take_keys(
-        &mut self,
-        ui: &egui::Ui,
-        response: &egui::Response,
-        rect: Rect,
-        state: &State,
-        commands: &mut Commands,
-    ) {
-        if !response.has_focus() {
-            return;
-        }
-        let measuring = state.ruler.active || !state.ruler.ends.is_empty();
-        // Without a ruler Esc leaves the scene, as everywhere.
-        let filter = EventFilter {
-            horizontal_arrows: true,
-            vertical_arrows: true,
-            escape: measuring,
-            ..Default::default()
-        };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
-        let presses =
-            |modifiers, key| ui.input_mut(|i| i.count_and_consume_key(modifiers, key)) as f32;
-        let arrows = |modifiers| {
-            let of = |less, more| presses(modifiers, more) - presses(modifiers, less);
-            [of(Key::ArrowLeft, Key::ArrowRight), of(Key::ArrowUp, Key::ArrowDown)]
-        };
-        // With shift first: plain arrows match whatever is held beside them.
-        let pan = arrows(Modifiers::SHIFT);
-        let orbit = arrows(Modifiers::NONE);
-        let closer = presses(Modifiers::NONE, Key::Plus) + presses(Modifiers::NONE, Key::Equals);
-        let further = presses(Modifiers::NONE, Key::Minus);
-        if pan != [0.0; 2] || orbit != [0.0; 2] || closer != further {
-            self.flight = None;
-            // The scene goes the way of the arrow when it turns, the camera when it moves.
-            self.camera.orbit(orbit.map(|presses| KEY_DRAG * presses));
-            self.camera.pan(pan.map(|presses| -KEY_DRAG * presses), rect.height());
-            self.camera.zoom(KEY_ZOOM.powf(further - closer));
-        }
-        if measuring && presses(Modifiers::NONE, Key::Escape) > 0.0 {
-            commands.push(Command::Measure(state.ruler.escaped()));
-        }
+    if response.double_clicked() {
+        view.look(ViewPreset::Fit);
     }
+}
 
+/// Keys while the scene has the focus: arrows turn, with shift they move, + and − zoom, Esc clears the ruler.
+pub fn take_keys(
+    view: &mut View,
+    ui: &egui::Ui,
+    response: &egui::Response,
+    rect: Rect,
+    state: &State,
+    commands: &mut Commands,
+) {
+    if !response.has_focus() {
+        return;
+    }
+    let measuring = state.ruler.active || !state.ruler.ends.is_empty();
+    // Without a ruler Esc leaves the scene, as everywhere.
+    let filter = EventFilter {
+        horizontal_arrows: true,
+        vertical_arrows: true,
+        escape: measuring,
+        ..Default::default()
+    };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    let presses = |modifiers, key| ui.input_mut(|i| i.count_and_consume_key(modifiers, key)) as f32;
+    let arrows = |modifiers| {
+        let of = |less, more| presses(modifiers, more) - presses(modifiers, less);
+        [of(Key::ArrowLeft, Key::ArrowRight), of(Key::ArrowUp, Key::ArrowDown)]
+    };
+    // With shift first: plain arrows match whatever is held beside them.
+    let pan = arrows(Modifiers::SHIFT);
+    let orbit = arrows(Modifiers::NONE);
+    let closer = presses(Modifiers::NONE, Key::Plus) + presses(Modifiers::NONE, Key::Equals);
+    let further = presses(Modifiers::NONE, Key::Minus);
+    if pan != [0.0; 2] || orbit != [0.0; 2] || closer != further {
+        view.flight = None;
+        // The scene goes the way of the arrow when it turns, the camera when it moves.
+        view.camera.orbit(orbit.map(|presses| KEY_DRAG * presses));
+        view.camera.pan(pan.map(|presses| -KEY_DRAG * presses), rect.height());
+        view.camera.zoom(KEY_ZOOM.powf(further - closer));
+    }
+    if measuring && presses(Modifiers::NONE, Key::Escape) > 0.0 {
+        commands.push(Command::Measure(state.ruler.escaped()));
+    }
+}
+
+impl SceneView {
     /// A click sets an end of the ruler while that is in use; otherwise it picks a reading, moves the cursor to a point
     /// of a track, or beside everything lets go of what was picked.
     pub(super) fn click(

@@ -5,8 +5,7 @@ use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rect, Shape, Vec2}
 use super::colouring::Scale;
 use super::{SceneContent, labels};
 use crate::analysis::Analysis;
-use crate::app::model::Colouring;
-use crate::app::model::Visibility;
+use crate::app::model::{Colouring, Visibility};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::calibration::inter_prism::observability::Hold;

@@ -17,7 +17,6 @@ mod colouring;
 mod content;
 mod controls;
 mod cursor;
-mod flight;
 mod grid;
 mod input;
 mod labels;

@@ -2,8 +2,7 @@
 
 use super::content::{LineVertex, PointVertex, SceneContent, WORLD, f32s, opaque};
 use super::projection::Projection;
-use crate::app::model::Units;
-use crate::app::model::{Ruler, RulerEnd};
+use crate::app::model::{Ruler, RulerEnd, Units};
 use crate::palette::Rgb;
 use eframe::egui::Pos2;
 

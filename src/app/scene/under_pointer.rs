@@ -4,14 +4,10 @@ use eframe::egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, Vec2};
 use nalgebra::Vector3;
 
 use super::SceneContent;
-use super::content::reading_m;
 use super::labels;
 use super::projection::Projection;
 use crate::analysis::Analysis;
-use crate::app::model::OpenDeployment;
-use crate::app::model::Picked;
-use crate::app::model::RulerEnd;
-use crate::app::model::Units;
+use crate::app::model::{OpenDeployment, Picked, RulerEnd, Units};
 use crate::app::prepared::Cloud;
 use crate::app::prepared::pick::Hit;
 use crate::app::theme;
@@ -72,7 +68,7 @@ impl UnderPointer {
         content: &SceneContent,
     ) -> Option<Vector3<f64>> {
         match *self {
-            Self::Reading(picked) => reading_m(&open.deployment, analysis, picked),
+            Self::Reading(picked) => picked.place_m(&open.deployment, analysis),
             Self::Track { station, index } => {
                 let point_m = analysis.triplets().points_m[station].get(index)?;
                 Some(content.station1_from_tracks[station]?.apply(point_m))

@@ -1,18 +1,17 @@
 //! The scene pane: the picture, what is written over it, and what was hovered.
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Sense, StrokeKind, Vec2};
-use nalgebra::Vector3;
 
-use super::content::reading_m;
-use super::flight::Flight;
+use super::input::{move_camera, take_keys};
 use super::labels::{self, Placer};
 use super::projection::Projection;
 use super::under_pointer::{self, UnderPointer};
 use super::{SceneContent, SceneRenderer, controls, legend, readout};
 use crate::analysis::Analysis;
-use crate::app::model::OpenDeployment;
-use crate::app::model::{Camera, Colouring, ViewPreset};
-use crate::app::model::{Command, Commands, Picked, Visibility};
+use crate::app::model::{
+    Camera, Colouring, Command, Commands, Look, OpenDeployment, Picked, View, ViewPreset,
+    Visibility,
+};
 use crate::app::prepared::time_origin_s;
 use crate::app::state::State;
 use crate::app::theme;
@@ -21,15 +20,10 @@ use crate::app::theme;
 const PICKED_RING: f32 = 9.0;
 const HOVERED_RING: f32 = 6.0;
 
-/// Camera and buffers of the scene.
+/// What the scene is drawn from, and what was under the pointer.
 pub struct SceneView {
     renderer: Option<SceneRenderer>,
     pub(super) content: SceneContent,
-    pub(super) camera: Camera,
-    /// To be done at the next frame.
-    pub(super) pending_look: Option<ViewPreset>,
-    last_look: Option<Look>,
-    pub(super) flight: Option<Flight>,
     /// What the content was made from.
     built: Option<Built>,
     coloured: Option<(u64, u64, Colouring)>,
@@ -38,18 +32,6 @@ pub struct SceneView {
     hover: Option<(u64, usize)>,
     /// What the controls took in the last frame.
     controls_size: Vec2,
-}
-
-/// What the camera was told to look at last. What is seen does not depend on which of two answers was drawn first, nor on
-/// the size that the scene had by then: it looks again with the whole answer, and in another room, until someone moves it.
-#[derive(Clone, Copy)]
-struct Look {
-    preset: ViewPreset,
-    /// Where it left the camera.
-    camera: Camera,
-    size: Vec2,
-    /// Whether the joint estimate was still to follow.
-    early: bool,
 }
 
 #[derive(PartialEq)]
@@ -65,10 +47,6 @@ impl SceneView {
         Self {
             renderer: render_state.map(SceneRenderer::new),
             content: SceneContent::default(),
-            camera: Camera::default(),
-            pending_look: None,
-            last_look: None,
-            flight: None,
             built: None,
             coloured: None,
             cursor: None,
@@ -78,42 +56,30 @@ impl SceneView {
         }
     }
 
-    /// Turns or moves the camera at the next frame.
-    pub fn look(&mut self, preset: ViewPreset) {
-        self.pending_look = Some(preset);
-    }
-
     /// Where the scene was drawn since this was asked last, in the window (points).
     pub fn take_place(&mut self) -> Option<Rect> {
         self.place.take()
     }
 
-    /// Glides to a place (m, in station 1's frame), and closer to it if it is far away.
-    pub fn fly_to(&mut self, position_m: &Vector3<f64>) {
-        self.flight = Some(Flight::new(&self.camera, position_m.cast::<f32>()));
-    }
-
-    /// Glides to a reading of the active deployment, if it has a place.
-    pub fn fly_to_reading(&mut self, state: &State, picked: Picked) {
-        let Some((open, analysis)) = state.analysed() else { return };
-        if let Some(position_m) = reading_m(&open.deployment, analysis, picked) {
-            self.fly_to(&position_m);
-        }
-    }
-
-    pub fn ui(&mut self, ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    pub fn ui(
+        &mut self,
+        ui: &mut egui::Ui,
+        state: &State,
+        view: &mut View,
+        commands: &mut Commands,
+    ) {
         let rect = ui.available_rect_before_wrap();
         self.place = Some(rect);
         let id = ui.scope_id().with("scene");
         let response = ui.interact(rect, id, Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Scene"));
-        self.refresh(ui, state);
-        self.move_camera(ui, &response, rect);
-        self.take_keys(ui, &response, rect, state, commands);
-        self.look_and_fly(ui, rect, state);
+        self.refresh(ui, state, view);
+        move_camera(view, ui, &response, rect);
+        take_keys(view, ui, &response, rect, state, commands);
+        self.look_and_fly(view, ui, rect, state);
         let painter = ui.painter_at(rect);
-        self.paint_picture(ui, &painter, rect);
-        let projection = Projection::new(&self.camera, rect);
+        self.paint_picture(&view.camera, ui, &painter, rect);
+        let projection = Projection::new(&view.camera, rect);
         if let Some((open, analysis)) = state.analysed() {
             let mut taken = Vec::new();
             if !state.picturing {
@@ -127,7 +93,7 @@ impl SceneView {
             taken.extend(scale);
             let mut placer = Placer::new(rect, taken);
             self.paint_ruler(&painter, &projection, open, state, &mut placer, dark);
-            let eye_m = self.camera.eye_m();
+            let eye_m = view.camera.eye_m();
             labels::paint(&painter, &projection, &eye_m, &self.content, &mut placer, dark);
             self.paint_picked(&painter, &projection, open, analysis, dark);
             self.show_hovered(ui, &response, &projection, state, commands);
@@ -140,7 +106,7 @@ impl SceneView {
     }
 
     /// Rebuilds what the state has changed.
-    fn refresh(&mut self, ui: &egui::Ui, state: &State) {
+    fn refresh(&mut self, ui: &egui::Ui, state: &State, view: &mut View) {
         let dark = ui.visuals().dark_mode;
         let Some((open, analysis)) = state.analysed() else {
             if self.built.take().is_some() {
@@ -156,11 +122,11 @@ impl SceneView {
         if rebuilt {
             let before = self.built.as_ref().map(|built| built.deployment);
             if before != Some(open.id) {
-                self.pending_look = Some(ViewPreset::Slanted);
-                self.flight = None;
+                view.look(ViewPreset::Slanted);
+                view.flight = None;
             }
-            if let Some(look) = self.last_look.filter(|look| look.early) {
-                self.look_again(look);
+            if let Some(look) = view.last_look.filter(|look| look.early) {
+                view.look_again(look);
             }
             self.content.set_clouds(&open.clouds);
             let grid = theme::scene_grid(dark).to_array();
@@ -192,59 +158,53 @@ impl SceneView {
         self.content.set_ruler(&state.ruler, colour);
     }
 
-    /// Once more, unless the camera was moved since.
-    fn look_again(&mut self, look: Look) {
-        if look.camera == self.camera {
-            self.pending_look = self.pending_look.or(Some(look.preset));
-        }
-    }
-
     /// Does what was asked of the camera since the last frame.
-    fn look_and_fly(&mut self, ui: &egui::Ui, rect: Rect, state: &State) {
-        if let Some(look) = self.last_look.filter(|look| look.size != rect.size()) {
-            self.look_again(look);
+    fn look_and_fly(&self, view: &mut View, ui: &egui::Ui, rect: Rect, state: &State) {
+        if let Some(look) = view.last_look.filter(|look| look.size != rect.size()) {
+            view.look_again(look);
         }
-        if let Some(preset) = self.pending_look.filter(|_| !self.content.outline_m.is_empty()) {
-            self.flight = None;
-            self.pending_look = None;
+        if let Some(preset) = view.wanted.filter(|_| !self.content.outline_m.is_empty()) {
+            view.flight = None;
+            view.wanted = None;
             match (preset, self.content.bounds_m, state.analysed()) {
                 (ViewPreset::Station(station), Some((low, high)), Some(_)) => {
                     let prisms = self.content.prisms_m;
                     let middle = prisms.map(|p| ((p[0] + p[1] + p[2]) / 3.0).cast::<f32>());
                     let target = middle.unwrap_or((low + high) / 2.0);
                     if let Some(transform) = self.content.station1_from_station[station] {
-                        self.camera.stand(&transform.translation_m.cast::<f32>(), &target);
+                        view.camera.stand(&transform.translation_m.cast::<f32>(), &target);
                     }
                 }
                 _ => {
                     let aspect = rect.width() / rect.height().max(1.0);
-                    self.camera.look(preset, &self.content.outline_m, aspect);
+                    view.camera.look(preset, &self.content.outline_m, aspect);
                 }
             }
             let early = state.active().is_some_and(OpenDeployment::joint_follows);
-            self.last_look = Some(Look { preset, camera: self.camera, size: rect.size(), early });
+            view.last_look = Some(Look { preset, camera: view.camera, size: rect.size(), early });
         }
-        if let Some(flight) = &mut self.flight {
-            if flight.advance(&mut self.camera, ui.input(|i| i.time)) {
-                self.flight = None;
+        if let Some(flight) = &mut view.flight {
+            if flight.advance(&mut view.camera, ui.input(|i| i.time)) {
+                view.flight = None;
             } else {
                 ui.ctx().request_repaint();
             }
         }
     }
 
-    fn paint_picture(&mut self, ui: &egui::Ui, painter: &egui::Painter, rect: Rect) {
+    fn paint_picture(
+        &mut self,
+        camera: &Camera,
+        ui: &egui::Ui,
+        painter: &egui::Painter,
+        rect: Rect,
+    ) {
         let background = theme::scene_background(ui.visuals().dark_mode);
         match &mut self.renderer {
             Some(renderer) => {
                 let pixels_per_point = ui.ctx().pixels_per_point();
-                let texture = renderer.draw(
-                    &self.content,
-                    &self.camera,
-                    rect.size(),
-                    pixels_per_point,
-                    background,
-                );
+                let texture =
+                    renderer.draw(&self.content, camera, rect.size(), pixels_per_point, background);
                 let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
                 painter.image(texture, rect, whole, Color32::WHITE);
             }
@@ -302,7 +262,7 @@ impl SceneView {
     ) {
         let shown = |picked: &Picked| under_pointer::is_shown(&self.content, *picked);
         let Some(picked) = open.timeline.picked.filter(shown) else { return };
-        let position_m = reading_m(&open.deployment, analysis, picked);
+        let position_m = picked.place_m(&open.deployment, analysis);
         if let Some(at) = position_m.and_then(|p| projection.visible(&p)) {
             under_pointer::ring(painter, at, PICKED_RING, dark);
         }

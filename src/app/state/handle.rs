@@ -7,15 +7,15 @@ use eframe::egui;
 use super::State;
 use super::put_right::Extra;
 use crate::analysis::Settings;
-use crate::app::model::studies;
+use crate::app::layout::Layout;
 use crate::app::model::undo::{Change, Changed, Moment};
-use crate::app::model::{Command, Overlay, Palette, Picked, Timeline};
+use crate::app::model::{Command, Overlay, Palette, Pane, Picked, Timeline, studies};
 use crate::deployment::{Deployment, Source};
 use crate::export;
 use crate::progress::Progress;
 
 impl State {
-    /// Carries out a command; those of the window itself (layout, camera, pictures) are left to the caller.
+    /// Carries out a command.
     pub fn handle(&mut self, command: Command, ctx: &egui::Context) {
         match command {
             Command::OpenPaths(paths) => self.look_at(paths),
@@ -27,6 +27,8 @@ impl State {
             Command::Prompt(command) => self.answer_prompt(command),
             Command::OpenSessionDialog => self.open_session_dialog(),
             Command::ReopenLast => self.reopen_last(),
+            Command::SaveSession => self.save_session(false),
+            Command::SaveSessionAs => self.save_session(true),
             Command::HoverPaths(paths) => self.hover_paths(paths),
             Command::RetryMissing => self.retry_missing(),
             Command::ForgetMissing(index) => {
@@ -103,20 +105,34 @@ impl State {
                 }
             }
             Command::SetPlaySpeed(speed) => self.playback.speed = speed,
-            // The camera's part of it is the window's.
-            Command::PickInScene(picked) | Command::PickInPlot(picked) => self.pick(picked),
+            Command::PickInScene(picked) => {
+                // Who picks a reading asks about it; where no pane tells, none is forced upon the user.
+                if self.layout.holds(Pane::Reading) {
+                    self.layout.show(Pane::Reading);
+                }
+                self.pick(picked);
+            }
+            Command::PickInPlot(picked) => {
+                self.fly_to(picked);
+                self.pick(picked);
+            }
             Command::Unpick => self.with_timeline(|timeline, _| timeline.picked = None),
 
             Command::Show(visibility) => self.visibility = visibility,
             Command::Colour(colouring) => self.colouring = colouring,
             Command::Measure(ruler) => self.ruler = ruler,
             Command::SetUnits(units) => self.units = units,
+            Command::Look(preset) => self.view.look(preset),
+            Command::ShowPane(pane) => self.layout.show(pane),
+            Command::UseLayout(preset) => self.layout = Layout::from(preset),
+            Command::ResetLayout => self.layout = Layout::default(),
             Command::ShowPalette => self.overlay = Overlay::Palette(Palette::default()),
             Command::EditPalette(palette) => self.overlay = Overlay::Palette(palette),
             Command::ShowShortcuts => self.overlay = Overlay::Shortcuts,
             Command::CloseOverlay => self.overlay = Overlay::None,
 
             Command::ScenePicture(to) => {
+                self.layout.show(Pane::Scene);
                 self.wanted_picture = Some(to);
                 ctx.request_repaint();
             }
@@ -152,12 +168,6 @@ impl State {
             Command::SaveStudyDialog => self.save_study(),
             Command::DismissToast(id) => self.toasts.dismiss(id),
             Command::HoldToast(id) => self.toasts.hold(id),
-            Command::Look(_)
-            | Command::ShowPane(_)
-            | Command::UseLayout(_)
-            | Command::SaveSession
-            | Command::SaveSessionAs
-            | Command::ResetLayout => {}
         }
     }
 
@@ -240,6 +250,14 @@ impl State {
     fn with_timeline(&mut self, change: impl FnOnce(&mut Timeline, &Deployment)) {
         if let Some(open) = self.open.get_mut(self.active) {
             change(&mut open.timeline, &open.deployment);
+        }
+    }
+
+    /// The camera glides to a reading of the active deployment, if it has a place.
+    fn fly_to(&mut self, picked: Picked) {
+        let Some((open, analysis)) = self.analysed() else { return };
+        if let Some(position_m) = picked.place_m(&open.deployment, analysis) {
+            self.view.fly_to(&position_m);
         }
     }
 

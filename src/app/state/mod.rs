@@ -30,16 +30,16 @@ pub use sessions::SessionState;
 
 use super::file_dialog;
 use super::jobs::Jobs;
+use super::layout::Layout;
+use super::model::View;
 use super::prepared::analyser::Analyser;
 use crate::analysis::{Analysis, Settings};
-use crate::app::model::Units;
 use crate::app::model::studies::Studies;
 use crate::app::model::toasts::Toasts;
-use crate::app::model::{Analysing, OpenDeployment};
 use crate::app::model::{
-    Asked, Overlay, PictureTo, Playback, Results, UndoStack, Validations, Visibility,
+    Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Playback, Results, Ruler,
+    UndoStack, Units, Validations, Visibility,
 };
-use crate::app::model::{Colouring, Ruler};
 
 /// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
 const DIM_AFTER: Duration = Duration::from_millis(80);
@@ -56,6 +56,8 @@ pub struct State {
     pub start_settings: Settings,
     pub visibility: Visibility,
     pub colouring: Colouring,
+    pub view: View,
+    pub layout: Layout,
     pub ruler: Ruler,
     pub playback: Playback,
     /// Time under the pointer in the last frame, in whichever pane (s, in the stations' clock).
@@ -109,6 +111,8 @@ impl State {
             start_settings: Settings::default(),
             visibility: Visibility::default(),
             colouring: Colouring::default(),
+            view: View::default(),
+            layout: Layout::default(),
             ruler: Ruler::default(),
             playback: Playback::default(),
             hover_s: None,

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 
 use super::State;
 use crate::app::file_dialog::{Question, Wanted};
-use crate::app::model::OpenDeployment;
-use crate::app::model::Picked;
 use crate::app::model::undo::{Change, Changed, Moment};
+use crate::app::model::{OpenDeployment, Picked};
 use crate::deployment::{
     AS_NUMBERED, Deployment, Extras, MaskedReading, OneOrMany, Overrides, Source, extras_changes,
 };

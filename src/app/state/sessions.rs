@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::State;
-use crate::app::model::LayoutDescription;
+use crate::app::layout::Layout;
 use crate::app::model::OpenDeployment;
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::last::LastSession;
@@ -32,8 +32,6 @@ pub struct SessionState {
     restoring: Option<Waiting>,
     /// Id of the deployment that stays shown while others are opened.
     shown: Option<u64>,
-    /// The layout of an opened session, until the window takes it.
-    layout: Option<LayoutDescription>,
     /// What the session that was just opened took the place of, until the window has it kept.
     replaced: Option<Session>,
     /// How many sessions were opened; tells the present one from those before it.
@@ -65,11 +63,6 @@ struct Waiting {
 }
 
 impl SessionState {
-    /// The layout of the session that was just opened, once.
-    pub fn take_layout(&mut self) -> Option<LayoutDescription> {
-        self.layout.take()
-    }
-
     /// Uses the hashes of files that were computed already.
     pub fn share(&mut self, cache: Arc<HashCache>) {
         self.cache = cache;
@@ -104,11 +97,7 @@ impl SessionState {
 impl State {
     /// All that is open, still to be restored or missing, and how it is looked at. What the user has just asked to open
     /// is not part of it before it is read.
-    pub fn session(&self, layout: LayoutDescription) -> Session {
-        Session { layout: Some(layout), ..self.session_without_layout() }
-    }
-
-    fn session_without_layout(&self) -> Session {
+    pub fn session(&self) -> Session {
         let shown = self.active().map(|open| open.id);
         let mut active = None;
         let mut deployments = Vec::new();
@@ -146,7 +135,7 @@ impl State {
                 units: self.units,
                 visibility: self.visibility,
             },
-            layout: None,
+            layout: Some(self.layout.describe()),
             pins: self.results.pins.iter().map(pin).collect(),
         }
     }
@@ -168,7 +157,11 @@ impl State {
         self.visibility = session.view.visibility;
         self.colouring = session.view.colouring;
         self.units = session.view.units;
-        self.session.layout = session.layout;
+        if let Some(description) = &session.layout {
+            let (layout, findings) = Layout::of_description(description);
+            self.layout = layout;
+            self.tell(&findings);
+        }
         for saved in session.pins {
             let id = self.results.pin(Arc::new(saved.result), None);
             if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
@@ -211,7 +204,7 @@ impl State {
         self.session.done(number);
         match result {
             Ok((session, findings)) => {
-                let replaced = self.session_without_layout();
+                let replaced = self.session();
                 if !replaced.is_empty() {
                     self.session.replaced.get_or_insert(replaced);
                 }
@@ -237,11 +230,10 @@ impl State {
         }
     }
 
-    /// Keeps what a session took the place of, with the layout that it had, to be opened again.
-    pub fn keep_replaced(&mut self, layout: impl FnOnce() -> LayoutDescription) {
+    /// Keeps what a session took the place of, to be opened again.
+    pub fn keep_replaced(&mut self) {
         let Some(replaced) = self.session.replaced.take() else { return };
         let Some(last) = self.session.last.clone() else { return };
-        let replaced = Session { layout: Some(layout()), ..replaced };
         let number = self.jobs.start(
             move || last.write(&replaced).map_err(|error| error.to_string()),
             Self::take_replaced_kept,
@@ -259,8 +251,8 @@ impl State {
     }
 
     /// Saves to the session's file, or asks for one where there is none yet or another is wanted.
-    pub fn save_session(&mut self, layout: LayoutDescription, ask: bool) {
-        let (session, which) = (self.session(layout), self.session.opened);
+    pub fn save_session(&mut self, ask: bool) {
+        let (session, which) = (self.session(), self.session.opened);
         match self.session.path.clone().filter(|_| !ask) {
             Some(path) => self.write_session(path, session, which),
             None => {

@@ -1,6 +1,5 @@
 use super::*;
 use crate::analysis::Settings;
-use crate::app::layout::Layout;
 use crate::app::model::Command;
 use crate::deployment::Sample;
 
@@ -40,7 +39,7 @@ fn a_missing_deployment_keeps_its_place() {
     state.settle();
     assert_eq!((state.open.len(), state.session.missing.len()), (2, 1));
     for _ in 0..2 {
-        let again = state.session(Layout::default().describe());
+        let again = state.session();
         assert_eq!((sources(&again), again.active), (sources(&session()), 2));
         state.retry_missing();
         state.settle();
@@ -66,7 +65,7 @@ fn a_cancelled_deployment_stays_in_the_session_and_that_is_said() {
     let number = state.opening[0].number;
     state.take_opened(number, Err(crate::deployment::OpenError::Cancelled));
     state.settle();
-    let again = state.session(Layout::default().describe());
+    let again = state.session();
     assert_eq!(sources(&again), sources(&session()));
     let title = session().deployments[0].source.title();
     let line = format!("{title}: reading was cancelled (it stays in the session)");
@@ -80,8 +79,8 @@ fn a_session_saved_after_another_was_opened_does_not_give_it_its_file() {
     session().save(&file("b"), &HashCache::default()).expect("saved");
     let mut state = state();
     state.session.path = Some(file("a"));
-    state.save_session(Layout::default().describe(), false);
-    let opened = Ok((Box::new(session()), Vec::new()));
+    state.save_session(false);
+    let opened = Ok((session(), Vec::new()));
     state.take_session(0, file("b"), opened);
     state.settle();
     assert!(file("a").is_file());

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use super::State;
 use crate::analysis::{Analyst, Settings};
-use crate::app::model::OpenDeployment;
-use crate::app::model::{AnswerOf, Validated};
+use crate::app::model::{AnswerOf, OpenDeployment, Validated};
 use crate::calibration::Method;
 use crate::deployment::Deployment;
 use crate::progress::{Cancelled, Progress};

@@ -3,9 +3,7 @@
 use eframe::egui::{self, RichText};
 
 use super::difference_row;
-use crate::app::model::OpenDeployment;
-use crate::app::model::Units;
-use crate::app::model::{Command, Commands, Pin};
+use crate::app::model::{Command, Commands, OpenDeployment, Pin, Units};
 use crate::app::panels::heading;
 use crate::app::state::State;
 use crate::app::theme;

@@ -5,8 +5,7 @@ use egui_plot::{AxisHints, GridMark, Plot};
 
 use super::super::time_plot::{self, Shown, Times, time_axis};
 use crate::analysis::Analysis;
-use crate::app::model::OpenDeployment;
-use crate::app::model::{Command, Commands, Picked};
+use crate::app::model::{Command, Commands, OpenDeployment, Picked};
 use crate::app::prepared::gaps::{Seen, visible};
 use crate::app::state::State;
 use crate::app::theme;

@@ -7,13 +7,12 @@ use std::time::{Duration, Instant};
 
 use eframe::egui;
 
-use super::Folders;
-use super::autosave::{Autosave, Recovered};
-use super::hashes::HashCache;
-use super::last::LastSession;
-use super::preferences::{Preferences, PreferencesFile};
+use super::persist::Folders;
+use super::persist::autosave::{Autosave, Recovered};
+use super::persist::hashes::HashCache;
+use super::persist::last::LastSession;
+use super::persist::preferences::{Preferences, PreferencesFile};
 use crate::app::layout::Layout;
-use crate::app::model::LayoutDescription;
 use crate::app::model::ago::ago;
 use crate::app::state::State;
 use crate::deployment::Finding;
@@ -71,13 +70,7 @@ impl Keeping {
     /// Gives a new window what was kept, before anything is opened in it; whether something was restored.
     ///
     /// Where the user asked for something else (`restores` is false), what a window that died had open stays for the next.
-    pub fn begin(
-        &mut self,
-        ctx: &egui::Context,
-        state: &mut State,
-        layout: &mut Layout,
-        restores: bool,
-    ) -> bool {
+    pub fn begin(&mut self, ctx: &egui::Context, state: &mut State, restores: bool) -> bool {
         ctx.set_theme(egui::ThemePreference::from(self.preferences.theme));
         state.units = self.preferences.units;
         state.session.recent = self.preferences.recent.clone();
@@ -86,7 +79,7 @@ impl Keeping {
         let mut findings = std::mem::take(&mut self.findings);
         if let Some(description) = &self.preferences.layout {
             let (kept, found) = Layout::of_description(description);
-            *layout = kept;
+            state.layout = kept;
             findings.extend(found);
         }
         let mut restored = false;
@@ -115,7 +108,7 @@ impl Keeping {
     }
 
     /// To be called in every frame. Every few seconds it has written what changed, in the background.
-    pub fn frame(&mut self, ctx: &egui::Context, state: &mut State, layout: &Layout) {
+    pub fn frame(&mut self, ctx: &egui::Context, state: &mut State) {
         let since = self.looked.elapsed();
         if since < self.every {
             // A last look after the user's last move.
@@ -123,11 +116,10 @@ impl Keeping {
             return;
         }
         self.looked = Instant::now();
-        let described = layout.describe();
-        self.keep_preferences(ctx, state, &described);
+        self.keep_preferences(ctx, state);
         if let Some(autosave) = &mut self.autosave {
             let error = autosave.take_error();
-            if autosave.offer(state.session(described)) {
+            if autosave.offer(state.session()) {
                 // To see whether it could be written.
                 ctx.request_repaint_after(self.every);
             }
@@ -140,12 +132,7 @@ impl Keeping {
         }
     }
 
-    fn keep_preferences(
-        &mut self,
-        ctx: &egui::Context,
-        state: &State,
-        described: &LayoutDescription,
-    ) {
+    fn keep_preferences(&mut self, ctx: &egui::Context, state: &State) {
         let size = ctx.input(|input| {
             let viewport = input.viewport();
             let normal =
@@ -156,7 +143,7 @@ impl Keeping {
             theme: ctx.options(|options| options.theme_preference).into(),
             units: state.units,
             // The first layout stays the program's: a newer one may have a better.
-            layout: Some(described).filter(|it| **it != Layout::default().describe()).cloned(),
+            layout: Some(state.layout.describe()).filter(|it| *it != Layout::default().describe()),
             window_points: size.or(self.preferences.window_points),
             recent: state.session.recent.clone(),
         };
@@ -164,11 +151,10 @@ impl Keeping {
     }
 
     /// The user closes the window: preferences are kept, and what was open for who asks for it.
-    pub fn finish(mut self, ctx: &egui::Context, state: &State, layout: &Layout) {
-        let described = layout.describe();
-        self.keep_preferences(ctx, state, &described);
+    pub fn finish(mut self, ctx: &egui::Context, state: &State) {
+        self.keep_preferences(ctx, state);
         self.file.finish();
-        let session = state.session(described);
+        let session = state.session();
         let kept = self.last.write(&session);
         match (self.autosave, kept) {
             (Some(autosave), Ok(())) => autosave.finish(),

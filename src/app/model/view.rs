@@ -1,0 +1,48 @@
+//! How the scene is looked at.
+
+use eframe::egui::Vec2;
+use nalgebra::Vector3;
+
+use super::flight::Flight;
+use super::{Camera, ViewPreset};
+
+/// The camera, and where it is going.
+#[derive(Default)]
+pub struct View {
+    pub camera: Camera,
+    /// To be done at the next frame.
+    pub wanted: Option<ViewPreset>,
+    pub last_look: Option<Look>,
+    pub flight: Option<Flight>,
+}
+
+/// What the camera was told to look at last. What is seen does not depend on which of two answers was drawn first, nor on
+/// the size that the scene had by then: it looks again with the whole answer, and in another room, until someone moves it.
+#[derive(Clone, Copy)]
+pub struct Look {
+    pub preset: ViewPreset,
+    /// Where it left the camera.
+    pub camera: Camera,
+    pub size: Vec2,
+    /// Whether the joint estimate was still to follow.
+    pub early: bool,
+}
+
+impl View {
+    /// Turns or moves the camera at the next frame.
+    pub fn look(&mut self, preset: ViewPreset) {
+        self.wanted = Some(preset);
+    }
+
+    /// The same as the last time, unless the camera was moved since.
+    pub fn look_again(&mut self, look: Look) {
+        if look.camera == self.camera {
+            self.wanted = self.wanted.or(Some(look.preset));
+        }
+    }
+
+    /// Glides to a place (m, in station 1's frame), and closer to it if it is far away.
+    pub fn fly_to(&mut self, position_m: &Vector3<f64>) {
+        self.flight = Some(Flight::new(&self.camera, position_m.cast::<f32>()));
+    }
+}
