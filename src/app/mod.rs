@@ -1,8 +1,24 @@
 //! The window.
 //!
-//! [`state`] holds everything and changes it in one place, [`worker`] computes beside it, [`layout`] arranges the
-//! panes, and each pane is a function in [`panels`], [`plots`] or [`scene`] that reads the state and sends
-//! commands.
+//! Panes are functions that read the [`State`] and send [`Command`]s; `state` alone changes it, between frames. Every
+//! arrow goes down:
+//!
+//! ```text
+//! window                      one frame; how it opens; how it becomes a picture
+//! ├─ panels                   panes of text and controls, bars, dialogs
+//! │  └─ actions               menus, palette and keys: which command, when it is possible
+//! ├─ keeping                  what a running window keeps for the next one
+//! ├─ scene, plots             panes that are drawn
+//! └─ state                    everything, and the one place where it changes
+//!    ├─ persist               sessions, preferences, autosave: as files
+//!    ├─ layout                where the panes are
+//!    └─ model                 plain data: commands, what is open, timeline, undo, units, toasts, view
+//!       ├─ prepared           what is computed for drawing, and the thread that does it
+//!       ├─ jobs               work beside the window, whose outcome is a function applied to the state
+//!       └─ file_dialog, theme asking for a path; colours and sizes
+//! ```
+//!
+//! `tests/structure.rs` holds the imports against this picture.
 
 mod actions;
 pub mod file_dialog;

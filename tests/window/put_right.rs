@@ -7,7 +7,7 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable;
 use resect::app::persist::hashes::HashCache;
-use resect::app::persist::session;
+use resect::app::persist::session_file;
 use resect::app::{Command, LayoutPreset, Pane, Picked};
 use resect::deployment::{AzimuthSense, Extras, Overrides, PrismConstants, Source};
 use resect::simulation::{Preset, simulate, write_folder};
@@ -217,7 +217,7 @@ fn the_session_keeps_what_was_put_right() {
     let saved = state.session(harness.state().layout().describe());
     let path = folder.path().join("x.resect.toml");
     saved.save(&path, &HashCache::default()).expect("written");
-    let (session, findings) = session::load(&path).expect("own file");
+    let (session, findings) = session_file::load(&path).expect("own file");
     assert!(findings.is_empty(), "{findings:?}");
     assert_eq!(session.deployments[0].source.extras.put_right, expected);
     let mut harness = window(SMALL, Theme::Dark);

@@ -9,7 +9,7 @@ use egui_kittest::kittest::Queryable;
 use resect::analysis::Settings;
 use resect::app::keeping::Keeping;
 use resect::app::persist::hashes::HashCache;
-use resect::app::persist::{Folders, session};
+use resect::app::persist::{Folders, session, session_file};
 use resect::app::{
     Colouring, Command, LayoutPreset, Pane, ResectWindow, Start, offscreen_renderer,
 };
@@ -153,7 +153,7 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     assert_eq!(state.session.missing.len(), 1);
     save(&harness);
     drop(harness);
-    let (saved, _) = session::load(&file).expect("whole");
+    let (saved, _) = session_file::load(&file).expect("whole");
     assert_eq!(saved.deployments.len(), 2);
     std::fs::rename(&away, &path).expect("moved");
     let mut harness = window(&start, None);
@@ -266,5 +266,5 @@ fn closing_the_window_waits_for_the_session_to_be_saved() {
     harness.state_mut().send(Command::SaveSession, &ctx);
     assert!(harness.state().state.is_busy());
     eframe::App::on_exit(harness.state_mut());
-    assert_eq!(session::load(&file).expect("saved").0.deployments.len(), 1);
+    assert_eq!(session_file::load(&file).expect("saved").0.deployments.len(), 1);
 }

@@ -11,7 +11,8 @@ use std::time::SystemTime;
 
 use super::hashes::HashCache;
 use super::keep_aside;
-use super::session::{self, Session};
+use super::session::{Session, SessionError};
+use super::session_file;
 use super::writer::Writer;
 use crate::deployment::Finding;
 use crate::export::atomic;
@@ -174,13 +175,13 @@ fn newest_left(folder: &Path) -> (Option<Recovered>, Vec<Finding>) {
     left.sort_by(|a, b| b.cmp(a));
     for (saved, path) in left {
         let Ok(Some(file)) = OwnFile::lock(path.clone()) else { continue };
-        match session::load(path) {
+        match session_file::load(path) {
             Ok((session, of_session)) => {
                 let recovered = Recovered { session, findings: of_session, saved, file };
                 return (Some(recovered), findings);
             }
             // Another window may have taken it over and removed it just now.
-            Err(session::SessionError::Read { error, .. })
+            Err(SessionError::Read { error, .. })
                 if error.kind() == std::io::ErrorKind::NotFound =>
             {
                 file.remove();

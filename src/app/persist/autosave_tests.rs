@@ -180,7 +180,7 @@ fn a_killed_process_damages_neither_session_nor_autosave() {
         // SIGKILL: nothing of the child runs after it.
         child.kill().expect("killed");
         child.wait().expect("gone");
-        let (session, findings) = session::load(&path).expect("whole");
+        let (session, findings) = session_file::load(&path).expect("whole");
         assert!(whole(&session) && findings.is_empty());
         let (window, recovered, findings) = start(&folder.path().join("autosave"));
         assert_eq!(findings, [], "kill {kill}");

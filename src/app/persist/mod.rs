@@ -9,6 +9,7 @@ pub mod hashes;
 pub mod last;
 pub mod preferences;
 pub mod session;
+pub mod session_file;
 mod stored;
 mod writer;
 

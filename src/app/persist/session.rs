@@ -1,16 +1,15 @@
 //! A session: everything that is open, and how it is looked at. Plain data, kept as versioned TOML.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
 use super::hashes::{FileMark, HashCache, used_files};
-use super::{line_of, stored};
 use crate::analysis::Settings;
 use crate::app::model::{Colouring, LayoutDescription, Units, Visibility};
-use crate::deployment::{Deployment, Finding, OpenError, Source};
-use crate::export::atomic::{self, WriteError};
+use crate::deployment::{Deployment, OpenError, Source};
+use crate::export::atomic::WriteError;
 use crate::export::summary::ResultSummary;
 use crate::progress::Progress;
 
@@ -141,64 +140,4 @@ impl Session {
     pub fn is_empty(&self) -> bool {
         self.deployments.is_empty() && self.pins.is_empty()
     }
-
-    /// The text of a session file in this folder: paths below it are relative, so that both can be moved together.
-    pub fn text(&self, folder: &Path, cache: &HashCache) -> Result<String, SessionError> {
-        self.text_with(folder, |files| files.marks(cache))
-    }
-
-    fn text_with(
-        &self,
-        folder: &Path,
-        marks: impl Fn(&Files) -> &[FileMark],
-    ) -> Result<String, SessionError> {
-        toml::to_string(&stored::StoredSession::new(self, folder, marks))
-            .map_err(|error| SessionError::Text(error.to_string()))
-    }
-
-    /// Writes the file, or leaves the old one as it is. Hashes what is not hashed yet: not on the window's thread.
-    pub fn save(&self, path: &Path, cache: &HashCache) -> Result<(), SessionError> {
-        let text = self.text(&folder_of(path), cache)?;
-        Ok(atomic::write(path, text)?)
-    }
-
-    /// The same without the hashes that are not known yet: reads no input.
-    pub fn save_unhashed(&self, path: &Path) -> Result<(), SessionError> {
-        let text = self.text_with(&folder_of(path), Files::known_marks)?;
-        Ok(atomic::write(path, text)?)
-    }
 }
-
-/// A session and what had to be left out of it, or why there is none: what, where, remedy.
-pub fn load(path: &Path) -> Result<(Session, Vec<Finding>), SessionError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| SessionError::Read { path: path.to_owned(), error })?;
-    let version: stored::Version = parse(path, &text)?;
-    if version.resect_session > stored::VERSION {
-        return Err(SessionError::Newer { path: path.to_owned(), by: version.resect });
-    }
-    let session: stored::StoredSession = parse(path, &text)?;
-    session
-        .read(&folder_of(path))
-        .map_err(|what| SessionError::Content { path: path.to_owned(), what })
-}
-
-fn parse<T: for<'a> Deserialize<'a>>(path: &Path, text: &str) -> Result<T, SessionError> {
-    toml::from_str(text).map_err(|error| {
-        let line = error.span().map_or(1, |span| line_of(text, span.start));
-        // The message is one line for one line on the screen.
-        let what = error.message().lines().collect::<Vec<_>>().join(", ");
-        SessionError::Line { path: path.to_owned(), line, what }
-    })
-}
-
-/// The folder of a file, absolute where it can be told.
-fn folder_of(path: &Path) -> PathBuf {
-    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    folder.canonicalize().unwrap_or(folder)
-}
-
-#[cfg(test)]
-#[path = "session_tests.rs"]
-mod tests;

@@ -6,7 +6,8 @@ use std::fmt::Write;
 use eframe::egui::{self, RichText};
 use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
-use super::time_plot::{self, Times, time_axis};
+use super::time_plot::{self, time_axis};
+use super::times::Times;
 use super::{round_marks, station_switches};
 use crate::analysis::Analysis;
 use crate::app::model::{Commands, OpenDeployment};

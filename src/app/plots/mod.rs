@@ -14,6 +14,7 @@ pub mod rates;
 pub mod residuals;
 mod threshold;
 mod time_plot;
+mod times;
 
 use eframe::egui;
 use egui_plot::{GridInput, GridMark};

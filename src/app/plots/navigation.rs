@@ -3,7 +3,7 @@
 use eframe::egui::{self, Key, PointerButton};
 use egui_plot::PlotTransform;
 
-use super::time_plot::Times;
+use super::times::Times;
 use crate::app::model::{Command, Commands};
 
 /// What the user asks of the y axis.

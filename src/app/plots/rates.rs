@@ -9,7 +9,8 @@ use eframe::egui::{self, Rect, RichText, Stroke};
 use egui_plot::{AxisHints, HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
 use super::threshold::{self, Threshold};
-use super::time_plot::{self, Shown, Times, time_axis};
+use super::time_plot::{self, Shown, time_axis};
+use super::times::Times;
 use super::{log_axis, station_switches};
 use crate::app::model::{Command, Commands, OpenDeployment, Picked};
 use crate::app::prepared::{Quantity, RawReadings, StationReadings};

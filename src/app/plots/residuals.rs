@@ -4,7 +4,8 @@ use eframe::egui;
 use egui_plot::{FilledArea, HoverPosition, MarkerShape, Plot, PlotPoints, PlotUi, Points, Span};
 
 use super::navigation::Moved;
-use super::time_plot::{self, Times, time_axis};
+use super::time_plot::{self, time_axis};
+use super::times::Times;
 use super::{answer, pair_switches, round_marks};
 use crate::analysis::{Analysis, Answer};
 use crate::app::model::{Commands, OpenDeployment, Pin, Visibility};

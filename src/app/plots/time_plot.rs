@@ -4,37 +4,10 @@ use eframe::egui::{self, Pos2, Rect, Stroke};
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform, PlotUi};
 
 use super::navigation::{self, Moved};
+use super::times::Times;
 use super::{LABELS, round_marks};
-use crate::app::model::{Command, Commands, OpenDeployment};
-use crate::app::state::State;
+use crate::app::model::{Command, Commands};
 use crate::app::theme;
-
-/// Where in time the panes are; seconds since the first measurement, as the plots count.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Times {
-    /// The first measurement, in the stations' clock (s).
-    pub start_s: f64,
-    pub window_s: [f64; 2],
-    pub cursor_s: Option<f64>,
-    /// Under the pointer, in whichever pane.
-    pub hover_s: Option<f64>,
-    pub selection_s: Option<[f64; 2]>,
-}
-
-impl Times {
-    pub fn of(open: &OpenDeployment, state: &State) -> Self {
-        let start_s = open.start_s();
-        let since = |time_s: f64| time_s - start_s;
-        let timeline = &open.timeline;
-        Self {
-            start_s,
-            window_s: timeline.window_s.map(since),
-            cursor_s: timeline.cursor_s.map(since),
-            hover_s: state.hover_s.map(since),
-            selection_s: timeline.selection_s.map(|span_s| span_s.map(since)),
-        }
-    }
-}
 
 /// A plot that was shown.
 pub struct Shown {

@@ -3,19 +3,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::pick::PointTree;
+use super::pick::{PointTree, TimedPoint};
 use crate::analysis::Analysis;
 use crate::deployment::{Deployment, Track};
 use crate::pipeline::Triplets;
-
-/// A point in its station's frame, as the GPU reads it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct TimedPoint {
-    pub position_m: [f32; 3],
-    /// Since [`time_origin_s`].
-    pub time_s: f32,
-}
 
 /// What the GPU counts time from (s, in the stations' clock): a reading in the middle of the drive. Its numbers are short;
 /// counted from the first reading, one stray stamp years before the drive would leave them minutes wide.

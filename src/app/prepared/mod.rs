@@ -11,6 +11,7 @@ pub mod plots;
 mod pyramid;
 pub mod raw_readings;
 
-pub use cloud::{Cloud, CloudMaker, Clouds, TimedPoint, nearest_triplets, time_origin_s};
+pub use cloud::{Cloud, CloudMaker, Clouds, nearest_triplets, time_origin_s};
+pub use pick::TimedPoint;
 pub use plots::PreparedPlots;
 pub use raw_readings::{Quantity, RawReadings, StationReadings};

@@ -6,7 +6,14 @@ use eframe::egui::{Pos2, Rect};
 use nalgebra::{Matrix4, Vector3, Vector4};
 use rayon::prelude::*;
 
-use super::cloud::TimedPoint;
+/// A point in its station's frame, as the GPU reads it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct TimedPoint {
+    pub position_m: [f32; 3],
+    /// Since [`time_origin_s`].
+    pub time_s: f32,
+}
 
 /// Points in the smallest boxes, and boxes in each larger one.
 const LEAF: usize = 64;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use eframe::egui_wgpu::wgpu;
 
 use super::colouring::PointColour;
-use super::content::Layer;
+use super::vertices::Layer;
 use crate::app::prepared::Cloud;
 
 /// Points and lines of a layer.

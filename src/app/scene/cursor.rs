@@ -1,7 +1,8 @@
 //! The prism triangle at an instant, and the vehicle there.
 
-use super::content::{LineVertex, PointVertex, SceneContent, f32s};
+use super::content::SceneContent;
 use super::overlays;
+use super::vertices::{LineVertex, PointVertex, f32s};
 use crate::analysis::Analysis;
 use crate::deployment::{Deployment, PAIRS};
 use crate::palette::{self, Rgb};

@@ -3,8 +3,8 @@
 use eframe::egui::Pos2;
 use nalgebra::Vector3;
 
-use super::content::{LineVertex, WORLD};
 use super::projection::Projection;
+use super::vertices::{LineVertex, WORLD};
 
 /// Squares along the longer side, about.
 const SQUARES: f32 = 10.0;

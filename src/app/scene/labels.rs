@@ -3,8 +3,8 @@
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Vec2};
 
 use super::SceneContent;
-use super::content::Rank;
 use super::projection::Projection;
+use super::vertices::Rank;
 use crate::app::theme;
 
 /// Gives out places that are still free.

@@ -25,10 +25,12 @@ mod overlays;
 mod pipelines;
 mod projection;
 mod readout;
+mod rebuild;
 mod renderer;
 mod ruler;
 mod station_uncertainty;
 mod under_pointer;
+mod vertices;
 mod view;
 
 pub use content::SceneContent;

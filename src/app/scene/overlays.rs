@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::content::{LineVertex, SceneContent, WORLD, f32s};
+use super::content::SceneContent;
+use super::vertices::{LineVertex, WORLD, f32s};
 use crate::analysis::Analysis;
 use crate::deployment::Deployment;
 use crate::evaluation::trajectory::Pose;

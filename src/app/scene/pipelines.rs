@@ -3,7 +3,7 @@
 use eframe::egui_wgpu::wgpu;
 
 use super::colouring::PointColour;
-use super::content::{LineVertex, PointVertex};
+use super::vertices::{LineVertex, PointVertex};
 use crate::app::prepared::TimedPoint;
 
 pub const SAMPLES: u32 = 4;

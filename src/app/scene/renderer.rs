@@ -11,8 +11,9 @@ use eframe::{egui, egui_wgpu};
 use nalgebra::Matrix4;
 
 use super::buffers::{CloudBuffers, LayerBuffers};
-use super::content::{Layer, SceneContent};
+use super::content::SceneContent;
 use super::pipelines::{COLOUR, DEPTH, Pipelines, SAMPLES};
+use super::vertices::Layer;
 use crate::app::model::Camera;
 use crate::geometry::RigidTransform;
 

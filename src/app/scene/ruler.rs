@@ -1,7 +1,8 @@
 //! The ruler in the picture, and what its ends snap to.
 
-use super::content::{LineVertex, PointVertex, SceneContent, WORLD, f32s, opaque};
+use super::content::SceneContent;
 use super::projection::Projection;
+use super::vertices::{LineVertex, PointVertex, WORLD, f32s, opaque};
 use crate::app::model::{Ruler, RulerEnd, Units};
 use crate::palette::Rgb;
 use eframe::egui::Pos2;

@@ -3,8 +3,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::content::{Label, LineVertex, Rank, SceneContent, WORLD, opaque};
+use super::content::SceneContent;
 use super::overlays::round_factor;
+use super::vertices::{Label, LineVertex, Rank, WORLD, opaque};
 use crate::calibration::Calibration;
 use crate::calibration::inter_prism::observability::{Hold, Observability, StationMotion};
 use crate::palette::{self, Rgb};

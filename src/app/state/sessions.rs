@@ -11,8 +11,9 @@ use crate::app::persist::hashes::HashCache;
 use crate::app::persist::last::LastSession;
 use crate::app::persist::preferences::{Recent, remember};
 use crate::app::persist::session::{
-    self, EXTENSION, Files, SavedDeployment, SavedPin, SavedView, Session, SessionError,
+    EXTENSION, Files, SavedDeployment, SavedPin, SavedView, Session, SessionError,
 };
+use crate::app::persist::session_file;
 use crate::deployment::{Deployment, Finding, Source};
 
 /// What belongs to the session beside what is open.
@@ -182,7 +183,7 @@ impl State {
     pub fn open_session(&mut self, path: PathBuf) {
         let from = path.clone();
         let number = self.jobs.start(
-            move || session::load(&from),
+            move || session_file::load(&from),
             move |state: &mut Self, number, result| state.take_session(number, path, result),
         );
         self.session.reading.push(number);

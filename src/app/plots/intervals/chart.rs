@@ -3,7 +3,8 @@
 use eframe::egui::{self, Align2, Color32, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2};
 use egui_plot::{AxisHints, GridMark, Plot};
 
-use super::super::time_plot::{self, Shown, Times, time_axis};
+use super::super::time_plot::{self, Shown, time_axis};
+use super::super::times::Times;
 use crate::analysis::Analysis;
 use crate::app::model::{Command, Commands, OpenDeployment, Picked};
 use crate::app::prepared::gaps::{Seen, visible};

@@ -8,7 +8,8 @@ use eframe::egui::{self, Sense, Vec2};
 
 use super::station_switches;
 use super::threshold::Threshold;
-use super::time_plot::{self, Times};
+use super::time_plot;
+use super::times::Times;
 use crate::analysis::Settings;
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;

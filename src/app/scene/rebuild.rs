@@ -1,0 +1,205 @@
+//! Everything in the scene made anew from an answer: stations, control points, poses, what is known how well, and the grid.
+
+use nalgebra::Vector3;
+
+use super::content::SceneContent;
+use super::grid::Grid;
+use super::vertices::{Label, Landmark, LineVertex, PointVertex, Rank, WORLD, opaque};
+use super::{overlays, station_uncertainty};
+use crate::analysis::Analysis;
+use crate::app::model::Visibility;
+use crate::app::prepared::placing::{placed, placed_tracks};
+use crate::deployment::Deployment;
+use crate::geometry::RigidTransform;
+use crate::palette::{self, Rgb};
+use crate::pipeline::SampleFate;
+
+/// How many points the camera looks at to fit everything, and how many of a station are asked for where it is.
+const OUTLINE_POINTS: usize = 2000;
+const ASKED_POINTS: usize = 4000;
+/// Length of the axes at a station (m).
+const AXIS_M: f32 = 1.5;
+
+impl SceneContent {
+    /// Makes the readings, tracks and poses of a span of time stand out (s, in the stations' clock).
+    pub fn set_selection(&mut self, selected_s: Option<[f64; 2]>, origin_s: f64) {
+        self.selection_s = selected_s.map(|span_s| span_s.map(|t| (t - origin_s) as f32));
+        if self.selected_s != selected_s {
+            self.selected_s = selected_s;
+            self.along.clear();
+            overlays::add_poses(&mut self.along.lines, &self.poses, selected_s);
+        }
+    }
+
+    /// Rebuilds everything but readings and tracks, from which it asks for some.
+    pub fn rebuild(
+        &mut self,
+        deployment: &Deployment,
+        analysis: &Analysis,
+        visibility: &Visibility,
+        grid_colour: [u8; 4],
+    ) {
+        self.station1_from_station = placed(analysis);
+        self.station1_from_tracks = placed_tracks(deployment, analysis);
+        self.data.clear();
+        self.labels.clear();
+        self.landmarks.clear();
+        self.find_extent(analysis);
+        self.exaggeration = None;
+        self.station_exaggeration = None;
+        let transforms = self.station1_from_station;
+        let shown = |station: usize| transforms[station].is_some() && visibility.stations[station];
+        let tracks = self.station1_from_tracks;
+        let track_shown = |station: usize| tracks[station].is_some() && shown(station);
+        self.raw_shown = [0, 1, 2].map(|station| visibility.raw && track_shown(station));
+        self.tracks_shown = [0, 1, 2].map(|station| visibility.tracks && track_shown(station));
+        let points_placed = match &analysis.answer {
+            Ok(answer) => answer.calibration.placing_control_points(deployment).is_some(),
+            Err(_) => true,
+        };
+        if visibility.uncertainty {
+            let stations: Vec<usize> = (0..3).filter(|station| track_shown(*station)).collect();
+            self.exaggeration = overlays::add_uncertainty(self, analysis, &stations);
+        }
+        for (station, transform) in transforms.iter().enumerate() {
+            let Some(transform) = transform.filter(|_| shown(station)) else { continue };
+            if visibility.control_points && points_placed {
+                self.add_control_points(deployment, station, &transform);
+            }
+            self.add_station(station, &transform);
+        }
+        self.poses =
+            if visibility.poses { overlays::poses_along(deployment, analysis) } else { Vec::new() };
+        self.along.clear();
+        overlays::add_poses(&mut self.along.lines, &self.poses, self.selected_s);
+        self.add_what_is_known(analysis, visibility);
+        // The last of equals was placed first while there were only control points and stations.
+        self.labels.sort_by_key(|label| label.rank);
+        self.grid = self.bounds_m.map(|(low, high)| Grid::under(&low, &high));
+        if let Some(grid) = &self.grid {
+            grid.add_lines(&mut self.data.lines, grid_colour);
+        }
+    }
+
+    /// The box around stations and tracks, and an outline for the camera.
+    fn find_extent(&mut self, analysis: &Analysis) {
+        self.outline_m.clear();
+        let none_kept = analysis.triplets().is_empty();
+        for (station, transform) in self.station1_from_station.iter().enumerate() {
+            let Some(transform) = transform else { continue };
+            let points = self.clouds.raw.station(station);
+            let fates = &analysis.pipeline.fates[station].each;
+            let step = points.len().div_ceil(ASKED_POINTS).max(1);
+            // Outliers may lie anywhere; they must not push the rest into a corner.
+            let placed = self.station1_from_tracks[station].is_some();
+            let seen = points.iter().zip(fates).step_by(step).filter(|_| placed);
+            let seen = seen
+                .filter(|(_, fate)| {
+                    none_kept || !matches!(fate, SampleFate::Rejected(_) | SampleFate::LeftOut)
+                })
+                .map(|(point, _)| Vector3::from(point.position_m).cast::<f64>());
+            let origin = std::iter::once(Vector3::zeros());
+            self.outline_m.extend(origin.chain(seen).map(|p| transform.apply(&p).cast::<f32>()));
+        }
+        let corners = self.outline_m.iter().map(|p| (*p, *p));
+        self.bounds_m = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
+        let step = self.outline_m.len().div_ceil(OUTLINE_POINTS).max(1);
+        self.outline_m = self.outline_m.iter().step_by(step).copied().collect();
+        // Thinning must not lose a station.
+        let origins = self.station1_from_station.iter().flatten();
+        self.outline_m.extend(origins.map(|t| t.translation_m.cast::<f32>()));
+    }
+
+    /// How well the stations are known.
+    fn add_what_is_known(&mut self, analysis: &Analysis, visibility: &Visibility) {
+        let Ok(answer) = &analysis.answer else { return };
+        let (calibration, shown) = (&answer.calibration, &visibility.stations);
+        if visibility.station_ellipsoids {
+            self.station_exaggeration =
+                station_uncertainty::add_ellipsoids(self, calibration, shown);
+        }
+        if visibility.weak_directions
+            && let Some(details) = calibration.inter_prism()
+        {
+            let observed = &details.observability;
+            station_uncertainty::add_weak_directions(self, calibration, observed, shown);
+        }
+    }
+
+    fn add_control_points(
+        &mut self,
+        deployment: &Deployment,
+        station: usize,
+        transform: &RigidTransform,
+    ) {
+        for set in &deployment.control_points {
+            for point in &set.points {
+                let Some(polar) = point.readings[station] else { continue };
+                let position_m = transform.apply(&polar.to_cartesian());
+                let place = position_m.cast::<f32>();
+                // A cross of fixed size, so that the stations' versions of a point can be told apart.
+                for axis in 0..3 {
+                    let mut arm = Vector3::zeros();
+                    arm[axis] = 0.35;
+                    self.world_line(place - arm, place + arm, palette::STATIONS[station], 1.5);
+                }
+                let kind = if set.pillars { "pillar" } else { "control point" };
+                let name = format!("{kind} {} from station {}", point.marker, station + 1);
+                self.landmarks.push(Landmark { position_m, name });
+                if station == 0 {
+                    self.labels.push(Label {
+                        position_m: place,
+                        text: if set.pillars {
+                            format!("pillar {}", point.marker)
+                        } else {
+                            point.marker.to_string()
+                        },
+                        colour: palette::fate(SampleFate::Kept),
+                        rank: Rank::ControlPoint,
+                    });
+                }
+            }
+        }
+    }
+
+    /// A tripod with its frame's axes, x red, y green, z blue, and the name.
+    fn add_station(&mut self, station: usize, transform: &RigidTransform) {
+        let origin = transform.translation_m.cast::<f32>();
+        let turn = |v: Vector3<f64>| transform.rotate(&v).cast::<f32>();
+        for (axis, colour) in overlays::AXES {
+            self.world_line(origin, origin + AXIS_M * turn(axis), colour, 2.0);
+        }
+        for leg in 0..3 {
+            let angle = f64::from(leg) * std::f64::consts::TAU / 3.0;
+            let foot = turn(Vector3::new(0.55 * angle.cos(), 0.55 * angle.sin(), -1.5));
+            self.world_line(origin, origin + foot, palette::STATIONS[station], 1.5);
+        }
+        self.data.points.push(PointVertex {
+            position_m: origin.into(),
+            frame: WORLD,
+            colour: opaque(palette::STATIONS[station]),
+            diameter_points: 9.0,
+        });
+        self.labels.push(Label {
+            position_m: origin + Vector3::new(0.0, 0.0, 0.4),
+            text: format!("Station {}", station + 1),
+            colour: palette::STATIONS[station],
+            rank: Rank::Station,
+        });
+        self.landmarks.push(Landmark {
+            position_m: transform.translation_m,
+            name: format!("station {}", station + 1),
+        });
+    }
+
+    fn world_line(&mut self, from: Vector3<f32>, to: Vector3<f32>, colour: Rgb, width_points: f32) {
+        self.data.lines.push(LineVertex {
+            from_m: from.into(),
+            from_frame: WORLD,
+            to_m: to.into(),
+            to_frame: WORLD,
+            colour: opaque(colour),
+            width_points,
+        });
+    }
+}
