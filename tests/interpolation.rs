@@ -82,7 +82,7 @@ fn the_stated_sigma_is_about_as_large_as_the_errors() {
         let analysis = analyse(&deployment, &settings);
         let transforms = simulated.truth.station1_from_station.map(Into::into);
         let triplets = &analysis.pipeline.triplets;
-        let errors_m = resect::calibration::inter_prism::distance_errors_m(
+        let errors_m = resect::calibration::distance_errors_m(
             triplets,
             &transforms,
             &simulated.truth.inter_prism_m,

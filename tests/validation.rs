@@ -8,7 +8,7 @@ use common::{analyse, answer, by, field_data, knock, two_runs};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use resect::analysis::{Analysis, Settings};
-use resect::calibration::inter_prism::distance_errors_m;
+use resect::calibration::distance_errors_m;
 use resect::calibration::{Method, Verdict};
 use resect::deployment::{Deployment, TrackFrame, open};
 use resect::simulation::{Preset, Settling, simulate};

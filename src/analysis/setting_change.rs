@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Settings;
-use crate::calibration::joint::ErrorSizes;
+use crate::calibration::ErrorSizes;
 use crate::calibration::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
 use crate::pipeline::{PipelineSettings, Thresholds};
 

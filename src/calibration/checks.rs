@@ -1,9 +1,9 @@
 //! What every answer is held against, whatever the method: its own σ, control points that it has not seen, and the
 //! inter-prism distances that it has not seen.
 
-use super::inter_prism::distance_errors_m;
-use super::sense::control_points_apart_m;
 use super::{Calibration, Method, TransformSigma, Verdict, Witness};
+use crate::calibration::distance_errors_m;
+use crate::calibration::misfits::control_points_apart_m;
 use crate::deployment::{ControlPointSet, Deployment, Finding, Rig, TrackFrame};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;

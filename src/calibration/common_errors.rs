@@ -4,7 +4,7 @@
 
 use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
 
-use super::inter_prism::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
+use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use crate::geometry::{RigidTransform, wrap_to_pi};
 use crate::pipeline::Triplets;
 

@@ -5,7 +5,6 @@
 use std::borrow::Cow;
 
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
-use super::inter_prism::{refinement_in_words, with_clocks};
 use super::joint::{self, JointEstimate};
 use super::point_to_point::{self, Aligned, Errors, Matches};
 use super::track_clocks::{self, TrackClocks};
@@ -13,6 +12,7 @@ use super::{
     Alignment, Calibration, CalibrationError, CalibrationSettings, Details, Loss, Method, Offer,
     Verdict, checks, common_errors, time_blocks,
 };
+use super::{clocks_in_words, with_clocks};
 use crate::deployment::{Deployment, Finding};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
@@ -155,20 +155,20 @@ pub fn solve(
         );
     }
     if let Some(found) = &clocks {
-        for finding in refinement_in_words::suspicions(&found.offsets_s) {
+        for finding in clocks_in_words::suspicions(&found.offsets_s) {
             verdict = verdict.max(Verdict::Weak);
             findings.push(finding);
         }
     }
     if let Some(found) = &estimated {
-        let uneven = refinement_in_words::implausible_drifts(&found.drifts, &[false; 2]);
+        let uneven = clocks_in_words::implausible_drifts(&found.drifts, &[false; 2]);
         if !uneven.is_empty() {
             verdict = verdict.max(Verdict::Weak);
         }
         findings.extend(uneven);
         // The joint estimate has its own.
         if settings.method != Some(Method::Joint) {
-            findings.extend(refinement_in_words::clocks(&found.offsets_s, &found.drifts));
+            findings.extend(clocks_in_words::clocks(&found.offsets_s, &found.drifts));
         }
     }
     let station1_from_station = transforms(&aligned);

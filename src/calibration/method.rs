@@ -8,6 +8,9 @@ use super::targets::{Targets, targets};
 use crate::deployment::Deployment;
 use crate::pipeline::Triplets;
 
+/// Control points that hold an answer of method B.
+pub const FEWEST_POINTS: usize = 3;
+
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum,
 )]
@@ -155,10 +158,10 @@ fn lack(
                 sets.flat_map(|set| &set.points).filter(both).count()
             };
             let fewest = shared(1).min(shared(2));
-            (fewest < super::static_gcp::FEWEST_POINTS).then(|| {
+            (fewest < FEWEST_POINTS).then(|| {
                 format!(
                     "{} control points that all stations measured ({fewest} here)",
-                    super::static_gcp::FEWEST_POINTS
+                    FEWEST_POINTS
                 )
             })
         }

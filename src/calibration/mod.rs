@@ -1,20 +1,25 @@
 //! From triplets to the stations' extrinsics, each answer with its uncertainty and a verdict.
 //!
-//! [`solve`] is the one way in; the paper's four methods live in modules of their own: A [`two_point`],
+//! [`solve()`] is the one way in; the paper's four methods live in modules of their own: A [`two_point`],
 //! B [`static_gcp`], C [`dynamic_gcp`], D [`inter_prism`]. The joint estimate goes beyond them, and carries the paper's
-//! answer with it ([`beside_published`]). [`Offer`] says which methods the data allows.
+//! answer with it. [`Offer`] says which methods the data allows.
 
-mod beside_published;
 mod checks;
+mod clocks_in_words;
 mod common_errors;
 mod disagreement;
 pub mod dynamic_gcp;
+mod estimate;
+pub mod instrument;
 pub mod inter_prism;
 pub mod joint;
 mod method;
+mod misfits;
+mod moving_triplets;
 mod point_to_point;
 mod sense;
 mod settings;
+mod solve;
 pub mod static_gcp;
 mod targets;
 pub mod time_blocks;
@@ -24,8 +29,13 @@ mod verdict;
 mod witness;
 
 pub use disagreement::{Disagreement, disagreements, moved_m};
+pub use estimate::Estimate;
+pub use instrument::ErrorSizes;
 pub use method::{Method, Offer};
+pub use misfits::distance_errors_m;
+pub use moving_triplets::{Clock, MovingTriplets, velocities_m_per_s, with_clocks};
 pub use settings::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
+pub use solve::{solve, solve_while};
 pub use targets::Targets;
 pub use verdict::Verdict;
 pub use witness::Witness;
@@ -35,7 +45,7 @@ use nalgebra::{SMatrix, Vector3};
 use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
-use crate::progress::{Cancelled, Progress};
+use crate::progress::Cancelled;
 
 /// Why there is no answer at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -217,7 +227,7 @@ impl Calibration {
             Details::DynamicGcp(dynamic_gcp::DynamicGcpDetails { joint: Some(joint), .. }) => {
                 Some(joint.corrected(triplets))
             }
-            _ => Some(inter_prism::with_clocks(triplets, self.clocks()?)),
+            _ => Some(with_clocks(triplets, self.clocks()?)),
         }
     }
 
@@ -229,7 +239,7 @@ impl Calibration {
     }
 
     /// How late the stamps of stations 2 and 3 are, where that was estimated.
-    pub fn clocks(&self) -> Option<[inter_prism::Clock; 2]> {
+    pub fn clocks(&self) -> Option<[Clock; 2]> {
         match &self.details {
             Details::InterPrism(details) => details.refinement.as_ref()?.clocks(),
             Details::DynamicGcp(details) => match &details.joint {
@@ -241,9 +251,7 @@ impl Calibration {
     }
 
     /// The same with their uncertainty: offset (s) and, where it was estimated, drift (s/s) of stations 2 and 3.
-    pub fn clock_estimates(
-        &self,
-    ) -> Option<[(inter_prism::Estimate, Option<inter_prism::Estimate>); 2]> {
+    pub fn clock_estimates(&self) -> Option<[(Estimate, Option<Estimate>); 2]> {
         let (offsets_s, drifts) = match &self.details {
             Details::InterPrism(details) => {
                 let refinement = details.refinement.as_ref()?;
@@ -276,131 +284,5 @@ impl Calibration {
             Details::InterPrism(details) => Some(details),
             _ => None,
         }
-    }
-}
-
-/// Calibrates a deployment by the method of the settings: the joint estimate if they name none.
-pub fn solve(
-    deployment: &Deployment,
-    triplets: &Triplets,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-) -> Result<Calibration, CalibrationError> {
-    solve_while(deployment, triplets, settings, offer, &Progress::default())
-}
-
-/// The same until `progress` is cancelled, which ends it with [`CalibrationError::Cancelled`].
-pub fn solve_while(
-    deployment: &Deployment,
-    triplets: &Triplets,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-    progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
-    match settings.method.unwrap_or_default() {
-        Method::Joint => beside_published::solve(deployment, triplets, settings, offer, progress),
-        method => {
-            let answer = answer_by(method, deployment, triplets, settings, offer, progress)?;
-            let tried = &mut sense::Tried::default();
-            checked(answer, deployment, triplets, settings, offer, tried, progress)
-        }
-    }
-}
-
-/// The answer of a method by itself.
-fn answer_by(
-    method: Method,
-    deployment: &Deployment,
-    triplets: &Triplets,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-    progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
-    match method {
-        Method::TwoPoint => two_point::solve(deployment, triplets, offer),
-        Method::StaticGcp => static_gcp::solve(deployment, triplets, settings, offer),
-        Method::DynamicGcp => dynamic_gcp::solve(deployment, triplets, settings, offer),
-        Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer, progress),
-        Method::Joint => estimate_jointly(deployment, triplets, settings, offer, progress),
-    }
-}
-
-/// An answer held against all that could contradict it.
-fn checked(
-    mut calibration: Calibration,
-    deployment: &Deployment,
-    triplets: &Triplets,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-    tried: &mut sense::Tried,
-    progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
-    if calibration.inter_prism().is_some() {
-        hold_against_control_points(&mut calibration, deployment, settings, offer);
-    }
-    sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;
-    for doubt in deployment.findings.iter().filter(|finding| finding.doubt) {
-        calibration.verdict = calibration.verdict.max(Verdict::Weak);
-        calibration.findings.push(doubt.clone());
-    }
-    if calibration.placing_tracks(deployment).is_none() {
-        calibration.findings.push(Finding::warning(
-            "this answer is about the stations' own frames, and the tracks are in another: it does not place them, and \
-             nothing of the drive was held against it",
-        ));
-    }
-    Ok(calibration)
-}
-
-/// The joint estimate of one prism or of three, which starts from the published method.
-fn estimate_jointly(
-    deployment: &Deployment,
-    triplets: &Triplets,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-    progress: &Progress,
-) -> Result<Calibration, CalibrationError> {
-    let settings = CalibrationSettings {
-        loss: Loss::Cauchy,
-        estimate: Estimated { clocks: true, distances: true, tilt: true },
-        ..*settings
-    };
-    let calibration = if offer.targets == Targets::OnePrism {
-        if offer.lack(Method::Joint).is_some() {
-            return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
-        }
-        let settings = CalibrationSettings { alignment: Alignment::Level, ..settings };
-        dynamic_gcp::solve_jointly(deployment, triplets, &settings, offer, progress)?
-    } else {
-        inter_prism::solve(deployment, triplets, &settings, offer, progress)?
-    };
-    Ok(Calibration { method: Method::Joint, ..calibration })
-}
-
-/// Method B on the control points, where there are any, as a witness of an answer from inter-prism distances.
-fn hold_against_control_points(
-    calibration: &mut Calibration,
-    deployment: &Deployment,
-    settings: &CalibrationSettings,
-    offer: &Offer,
-) {
-    if offer.lack(Method::StaticGcp).is_some() || deployment.track_frame == TrackFrame::Common {
-        return;
-    }
-    let Ok(by_points) = static_gcp::solve(deployment, &Triplets::default(), settings, offer) else {
-        return;
-    };
-    let disagreements = disagreements(&by_points, calibration, deployment);
-    let agrees = calibration.sigma.is_some_and(|sigma| {
-        let transforms = &calibration.station1_from_station;
-        checks::control_points_contradict(deployment, transforms, &sigma).is_none()
-    });
-    // Points that do not hold an answer of their own agree with anything.
-    if by_points.verdict == Verdict::Good && agrees && disagreements.is_empty() {
-        calibration.checked_by.push(Witness::ControlPoints);
-    }
-    for disagreement in disagreements {
-        calibration.verdict = calibration.verdict.max(Verdict::Weak);
-        calibration.findings.push(Finding::warning(disagreement.in_words()));
     }
 }

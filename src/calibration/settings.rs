@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Method;
-use super::joint::ErrorSizes;
+use crate::calibration::ErrorSizes;
 use crate::deployment::Finding;
 
 /// Where method D starts from.

@@ -5,6 +5,7 @@
 
 use nalgebra::Vector3;
 
+use super::method::FEWEST_POINTS;
 use super::point_to_point::{self, Errors, Matches};
 use super::{
     Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict, checks,
@@ -14,7 +15,6 @@ use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
-pub const FEWEST_POINTS: usize = 3;
 const FEWEST_FOR_SANDWICH: usize = 10;
 /// A point this many times further off than half of the others, and by more than the second (m), is named.
 const BLUNDER: f64 = 5.0;

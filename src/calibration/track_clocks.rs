@@ -3,8 +3,8 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
-use super::inter_prism::{Clock, Estimate, with_clocks};
 use super::time_blocks;
+use crate::calibration::{Clock, Estimate, with_clocks};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::sandwich::{self, Block};

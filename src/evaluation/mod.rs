@@ -6,7 +6,7 @@ pub mod vehicle;
 
 use serde::{Deserialize, Serialize};
 
-use crate::calibration::inter_prism::distance_errors_m;
+use crate::calibration::distance_errors_m;
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
 use crate::geometry::RigidTransform;

@@ -9,7 +9,8 @@ use nalgebra::SMatrix;
 use serde_json::{Value, json};
 
 use crate::analysis::{Analysis, Answer};
-use crate::calibration::inter_prism::{Estimate, InterPrismDetails, PriorSearch, Refinement};
+use crate::calibration::Estimate;
+use crate::calibration::inter_prism::{InterPrismDetails, PriorSearch, Refinement};
 use crate::calibration::joint::{DriveClocks, JointEstimate, Stepped};
 use crate::calibration::two_point::PairResection;
 use crate::calibration::{Basin, Calibration, Details, TransformSigma};

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::json::{SCHEMA, rows};
 use super::text::spread_text;
-use crate::calibration::inter_prism::Estimate;
+use crate::calibration::Estimate;
 use crate::validation::in_words::chance;
 use crate::validation::{Cause, LEVEL, Outcome, StationMove, Validation};
 

@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, Vector3};
 use super::Earlier;
 use super::moved::Difference;
 use crate::analysis::Answer;
-use crate::calibration::inter_prism::distance_errors_m;
+use crate::calibration::distance_errors_m;
 use crate::deployment::PAIRS;
 use crate::evaluation::Spread;
 use crate::geometry::RigidTransform;

@@ -7,8 +7,8 @@
 use nalgebra::{Matrix4, SMatrix, SVector, Vector3, Vector4};
 
 use super::{Cause, LEVEL_OF_ONE};
-use crate::calibration::inter_prism::Estimate;
-use crate::calibration::joint::ErrorSizes;
+use crate::calibration::ErrorSizes;
+use crate::calibration::Estimate;
 use crate::geometry::{LevelTransform, wrap_to_pi};
 
 /// χ² of four numbers that chance exceeds with probability [`LEVEL_OF_ONE`].

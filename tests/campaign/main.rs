@@ -19,7 +19,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use resect::analysis::{Analysis, Settings};
-use resect::calibration::joint::ErrorSizes;
+use resect::calibration::ErrorSizes;
 use resect::calibration::{Method, Verdict};
 use resect::geometry::wrap_to_pi;
 use resect::simulation::{

@@ -214,7 +214,7 @@ fn the_session_keeps_what_was_put_right() {
     enter(&mut harness, "Distance of prisms 2–3", "0.95");
     let (expected, answer) = (put_right(&harness), station3(&harness));
     let state = &harness.state().state;
-    let saved = state.session(harness.state().layout().describe());
+    let saved = state.session();
     let path = folder.path().join("x.resect.toml");
     saved.save(&path, &HashCache::default()).expect("written");
     let (session, findings) = session_file::load(&path).expect("own file");

@@ -118,7 +118,7 @@ fn the_joint_estimate_is_said_to_follow() {
         harness.run_steps(2);
         let follows = |harness: &Window| harness.state().state.open[0].joint_follows();
         while !follows(&harness) && harness.state().state.is_busy() {
-            harness.state_mut().state.take_replies();
+            harness.state_mut().state.take_outcomes();
             std::thread::yield_now();
         }
         harness.run_steps(1);

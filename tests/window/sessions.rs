@@ -9,7 +9,7 @@ use egui_kittest::kittest::Queryable;
 use resect::analysis::Settings;
 use resect::app::keeping::Keeping;
 use resect::app::persist::hashes::HashCache;
-use resect::app::persist::{Folders, session, session_file};
+use resect::app::persist::{Folders, session_file};
 use resect::app::{
     Colouring, Command, LayoutPreset, Pane, ResectWindow, Start, offscreen_renderer,
 };

@@ -75,3 +75,47 @@ impl Ruler {
         vec![first, second]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn end(position_m: [f64; 3], prism: Option<usize>) -> RulerEnd {
+        RulerEnd { position_m: position_m.into(), what: String::new(), prism }
+    }
+
+    #[test]
+    fn it_says_distance_parts_and_for_two_prisms_what_the_rig_says() {
+        let units = Units::default();
+        let ruler = Ruler { active: true, ends: Vec::new() };
+        let ruler = ruler.with(end([1.0, 2.0, 3.0], None));
+        assert!(ruler.lines(None, None, units).is_empty());
+        let ruler = ruler.with(end([4.0, 6.0, 1.0], None));
+        assert_eq!(
+            ruler.lines(None, None, units),
+            ["5.3852 m", "horizontal 5.0000 m, height -2.0000 m"]
+        );
+        // The ends were set when the prisms were elsewhere; they go with them.
+        let prisms = [[0.0; 3], [0.9031, 0.0, 0.0], [0.0, 0.5, 0.0]].map(Vector3::from);
+        let ruler = Ruler::default().with(end([7.0; 3], Some(1))).with(end([9.0; 3], Some(0)));
+        assert_eq!(
+            ruler.lines(Some(&prisms), Some(&[0.9021, 0.5, 1.0]), units)[0],
+            "prisms 1–2: 0.9031 m, rig 0.9021 m, +1.0 mm"
+        );
+        // Twice the same prism is no pair.
+        let ruler = Ruler::default().with(end([7.0; 3], Some(1))).with(end([9.0; 3], Some(1)));
+        assert_eq!(ruler.lines(Some(&prisms), Some(&[1.0; 3]), units)[0], "0.0000 m");
+    }
+
+    #[test]
+    fn a_third_end_starts_anew_and_esc_goes_back() {
+        let mut ruler = Ruler { active: true, ends: Vec::new() };
+        for _ in 0..3 {
+            ruler = ruler.with(end([0.0; 3], None));
+        }
+        assert_eq!(ruler.ends.len(), 1);
+        let cleared = ruler.escaped();
+        assert!(cleared.active && cleared.ends.is_empty());
+        assert!(!cleared.escaped().active);
+    }
+}

@@ -222,8 +222,9 @@ fn read(path: &Path) -> (Preferences, Vec<Finding>, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::layout::{Layout, LayoutPreset};
-    use crate::app::units::LengthUnit;
+    use crate::app::layout::Layout;
+    use crate::app::model::LayoutPreset;
+    use crate::app::model::LengthUnit;
     use crate::deployment::Sample;
 
     fn changed() -> Preferences {

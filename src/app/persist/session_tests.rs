@@ -1,10 +1,18 @@
 use proptest::prelude::*;
 
+use std::sync::{Arc, OnceLock};
+
 use super::*;
 use crate::analysis::Analyst;
+use crate::analysis::Settings;
 use crate::app::layout::Layout;
+use crate::app::model::Colouring;
 use crate::app::model::LayoutPreset;
+use crate::app::persist::hashes::used_files;
+use crate::app::persist::session::{SavedDeployment, SavedPin, SavedView};
+use crate::deployment::Source;
 use crate::deployment::{Extras, Sample};
+use crate::export::summary::ResultSummary;
 use crate::progress::Progress;
 
 fn session(folder: &Path) -> Session {

@@ -13,7 +13,7 @@ use crate::analysis::Analysis;
 use crate::app::model::{Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::calibration::inter_prism::Estimate;
+use crate::calibration::Estimate;
 use crate::palette;
 
 /// The least height of the plot (ms): less is noise of the drawing.

@@ -218,8 +218,8 @@ fn spread(bits: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Camera;
     use super::*;
+    use crate::app::model::Camera;
     use proptest::prelude::*;
 
     /// A drive of loops, some of whose readings jumped away.

@@ -236,9 +236,9 @@ fn round_up(value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cloud::Cloud;
     use super::*;
     use crate::analysis::{Analyst, Settings};
+    use crate::app::prepared::Cloud;
     use crate::deployment::Sample;
 
     fn warthog() -> (Deployment, Analysis) {

@@ -139,8 +139,8 @@ fn step_between(square: f32) -> i32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Camera;
     use super::*;
+    use crate::app::model::Camera;
     use eframe::egui::Rect;
 
     #[test]

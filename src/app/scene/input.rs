@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, EventFilter, Key, Modifiers, Rect};
 
-use super::SceneView;
+use super::content::SceneContent;
 use super::projection::Projection;
 use super::under_pointer::UnderPointer;
 use crate::app::model::{Command, Commands, View, ViewPreset};
@@ -90,36 +90,33 @@ pub fn take_keys(
     }
 }
 
-impl SceneView {
-    /// A click sets an end of the ruler while that is in use; otherwise it picks a reading, moves the cursor to a point
-    /// of a track, or beside everything lets go of what was picked.
-    pub(super) fn click(
-        &self,
-        response: &egui::Response,
-        projection: &Projection,
-        state: &State,
-        commands: &mut Commands,
-    ) {
-        let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) else {
-            return;
-        };
-        let Some((open, analysis)) = state.analysed() else { return };
-        let under = UnderPointer::find(&self.content, projection, at);
-        if state.ruler.active {
-            let end = self
-                .content
-                .snap(projection, at)
-                .or_else(|| under.and_then(|under| under.ruler_end(open, analysis, &self.content)));
-            commands.extend(end.map(|end| Command::Measure(state.ruler.with(end))));
-            return;
+/// A click sets an end of the ruler while that is in use; otherwise it picks a reading, moves the cursor to a point
+/// of a track, or beside everything lets go of what was picked.
+pub fn click(
+    content: &SceneContent,
+    response: &egui::Response,
+    projection: &Projection,
+    state: &State,
+    commands: &mut Commands,
+) {
+    let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) else {
+        return;
+    };
+    let Some((open, analysis)) = state.analysed() else { return };
+    let under = UnderPointer::find(content, projection, at);
+    if state.ruler.active {
+        let end = content
+            .snap(projection, at)
+            .or_else(|| under.and_then(|under| under.ruler_end(open, analysis, content)));
+        commands.extend(end.map(|end| Command::Measure(state.ruler.with(end))));
+        return;
+    }
+    match under {
+        Some(UnderPointer::Reading(picked)) => commands.push(Command::PickInScene(picked)),
+        Some(track @ UnderPointer::Track { .. }) => {
+            commands.extend(track.time_s(open, analysis).map(Command::MoveCursor));
         }
-        match under {
-            Some(UnderPointer::Reading(picked)) => commands.push(Command::PickInScene(picked)),
-            Some(track @ UnderPointer::Track { .. }) => {
-                commands.extend(track.time_s(open, analysis).map(Command::MoveCursor));
-            }
-            None if open.timeline.picked.is_some() => commands.push(Command::Unpick),
-            None => {}
-        }
+        None if open.timeline.picked.is_some() => commands.push(Command::Unpick),
+        None => {}
     }
 }

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Sense, StrokeKind, Vec2};
 
-use super::input::{move_camera, take_keys};
+use super::input::{click, move_camera, take_keys};
 use super::labels::{self, Placer};
 use super::projection::Projection;
 use super::under_pointer::{self, UnderPointer};
@@ -97,7 +97,7 @@ impl SceneView {
             labels::paint(&painter, &projection, &eye_m, &self.content, &mut placer, dark);
             self.paint_picked(&painter, &projection, open, analysis, dark);
             self.show_hovered(ui, &response, &projection, state, commands);
-            self.click(&response, &projection, state, commands);
+            click(&self.content, &response, &projection, state, commands);
         }
         if response.has_focus() {
             let stroke = ui.visuals().selection.stroke;

@@ -1,7 +1,8 @@
 //! Triplets that cannot be right, such as those of a station that followed another prism for a while: which they are, and
 //! how far they pull an answer by least squares.
 
-use super::{CentredTriplets, Minimum, NormalEquations, distance_errors_m};
+use super::{CentredTriplets, Minimum, NormalEquations};
+use crate::calibration::distance_errors_m;
 use crate::calibration::{TransformSigma, Verdict};
 use crate::deployment::Finding;
 use crate::geometry::RigidTransform;

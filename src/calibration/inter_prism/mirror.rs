@@ -5,7 +5,7 @@
 //! tells the two apart (which prism stands higher), or control points do, or the cost where the vehicle
 //! pitched and rolled.
 
-use crate::calibration::sense::control_points_apart_m;
+use crate::calibration::misfits::control_points_apart_m;
 use crate::calibration::{Basin, Mirror, ResolvedBy};
 use crate::deployment::{ControlPointSet, Finding, Rig};
 use crate::geometry::RigidTransform;

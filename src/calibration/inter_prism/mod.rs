@@ -37,8 +37,6 @@ mod valley;
 use std::borrow::Cow;
 use std::time::Instant;
 
-use nalgebra::Vector3;
-
 pub use centred::{CentredTriplets, Parameters};
 pub use closed_form::closed_form_priors;
 use diagnosis::Evidence;
@@ -47,22 +45,20 @@ pub use normal_equations::{NormalEquations, distance_pulls};
 use observability::Observability;
 pub use prior_search::{PriorSearch, SearchRun};
 use published::Published;
-pub use refinement::{
-    Clock, Estimate, PRISM_CONSTANT_SIGMA_M, Refinement, Support, TILT_SIGMA_RAD,
-    velocities_m_per_s, with_clocks,
-};
+pub use refinement::{Refinement, Support};
 pub use squared_cost::SquaredCost;
 pub use twins::Twins;
 
 use super::checks;
-use super::joint::{self, ErrorSizes};
+use super::joint;
 use super::method::why_no_triplets;
-use super::sense::explain_no_triplets;
 use super::{
     Basin, Calibration, CalibrationError, CalibrationSettings, Details, Loss, Method, Mirror,
     Offer, Targets, Verdict,
 };
-use crate::deployment::{Deployment, Finding, PAIRS};
+use crate::calibration::ErrorSizes;
+use crate::calibration::clocks_in_words;
+use crate::deployment::{Deployment, Finding};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
@@ -120,12 +116,7 @@ pub fn solve(
 ) -> Result<Calibration, CalibrationError> {
     let name = || deployment.name.clone();
     if triplets.is_empty() {
-        let mut why = why_no_triplets(deployment);
-        if let Some(misread) =
-            deployment.rig.as_ref().and_then(|rig| explain_no_triplets(deployment, rig))
-        {
-            why = format!("{why}; {misread}");
-        }
+        let why = why_no_triplets(deployment);
         return Err(CalibrationError::NoTriplets { deployment: name(), why });
     }
     if offer.targets == Targets::OnePrism {
@@ -240,8 +231,8 @@ pub fn solve(
             settings.inter_prism_sigma_m,
         )
     {
-        lower(Verdict::Weak, refinement_in_words::suspicions(&clocks.offsets_s));
-        lower(Verdict::Weak, refinement_in_words::suspected_jumps(&clocks.jumps_s));
+        lower(Verdict::Weak, clocks_in_words::suspicions(&clocks.offsets_s));
+        lower(Verdict::Weak, clocks_in_words::suspected_jumps(&clocks.jumps_s));
     }
     if let Some(refined) = &refinement {
         if refined.joint.is_none() {
@@ -280,24 +271,6 @@ pub fn solve(
         prior_ms,
         solve_ms: started.elapsed().as_secs_f64() * 1e3 - prior_ms,
     })
-}
-
-/// Errors of the three distances of every triplet (m): apparent minus known, for pairs 12, 13, 23.
-pub fn distance_errors_m(
-    triplets: &Triplets,
-    station1_from_station: &[RigidTransform; 3],
-    inter_prism_m: &[f64; 3],
-) -> [Vec<f64>; 3] {
-    let mut errors: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(triplets.len()));
-    for index in 0..triplets.len() {
-        let placed: [Vector3<f64>; 3] = std::array::from_fn(|station| {
-            station1_from_station[station].apply(&triplets.points_m[station][index])
-        });
-        for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
-            errors[pair].push((placed[a] - placed[b]).norm() - inter_prism_m[pair]);
-        }
-    }
-    errors
 }
 
 /// Whether two solutions are the same minimum.

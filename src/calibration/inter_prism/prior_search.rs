@@ -6,7 +6,8 @@
 //! at least three other runs agree with (`paper.tex`, "Search of prior").
 
 use super::levenberg_marquardt::ROUGH_M;
-use super::{CentredTriplets, FEWEST_TRIPLETS, distance_errors_m, minimise, same_solution};
+use super::{CentredTriplets, FEWEST_TRIPLETS, minimise, same_solution};
+use crate::calibration::distance_errors_m;
 use crate::geometry::{LevelTransform, RigidTransform, align_level};
 use crate::pipeline::Triplets;
 use crate::statistics::median;

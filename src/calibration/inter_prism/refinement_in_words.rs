@@ -1,18 +1,14 @@
 //! What a refinement found, in words: what is off and which way, whether the data supports it, what moved.
 
-use super::refinement::{Estimate, PRISM_CONSTANT_SIGMA_M, Refinement, Support, TILT_SIGMA_RAD};
+use super::refinement::{Refinement, Support};
+use crate::calibration::clocks_in_words::{clocks, implausible_drifts};
+use crate::calibration::estimate::sigmas_in_words;
+use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use crate::calibration::{CalibrationSettings, Verdict};
 use crate::deployment::{Finding, pair_label};
 
-/// Smaller than this many σ, an estimate is not told from what was assumed.
-const SUPPORTED_SIGMAS: f64 = 2.0;
 /// An inter-prism distance this many millimetres from its measurement asks for a new one.
 const NOTABLE_DISTANCE_M: f64 = 0.003;
-/// A clock that is off by more than both is worth a warning where it is not estimated (s).
-const SUSPICIOUS_SIGMAS: f64 = 3.5;
-const SUSPICIOUS_OFFSET_S: f64 = 0.002;
-/// Four times what the prior allows (s per s).
-const IMPLAUSIBLE_DRIFT: f64 = 20e-6;
 /// An estimate further than this many σ of its prior from where that puts it has another cause than chance.
 const MOST_PRIOR_SIGMAS: f64 = 5.0;
 /// No rig is measured better than this (m).
@@ -33,7 +29,7 @@ pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> 
             pair_label(pair),
             off_m * 1e3,
             distance.sigma * 1e3,
-            support(distance.sigmas_from(inter_prism_m[pair])),
+            sigmas_in_words(distance.sigmas_from(inter_prism_m[pair])),
         );
         findings.push(if off_m.abs() > NOTABLE_DISTANCE_M {
             Finding::warning(format!("{line}; measure the rig again"))
@@ -48,7 +44,7 @@ pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> 
         findings.push(Finding::note(format!(
             "station {} leans {x:+.1} ± {sx:.1}″ about x and {y:+.1} ± {sy:.1}″ about y{}",
             slot + 2,
-            support(largest),
+            sigmas_in_words(largest),
         )));
     }
     findings.extend(refined.support.iter().map(support_in_words));
@@ -110,58 +106,6 @@ pub fn doubts(
     doubts.into_iter().map(|line| (Verdict::Weak, Finding::warning(line))).collect()
 }
 
-/// What the clocks of stations 2 and 3 were found to do.
-pub fn clocks(offsets_s: &[Estimate; 2], drifts: &[Estimate; 2]) -> Vec<Finding> {
-    let offsets = offsets_s.iter().enumerate().map(|(slot, clock)| clock_in_words(slot + 2, clock));
-    let drifts = drifts
-        .iter()
-        .enumerate()
-        .filter(|(_, drift)| drift.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS)
-        .map(|(slot, drift)| {
-            Finding::note(format!(
-                "station {}'s clock drifts by {:+.1} ± {:.1} µs a second",
-                slot + 2,
-                drift.value * 1e6,
-                drift.sigma * 1e6,
-            ))
-        });
-    offsets.chain(drifts).collect()
-}
-
-/// "station 3's stamps are 3.7 ± 0.3 ms late".
-fn clock_in_words(station: usize, clock: &Estimate) -> Finding {
-    let direction = if clock.value > 0.0 { "late" } else { "early" };
-    let sigmas = clock.sigmas_from(0.0).abs();
-    let line = format!(
-        "station {station}'s stamps are {:.2} ± {:.2} ms {direction} against station 1's{}",
-        clock.value.abs() * 1e3,
-        clock.sigma * 1e3,
-        support(sigmas),
-    );
-    Finding::note(line)
-}
-
-/// Clocks that differ between the halves of a drive.
-pub fn suspected_jumps(jumps_s: &[Estimate; 2]) -> Vec<Finding> {
-    jumps_s
-        .iter()
-        .enumerate()
-        .filter(|(_, jump)| {
-            jump.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
-                && jump.value.abs() > SUSPICIOUS_OFFSET_S
-        })
-        .map(|(slot, jump)| {
-            Finding::warning(format!(
-                "station {}'s stamps seem {:+.1} ± {:.1} ms later in the second half of the drive than in the first, which \
-                 biases this answer: look for a clock that jumped (the joint estimate says when)",
-                slot + 2,
-                jump.value * 1e3,
-                jump.sigma * 1e3,
-            ))
-        })
-        .collect()
-}
-
 fn support_in_words(support: &Support) -> Finding {
     let Support { what, chi_square, unknowns, supported } = support;
     Finding::note(if *supported {
@@ -176,57 +120,4 @@ fn support_in_words(support: &Support) -> Finding {
 /// Clocks that drift as none does.
 pub fn uneven_clocks(refined: &Refinement) -> Vec<Finding> {
     refined.clock_drifts.iter().flat_map(|drifts| implausible_drifts(drifts, &[false; 2])).collect()
-}
-
-/// Drifts that no clock has, where no jump explains them.
-pub fn implausible_drifts(drifts: &[Estimate; 2], jumping: &[bool; 2]) -> Vec<Finding> {
-    drifts
-        .iter()
-        .zip(jumping)
-        .enumerate()
-        .filter(|(_, (drift, jumping))| {
-            drift.value.abs() > IMPLAUSIBLE_DRIFT
-                && drift.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
-                && !**jumping
-        })
-        .map(|(slot, (drift, _))| {
-            Finding::warning(format!(
-                "station {}'s clock seems to drift by {:+.0} µs a second, which clocks do not: it jumps or wanders, and the \
-                 answer is not corrected for that",
-                slot + 2,
-                drift.value * 1e6,
-            ))
-        })
-        .collect()
-}
-
-/// Clocks that are clearly off although they were not estimated: they bias the answer.
-pub fn suspicions(clocks: &[Estimate; 2]) -> Vec<Finding> {
-    clocks
-        .iter()
-        .enumerate()
-        .filter(|(_, clock)| {
-            clock.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
-                && clock.value.abs() > SUSPICIOUS_OFFSET_S
-        })
-        .map(|(slot, clock)| {
-            let direction = if clock.value > 0.0 { "late" } else { "early" };
-            Finding::warning(format!(
-                "station {}'s stamps seem {:.1} ± {:.1} ms {direction} against station 1's, which biases this answer: \
-                 estimate the clocks, as the joint estimate does",
-                slot + 2,
-                clock.value.abs() * 1e3,
-                clock.sigma * 1e3,
-            ))
-        })
-        .collect()
-}
-
-fn support(sigmas: f64) -> String {
-    let sigmas = sigmas.abs();
-    if sigmas > SUPPORTED_SIGMAS {
-        format!(" ({sigmas:.1} σ)")
-    } else {
-        format!(" ({sigmas:.1} σ: not told from zero)")
-    }
 }

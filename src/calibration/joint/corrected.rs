@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::JointEstimate;
 use super::unknowns::{Sight, Station};
-use crate::calibration::inter_prism::{Clock, velocities_m_per_s};
+use crate::calibration::{Clock, velocities_m_per_s};
 use crate::pipeline::Triplets;
 
 impl JointEstimate {

@@ -3,7 +3,7 @@
 use super::unknowns::{COLLIMATIONS, DISTANCES, INDICES, LATENCIES, LEANS, OFFSETS, SCALES};
 use super::{JointEstimate, Step, Stepped};
 use crate::calibration::Verdict;
-use crate::calibration::inter_prism::{Estimate, refinement_in_words};
+use crate::calibration::{Estimate, clocks_in_words};
 use crate::deployment::{Finding, pair_label};
 
 /// How far one estimate may be from its prior by chance (σ): once in forty thousand, by some of thirty.
@@ -19,10 +19,10 @@ const TOLD_NARROWED: f64 = 0.8;
 
 pub fn findings(found: &JointEstimate) -> Vec<Finding> {
     let mut findings = vec![noise(found)];
-    findings.extend(refinement_in_words::clocks(&found.clock_offsets_s, &found.clock_drifts));
+    findings.extend(clocks_in_words::clocks(&found.clock_offsets_s, &found.clock_drifts));
     for (number, drive) in found.drives.iter().enumerate().skip(1) {
         let clocks =
-            refinement_in_words::clocks(&drive.late_s, &[Estimate { value: 0.0, sigma: 1.0 }; 2]);
+            clocks_in_words::clocks(&drive.late_s, &[Estimate { value: 0.0, sigma: 1.0 }; 2]);
         findings.extend(clocks.into_iter().map(|finding| Finding {
             message: format!("drive {}: {}", number + 1, finding.message),
             ..finding
@@ -90,7 +90,7 @@ pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
     }
     doubts.extend(found.stepped.iter().map(|step| stepped(step, found)));
     doubts.extend(
-        refinement_in_words::implausible_drifts(&found.clock_drifts, &jumping(found))
+        clocks_in_words::implausible_drifts(&found.clock_drifts, &jumping(found))
             .into_iter()
             .map(|finding| (Verdict::Weak, finding)),
     );

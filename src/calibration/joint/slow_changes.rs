@@ -7,7 +7,8 @@ use super::chain::{Data, Factor, SlowPrecisions, SlowPriors, Wander};
 use super::drive::Drive;
 use super::pass::{Estimates, Model, with_priors};
 use super::stability::{self, Step, Stepped};
-use super::unknowns::{Constants, ErrorSizes, Slow};
+use super::unknowns::{Constants, Slow};
+use crate::calibration::ErrorSizes;
 use crate::progress::{Cancelled, Progress};
 
 /// Wanderings of ranges that are tried.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::chain::{Columns, Factor, SlowPrecisions, Walk};
 use super::unknowns::{SLOW_CLOCKS, SLOW_RANGES, Slow};
-use crate::calibration::inter_prism::Estimate;
+use crate::calibration::Estimate;
 
 /// Poses of stations 2 and 3, and their clocks.
 const STEPPING: usize = SLOW_RANGES;

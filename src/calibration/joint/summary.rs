@@ -8,11 +8,12 @@ use super::equations::Levels;
 use super::pass::{Estimates, Model, Pass};
 use super::strain::Strain;
 use super::unknowns::{
-    CLOCKS, COLLIMATIONS, CONSTANTS, DISTANCES, DRIFTS, ErrorSizes, INDICES, LATENCIES, LEANS,
-    OFFSETS, SCALES, SLOW, SLOW_CLOCKS, SLOW_RANGES,
+    CLOCKS, COLLIMATIONS, CONSTANTS, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES,
+    SLOW, SLOW_CLOCKS, SLOW_RANGES,
 };
 use super::{DriveClocks, JointEstimate};
-use crate::calibration::inter_prism::Estimate;
+use crate::calibration::ErrorSizes;
+use crate::calibration::Estimate;
 use crate::geometry::LevelTransform;
 
 impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {

@@ -2,9 +2,8 @@
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
-use serde::{Deserialize, Serialize};
-
 use super::band::PART;
+use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
 
 /// Constants of a drive: (x, y, z, yaw) of stations 2 and 3; then by station or pair what the places below name.
@@ -34,61 +33,6 @@ pub type Slow = SVector<f64, SLOW>;
 /// The earth's radius, and how much less than it a sight bends (m, share): Gauss's coefficient.
 pub const EARTH_RADIUS_M: f64 = 6.371e6;
 pub const REFRACTION: f64 = 0.13;
-
-const ARCSECOND_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
-
-/// How large the errors of instruments are before a drive says anything about them (1 σ).
-///
-/// Sources: manuals of total stations and prisms, and the papers that the README names.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ErrorSizes {
-    /// The clocks of stations 2 and 3 against station 1's (s): not known.
-    pub clock_offset_s: f64,
-    pub clock_drift: f64,
-    /// How much a clock wanders during a drive beside that (s).
-    pub clock_wander_s: f64,
-    /// Between the angles and the range of a reading (s).
-    pub latency_s: f64,
-    /// Of the inter-prism distances (m); [`crate::calibration::CalibrationSettings::inter_prism_sigma_m`] takes its place.
-    #[serde(skip)]
-    pub inter_prism_m: f64,
-    /// What a compensator leaves (rad).
-    pub lean_rad: f64,
-    /// Of a station's ranges to its prism: the prism's constant, its centring, the instrument's zero (m).
-    pub range_offset_m: f64,
-    /// Of a station's ranges: air and oscillator.
-    pub range_scale: f64,
-    /// Of the vertical circle (rad).
-    pub index_rad: f64,
-    /// Of the sight, or of the tracker on its prism (rad).
-    pub collimation_rad: f64,
-    /// How far a tripod turns (rad) and moves (m) during a drive.
-    pub settling_rad: f64,
-    pub settling_m: f64,
-    /// Whether ranges may wander for seconds to minutes, as prisms make them that are seen from changing sides.
-    pub ranges_wander: bool,
-}
-
-impl Default for ErrorSizes {
-    fn default() -> Self {
-        Self {
-            clock_offset_s: 1.0,
-            clock_drift: 5e-6,
-            clock_wander_s: 2e-4,
-            latency_s: 0.01,
-            inter_prism_m: 0.001,
-            lean_rad: 2.0 * ARCSECOND_RAD,
-            range_offset_m: 0.0012,
-            range_scale: 7e-6,
-            index_rad: 4.0 * ARCSECOND_RAD,
-            collimation_rad: 3.0 * ARCSECOND_RAD,
-            settling_rad: 36e-6,
-            settling_m: 0.0007,
-            ranges_wander: true,
-        }
-    }
-}
 
 /// 1/σ² of the constants; zero where nothing is known beforehand.
 pub fn precisions(sizes: &ErrorSizes) -> Constants {

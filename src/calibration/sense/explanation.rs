@@ -5,10 +5,11 @@
 use rayon::prelude::*;
 
 use super::misreading::Misreading;
-use super::shown::{Agreement, Shown, Witnesses, control_points_apart_m};
+use super::shown::{Agreement, Shown, Witnesses};
 use crate::calibration::TransformSigma;
 use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M};
 use crate::calibration::inter_prism::Twins;
+use crate::calibration::misfits::control_points_apart_m;
 use crate::deployment::{ControlPointSet, Deployment, Finding, Rig, Track};
 use crate::geometry::RigidTransform;
 use crate::pipeline::{self, PipelineSettings, Triplets};

@@ -10,7 +10,6 @@ mod misreading;
 mod shown;
 
 pub use explanation::{Tried, explain_no_triplets};
-pub use shown::control_points_apart_m;
 
 use self::shown::{Agreement, Shown, Witnesses};
 use super::{Calibration, Method, Offer, Targets, Verdict, Witness};

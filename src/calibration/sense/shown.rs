@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::calibration::TransformSigma;
 use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M};
+use crate::calibration::misfits::control_points_apart_m;
 use crate::deployment::{ControlPointSet, PAIRS, Rig};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
@@ -80,15 +81,6 @@ impl Shown {
             control_points_m: control_points_apart_m(control_points, station1_from_station),
         })
     }
-}
-
-/// Median distance between what two stations make of a control point (m); `None` where no two stations share one.
-pub fn control_points_apart_m(
-    control_points: &[ControlPointSet],
-    station1_from_station: &[RigidTransform; 3],
-) -> Option<f64> {
-    let sets = control_points.iter().filter(|set| !set.pillars);
-    median(sets.flat_map(|set| set.disagreements_m(station1_from_station)))
 }
 
 /// Signed area of a triangle seen from above (m²), positive where its corners lie counter-clockwise.

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::calibration::inter_prism::Estimate;
+use crate::calibration::Estimate;
 use crate::calibration::joint::JointEstimate;
 
 /// Errors of the three instruments, and the parts of each σ.

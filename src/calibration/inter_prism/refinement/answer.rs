@@ -2,27 +2,12 @@
 
 use nalgebra::{SMatrix, Vector3};
 
-use super::model::{CLOCKS, CONSTANT, Clock, DISTANCES, DRIFTS, Matrix, State, TILTS, transforms};
+use super::model::{CLOCKS, CONSTANT, DISTANCES, DRIFTS, Matrix, State, TILTS, transforms};
 use super::support::{Support, support};
-use super::with_clocks;
 use crate::calibration::joint::JointEstimate;
-use crate::calibration::{CalibrationSettings, TransformSigma};
+use crate::calibration::{CalibrationSettings, Clock, Estimate, TransformSigma, with_clocks};
 use crate::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 use crate::pipeline::Triplets;
-
-/// A number with one standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    pub value: f64,
-    pub sigma: f64,
-}
-
-impl Estimate {
-    /// How many σ it is from what it would be without estimating it.
-    pub fn sigmas_from(&self, other: f64) -> f64 {
-        (self.value - other) / self.sigma.max(f64::MIN_POSITIVE)
-    }
-}
 
 /// The refined answer.
 #[derive(Clone, Debug)]

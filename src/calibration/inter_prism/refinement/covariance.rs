@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::model::{CONSTANT, DISTANCES, DRIFTS, Matrix, State, TILTS, reduced, reduced_vector};
 use super::sums::Sums;
-use super::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
+use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use crate::statistics::sandwich::{self, Block, Prior};
 
 /// How far the noise's share of the variances may be off (1 σ); what it pulls the answer by is uncertain as much.

@@ -15,19 +15,17 @@ mod noise;
 mod sums;
 mod support;
 
-use nalgebra::Vector3;
-
+pub use self::answer::Refinement;
 use self::answer::summary;
-pub use self::answer::{Estimate, Refinement};
 use self::covariance::covariance;
-pub use self::model::Clock;
-use self::model::{
-    CLOCKS, CONSTANT, DISTANCES, DRIFTS, MovingTriplets, PolarNoise, State, TILTS, UNKNOWNS,
-};
+use self::model::{CLOCKS, CONSTANT, DISTANCES, DRIFTS, PolarNoise, State, TILTS, UNKNOWNS};
 use self::noise::{Noise, loss_scale};
 use self::sums::{Sums, by_block, prior_weight, step};
 pub use self::support::Support;
-use crate::calibration::{CalibrationSettings, Estimated, Loss, time_blocks};
+use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
+use crate::calibration::{
+    CalibrationSettings, Estimate, Estimated, Loss, MovingTriplets, time_blocks,
+};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
@@ -43,14 +41,10 @@ const INSTRUMENT: PolarNoise = PolarNoise {
     range_share: 2e-6,
     angle_rad: std::f64::consts::PI / 180.0 / 3600.0,
 };
-/// Compensators hold a station upright to about this (rad, 1 σ): an arcsecond.
-pub const TILT_SIGMA_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 /// Quartz clocks drift by some parts per million (s per s, 1 σ).
 const DRIFT_SIGMA: f64 = 5e-6;
 /// Where one jumps, it does by milliseconds (s, 1 σ).
 const JUMP_SIGMA_S: f64 = 0.01;
-/// How well prism constants are known (m, 1 σ).
-pub const PRISM_CONSTANT_SIGMA_M: f64 = 0.0003;
 /// The loss's scale settles while weights are iterated; then it is held, and Newton's steps finish.
 const MOST_REWEIGHTINGS: usize = 15;
 
@@ -153,23 +147,6 @@ pub struct SuspectedClocks {
     pub offsets_s: [Estimate; 2],
     /// How much later they are in the second half of the drive.
     pub jumps_s: [Estimate; 2],
-}
-
-/// Velocities of the three prisms at each triplet, each in its station's frame (m/s).
-pub fn velocities_m_per_s(triplets: &Triplets) -> [Vec<Vector3<f64>>; 3] {
-    model::velocities(triplets, 1)
-}
-
-/// The triplets as they would be had the clocks of stations 2 and 3 been right.
-pub fn with_clocks(triplets: &Triplets, clocks: [Clock; 2]) -> Triplets {
-    let data = MovingTriplets::all(triplets);
-    let mut points_m = triplets.points_m.clone();
-    for station in 1..3 {
-        points_m[station] = (0..triplets.len())
-            .map(|index| data.at_true_time(station, index, clocks[station - 1]))
-            .collect();
-    }
-    Triplets { points_m, ..triplets.clone() }
 }
 
 fn start(plain: &[LevelTransform; 3], inter_prism_m: &[f64; 3]) -> State {

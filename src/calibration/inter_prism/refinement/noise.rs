@@ -3,8 +3,9 @@
 use nalgebra::Matrix3;
 
 use super::INSTRUMENT;
-use super::model::{MovingTriplets, State, distances, transforms};
+use super::model::{State, distances, transforms};
 use crate::calibration::Loss;
+use crate::calibration::MovingTriplets;
 use crate::deployment::PAIRS;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use super::model::{Matrix, MovingTriplets, State, distances, reduced, reduced_vector, transforms};
+use super::model::{Matrix, State, distances, reduced, reduced_vector, transforms};
 use super::noise::Noise;
 use crate::calibration::Loss;
+use crate::calibration::MovingTriplets;
 use crate::statistics::robust::{self, Influence};
 
 /// Sums over the triplets of a block of time, or of all blocks.

@@ -1,0 +1,126 @@
+//! Triplets whose prisms move, so that a clock that is late is one that saw them elsewhere.
+
+use std::borrow::Cow;
+
+use nalgebra::Vector3;
+
+use crate::pipeline::Triplets;
+use crate::statistics::median;
+
+/// How late the stamps of a station are against station 1's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// In the middle of the drive (s).
+    pub offset_s: f64,
+    /// And how that grows (s per s).
+    pub drift: f64,
+}
+
+/// Triplets with the velocities of their prisms, each in its station's frame.
+pub struct MovingTriplets<'a> {
+    pub triplets: Cow<'a, Triplets>,
+    /// m/s; by differences with the neighbours of the same interval, none of which was left out.
+    pub velocity_m_per_s: [Vec<Vector3<f64>>; 3],
+    /// What a clock's second unknown counts by, for each triplet.
+    pub growth: Vec<f64>,
+}
+
+impl<'a> MovingTriplets<'a> {
+    /// With clocks that drift.
+    pub fn all(triplets: &'a Triplets) -> Self {
+        let velocity_m_per_s = velocities(triplets, 1);
+        let middle_s = middle_s(triplets);
+        let growth = triplets.time_s.iter().map(|t| t - middle_s).collect();
+        Self { triplets: Cow::Borrowed(triplets), velocity_m_per_s, growth }
+    }
+
+    /// Every `stride`-th triplet, with the velocities that they have among all, and with clocks that jump halfway.
+    pub fn every(triplets: &Triplets, stride: usize) -> Self {
+        let indices: Vec<usize> = (0..triplets.len()).step_by(stride).collect();
+        let velocity_m_per_s = velocities(triplets, stride);
+        let half = triplets.len() / 2;
+        let growth = indices.iter().map(|i| if *i < half { -0.5 } else { 0.5 }).collect();
+        Self { triplets: Cow::Owned(triplets.select(&indices)), velocity_m_per_s, growth }
+    }
+
+    /// Where the prism of station 2 or 3 was when its stamp says so, given how late it is (m, the station's frame).
+    pub fn at_true_time(&self, station: usize, index: usize, clock: Clock) -> Vector3<f64> {
+        let late_s = clock.offset_s + clock.drift * self.growth[index];
+        self.triplets.points_m[station][index] + late_s * self.velocity_m_per_s[station][index]
+    }
+}
+
+/// A step this many times the usual one bridges triplets that were left out.
+const BRIDGE: f64 = 1.5;
+
+pub fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
+    let last = triplets.len().saturating_sub(1);
+    let longest_s = BRIDGE * usual_step_s(triplets).unwrap_or(f64::INFINITY);
+    let velocity = |station: usize| {
+        let points = &triplets.points_m[station];
+        let at = |i: usize| {
+            let same = |j: usize| {
+                let apart_s = (triplets.time_s[j] - triplets.time_s[i]).abs();
+                triplets.interval[j] == triplets.interval[i] && apart_s <= longest_s
+            };
+            let before = if i > 0 && same(i - 1) { i - 1 } else { i };
+            let after = if i < last && same(i + 1) { i + 1 } else { i };
+            let span_s = triplets.time_s[after] - triplets.time_s[before];
+            if span_s > 0.0 { (points[after] - points[before]) / span_s } else { Vector3::zeros() }
+        };
+        (0..triplets.len()).step_by(stride).map(at).collect()
+    };
+    [velocity(0), velocity(1), velocity(2)]
+}
+
+/// The median step between triplets of one interval (s).
+fn usual_step_s(triplets: &Triplets) -> Option<f64> {
+    let pairs = triplets.time_s.windows(2).zip(triplets.interval.windows(2));
+    median(pairs.filter(|(_, i)| i[0] == i[1]).map(|(t, _)| t[1] - t[0]))
+}
+
+/// The middle of a drive (s).
+pub fn middle_s(triplets: &Triplets) -> f64 {
+    match (triplets.time_s.first(), triplets.time_s.last()) {
+        (Some(first), Some(last)) => 0.5 * (first + last),
+        _ => 0.0,
+    }
+}
+
+/// Velocities of the three prisms at each triplet, each in its station's frame (m/s).
+pub fn velocities_m_per_s(triplets: &Triplets) -> [Vec<Vector3<f64>>; 3] {
+    velocities(triplets, 1)
+}
+
+/// The triplets as they would be had the clocks of stations 2 and 3 been right.
+pub fn with_clocks(triplets: &Triplets, clocks: [Clock; 2]) -> Triplets {
+    let data = MovingTriplets::all(triplets);
+    let mut points_m = triplets.points_m.clone();
+    for station in 1..3 {
+        points_m[station] = (0..triplets.len())
+            .map(|index| data.at_true_time(station, index, clocks[station - 1]))
+            .collect();
+    }
+    Triplets { points_m, ..triplets.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn velocities_do_not_bridge_what_was_left_out() {
+        let point = |i: usize| Vector3::new((i as f64 * 0.1).powi(3), 0.0, 0.0);
+        let points: Vec<_> = (0..60).map(point).collect();
+        let time_s = (0..60).map(|i| i as f64 * 0.1).collect();
+        let all = Triplets::new(time_s, vec![0; 60], [points.clone(), points.clone(), points]);
+        let kept: Vec<usize> = (0..60).filter(|i| !(20..45).contains(i)).collect();
+        let some = all.select(&kept);
+        let data = MovingTriplets::all(&some);
+        for (place, index) in kept.iter().enumerate().filter(|(_, i)| (15..50).contains(*i)) {
+            let velocity = data.velocity_m_per_s[1][place].x;
+            let truth = 3.0 * (*index as f64 * 0.1).powi(2);
+            assert!((velocity / truth - 1.0).abs() < 0.08, "{index}: {velocity} for {truth}");
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! The way from triplets to an answer: by which method, beside which other, and held against what.
+
+use std::time::Instant;
+
+use super::{
+    Alignment, Calibration, CalibrationError, CalibrationSettings, Estimated, Loss, Method, Offer,
+    Targets, Verdict, Witness, checks, disagreements, dynamic_gcp, inter_prism, sense, static_gcp,
+    two_point,
+};
+use crate::deployment::{Deployment, Finding, TrackFrame};
+use crate::pipeline::Triplets;
+use crate::progress::Progress;
+
+/// Calibrates a deployment by the method of the settings: the joint estimate if they name none.
+pub fn solve(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+) -> Result<Calibration, CalibrationError> {
+    solve_while(deployment, triplets, settings, offer, &Progress::default())
+}
+
+/// The same until `progress` is cancelled, which ends it with [`CalibrationError::Cancelled`].
+pub fn solve_while(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
+    match settings.method.unwrap_or_default() {
+        Method::Joint => jointly_beside_published(deployment, triplets, settings, offer, progress),
+        method => {
+            let answer = answer_by(method, deployment, triplets, settings, offer, progress)?;
+            let tried = &mut sense::Tried::default();
+            checked(answer, deployment, triplets, settings, offer, tried, progress)
+        }
+    }
+}
+
+/// Calibrates by the joint estimate, and by the paper's method for the same data, so that the paper's numbers are there, and
+/// what moved them.
+fn jointly_beside_published(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
+    let started = Instant::now();
+    let published_method = offer.published_method();
+    let by = |method: Method| {
+        let settings = settings.plain(method);
+        answer_by(method, deployment, triplets, &settings, offer, progress)
+    };
+    let (published, joint) = rayon::join(|| by(published_method), || by(Method::Joint));
+    progress.check()?;
+    // What one check has tried serves the other.
+    let mut tried = sense::Tried::default();
+    let mut checked = |answer: Result<Calibration, CalibrationError>, method: Method| {
+        let settings = settings.plain(method);
+        checked(answer?, deployment, triplets, &settings, offer, &mut tried, progress)
+    };
+    let published = checked(published, published_method);
+    progress.check()?;
+    let mut joint = match (checked(joint, Method::Joint), &published) {
+        (Err(why), Ok(_)) if why != CalibrationError::Cancelled => {
+            let (why, published) = (Box::new(why), published_method);
+            return Err(CalibrationError::NoJointEstimate { why, published });
+        }
+        (joint, _) => joint?,
+    };
+    if settings.has_parts() {
+        joint.findings.push(Finding::warning(
+            "loss and estimate were not used: they are about the published methods, and the joint estimate has its own",
+        ));
+    }
+    match published {
+        Ok(published) => joint.published = Some(Box::new(published)),
+        Err(why) => joint.findings.push(Finding::warning(format!(
+            "the paper's answer is not there to compare with: {published_method} has none ({why})"
+        ))),
+    }
+    joint.solve_ms = started.elapsed().as_secs_f64() * 1e3 - joint.prior_ms;
+    Ok(joint)
+}
+
+/// The answer of a method by itself.
+fn answer_by(
+    method: Method,
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
+    let answer = match method {
+        Method::TwoPoint => two_point::solve(deployment, triplets, offer),
+        Method::StaticGcp => static_gcp::solve(deployment, triplets, settings, offer),
+        Method::DynamicGcp => dynamic_gcp::solve(deployment, triplets, settings, offer),
+        Method::InterPrism => inter_prism::solve(deployment, triplets, settings, offer, progress),
+        Method::Joint => estimate_jointly(deployment, triplets, settings, offer, progress),
+    };
+    answer.map_err(|error| match (error, &deployment.rig) {
+        (CalibrationError::NoTriplets { deployment: name, mut why }, Some(rig)) => {
+            if let Some(misread) = sense::explain_no_triplets(deployment, rig) {
+                why = format!("{why}; {misread}");
+            }
+            CalibrationError::NoTriplets { deployment: name, why }
+        }
+        (error, _) => error,
+    })
+}
+
+/// An answer held against all that could contradict it.
+fn checked(
+    mut calibration: Calibration,
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    tried: &mut sense::Tried,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
+    if calibration.inter_prism().is_some() {
+        hold_against_control_points(&mut calibration, deployment, settings, offer);
+    }
+    sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;
+    for doubt in deployment.findings.iter().filter(|finding| finding.doubt) {
+        calibration.verdict = calibration.verdict.max(Verdict::Weak);
+        calibration.findings.push(doubt.clone());
+    }
+    if calibration.placing_tracks(deployment).is_none() {
+        calibration.findings.push(Finding::warning(
+            "this answer is about the stations' own frames, and the tracks are in another: it does not place them, and \
+             nothing of the drive was held against it",
+        ));
+    }
+    Ok(calibration)
+}
+
+/// The joint estimate of one prism or of three, which starts from the published method.
+fn estimate_jointly(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
+    let settings = CalibrationSettings {
+        loss: Loss::Cauchy,
+        estimate: Estimated { clocks: true, distances: true, tilt: true },
+        ..*settings
+    };
+    let calibration = if offer.targets == Targets::OnePrism {
+        if offer.lack(Method::Joint).is_some() {
+            return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
+        }
+        let settings = CalibrationSettings { alignment: Alignment::Level, ..settings };
+        dynamic_gcp::solve_jointly(deployment, triplets, &settings, offer, progress)?
+    } else {
+        inter_prism::solve(deployment, triplets, &settings, offer, progress)?
+    };
+    Ok(Calibration { method: Method::Joint, ..calibration })
+}
+
+/// Method B on the control points, where there are any, as a witness of an answer from inter-prism distances.
+fn hold_against_control_points(
+    calibration: &mut Calibration,
+    deployment: &Deployment,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+) {
+    if offer.lack(Method::StaticGcp).is_some() || deployment.track_frame == TrackFrame::Common {
+        return;
+    }
+    let Ok(by_points) = static_gcp::solve(deployment, &Triplets::default(), settings, offer) else {
+        return;
+    };
+    let disagreements = disagreements(&by_points, calibration, deployment);
+    let agrees = calibration.sigma.is_some_and(|sigma| {
+        let transforms = &calibration.station1_from_station;
+        checks::control_points_contradict(deployment, transforms, &sigma).is_none()
+    });
+    // Points that do not hold an answer of their own agree with anything.
+    if by_points.verdict == Verdict::Good && agrees && disagreements.is_empty() {
+        calibration.checked_by.push(Witness::ControlPoints);
+    }
+    for disagreement in disagreements {
+        calibration.verdict = calibration.verdict.max(Verdict::Weak);
+        calibration.findings.push(Finding::warning(disagreement.in_words()));
+    }
+}
