@@ -5,7 +5,7 @@ mod common;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use common::{field_data, knock, sample_folder, two_runs};
+use common::{knock, of_field, sample_folder, two_runs};
 use resect::simulation::{Preset, write_folder};
 use serde_json::Value;
 
@@ -548,8 +548,9 @@ fn screenshot_writes_a_picture_of_the_wanted_size() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn the_field_data_by_the_command_line() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let value = json(&["calibrate", text(&path), "--method", "inter-prism", "--json"]);
     assert_eq!(value["deployment"], "2022-07-11-2");
     assert_eq!(value["pipeline"]["triplets"], 2032);

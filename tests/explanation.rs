@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::field_data;
+use common::of_field;
 use resect::deployment::{Deployment, Sample, open};
 use resect::pipeline::explanation::{Place, Rate, explain};
 use resect::pipeline::{self, Interval, PipelineSettings, SampleFate};
@@ -82,8 +82,9 @@ fn every_reading_of_the_samples_is_explained() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn every_reading_of_the_field_data_is_explained() {
-    let Some(folder) = field_data("2022-07-11-2") else { return };
+    let folder = of_field("2022-07-11-2");
     let deployment = open(&folder).expect("the field data");
     let counts = explain_all(&deployment, &PipelineSettings::default());
     assert!(counts.iter().all(|count| *count > 0), "{counts:?}");

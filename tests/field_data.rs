@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{analyse, answer, assert_close, by, field_data, published};
+use common::{analyse, answer, assert_close, by, field_data, of_field, published};
 use nalgebra::Vector3;
 use resect::analysis::Settings;
 use resect::calibration::{Alignment, Details, Method, PriorMethod, ResolvedBy, Targets, Verdict};
@@ -27,8 +27,9 @@ fn settings(filters: bool, prior: PriorMethod) -> Settings {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn defaults_reproduce_the_reference() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let analysis = analyse(&deployment, &published());
     assert_eq!(analysis.pipeline.triplets.len(), 2032);
@@ -48,8 +49,9 @@ fn defaults_reproduce_the_reference() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn the_mirror_is_found_and_told_apart_by_the_rig() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let analysis = analyse(&deployment, &published());
     let calibration = &answer(&analysis).calibration;
@@ -72,8 +74,9 @@ fn the_mirror_is_found_and_told_apart_by_the_rig() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn control_points_that_contradict_are_not_passed_over() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let analysis = analyse(&deployment, &published());
     let calibration = &answer(&analysis).calibration;
@@ -82,8 +85,9 @@ fn control_points_that_contradict_are_not_passed_over() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn without_filters_neither_prior_falls_into_the_mirror() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let mut deployment = open(&path).expect("opens");
     let blind = {
         // No witness at all: the cost must do.
@@ -108,8 +112,9 @@ fn without_filters_neither_prior_falls_into_the_mirror() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn both_priors_end_in_the_same_answer() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let [closed, search] = [PriorMethod::ClosedForm, PriorMethod::Search]
         .map(|prior| analyse(&deployment, &settings(true, prior)));
@@ -124,8 +129,9 @@ fn both_priors_end_in_the_same_answer() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn all_bags_give_the_numbers_of_the_table() {
-    let Some(folder) = field_data("2022-07-11-2") else { return };
+    let folder = of_field("2022-07-11-2");
     let reference = analyse(&open(&folder).expect("opens"), &published());
     let reference = &answer(&reference).calibration.station1_from_station;
     for bag in [
@@ -157,8 +163,9 @@ fn all_bags_give_the_numbers_of_the_table() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn a_bag_alone_says_what_it_lacks() {
-    let Some(folder) = field_data("2022-07-11-2-bags") else { return };
+    let folder = of_field("2022-07-11-2-bags");
     let deployment = open(&folder.join("2022-07-11-2.bag")).expect("opens");
     assert!(deployment.rig.is_none());
     let error = analyse(&deployment, &published()).answer.expect_err("no rig").to_string();
@@ -169,8 +176,9 @@ fn a_bag_alone_says_what_it_lacks() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn a_cut_bag_gives_its_beginning_and_says_so() {
-    let Some(folder) = field_data("2022-07-11-2-bags") else { return };
+    let folder = of_field("2022-07-11-2-bags");
     let temporary = tempfile::tempdir().expect("a folder");
     for bag in [
         "2022-07-11-2.bag",
@@ -207,8 +215,9 @@ fn a_cut_bag_gives_its_beginning_and_says_so() {
 const B_NEAR: ([f64; 3], f64) = ([1e-3; 3], 2e-5);
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn static_control_points_reproduce_the_reference() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     for alignment in [Alignment::Level, Alignment::Rigid] {
         let mut settings = by(Method::StaticGcp);
@@ -253,8 +262,9 @@ fn turned(x: f64, y: f64, z: f64, yaw: f64, tilted: &RigidTransform) -> RigidTra
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn two_point_resection_agrees_with_the_control_points() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let analysis = analyse(&deployment, &by(Method::TwoPoint));
     let a = &answer(&analysis).calibration;
@@ -279,8 +289,9 @@ fn two_point_resection_agrees_with_the_control_points() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn the_methods_that_the_data_lacks_say_what() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let analysis = analyse(&deployment, &by(Method::DynamicGcp));
     let error = analysis.answer.expect_err("three prisms").to_string();
@@ -291,8 +302,9 @@ fn the_methods_that_the_data_lacks_say_what() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn halves_of_the_drive_agree_within_what_the_joint_estimate_states() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let whole = open(&path).expect("opens");
     let readings = &whole.tracks[0].measurements;
     let middle_s = readings[readings.len() / 2].time_s;

@@ -4,7 +4,7 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{analyse, answer, field_data, published};
+use common::{analyse, answer, of_field, published};
 use resect::analysis::Settings;
 use resect::deployment::{Deployment, Sample, open};
 use resect::experiment::ablate;
@@ -56,8 +56,9 @@ fn with_gross_errors_left_in_straight_lines_lose_least() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn on_the_field_data_the_motion_model_wins_and_the_smooth_process_loses() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let [linear, gp, wnoa] = Interpolation::ALL.map(|i| metric_mm(&deployment, i));
     // The paper's finding, even with learned noise: a Warthog does not drive like a sample of a smooth process.

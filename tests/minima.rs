@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{analyse, answer, field_data, published};
+use common::{analyse, answer, of_field, published};
 use resect::calibration::inter_prism::{SAME_TRANSLATION_M, SAME_YAW_RAD};
 use resect::deployment::{Deployment, open};
 use resect::geometry::wrap_to_pi;
@@ -73,8 +73,9 @@ fn an_l_shape_lists_the_turned_rig() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn the_published_run_has_the_answer_and_its_twin_and_no_more() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let list = minima(&open(&path).expect("opens"));
     assert_eq!(list.len(), 2, "{list:?}");
     assert_eq!(list[0], ("answer", 1.0));

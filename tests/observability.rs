@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{analyse, answer, field_data, published};
+use common::{analyse, answer, of_field, published};
 use resect::analysis::Settings;
 use resect::calibration::inter_prism::observability::{Hold, Observability};
 use resect::deployment::{Deployment, Sample, open};
@@ -60,11 +60,12 @@ fn every_preset_is_called_what_it_is_and_leaves_free_what_it_must() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn the_field_data_and_the_samples_wind() {
     for sample in Sample::ALL {
         assert_eq!(observed(&sample.open().expect("built in")).drive.name(), "winding");
     }
-    let Some(folder) = field_data("2022-07-11-2") else { return };
+    let folder = of_field("2022-07-11-2");
     let observed = observed(&open(&folder).expect("field data"));
     assert_eq!(observed.drive.name(), "winding", "{:?}", observed.drive);
     assert_eq!(observed.count(Hold::Held), 8);

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{analyse, answer, by, field_data};
+use common::{analyse, answer, by, of_field};
 use nalgebra::{Rotation3, Vector3};
 use resect::calibration::{Calibration, Method, Verdict};
 use resect::deployment::{Deployment, Sample, open};
@@ -76,8 +76,9 @@ fn a_lean_that_no_compensator_leaves_is_a_doubt() {
 
 /// The same drive, the same distances, and two methods from points: neither holds it together.
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn what_leaves_the_prisms_10_mm_apart_is_good_by_no_method() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("the field data");
     for method in [Method::TwoPoint, Method::StaticGcp] {
         let calibration = solved(&deployment, method);

@@ -5,7 +5,7 @@ mod common;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use common::{analyse, answer, assert_close, field_data};
+use common::{analyse, answer, assert_close, field_data, of_field};
 use nalgebra::{Rotation3, Vector3};
 use resect::analysis::Settings;
 use resect::calibration::{Alignment, Calibration, Method};
@@ -319,8 +319,9 @@ fn copy(from: &Path, to: &Path) {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn the_published_run_gives_the_table_of_the_data() {
-    let Some(path) = field_data("2022-07-11-2-published") else { return };
+    let path = of_field("2022-07-11-2-published");
     let deployment = open(&path).expect("opens");
     assert_eq!(deployment.track_frame, TrackFrame::Common);
     assert!(!deployment.findings.iter().any(|f| f.doubt), "{}", said(&deployment));
@@ -339,8 +340,9 @@ fn the_published_run_gives_the_table_of_the_data() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn station_1_reads_what_its_bag_has_and_the_others_too_once_they_are_undone() {
-    let Some(path) = field_data("2022-07-11-2-published") else { return };
+    let path = of_field("2022-07-11-2-published");
     let Some(polar) = field_data("2022-07-11-2") else { return };
     let polar = open(&polar).expect("opens");
     let folder = tempfile::tempdir().expect("a folder");

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use common::{
-    analyse, answer, by, field_data, normalised, off_in_sigmas, published, rms_by_component,
+    analyse, answer, by, normalised, of_field, off_in_sigmas, published, rms_by_component,
 };
 use resect::analysis::{Analysis, Analyst, Settings};
 use resect::calibration::inter_prism::Refinement;
@@ -133,8 +133,9 @@ fn stated_sigmas_of_a_refinement_hold_where_stretches_of_time_are_few() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn the_field_data_has_a_late_station_3_and_the_joint_estimate_is_better() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let analysis = analyse(&deployment, &settings(Loss::Squared, CLOCKS));
     let [second, third] = refinement(&analysis).clock_offsets_s.expect("estimated");
@@ -241,9 +242,10 @@ fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
 
 /// Fitted on some intervals, judged on the others.
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn on_intervals_left_out_of_the_fit_the_joint_estimate_is_better_too() {
     use resect::evaluation::evaluate_answer;
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let triplets = pipeline::run(&deployment, &Settings::default().pipeline).triplets;
     let offer = Offer::of(&deployment, &triplets);

@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use common::{field_data, sample_folder};
+use common::{of_field, sample_folder};
 use resect::analysis::Settings;
 use resect::deployment::{Finding, Sample};
 use resect::export::report::{Chapter, page};
@@ -265,8 +265,9 @@ fn a_file_that_cannot_be_written_is_one_line_and_leaves_nothing() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn the_field_data_are_weak_because_of_the_control_points() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let html = report(&[text(&path)]);
     let body = body(&html);
     let document = Document::parse(&body).expect("well-formed");

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{analyse, answer, by, field_data, published};
+use common::{analyse, answer, by, of_field, published};
 use rayon::prelude::*;
 use resect::analysis::Settings;
 use resect::calibration::{Calibration, Method, Verdict, Witness};
@@ -206,8 +206,9 @@ fn no_mistake_in_any_drive_is_good_or_goes_unnamed() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn no_mistake_in_the_field_data_is_good_or_goes_unnamed() {
-    let Some(folder) = field_data("2022-07-11-2") else { return };
+    let folder = of_field("2022-07-11-2");
     let field = vec![("field".to_owned(), open(&folder).expect("opens"))];
     assert_none(&failures(&field, &WITNESSES[..2], &MISTAKES, &published()));
 }

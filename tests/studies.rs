@@ -4,7 +4,7 @@ mod common;
 
 use std::sync::Arc;
 
-use common::field_data;
+use common::of_field;
 use resect::analysis::Settings;
 use resect::calibration::Method;
 use resect::deployment::{Deployment, Sample, open};
@@ -18,8 +18,9 @@ fn sample() -> Vec<Arc<Deployment>> {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn the_disagreement_of_b_and_d_about_station_2_is_plain() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployments = [Arc::new(open(&path).expect("opens"))];
     let result =
         compare(&deployments, &Settings::default(), None, &Progress::default()).expect("compares");

@@ -4,7 +4,7 @@ mod common;
 
 use std::process::Command;
 
-use common::{analyse, answer, by, field_data, published, sample_folder};
+use common::{analyse, answer, by, of_field, published, sample_folder};
 use resect::calibration::Method;
 use resect::deployment::{Sample, open};
 use resect::evaluation::vehicle::{NoTrajectory, VehicleFrame, vehicle_trajectory};
@@ -140,8 +140,9 @@ fn the_command_writes_tum_that_evo_reads() {
 }
 
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn the_csv_has_the_covariance_and_the_field_data_its_poses() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.csv");
     let output =

@@ -4,7 +4,7 @@ mod common;
 
 use std::sync::{Arc, LazyLock};
 
-use common::{analyse, answer, by, field_data, knock, two_runs};
+use common::{analyse, answer, by, field_data, knock, of_field, two_runs};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use resect::analysis::{Analysis, Settings};
@@ -222,8 +222,9 @@ fn the_calibration_of_a_field_run_holds_for_that_run() {
 
 /// The authors' control points and their drive put station 2 0.87 mrad apart (`../shared/datasets/README.md`).
 #[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn field_control_points_do_not_hold_for_the_drive_because_of_station_2() {
-    let Some(path) = field_data("2022-07-11-2") else { return };
+    let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let by_points = earlier(&deployment, &by(Method::StaticGcp));
     let found = validate(&by_points, &deployment, &own(&deployment));

@@ -11,8 +11,9 @@ use resect::deployment::Deployment;
 use resect::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 use resect::simulation::{EPOCH_S, Scenario, Settling, Simulated, simulate_scenario};
 
-/// A folder or file of the field data, which is never part of the repository; `None` (said aloud) where it is
-/// not there.
+/// A folder or file of the field data, which is never part of the repository; `None` (said aloud) where it is not there.
+///
+/// For tests that have something else to look at as well.
 pub fn field_data(name: &str) -> Option<PathBuf> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/datasets").join(name);
     if path.exists() {
@@ -21,6 +22,11 @@ pub fn field_data(name: &str) -> Option<PathBuf> {
         eprintln!("skipped: {} is not here", path.display());
         None
     }
+}
+
+/// The same for tests of nothing else, which `build.rs` has ignored, and told so, where there is none.
+pub fn of_field(name: &str) -> PathBuf {
+    field_data(name).expect("../shared/datasets has it")
 }
 
 pub fn sample_folder(name: &str) -> PathBuf {
