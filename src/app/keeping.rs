@@ -71,7 +71,8 @@ impl Keeping {
     ///
     /// Where the user asked for something else (`restores` is false), what a window that died had open stays for the next.
     pub fn begin(&mut self, ctx: &egui::Context, state: &mut State, restores: bool) -> bool {
-        ctx.set_theme(egui::ThemePreference::from(self.preferences.theme));
+        state.theme = self.preferences.theme.into();
+        ctx.set_theme(state.theme);
         state.units = self.preferences.units;
         state.session.recent = self.preferences.recent.clone();
         state.session.last = Some(self.last.clone());

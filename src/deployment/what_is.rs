@@ -91,12 +91,15 @@ pub fn what_is(path: &Path) -> Dropped {
             file.format.describe()
         )),
         Format::RtklibPos => Dropped::Gnss,
-        Format::Ignored(why) => match path.extension() {
-            Some(extension) if extension == "toml" && file.file != "truth.toml" => {
-                what_toml_is(&file)
+        Format::Ignored(why) => {
+            let is_toml = path.extension().is_some_and(|extension| extension == "toml");
+            match what_toml_is(&file) {
+                // A session may have been saved under any name.
+                found @ (Dropped::Session | Dropped::Settings) => found,
+                other if is_toml && file.file != "truth.toml" => other,
+                _ => Dropped::Unknown(format!("{}: {why}", file.file)),
             }
-            _ => Dropped::Unknown(format!("{}: {why}", file.file)),
-        },
+        }
     }
 }
 

@@ -49,6 +49,8 @@ pub struct Action {
     pub shortcut: Option<KeyboardShortcut>,
     /// For what is chosen or switched: whether it is.
     pub on: Option<bool>,
+    /// Whether the actions of its section stand in one row of the menu, each by its last word.
+    pub in_a_row: bool,
     /// `None` while it cannot be done.
     pub command: Option<Command>,
 }
@@ -62,6 +64,7 @@ impl Action {
             hint: "",
             shortcut: None,
             on: None,
+            in_a_row: false,
             command: Some(command),
         }
     }
@@ -85,6 +88,11 @@ impl Action {
 
     fn on(self, on: bool) -> Self {
         Self { on: Some(on), ..self }
+    }
+
+    /// One of a few that exclude each other.
+    fn one_of(self, on: bool) -> Self {
+        Self { on: Some(on), in_a_row: true, ..self }
     }
 
     fn possible(self, possible: bool) -> Self {

@@ -1,9 +1,11 @@
 //! What is shown, and how.
 
-use eframe::egui::Key;
+use eframe::egui::{self, Key};
 
 use super::{Action, Menu};
-use crate::app::model::{Colouring, Command, LayoutPreset, Pane, Ruler, ViewPreset};
+use crate::app::model::{
+    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Ruler, Units, ViewPreset,
+};
 use crate::app::state::State;
 
 pub fn actions(state: &State) -> Vec<Action> {
@@ -48,5 +50,21 @@ pub fn actions(state: &State) -> Vec<Action> {
             .hint("All panes back to where they were at first")
             .ctrl(Key::Num0),
     );
+    use egui::ThemePreference::{Dark, Light, System};
+    for (name, theme) in
+        [("Theme: as the system", System), ("Theme: dark", Dark), ("Theme: light", Light)]
+    {
+        actions.push(view("Theme", name, Command::UseTheme(theme)).one_of(state.theme == theme));
+    }
+    for length in LengthUnit::ALL {
+        let name = format!("Lengths in {}", length.name());
+        let units = Units { length, ..state.units };
+        actions.push(view("Lengths", &name, Command::SetUnits(units)).one_of(state.units == units));
+    }
+    for angle in AngleUnit::ALL {
+        let name = format!("Angles in {}", angle.name());
+        let units = Units { angle, ..state.units };
+        actions.push(view("Angles", &name, Command::SetUnits(units)).one_of(state.units == units));
+    }
     actions
 }

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use eframe::egui;
+
 use super::Units;
 use super::studies::StudyOptions;
 use super::{Asked, AskedAnswer, Palette, Picked, Visibility};
@@ -92,6 +94,7 @@ pub enum Command {
     Colour(Colouring),
     Measure(Ruler),
     SetUnits(Units),
+    UseTheme(egui::ThemePreference),
     Look(ViewPreset),
     ScenePicture(PictureTo),
 

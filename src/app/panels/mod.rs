@@ -8,6 +8,7 @@ pub mod drop_hint;
 pub mod empty_state;
 pub mod findings;
 pub mod minima;
+mod number;
 pub mod observability;
 pub mod path_prompt;
 pub mod pipeline;

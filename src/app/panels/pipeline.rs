@@ -305,6 +305,7 @@ fn threshold(
             .smallest_positive(0.05)
             .max_decimals(2)
             .clamping(egui::SliderClamping::Edits)
+            .custom_parser(super::number::parse)
             .suffix(unit);
         let response = ui.add(slider).labelled_by(label.inner.id);
         if response.secondary_clicked() {

@@ -86,7 +86,7 @@ fn number(ui: &mut egui::Ui, label: &str, value: &mut f64, decimals: usize, unit
 
 /// A field for a number that counts once it is entered, because the data is read again with it.
 fn typed(ui: &mut egui::Ui, label: &str, field: egui::DragValue<'_>) -> bool {
-    let field = field.speed(0.0).update_while_editing(false);
+    let field = field.speed(0.0).update_while_editing(false).custom_parser(super::number::parse);
     let response = ui.add(field).accessible_name(label);
     let changed = response.changed();
     response.on_hover_text(format!("{label}: click to type"));

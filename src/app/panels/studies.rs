@@ -129,7 +129,10 @@ fn sweep(ui: &mut egui::Ui, sweep: &mut Sweep) {
     ui.horizontal_wrapped(|ui| {
         for (name, value) in [("from", &mut sweep.from), ("to", &mut sweep.to)] {
             let label = ui.label(name);
-            let number = egui::DragValue::new(value).speed(0.05).range(0.0..=100.0);
+            let number = egui::DragValue::new(value)
+                .speed(0.05)
+                .range(0.0..=100.0)
+                .custom_parser(super::number::parse);
             ui.add(number.suffix(unit.as_str())).labelled_by(label.id);
         }
         let label = ui.label("in");

@@ -4,7 +4,7 @@ use eframe::egui;
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 
 use crate::app::actions::{self, Action, Menu};
-use crate::app::model::{AngleUnit, Command, Commands, LengthUnit};
+use crate::app::model::Commands;
 use crate::app::state::State;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -20,9 +20,6 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     let actions = actions::all(state);
                     let entries = actions.iter().filter(|action| action.menu == menu);
                     show_menu(ui, entries, commands);
-                    if menu == Menu::View {
-                        appearance(ui, state, commands);
-                    }
                 });
             }
             ui.separator();
@@ -55,7 +52,16 @@ fn show_menu<'a>(
     commands: &mut Commands,
 ) {
     let entries: Vec<&Action> = entries.collect();
+    let mut in_rows = false;
     for (index, section) in entries.chunk_by(|a, b| a.section == b.section).enumerate() {
+        if section[0].in_a_row {
+            // Rows stand together.
+            if !std::mem::replace(&mut in_rows, true) {
+                ui.separator();
+            }
+            row(ui, section, commands);
+            continue;
+        }
         if section.len() > MOST_IN_A_SECTION {
             ui.menu_button(section[0].section, |ui| {
                 section.iter().for_each(|action| entry(ui, action, commands));
@@ -85,29 +91,25 @@ fn entry(ui: &mut egui::Ui, action: &Action, commands: &mut Commands) {
     }
 }
 
-fn appearance(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    ui.separator();
+/// A section whose actions exclude each other.
+fn row(ui: &mut egui::Ui, section: &[&Action], commands: &mut Commands) {
     ui.horizontal(|ui| {
-        ui.label("Theme");
-        let mut theme = ui.ctx().options(|options| options.theme_preference);
-        ui.radio_value(&mut theme, egui::ThemePreference::System, "as the system");
-        ui.radio_value(&mut theme, egui::ThemePreference::Dark, "dark");
-        ui.radio_value(&mut theme, egui::ThemePreference::Light, "light");
-        ui.ctx().set_theme(theme);
-    });
-    let mut units = state.units;
-    ui.horizontal(|ui| {
-        ui.label("Lengths");
-        for unit in LengthUnit::ALL {
-            ui.radio_value(&mut units.length, unit, unit.name());
+        ui.label(section[0].section);
+        for action in section {
+            let word = action.name.rsplit(' ').next().unwrap_or_default();
+            let radio = ui.radio(action.on == Some(true), word);
+            let name = &action.name;
+            radio.widget_info(|| {
+                egui::WidgetInfo::selected(
+                    egui::Role::RadioButton,
+                    true,
+                    action.on == Some(true),
+                    name,
+                )
+            });
+            if radio.clicked() {
+                commands.extend(action.command.clone());
+            }
         }
-        ui.separator();
-        ui.label("Angles");
-        for unit in AngleUnit::ALL {
-            ui.radio_value(&mut units.angle, unit, unit.name());
-        }
     });
-    if units != state.units {
-        commands.push(Command::SetUnits(units));
-    }
 }

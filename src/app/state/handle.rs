@@ -122,6 +122,10 @@ impl State {
             Command::Colour(colouring) => self.colouring = colouring,
             Command::Measure(ruler) => self.ruler = ruler,
             Command::SetUnits(units) => self.units = units,
+            Command::UseTheme(theme) => {
+                ctx.set_theme(theme);
+                self.theme = theme;
+            }
             Command::Look(preset) => self.view.look(preset),
             Command::ShowPane(pane) => self.layout.show(pane),
             Command::UseLayout(preset) => self.layout = Layout::from(preset),

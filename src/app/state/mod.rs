@@ -65,6 +65,7 @@ pub struct State {
     pub undo: UndoStack,
     pub results: Results,
     pub units: Units,
+    pub theme: egui::ThemePreference,
     pub overlay: Overlay,
     pub studies: Studies,
     pub validations: Validations,
@@ -94,6 +95,7 @@ pub struct State {
 
 impl State {
     pub fn new(ctx: egui::Context) -> Self {
+        let theme = ctx.options(|options| options.theme_preference);
         let jobs = Jobs::new(ctx, Self::failed);
         let outbox = jobs.outbox();
         let analyser = Analyser::start(move |found| {
@@ -119,6 +121,7 @@ impl State {
             undo: UndoStack::default(),
             results: Results::default(),
             units: Units::default(),
+            theme,
             overlay: Overlay::None,
             studies: Studies::default(),
             validations: Validations::default(),
