@@ -75,43 +75,43 @@ impl AnswerArguments {
 #[derive(Args)]
 #[command(next_help_heading = "Settings (the pipeline's defaults are the paper's)")]
 pub struct SettingsArguments {
-    /// Fastest believable change of range (m/s)
+    /// Fastest believable change of range (m/s) [default: 2]
     #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true)]
     tau_r: Option<f64>,
-    /// Fastest believable change of azimuth (deg/s)
+    /// Fastest believable change of azimuth (deg/s) [default: 1]
     #[arg(long, value_name = "DEG_PER_S", allow_negative_numbers = true)]
     tau_a: Option<f64>,
-    /// Fastest believable change of the zenith angle (deg/s)
+    /// Fastest believable change of the zenith angle (deg/s) [default: 1]
     #[arg(long, value_name = "DEG_PER_S", allow_negative_numbers = true)]
     tau_e: Option<f64>,
-    /// Longest gap inside an interval (s)
+    /// Longest gap inside an interval (s) [default: 1]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     tau_s: Option<f64>,
-    /// Intervals up to this length are dropped (s)
+    /// Intervals up to this length are dropped (s) [default: 6]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     tau_l: Option<f64>,
-    /// Triplets per second
+    /// Triplets per second [default: 10]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     rate: Option<f64>,
-    /// Leave module 1 out
+    /// Leave module 1 out, the outlier filter
     #[arg(long)]
     no_outlier_filter: bool,
-    /// Leave module 3 out
+    /// Leave module 3 out, the interval filter
     #[arg(long)]
     no_interval_filter: bool,
-    /// Module 4
+    /// Module 4, what is between readings [default: linear]
     #[arg(long, value_enum)]
     interpolation: Option<Interpolation>,
-    /// Where method D starts from, and the joint estimate with it
+    /// Where method D starts from, and the joint estimate with it [default: closed-form]
     #[arg(long, value_enum)]
     prior: Option<PriorMethod>,
-    /// What a large error costs methods C and D
+    /// What a large error costs methods C and D [default: squared]
     #[arg(long, value_enum)]
     loss: Option<Loss>,
     /// What methods C (clocks alone) and D estimate beside the transforms: clocks, distances, tilt
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     estimate: Vec<EstimateName>,
-    /// What methods B and C may turn: yaw, or roll and pitch as well
+    /// What methods B and C may turn: yaw, or roll and pitch as well [default: level]
     #[arg(long, value_enum)]
     alignment: Option<Alignment>,
     /// Control-point files to use instead of those beside the tracks
@@ -199,6 +199,47 @@ impl SettingsArguments {
             gcp_instead: !self.gcp.is_empty(),
             drives: self.drive.clone(),
             ..Extras::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_help_names_the_defaults_that_are_used() {
+        let settings = Settings::default();
+        let (pipeline, calibration) = (settings.pipeline, settings.calibration);
+        let name = |value: &dyn ValueName| value.name();
+        let defaults = [
+            ("tau_r", pipeline.thresholds.tau_r_m_per_s.to_string()),
+            ("tau_a", pipeline.thresholds.tau_a_deg_per_s.to_string()),
+            ("tau_e", pipeline.thresholds.tau_e_deg_per_s.to_string()),
+            ("tau_s", pipeline.thresholds.tau_s_seconds.to_string()),
+            ("tau_l", pipeline.thresholds.tau_l_seconds.to_string()),
+            ("rate", pipeline.rate_hz.to_string()),
+            ("interpolation", name(&pipeline.interpolation)),
+            ("prior", name(&calibration.prior)),
+            ("loss", name(&calibration.loss)),
+            ("alignment", name(&calibration.alignment)),
+        ];
+        let command = SettingsArguments::augment_args(clap::Command::new("resect"));
+        for (flag, default) in defaults {
+            let argument = command.get_arguments().find(|argument| argument.get_id() == flag);
+            let help = argument.and_then(|argument| argument.get_help()).expect("help").to_string();
+            assert!(help.ends_with(&format!("[default: {default}]")), "--{flag}: {help}");
+        }
+    }
+
+    /// The name of a value on the command line.
+    trait ValueName {
+        fn name(&self) -> String;
+    }
+
+    impl<T: ValueEnum> ValueName for T {
+        fn name(&self) -> String {
+            self.to_possible_value().expect("a value").get_name().to_owned()
         }
     }
 }

@@ -1,16 +1,17 @@
 //! What the window asks before it goes on: which files, topics and columns are what, and what files are for.
 
+use eframe::egui::Vec2;
 use std::path::Path;
 
 use eframe::egui::Theme;
 use eframe::egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use resect::app::{Asked, Command, ResectWindow};
+use resect::app::{Asked, Command, Pane, ResectWindow};
 use resect::deployment::{ColumnMapping, OneOrMany, Overrides, Question, Source, Topic};
 use resect::simulation::{Preset, simulate, write_folder};
 
 use crate::common::sample_folder;
-use crate::harness::{LARGE, SMALL, Window, click, send, settle, shown, snapshot, window};
+use crate::harness::{LARGE, Part, SMALL, Window, click, send, settle, shown, snapshot_of, window};
 
 fn ask(harness: &mut Window, question: Question, source: Source) {
     let window: &mut ResectWindow = harness.state_mut();
@@ -71,7 +72,7 @@ fn a_question_can_be_left() {
     let mut harness = window(SMALL, Theme::Light);
     let name = shown(&harness).deployment.name.clone();
     send(&mut harness, Command::OpenSource(Source::at(&drive)));
-    snapshot(&mut harness, "asked-tracks-light");
+    snapshot_of(&mut harness, Part::Middle(Vec2::new(760.0, 660.0)), "asked-tracks-light");
     harness.key_press(eframe::egui::Key::Escape);
     settle(&mut harness);
     assert!(harness.state().state.asked().is_none());
@@ -91,7 +92,7 @@ fn topics_are_proposed_and_can_be_exchanged() {
     ask(&mut harness, question, Source::at(sample_folder("warthog")));
     let Asked::Stations(proposed) = asked(&harness) else { panic!("topics") };
     assert_eq!(proposed.stations, [2, 1, 0]);
-    snapshot(&mut harness, "asked-topics-dark");
+    snapshot_of(&mut harness, Part::Middle(Vec2::new(760.0, 660.0)), "asked-topics-dark");
     choose(
         &mut harness,
         "The topic of station 1",
@@ -138,10 +139,10 @@ fn columns_are_named_with_the_first_rows_in_sight() {
         choose(&mut harness, "Column of station", "bb");
         choose(&mut harness, "Column of range", "cc");
         choose(&mut harness, "Column of azimuth", "kk");
-        snapshot(&mut harness, &format!("{name}-unread"));
+        snapshot_of(&mut harness, Part::Middle(Vec2::new(760.0, 660.0)), &format!("{name}-unread"));
         choose(&mut harness, "Column of vertical angle", "ee");
         harness.get_by_label("The first rows read.");
-        snapshot(&mut harness, name);
+        snapshot_of(&mut harness, Part::Middle(Vec2::new(760.0, 660.0)), name);
         click(&mut harness, "is in the ranges already");
         click(&mut harness, "Open");
         let own = put_right(&harness);
@@ -172,7 +173,7 @@ fn a_folder_with_only_a_rig_asks_what_it_is_for() {
     let before = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
     let name = shown(&harness).deployment.name.clone();
     send(&mut harness, Command::OpenPaths(vec![rig.clone()]));
-    snapshot(&mut harness, "asked-files-dark");
+    snapshot_of(&mut harness, Part::Middle(Vec2::new(760.0, 660.0)), "asked-files-dark");
     assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
     click(&mut harness, "Cancel");
     assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
@@ -199,7 +200,7 @@ fn a_recording_without_a_rig_ends_in_a_calibration() {
     let known = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
     send(&mut harness, Command::OpenSource(Source::at(folder.path().join("tracks.csv"))));
     assert!(harness.state().state.analysed().expect("open").1.answer.is_err());
-    snapshot(&mut harness, "no-rig-dark");
+    snapshot_of(&mut harness, Part::Pane(Pane::Result), "no-rig-dark");
     for (pair, distance_m) in ["1–2", "1–3", "2–3"].iter().zip(known) {
         let name = format!("Distance of prisms {pair}");
         harness.get_by_role_and_label(Role::SpinButton, &name).focus();

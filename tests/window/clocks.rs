@@ -7,7 +7,7 @@ use resect::calibration::Method;
 use resect::deployment::TimeCorrection;
 use resect::simulation::{Preset, simulate};
 
-use crate::harness::{LARGE, SMALL, Window, open, send, set, shown, snapshot, window};
+use crate::harness::{LARGE, Part, SMALL, Window, open, send, set, shown, snapshot_of, window};
 
 /// A drive whose stations have clocks of their own, as bags tell them.
 fn with_clocks() -> resect::deployment::Deployment {
@@ -43,7 +43,7 @@ fn clocks_are_drawn_with_what_the_calibration_estimates() {
         harness.get_by_label_contains("1: own clock − stamp +3");
         harness.get_by_label_contains("3: own clock − stamp +3600.0");
         harness.get_by_label_contains("2: estimated");
-        snapshot(&mut harness, name);
+        snapshot_of(&mut harness, Part::Pane(Pane::Clocks), name);
         // The same time as in all plots.
         let at = harness.get_by_label("clocks over time").rect().center();
         let before = shown(&harness).timeline.cursor_s;
@@ -64,5 +64,5 @@ fn what_no_file_tells_is_said() {
     set(&mut harness, |settings| settings.calibration.method = Some(Method::InterPrism));
     show_clocks(&mut harness);
     harness.get_by_label("No file tells the stations' own clocks.");
-    snapshot(&mut harness, "clocks-none-light");
+    snapshot_of(&mut harness, Part::Pane(Pane::Clocks), "clocks-none-light");
 }

@@ -3,11 +3,11 @@
 //! Reference pictures are in `screenshots/`; Mesa's software Vulkan is the one rasteriser. After an intended change run
 //! `UPDATE_SNAPSHOTS=1 cargo test --test window` and look at the new pictures before committing them.
 
-use eframe::egui::{Event, Key, Modifiers, Pos2, Theme, Vec2};
+use eframe::egui::{Event, Key, Modifiers, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, image_snapshot_options};
 use resect::analysis::Settings;
-use resect::app::{Command, OpenDeployment, ResectWindow, Start, offscreen_renderer};
+use resect::app::{Command, OpenDeployment, Pane, ResectWindow, Start, offscreen_renderer};
 use resect::deployment::{Deployment, Sample};
 
 pub const LARGE: Vec2 = Vec2::new(1600.0, 1000.0);
@@ -99,15 +99,45 @@ pub fn triplets(harness: &Window) -> usize {
     harness.state().state.analysed().map_or(0, |(_, a)| a.pipeline.triplets.len())
 }
 
+/// What a picture is of: a change elsewhere is no change of it, and the history stays small.
+#[derive(Clone, Copy)]
+pub enum Part {
+    Window,
+    Pane(Pane),
+    /// A dialog, this large at most.
+    Middle(Vec2),
+    /// Toasts.
+    LowerRight(Vec2),
+}
+
 /// Compares the window with its picture in `screenshots/`.
 #[track_caller]
 pub fn snapshot(harness: &mut Window, name: &str) {
+    snapshot_of(harness, Part::Window, name);
+}
+
+/// The same of a part of it.
+#[track_caller]
+pub fn snapshot_of(harness: &mut Window, part: Part, name: &str) {
     // Away from everything that shows something under the pointer.
     harness.hover_at(Pos2::new(700.0, 4.0));
     harness.run_steps(2);
     // A few pixels on the edge of a disc may round differently with another version of Mesa.
     let options = SnapshotOptions::new().output_path("screenshots").max_failed_pixels(60);
     let picture = harness.render().expect("a picture");
+    let whole = Rect::from_min_size(Pos2::ZERO, harness.ctx.content_rect().size());
+    let place = match part {
+        Part::Window => whole,
+        Part::Pane(pane) => harness.state().layout().place(pane).expect("in the window"),
+        Part::Middle(size) => Rect::from_center_size(whole.center(), size),
+        Part::LowerRight(size) => Rect::from_min_max(whole.max - size, whole.max),
+    };
+    let [left, top, right, bottom] = {
+        let place = place.intersect(whole);
+        [place.left(), place.top(), place.right(), place.bottom()].map(|side| side.round() as u32)
+    };
+    let picture =
+        image::imageops::crop_imm(&picture, left, top, right - left, bottom - top).to_image();
     // At once, and not when the harness is dropped: a test may have several.
     image_snapshot_options(&picture, name, &options);
 }

@@ -7,7 +7,8 @@ use resect::deployment::Source;
 
 use crate::common::sample_folder;
 use crate::harness::{
-    Window, click, press, send, settle, shown, snapshot, type_and_enter_at_once, window,
+    Part, Window, click, press, send, settle, shown, snapshot, snapshot_of, type_and_enter_at_once,
+    window,
 };
 
 const SIZE: Vec2 = Vec2::new(1280.0, 800.0);
@@ -141,7 +142,11 @@ fn warnings_are_told_once_and_errors_until_they_are_dismissed() {
         let done = "warthog.tum written";
         harness.state_mut().state.toasts.done(done);
         harness.run_steps(2);
-        snapshot(&mut harness, &format!("toasts-{name}"));
+        snapshot_of(
+            &mut harness,
+            Part::LowerRight(Vec2::new(520.0, 360.0)),
+            &format!("toasts-{name}"),
+        );
         let texts = |harness: &Window| -> Vec<String> {
             harness.state().state.toasts.shown().iter().map(|toast| toast.text.clone()).collect()
         };

@@ -6,16 +6,18 @@ use resect::app::{
 };
 use resect::pipeline::{OutlierReason, SampleFate};
 
-use crate::harness::{LARGE, SMALL, Window, press, send, set, settle, snapshot, window};
+use crate::harness::{
+    LARGE, Part, SMALL, Window, press, send, set, settle, snapshot, snapshot_of, window,
+};
 
 const THEMES: [(Theme, &str); 2] = [(Theme::Dark, "dark"), (Theme::Light, "light")];
 
-/// Draws a state in both themes.
-fn both(name: &str, size: Vec2, prepare: impl Fn(&mut Window)) {
-    for (theme, suffix) in THEMES {
+/// Draws a state in both themes: the first part in the dark, the second in the light.
+fn both(name: &str, size: Vec2, parts: [Part; 2], prepare: impl Fn(&mut Window)) {
+    for ((theme, suffix), part) in THEMES.into_iter().zip(parts) {
         let mut harness = window(size, theme);
         prepare(&mut harness);
-        snapshot(&mut harness, &format!("{name}-{suffix}"));
+        snapshot_of(&mut harness, part, &format!("{name}-{suffix}"));
     }
 }
 
@@ -32,7 +34,7 @@ fn rejected(harness: &Window) -> Picked {
 
 #[test]
 fn inspect_explains_the_picked_reading() {
-    both("inspect", LARGE, |harness| {
+    both("inspect", LARGE, [Part::Window, Part::Pane(Pane::Reading)], |harness| {
         send(harness, Command::UseLayout(LayoutPreset::Inspect));
         let picked = rejected(harness);
         send(harness, Command::PickInScene(picked));
@@ -41,7 +43,7 @@ fn inspect_explains_the_picked_reading() {
 
 #[test]
 fn tune_has_rates_and_intervals_with_a_part_of_them_selected() {
-    both("tune", LARGE, |harness| {
+    both("tune", LARGE, [Part::Window, Part::Pane(Pane::Rates)], |harness| {
         send(harness, Command::UseLayout(LayoutPreset::Tune));
         let start_s = crate::harness::shown(harness).start_s();
         send(harness, Command::ShowTimes([start_s + 60.0, start_s + 300.0]));
@@ -54,7 +56,7 @@ fn tune_has_rates_and_intervals_with_a_part_of_them_selected() {
 
 #[test]
 fn compare_has_deployments_runs_and_what_is_pinned() {
-    both("compare", LARGE, |harness| {
+    both("compare", LARGE, [Part::Window, Part::Pane(Pane::SideBySide)], |harness| {
         send(harness, Command::UseLayout(LayoutPreset::Compare));
         send(harness, Command::Pin);
         set(harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 15.0);
@@ -66,7 +68,7 @@ fn compare_has_deployments_runs_and_what_is_pinned() {
 
 #[test]
 fn findings_are_listed() {
-    both("findings", SMALL, |harness| {
+    both("findings", SMALL, [Part::Pane(Pane::Findings), Part::Pane(Pane::Findings)], |harness| {
         set(harness, |settings| settings.pipeline.outlier_filter = false);
         send(harness, Command::ShowPane(Pane::Findings));
     });
@@ -74,7 +76,7 @@ fn findings_are_listed() {
 
 #[test]
 fn the_scene_measures_and_colours_by_numbers() {
-    both("scene-residual", SMALL, |harness| {
+    both("scene-residual", SMALL, [Part::Pane(Pane::Scene), Part::Pane(Pane::Scene)], |harness| {
         send(harness, Command::Colour(Colouring::Residual));
         let (_, analysis) = harness.state().state.analysed().expect("an answer");
         let at = &analysis.triplets().points_m[0];
@@ -91,12 +93,22 @@ fn the_scene_measures_and_colours_by_numbers() {
 
 #[test]
 fn the_palette_and_the_sheet_of_shortcuts() {
-    both("palette", SMALL, |harness| {
-        press(harness, Modifiers::COMMAND, Key::P);
-        harness.event(Event::Text("lay".to_owned()));
-        settle(harness);
-    });
-    both("shortcuts", SMALL, |harness| press(harness, Modifiers::NONE, Key::Questionmark));
+    both(
+        "palette",
+        SMALL,
+        [Part::Middle(Vec2::new(760.0, 660.0)), Part::Middle(Vec2::new(760.0, 660.0))],
+        |harness| {
+            press(harness, Modifiers::COMMAND, Key::P);
+            harness.event(Event::Text("lay".to_owned()));
+            settle(harness);
+        },
+    );
+    both(
+        "shortcuts",
+        SMALL,
+        [Part::Middle(Vec2::new(760.0, 660.0)), Part::Middle(Vec2::new(760.0, 660.0))],
+        |harness| press(harness, Modifiers::NONE, Key::Questionmark),
+    );
 }
 
 #[test]
@@ -107,12 +119,17 @@ fn paths_are_asked_for_in_the_window() {
     let tracks = "timestamp,id,distance,ha,va\n1,1,2,3,1.5\n";
     std::fs::write(folder.join("tracks.csv"), tracks).expect("writable");
     std::fs::write(folder.join("notes.txt"), "it rained\n").expect("writable");
-    both("prompt", SMALL, |harness| {
-        send(harness, Command::OpenFileDialog);
-        press(harness, Modifiers::COMMAND, Key::A);
-        harness.event(Event::Text(format!("{}/", folder.display())));
-        settle(harness);
-    });
+    both(
+        "prompt",
+        SMALL,
+        [Part::Middle(Vec2::new(760.0, 660.0)), Part::Middle(Vec2::new(760.0, 660.0))],
+        |harness| {
+            send(harness, Command::OpenFileDialog);
+            press(harness, Modifiers::COMMAND, Key::A);
+            harness.event(Event::Text(format!("{}/", folder.display())));
+            settle(harness);
+        },
+    );
 }
 
 #[test]

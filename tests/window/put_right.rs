@@ -13,7 +13,7 @@ use resect::deployment::{AzimuthSense, Extras, Overrides, PrismConstants, Source
 use resect::simulation::{Preset, simulate, write_folder};
 
 use crate::harness::{
-    LARGE, SMALL, Window, press, send, settle, shown, snapshot, triplets, window,
+    LARGE, Part, SMALL, Window, press, send, settle, shown, snapshot_of, triplets, window,
 };
 
 /// By its name, wherever it has been scrolled to.
@@ -288,6 +288,6 @@ fn the_lines_are_drawn() {
         click(&mut harness, "Put right (2)");
         harness.get_by_label("Station numbers").scroll_to_me();
         settle(&mut harness);
-        snapshot(&mut harness, name);
+        snapshot_of(&mut harness, Part::Pane(Pane::Deployment), name);
     }
 }

@@ -8,7 +8,9 @@ use resect::calibration::{Loss, Method};
 use resect::pipeline::{OutlierReason, SampleFate};
 use resect::simulation::{Preset, simulate};
 
-use crate::harness::{LARGE, SMALL, Window, click, open, send, set, settle, snapshot, window};
+use crate::harness::{
+    LARGE, Part, SMALL, Window, click, open, send, set, settle, snapshot_of, window,
+};
 
 /// Clicks an entry of the Copy menu and gives what reached the clipboard.
 fn copy(harness: &mut Window, entry: &str) -> String {
@@ -73,7 +75,7 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
         let method = "method joint estimate → D (inter-prism distances)";
         assert!(harness.query_by_label(method).is_some());
         assert!(harness.query_by_label("τ_a 1 → 0.5 °/s").is_some());
-        snapshot(&mut harness, name);
+        snapshot_of(&mut harness, Part::Pane(Pane::Result), name);
 
         click(&mut harness, "Unpin A");
         assert!(harness.state().state.results.pins.is_empty());
@@ -144,7 +146,7 @@ fn the_result_follows_the_units() {
     assert!(harness.query_all_by_label(&x).next().is_some(), "{x}");
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
     send(&mut harness, Command::ShowPane(Pane::Result));
-    snapshot(&mut harness, "gon");
+    snapshot_of(&mut harness, Part::Pane(Pane::Result), "gon");
 }
 
 #[test]
@@ -166,7 +168,7 @@ fn the_history_names_what_changed_and_brings_it_back() {
         let names: Vec<_> =
             harness.state().state.results.pins.iter().map(|pin| pin.name.clone()).collect();
         assert_eq!(names, ["A", "B"]);
-        snapshot(&mut harness, name);
+        snapshot_of(&mut harness, Part::Pane(Pane::Runs), name);
 
         let run = harness.get_by_role_and_label(Role::Button, "Run 2, good: τ_l 6 → 20 s");
         // By the keyboard, as by the mouse.
@@ -203,7 +205,7 @@ fn another_deployment_and_a_doubtful_answer_are_named_as_such() {
     assert!(harness.query_by_label("verdict good → degenerate").is_some());
     let text = copy(&mut harness, "x y z qx qy qz qw");
     assert!(text.contains("WARNING: verdict DEGENERATE"), "{text}");
-    snapshot(&mut harness, "other-data-dark");
+    snapshot_of(&mut harness, Part::Pane(Pane::Result), "other-data-dark");
     // Runs of several deployments name their own.
     send(&mut harness, Command::ShowPane(Pane::Runs));
     let first = harness.get_by_role_and_label(Role::Button, "Run 1, good: warthog (simulated)");
@@ -245,7 +247,7 @@ fn the_picked_reading_is_explained_and_can_be_let_in() {
     let azimuth = find(&harness, SampleFate::Rejected(OutlierReason::Azimuth));
     send(&mut harness, Command::PickInPlot(azimuth));
     assert!(harness.query_by_label_contains("Rejected by the azimuth rate").is_some());
-    snapshot(&mut harness, "reading-rejected-dark");
+    snapshot_of(&mut harness, Part::Pane(Pane::Reading), "reading-rejected-dark");
     let remedy = harness.get_by_label_contains("Set τ_a");
     assert!(remedy.accesskit_node().role() == Role::Button);
     remedy.click();
@@ -269,7 +271,11 @@ fn every_fate_has_its_explanation_in_the_pane() {
             let picked = find(&harness, fate);
             send(&mut harness, Command::PickInScene(picked));
             assert!(harness.query_by_label_contains(words).is_some(), "{words}");
-            snapshot(&mut harness, &format!("{name}-{}", fate.label().replace(' ', "-")));
+            snapshot_of(
+                &mut harness,
+                Part::Pane(Pane::Reading),
+                &format!("{name}-{}", fate.label().replace(' ', "-")),
+            );
         }
     }
 }

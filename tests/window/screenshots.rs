@@ -9,7 +9,9 @@ use resect::deployment::Sample;
 use resect::simulation::{Preset, simulate};
 
 use crate::common;
-use crate::harness::{LARGE, SMALL, Window, set, settle, snapshot, triplets, window};
+use crate::harness::{
+    LARGE, Part, SMALL, Window, set, settle, snapshot, snapshot_of, triplets, window,
+};
 
 fn cursor_s(harness: &Window) -> f64 {
     harness.state().state.active().and_then(|open| open.timeline.cursor_s).expect("a cursor")
@@ -39,7 +41,7 @@ fn switching_the_outlier_filter_off_lets_more_through() {
         settle(&mut harness);
         assert!(!harness.state().state.settings().pipeline.outlier_filter);
         assert!(triplets(&harness) > before);
-        snapshot(&mut harness, name);
+        snapshot_of(&mut harness, Part::Pane(Pane::Pipeline), name);
         harness.get_by_label("Reset to the defaults").click();
         settle(&mut harness);
         assert_eq!(triplets(&harness), before);
@@ -61,7 +63,7 @@ fn an_error_is_shown_and_what_was_open_stays() {
         assert!(text.contains("broken.csv:1") && text.contains("semicolons"), "{text}");
         assert_eq!(remedy, "save the table with commas");
         assert_eq!(triplets(&harness), before);
-        snapshot(&mut harness, name);
+        snapshot_of(&mut harness, Part::LowerRight(Vec2::new(520.0, 200.0)), name);
         harness.get_by_label("Dismiss").click();
         settle(&mut harness);
         assert!(harness.state().state.toasts.shown().is_empty());
@@ -77,7 +79,7 @@ fn the_other_sample_opens_from_the_menu() {
     settle(&mut harness);
     let deployment = harness.state().state.active().expect("open").deployment.clone();
     assert_eq!(deployment.name, "hd2-tunnel (simulated)");
-    snapshot(&mut harness, "tunnel-dark");
+    snapshot_of(&mut harness, Part::Pane(Pane::Scene), "tunnel-dark");
 }
 
 #[test]
@@ -211,7 +213,9 @@ fn a_comparison_is_run_and_drawn() {
         settle(&mut harness);
         let result = harness.state().state.studies.result.clone().expect("it ran");
         assert_eq!(result.study().groups.len(), 5);
-        snapshot(&mut harness, name);
+        // The README shows the whole window.
+        let part = if name == "studies-light" { Part::Window } else { Part::Pane(Pane::Studies) };
+        snapshot_of(&mut harness, part, name);
     }
 }
 
@@ -226,7 +230,7 @@ fn an_ablation_can_be_chosen_and_judged_by_d() {
     let result = harness.state().state.studies.result.clone().expect("it ran");
     assert_eq!(result.study().name, "ablation");
     assert_eq!(result.study().series.len(), 3);
-    snapshot(&mut harness, "ablation-dark");
+    snapshot_of(&mut harness, Part::Pane(Pane::Studies), "ablation-dark");
 }
 
 #[test]
@@ -258,7 +262,7 @@ fn each_open_deployment_keeps_its_settings() {
         set(&mut harness, |s| s.pipeline.thresholds.tau_l_seconds = 20.0);
         assert_eq!(harness.state().state.open.len(), 2);
         show(&mut harness, Pane::SideBySide);
-        snapshot(&mut harness, name);
+        snapshot_of(&mut harness, Part::Pane(Pane::SideBySide), name);
         harness.get_all_by_label("warthog (simulated)").next().expect("listed").click();
         settle(&mut harness);
         let settings = *harness.state().state.settings();
@@ -296,7 +300,7 @@ fn the_search_of_the_prior_is_shown() {
         let (_, analysis) = harness.state().state.analysed().expect("an answer");
         let answer = analysis.answer.as_ref().expect("an answer");
         assert!(answer.calibration.inter_prism().expect("method D").prior_search.is_some());
-        snapshot(&mut harness, name);
+        snapshot_of(&mut harness, Part::Pane(Pane::PriorSearch), name);
     }
 }
 
@@ -312,7 +316,8 @@ fn the_motion_model_shows_its_uncertainty() {
         let (open, analysis) = harness.state().state.analysed().expect("an answer");
         assert!(analysis.pipeline.triplets.sigma_m.is_some());
         assert!(open.plots.bands.iter().all(|bands| !bands.is_empty()));
-        snapshot(&mut harness, name);
+        let pane = if size == LARGE { Pane::Residuals } else { Pane::Scene };
+        snapshot_of(&mut harness, Part::Pane(pane), name);
     }
 }
 
@@ -332,7 +337,8 @@ fn only_the_methods_that_the_data_allows_can_be_chosen() {
         let method = analysis.answer.as_ref().expect("an answer").calibration.method;
         let expected = if theme == Theme::Dark { Method::Joint } else { Method::TwoPoint };
         assert_eq!(method, expected);
-        snapshot(&mut harness, name);
+        let pane = if theme == Theme::Dark { Pane::Pipeline } else { Pane::Result };
+        snapshot_of(&mut harness, Part::Pane(pane), name);
         // A click on what is disabled changes nothing.
         let refused = if theme == Theme::Dark {
             "D  inter-prism distances"
@@ -361,7 +367,8 @@ fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
             harness.get_by_label("Correlations").click();
             settle(&mut harness);
         }
-        snapshot(&mut harness, name);
+        let pane = if size == SMALL { Pane::Scene } else { Pane::Result };
+        snapshot_of(&mut harness, Part::Pane(pane), name);
         // Without the arrows the scene is another picture.
         let shown = harness.render().expect("a picture");
         harness.get_by_label("weak directions").click();

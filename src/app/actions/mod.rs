@@ -219,6 +219,8 @@ mod tests {
         assert_eq!(found[0].name, "Open folder…");
         let found = matching(&actions, "fit");
         assert_eq!(found[0].name, "Fit");
+        assert_eq!(matching(&actions, "light")[0].name, "Theme: light");
+        assert_eq!(matching(&actions, "gon")[0].name, "Angles in gon");
         assert!(matching(&actions, "no such thing").is_empty());
         // What cannot be done now is not offered.
         assert!(matching(&actions, "undo").is_empty());

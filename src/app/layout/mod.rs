@@ -92,6 +92,11 @@ impl Layout {
         self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(p) if *p == pane));
     }
 
+    /// Where a pane was drawn in the last frame, in the window (points).
+    pub fn place(&self, pane: Pane) -> Option<egui::Rect> {
+        self.tree.tiles.find_pane(&pane).and_then(|tile| self.tree.tiles.rect(tile))
+    }
+
     /// Whether a pane is in the window, in front or behind others.
     pub fn holds(&self, pane: Pane) -> bool {
         self.tree.tiles.find_pane(&pane).is_some()

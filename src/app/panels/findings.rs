@@ -19,9 +19,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
         heading(ui, "Calibration");
         match &analysis.answer {
             Ok(answer) => {
-                for one in &answer.calibration.findings {
-                    finding(ui, one);
-                }
+                let mut findings: Vec<_> = answer.calibration.findings.iter().collect();
+                findings.sort_by_key(|one| std::cmp::Reverse(one.severity));
+                findings.into_iter().for_each(|one| finding(ui, one));
             }
             Err(error) => finding(ui, &crate::deployment::Finding::problem(error.to_string())),
         }

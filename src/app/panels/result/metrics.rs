@@ -7,6 +7,14 @@ use crate::calibration::Targets;
 use crate::deployment::pair_label;
 use crate::evaluation::{Evaluation, Spread};
 
+/// What the first metric is of: where all stations follow one prism, the distances compare their versions of it.
+pub fn name(targets: Targets) -> &'static str {
+    match targets {
+        Targets::OnePrism => "Same prism",
+        _ => "Inter-prism",
+    }
+}
+
 /// In mm whatever the units: there is nothing larger to see.
 pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
     heading(ui, "Metrics (mm)");
@@ -23,11 +31,8 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
             ui.monospace(spread.n.to_string());
             ui.end_row();
         };
-        // Of one prism, what the distances compare are the stations' versions of it.
-        let (all, each) = match targets {
-            Targets::OnePrism => ("Same prism", "stations"),
-            _ => ("Inter-prism", "prisms"),
-        };
+        let all = name(targets);
+        let each = if targets == Targets::OnePrism { "stations" } else { "prisms" };
         if let Some(spread) = &evaluation.inter_prism_mm {
             row(ui, RichText::new(all).strong(), spread);
         }

@@ -16,7 +16,7 @@ use crate::analysis::{Analysis, Answer};
 use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::calibration::{Calibration, Verdict};
+use crate::calibration::{Calibration, Targets, Verdict};
 use crate::deployment::{Finding, Severity};
 use crate::export::difference::Deviation;
 use crate::export::summary::ResultSummary;
@@ -27,6 +27,19 @@ use crate::palette;
 const NOTABLE_SIGMAS: f64 = 3.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    if let Some((open, analysis)) = state.analysed()
+        && let Ok(answer) = &analysis.answer
+    {
+        let margin = egui::Margin { left: 8, right: 8, top: 8, bottom: 0 };
+        egui::Frame::new().inner_margin(margin).show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            if state.is_stale() {
+                ui.multiply_opacity(0.45);
+            }
+            head(ui, open, answer, analysis.offer.targets);
+            ui.separator();
+        });
+    }
     scrolled(ui, |ui| {
         let Some((open, analysis)) = state.analysed() else {
             ui.weak("No result yet.");
@@ -69,10 +82,6 @@ fn show(
 ) {
     let calibration = &answer.calibration;
     let units = state.units;
-    verdict(ui, calibration);
-    if open.joint_follows() {
-        ui.weak("the joint estimate follows…");
-    }
     reasons(ui, &calibration.findings);
     heading(ui, "Transforms into station 1");
     transforms::table(ui, calibration, units);
@@ -117,12 +126,38 @@ fn pin(
     }
 }
 
-/// All that limits the answer, and the first notes; the others on request, so that the numbers stay in sight.
+/// What stays in sight while the rest scrolls, or a slider moves: the verdict, what speaks against the answer first, and how
+/// well it fits.
+fn head(ui: &mut egui::Ui, open: &OpenDeployment, answer: &Answer, targets: Targets) {
+    let calibration = &answer.calibration;
+    verdict(ui, calibration);
+    if open.joint_follows() {
+        ui.weak("the joint estimate follows…");
+    }
+    if let Some(first) = doubts(&calibration.findings).first() {
+        finding(ui, first);
+    }
+    if let Some(spread) = &answer.evaluation.inter_prism_mm {
+        let what = metrics::name(targets);
+        ui.label(format!("{what} {:.2} mm (median), IQR {:.2} mm", spread.median, spread.iqr));
+    }
+}
+
+/// Problems, then warnings.
+fn doubts(findings: &[Finding]) -> Vec<&Finding> {
+    let mut doubts: Vec<&Finding> =
+        findings.iter().filter(|finding| finding.severity > Severity::Note).collect();
+    doubts.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+    doubts
+}
+
+/// What else limits the answer than the first that the head tells, and the first notes; the others on request, so that the
+/// numbers stay in sight.
 fn reasons(ui: &mut egui::Ui, findings: &[Finding]) {
     const NOTES_IN_SIGHT: usize = 4;
-    let (notes, doubts): (Vec<_>, Vec<_>) =
-        findings.iter().partition(|finding| finding.severity == Severity::Note);
-    doubts.into_iter().for_each(|one| finding(ui, one));
+    doubts(findings).into_iter().skip(1).for_each(|one| finding(ui, one));
+    let notes: Vec<&Finding> =
+        findings.iter().filter(|finding| finding.severity == Severity::Note).collect();
     let (shown, folded) = notes.split_at(notes.len().min(NOTES_IN_SIGHT));
     shown.iter().for_each(|one| finding(ui, one));
     if !folded.is_empty() {
