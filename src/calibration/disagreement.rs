@@ -58,7 +58,7 @@ impl Disagreement {
     }
 }
 
-/// Where two answers are further apart than their σ allow; nothing where they are about different frames.
+/// The numbers in which two answers are further apart than their σ allow; none where they are about different frames.
 pub fn disagreements(
     a: &Calibration,
     b: &Calibration,

@@ -10,9 +10,9 @@ use crate::statistics::median;
 /// How late the stamps of a station are against station 1's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// In the middle of the drive (s).
+    /// How late the stamps are in the middle of the drive (s).
     pub offset_s: f64,
-    /// And how that grows (s per s).
+    /// How much later they get each second (s per s).
     pub drift: f64,
 }
 
@@ -26,7 +26,7 @@ pub struct MovingTriplets<'a> {
 }
 
 impl<'a> MovingTriplets<'a> {
-    /// With clocks that drift.
+    /// All triplets, with clocks that drift.
     pub fn all(triplets: &'a Triplets) -> Self {
         let velocity_m_per_s = velocities(triplets, 1);
         let middle_s = middle_s(triplets);

@@ -6,7 +6,7 @@ use super::Method;
 use crate::calibration::ErrorSizes;
 use crate::deployment::Finding;
 
-/// Where method D starts from.
+/// What method D starts from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum PriorMethod {
@@ -21,7 +21,7 @@ pub enum PriorMethod {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Loss {
-    /// Its square, as published.
+    /// A large error costs its square, as published.
     #[default]
     Squared,
     /// Beyond 1.345 σ only its size.
@@ -58,15 +58,15 @@ pub enum Alignment {
 pub struct CalibrationSettings {
     /// `None` is the joint estimate.
     pub method: Option<Method>,
-    /// Of methods B and C.
+    /// What methods B and C may turn.
     pub alignment: Alignment,
-    /// Of method D, which the joint estimate starts from.
+    /// Where method D, which the joint estimate begins with, starts from.
     pub prior: PriorMethod,
     /// How well the inter-prism distances are known (m, 1 σ); widens every σ of the answer.
     pub inter_prism_sigma_m: f64,
-    /// Of methods C and D as published; the joint estimate has its own.
+    /// What a large error costs in methods C and D as published; the joint estimate has its own loss.
     pub loss: Loss,
-    /// Of methods C and D as published; the joint estimate has its own.
+    /// What methods C and D as published estimate beside the frames; the joint estimate has its own unknowns.
     pub estimate: Estimated,
     /// How large the errors of instruments are that the joint estimate allows for.
     pub errors: ErrorSizes,

@@ -32,7 +32,7 @@ const MOST_BASINS: usize = 16;
 const TOLERANCE_M: f64 = 1e-3;
 /// What is not there by then creeps along a valley.
 const MOST_PASSES: usize = 40;
-/// The same answer every time.
+/// Seed of the random starts: fixed, so that the answer is the same every time.
 const SEED: u64 = 1;
 
 /// All minima of the squared cost, the lowest first; each valley counts once.
@@ -122,7 +122,7 @@ impl Starts {
         }
     }
 
-    /// With yaws near those of a solution that fits.
+    /// A random start with yaws near those of a solution that fits.
     fn draw(&mut self, fits: &Parameters) -> Parameters {
         let [w, i, j, k] = std::array::from_fn(|_| self.random.sample(StandardNormal));
         let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));

@@ -20,7 +20,7 @@ pub enum Misreading {
 }
 
 impl Misreading {
-    /// All of them, what happens most and explains most in few words first.
+    /// All misreadings, what happens most and explains most in few words first.
     pub const ALL: [Self; 13] = [
         Self::Azimuth(None),
         Self::Feet(None),

@@ -93,7 +93,7 @@ pub fn plan_area_m2(corners_m: &[Vector3<f64>; 3]) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Agreement {
     Agrees,
-    /// Not what one expects, but it can be.
+    /// What the answer shows is not what one expects, but it can be.
     Suspicious,
     Contradicts,
 }

@@ -20,7 +20,7 @@ pub struct Support {
 /// 99 % of χ² with one to six degrees of freedom.
 const CHI_SQUARE_99: [f64; 6] = [6.635, 9.210, 11.345, 13.277, 15.086, 16.812];
 
-/// Of each group of unknowns that was estimated.
+/// What supports each group of unknowns that was estimated.
 pub fn support(
     state: &State,
     start: &State,
