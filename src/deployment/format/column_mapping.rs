@@ -96,7 +96,7 @@ pub enum VerticalAngle {
 }
 
 impl TableLength {
-    /// As in "range in metres".
+    /// The unit of lengths in words, as in "range in metres".
     pub fn words(self) -> &'static str {
         match self {
             Self::Metres => "metres",
@@ -108,7 +108,7 @@ impl TableLength {
 }
 
 impl TableAngle {
-    /// As in "angles in radians".
+    /// The unit of angles in words, as in "angles in radians".
     pub fn words(self) -> &'static str {
         match self {
             Self::Radians => "radians",
@@ -120,7 +120,7 @@ impl TableAngle {
 }
 
 impl VerticalAngle {
-    /// As in "zenith angle".
+    /// The kind of angle in words, as in "zenith angle".
     pub fn words(self) -> &'static str {
         match self {
             Self::Zenith => "zenith",

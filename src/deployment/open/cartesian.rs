@@ -294,7 +294,8 @@ fn all_in_steps(positions: &[Position], origin_m: &Vector3<f64>, step_m: f64) ->
     mean_phase(positions.iter().map(|p| (p.position_m - origin_m).norm() / step_m))
 }
 
-/// The same of the differences of consecutive readings that moved, which an origin a little off changes less.
+/// Length of the mean of exp(2πi Δr / step) over consecutive readings that moved; an origin a little off changes these
+/// differences Δr of ranges less.
 fn next_in_steps(positions: &[Position], origin_m: &Vector3<f64>, step_m: f64) -> f64 {
     let pairs = positions.windows(2).map(|pair| [pair[0].position_m, pair[1].position_m]);
     let moved = pairs.filter(|[a, b]| (a - b).norm() > MOVED_M);

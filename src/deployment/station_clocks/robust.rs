@@ -13,7 +13,7 @@ const JUMP_OVER_NOISE: f64 = 8.0;
 /// Points that a line is fitted to, at most.
 const FITTED_POINTS: usize = 200;
 
-/// Of the differences of neighbours: a jump changes one of them only. 0 where no two are apart.
+/// Median slope between neighbours: a jump changes one of them only. 0 where no two are apart.
 pub fn slope_of_neighbours(times_s: &[f64], apart_s: &[f64]) -> f64 {
     let slopes =
         times_s.windows(2).zip(apart_s.windows(2)).map(|(t, d)| (d[1] - d[0]) / (t[1] - t[0]));
