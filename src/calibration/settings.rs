@@ -21,7 +21,7 @@ pub enum PriorMethod {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Loss {
-    /// A large error costs its square, as published.
+    /// Its square, as published.
     #[default]
     Squared,
     /// Beyond 1.345 σ only its size.
