@@ -45,7 +45,7 @@ impl CopyFormat {
         Self::Urdf,
     ];
 
-    /// As a menu names it.
+    /// The format's name in a menu.
     pub fn title(self) -> &'static str {
         match self {
             Self::Toml => "TOML",
@@ -207,7 +207,7 @@ fn maps(station: &StationSummary) -> String {
     format!("{}: station {} into station 1", station.name(), station.station)
 }
 
-/// To 1e-9, without negative zeros.
+/// The value in digits to 1e-9, without negative zeros.
 fn digits(value: f64) -> String {
     let text = format!("{value:.9}");
     if text == "-0.000000000" { "0.000000000".to_owned() } else { text }

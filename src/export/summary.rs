@@ -25,7 +25,7 @@ pub struct ResultSummary {
     pub triplets: usize,
     /// All stations followed one prism: the inter-prism metric compares its versions.
     pub one_prism: bool,
-    /// Of stations 2 and 3.
+    /// What was found of stations 2 and 3.
     pub stations: [StationSummary; 2],
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
     pub covariance: Option<[[f64; 8]; 8]>,
@@ -104,7 +104,7 @@ impl ResultSummary {
 }
 
 impl StationSummary {
-    /// Of station 2 or 3, by its number.
+    /// The summary of station 2 or 3, by its number.
     pub fn new(
         station: usize,
         station1_from_station: &RigidTransform,
