@@ -12,8 +12,8 @@ use crate::evaluation::{self, known_distances_m};
 use crate::geometry::RigidTransform;
 use crate::pipeline::{self, PipelineSettings};
 
-/// Which method's transforms; `None` takes B where the data allows it, else the paper's dynamic method: the studies are
-/// the paper's, and the joint estimate judges only where it is named.
+/// The method whose transforms judge; `None` takes B where the data allows it, else the paper's dynamic method: the
+/// studies are the paper's, and the joint estimate judges only where it is named.
 pub type Reference = Option<Method>;
 
 /// A deployment with what its errors are measured by.
