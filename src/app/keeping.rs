@@ -108,7 +108,8 @@ impl Keeping {
         restored
     }
 
-    /// To be called in every frame. Every few seconds it has written what changed, in the background.
+    /// Keeps what is the user's; called in every frame. Every few seconds it has written what changed, in the
+    /// background.
     pub fn frame(&mut self, ctx: &egui::Context, state: &mut State) {
         let since = self.looked.elapsed();
         if since < self.every {

@@ -23,7 +23,7 @@ use crate::deployment::{Deployment, Sample, Source};
 pub enum Start {
     Sample(Sample),
     Deployments(Vec<(Arc<Deployment>, Source)>),
-    /// Of this file.
+    /// The session of this file.
     Session(PathBuf),
 }
 

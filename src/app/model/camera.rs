@@ -7,14 +7,14 @@ use nalgebra::{Matrix4, Point3, Vector3};
 pub enum ViewPreset {
     /// Everything, from where the camera is turned now.
     Fit,
-    /// From above at a slant, as a deployment is seen at first.
+    /// The view from above at a slant, as a deployment is seen at first.
     Slanted,
     Top,
     /// Along y, x to the right.
     Front,
     /// Against x, y to the right.
     Side,
-    /// From where this station (0 to 2) stands, towards the prisms.
+    /// The view from where this station (0 to 2) stands, towards the prisms.
     Station(usize),
 }
 
@@ -96,7 +96,7 @@ impl Camera {
         self.target_m += metres_per_point * (up * drag[1] - right * drag[0]);
     }
 
-    /// At the distance of the target.
+    /// Length that a point of the screen covers at the distance of the target (m).
     pub fn metres_per_point(&self, viewport_height: f32) -> f32 {
         2.0 * self.distance_m * (FIELD_OF_VIEW_RAD / 2.0).tan() / viewport_height.max(1.0)
     }

@@ -15,7 +15,7 @@ pub struct Pin {
     pub summary: Arc<ResultSummary>,
     /// Whether its residuals are drawn behind the present ones.
     pub shown: bool,
-    /// Its residuals; `None` until they are computed, or when its deployment is not open.
+    /// The residuals of the pinned result; `None` until they are computed, or when its deployment is not open.
     pub plots: Option<Arc<PreparedPlots>>,
     /// Whether they are being computed.
     pub drawing: bool,

@@ -73,14 +73,14 @@ pub struct Step {
 /// When a change comes.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
-    /// Of the window's clock (s).
+    /// The time of the change by the window's clock (s).
     pub now_s: f64,
     /// Since when the pointer's button is down, if it is (s).
     pub pressed_s: Option<f64>,
 }
 
 impl Moment {
-    /// Of a change that is a step of its own.
+    /// The moment of a change that is a step of its own.
     pub const NEVER: Self = Self { now_s: f64::NEG_INFINITY, pressed_s: None };
 
     pub fn now(ctx: &egui::Context) -> Self {

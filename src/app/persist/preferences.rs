@@ -16,7 +16,7 @@ use crate::export::atomic;
 /// Version of the format that this program writes.
 const VERSION: u32 = 1;
 const FILE: &str = "preferences.toml";
-/// So many recent deployments are remembered.
+/// Most recent deployments that are remembered.
 const MOST_RECENT: usize = 12;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,7 +81,7 @@ pub fn remember(recent: &mut Vec<Recent>, source: &Source) {
     recent.truncate(MOST_RECENT);
 }
 
-/// As it lies in the file. Parts that cannot be read are left out, the rest stays.
+/// The preferences as they lie in the file. Parts that cannot be read are left out, the rest stays.
 #[derive(Serialize, Deserialize)]
 struct StoredPreferences {
     version: u32,
@@ -136,7 +136,7 @@ impl StoredPreferences {
 /// The file of the preferences: read once, written in the background when they are others.
 pub struct PreferencesFile {
     path: PathBuf,
-    /// Not where a file lies that cannot be read and could not be moved aside.
+    /// Whether the file may be written: not where one lies that cannot be read and could not be moved aside.
     may_write: bool,
     last: Preferences,
     writer: Writer,

@@ -245,7 +245,7 @@ impl Ink {
     }
 }
 
-/// To three digits: what can be read is what is set.
+/// The value rounded to three digits: what can be read is what is set.
 fn rounded(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;
@@ -256,7 +256,7 @@ fn rounded(value: f64) -> f64 {
     if unit < 1.0 { digits / (1.0 / unit).round() } else { digits * unit }
 }
 
-/// With three digits, and four decimals at most.
+/// The value in words, with three digits, and four decimals at most.
 pub fn short(value: f64) -> String {
     match value {
         v if v < 0.0995 => format!("{v:.4}"),

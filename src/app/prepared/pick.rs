@@ -34,16 +34,16 @@ struct Aabb {
 pub struct PointTree {
     /// The points in the order in which they are grouped; empty for their own order.
     order: Vec<u32>,
-    /// From the smallest boxes to the largest.
+    /// Boxes by level, from the smallest to the largest.
     levels: Vec<Vec<Aabb>>,
 }
 
 /// A point under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Among its station's points.
+    /// Index of the point among its station's points.
     pub index: usize,
-    /// From the pointer on the screen, at least [`UNDER_POINTS`].
+    /// Distance from the pointer on the screen (points), at least [`UNDER_POINTS`].
     pub distance_points: f32,
     /// Before the eye (clip w, metres).
     pub depth_m: f32,

@@ -96,7 +96,7 @@ pub fn add_uncertainty(
     Some(factor)
 }
 
-/// In the station's frame, along its axes.
+/// Adds an ellipsoid in the station's frame, along its axes.
 fn add_ellipsoid(
     lines: &mut Vec<LineVertex>,
     station: usize,

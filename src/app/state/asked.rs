@@ -33,7 +33,7 @@ impl State {
         self.ask_and_read(question, source, then);
     }
 
-    /// The same, and goes on as was meant.
+    /// Asks the question, and goes on as was meant once it is answered.
     pub(super) fn ask_and_read(&mut self, question: Question, source: Source, then: Then) {
         let asked = match question {
             Question::Tracks { folder, files } => {

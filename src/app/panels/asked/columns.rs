@@ -89,7 +89,7 @@ fn names(
     });
 }
 
-/// Where no column names the station, each has a file of its own.
+/// Asks which file is which station's, where no column names the station and each has a file of its own.
 fn stations_files(ui: &mut egui::Ui, edited: &mut AskedColumns, head: Option<&TableHead>) {
     if edited.mapping.station.is_some() {
         edited.files = None;

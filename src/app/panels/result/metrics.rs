@@ -7,7 +7,7 @@ use crate::calibration::Targets;
 use crate::deployment::pair_label;
 use crate::evaluation::{Evaluation, Spread};
 
-/// In mm whatever the units: there is nothing larger to see.
+/// Shows the metrics, in mm whatever the units: there is nothing larger to see.
 pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
     heading(ui, "Metrics (mm)");
     egui::Grid::new("metrics").num_columns(4).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {
