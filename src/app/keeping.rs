@@ -23,7 +23,7 @@ const EVERY: Duration = Duration::from_secs(3);
 pub struct Keeping {
     file: PreferencesFile,
     preferences: Preferences,
-    /// None where there is no folder to write to.
+    /// The sessions of running windows; `None` where there is no folder to write to.
     autosave: Option<Autosave>,
     cache: Arc<HashCache>,
     /// What a window that died had open, until this one has it.

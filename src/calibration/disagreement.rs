@@ -15,9 +15,9 @@ const NOTABLE_M: f64 = 0.005;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disagreement {
     pub methods: [Method; 2],
-    /// 2 or 3.
+    /// The station, 2 or 3.
     pub station: usize,
-    /// Second minus first.
+    /// Second answer's translation minus the first's (m).
     pub translation_m: [f64; 3],
     pub yaw_rad: f64,
     /// The yaw's difference over the σ of both; `None` where one has no σ.

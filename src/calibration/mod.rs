@@ -126,7 +126,7 @@ pub enum ResolvedBy {
     ControlPoints,
     /// Pitch and roll of the vehicle made the twin fit worse.
     Cost,
-    /// Nothing: the answer is one of two.
+    /// Nothing told them apart: the answer is one of two.
     Nothing,
 }
 

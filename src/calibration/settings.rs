@@ -73,7 +73,7 @@ pub struct CalibrationSettings {
     /// Only read: what older versions called it; see [`CalibrationSettings::take_removed`].
     #[serde(skip_serializing)]
     pub weigh_by_noise: bool,
-    /// Only read, as above.
+    /// Only read: what older versions called it; see [`CalibrationSettings::take_removed`].
     #[serde(skip_serializing)]
     pub continuous_time: bool,
 }

@@ -8,7 +8,7 @@ const LEAST_PAUSE_S: f64 = 10.0;
 const PAUSE_S: f64 = 60.0;
 /// Rigs whose measured distances differ by more (m) are not the same.
 const SAME_RIG_M: f64 = 0.005;
-/// Less (m) is rounding.
+/// Distances that differ by less (m) are the same but for rounding.
 const SAME_DISTANCES_M: f64 = 5e-5;
 
 impl Deployment {

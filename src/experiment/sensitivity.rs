@@ -171,7 +171,7 @@ pub fn sweep(
     })
 }
 
-/// Enough digits to tell the steps apart, without the zeros that say nothing.
+/// The value in enough digits to tell the steps apart, without the zeros that say nothing.
 fn short(value: f64, step: f64) -> String {
     let digits = (2.0 - step.abs().log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{value:.digits$}");

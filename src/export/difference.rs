@@ -33,9 +33,9 @@ pub struct Deviation {
 /// How `station1_from_station` of one station differs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StationDifference {
-    /// 2 or 3.
+    /// The station, 2 or 3.
     pub station: usize,
-    /// Along the axes of station 1 (m).
+    /// The translation's difference along the axes of station 1 (m).
     pub translation_m: [Deviation; 3],
     /// Length of the translation's difference (m), in σ along its own direction.
     pub distance_m: Deviation,

@@ -13,7 +13,7 @@ use crate::pipeline::Triplets;
 const LABEL: f32 = 11.0;
 /// Least and greatest height of the plot: a drive along a tunnel is not a stripe, one across the view not a tower.
 const HEIGHTS: [f32; 2] = [150.0, 460.0];
-/// Left, top, right and bottom of the plot, for numbers, legend and label.
+/// Margins to the left, top, right and bottom of the plot, for numbers, legend and label.
 const LEFT: f32 = 58.0;
 const TOP: f32 = 26.0;
 const RIGHT: f32 = 12.0;

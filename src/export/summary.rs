@@ -39,7 +39,7 @@ pub struct ResultSummary {
 /// `station1_from_station` of one station, with its σ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StationSummary {
-    /// 2 or 3.
+    /// The station, 2 or 3.
     pub station: usize,
     pub translation_m: [f64; 3],
     /// The whole rotation (x, y, z, w); its yaw is [`StationSummary::yaw_rad`].

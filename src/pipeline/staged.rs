@@ -54,9 +54,9 @@ impl SampleFate {
 #[derive(Clone, Debug)]
 pub struct PipelineOutput {
     pub filtered: Arc<[FilteredTrack; 3]>,
-    /// After the split.
+    /// The intervals after the split.
     pub intervals: Arc<Vec<Interval>>,
-    /// After the interval filter; [`Triplets::interval`] counts these.
+    /// The intervals after the interval filter; [`Triplets::interval`] counts these.
     pub kept_intervals: Arc<Vec<Interval>>,
     pub triplets: Arc<Triplets>,
     pub fates: Arc<[Fates; 3]>,

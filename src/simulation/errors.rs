@@ -112,7 +112,7 @@ impl Settling {
 pub struct Wander {
     /// 1 σ at any one time (m).
     pub sigma_m: f64,
-    /// After this long, 1/e of an error is left (s).
+    /// Time after which 1/e of an error is left (s).
     pub correlation_s: f64,
 }
 

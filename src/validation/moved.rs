@@ -21,7 +21,7 @@ const STEPS: usize = 6;
 /// The difference of two answers to one set-up, and what could have made it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Own minus earlier: (x, y, z, yaw) of station 2, then of station 3 (m, rad).
+    /// Own answer minus the earlier one: (x, y, z, yaw) of station 2, then of station 3 (m, rad).
     pub values: SVector<f64, 8>,
     /// Covariance of both answers together, and of what tripods settle in between.
     pub covariance: SMatrix<f64, 8, 8>,
@@ -46,7 +46,7 @@ pub struct StationMove {
 }
 
 impl StationMove {
-    /// Along x, y or z (m), or the turn (rad).
+    /// The move along x, y or z (m), or the turn (rad).
     pub fn part(&self, part: usize) -> Estimate {
         Estimate { value: self.by[part], sigma: self.covariance[(part, part)].max(0.0).sqrt() }
     }

@@ -25,7 +25,7 @@ pub struct Layout {
     tree: Tree<Pane>,
     /// Shares of rows and columns as described, by child; what the window's size makes of them is in the tree.
     shares: HashMap<TileId, f32>,
-    /// Until the user moves something.
+    /// Whether sizes follow the window: until the user moves something.
     follows_window: bool,
     /// The ready-made layout that it came from; closed panes come back to where that has them.
     preset: Option<LayoutPreset>,

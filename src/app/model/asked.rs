@@ -40,7 +40,7 @@ pub struct AskedStations {
     /// The bag, or the folder.
     pub place: String,
     pub are: StationsAre,
-    /// Their names, and what else is known of them.
+    /// Names of the topics or files, and what else is known of them.
     pub choices: Vec<(String, String)>,
     /// Index among the choices for each of stations 1, 2, 3.
     pub stations: [usize; 3],
@@ -84,7 +84,7 @@ pub struct TableHead {
 #[derive(Clone, Debug, PartialEq)]
 pub struct AskedFiles {
     pub extras: Extras,
-    /// They are all that is in these.
+    /// Folders that hold nothing but these extras.
     pub folders: Vec<PathBuf>,
     /// Ids and names of the deployments that they could be for.
     pub targets: Vec<(u64, String)>,

@@ -10,9 +10,9 @@ pub enum ViewPreset {
     /// The view from above at a slant, as a deployment is seen at first.
     Slanted,
     Top,
-    /// Along y, x to the right.
+    /// The view along y, x to the right.
     Front,
-    /// Against x, y to the right.
+    /// The view against x, y to the right.
     Side,
     /// The view from where this station (0 to 2) stands, towards the prisms.
     Station(usize),
@@ -168,7 +168,7 @@ impl Camera {
         self.distance_m = (eye_before_m - middle).max(0.5);
     }
 
-    /// Right, up, and back towards the eye, each of length 1.
+    /// Unit vectors to the right, up, and back towards the eye.
     fn axes(&self) -> [Vector3<f32>; 3] {
         let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
         let right = Vector3::new(-sin_yaw, cos_yaw, 0.0);

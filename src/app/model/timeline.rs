@@ -11,7 +11,7 @@ use crate::deployment::Deployment;
 /// A raw reading of a deployment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Picked {
-    /// 0 to 2.
+    /// The station, 0 to 2.
     pub station: usize,
     /// Index of the reading in the station's track.
     pub index: usize,

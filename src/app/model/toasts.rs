@@ -40,7 +40,7 @@ pub struct Toast {
     since_s: Option<f64>,
 }
 
-/// More would hide the window behind them.
+/// Most toasts that are shown: more would hide the window behind them.
 const MOST_TOASTS: usize = 4;
 
 /// The toasts that are shown, the newest last.

@@ -12,7 +12,7 @@ pub struct LastSession {
 }
 
 impl LastSession {
-    /// Kept in this file, there or not.
+    /// The session that is kept in this file, there or not.
     pub fn at(path: PathBuf) -> Self {
         let is_there = path.is_file();
         Self { path, is_there }

@@ -23,7 +23,7 @@ const MOST_RECENT: usize = 12;
 pub struct Preferences {
     pub theme: Theme,
     pub units: Units,
-    /// None until the user changed it.
+    /// The arrangement of the panes; `None` until the user changed it.
     pub layout: Option<LayoutDescription>,
     /// Size of the window (points).
     pub window_points: Option<[f32; 2]>,

@@ -103,9 +103,9 @@ fn nothing(ui: &mut egui::Ui) {
 struct Estimated {
     /// How late stations 2 and 3 are against station 1, in the middle of the drive (s).
     offsets_s: [Estimate; 2],
-    /// How they grow (s per s).
+    /// How much later their stamps get each second (s per s).
     drifts: [f64; 2],
-    /// First and last triplet (s).
+    /// Times of the first and of the last triplet (s).
     span_s: [f64; 2],
 }
 

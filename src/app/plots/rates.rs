@@ -70,7 +70,7 @@ fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands
     });
 }
 
-/// One of the three plots.
+/// One of the three plots of rates: range, azimuth or zenith angle.
 struct RatePlot<'a> {
     open: &'a OpenDeployment,
     state: &'a State,
@@ -261,7 +261,7 @@ impl RatePlot<'_> {
     }
 }
 
-/// None at the ends, where it would stand on one of the plot above or below.
+/// The number at a grid line; none at the ends, where it would stand on one of the plot above or below.
 fn number_inside(log10: f64, range: &RangeInclusive<f64>) -> String {
     let margin = 0.08 * (range.end() - range.start());
     let inside = (range.start() + margin..=range.end() - margin).contains(&log10);

@@ -45,7 +45,7 @@ pub struct Hit {
     pub index: usize,
     /// Distance from the pointer on the screen (points), at least [`UNDER_POINTS`].
     pub distance_points: f32,
-    /// Before the eye (clip w, metres).
+    /// Depth before the eye (clip w, m).
     pub depth_m: f32,
 }
 

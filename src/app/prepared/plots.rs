@@ -51,7 +51,7 @@ pub struct Band {
     pub half_widths_mm: Vec<f64>,
 }
 
-/// More corners than this a pair say nothing more to the eye.
+/// Most corners of a band for each pair: more say nothing more to the eye.
 const MOST_BAND_CORNERS: usize = 1000;
 /// Triplets of a stretch at least: a second of them.
 const LEAST_STRETCH: usize = 10;

@@ -93,7 +93,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Against brute force: whatever is looked at, the extremes are drawn, in order, and not too many.
+        /// Agrees with brute force: whatever is looked at, the extremes are drawn, in order, and not too many.
         #[test]
         fn extremes_are_never_lost(
             values in proptest::collection::vec(-1e3..1e3f64, 1..3000),

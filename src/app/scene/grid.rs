@@ -17,9 +17,9 @@ const MOSTLY: f32 = 0.6;
 /// Lines at whole multiples of the spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// 1, 2 or 5 times a power of ten.
+    /// Spacing of the lines (m): 1, 2 or 5 times a power of ten.
     pub spacing_m: f32,
-    /// First and last line across x, and across y.
+    /// Numbers of the first and last line across x, and across y.
     lines: [[i32; 2]; 2],
     height_m: f32,
 }

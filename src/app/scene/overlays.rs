@@ -129,7 +129,7 @@ fn exaggeration<'a>(sigma_m: impl Iterator<Item = &'a Vector3<f64>>) -> Option<f
     Some(round_factor(radius_m, WANTED_RADIUS_M))
 }
 
-/// 1, 2 or 5 times a power of ten, and at least 1, by which a length stays below what is wanted.
+/// Largest factor of 1, 2 or 5 times a power of ten, and at least 1, by which a length stays below what is wanted.
 pub fn round_factor(length_m: f64, wanted_m: f64) -> f64 {
     let wanted = (wanted_m / length_m.max(1e-6)).max(1.0);
     let decade = 10_f64.powf(wanted.log10().floor());

@@ -19,7 +19,7 @@ pub(super) struct Waiting {
     reading: Option<(Source, Then)>,
 }
 
-/// More of a file than the preview shows.
+/// Bytes of a file's beginning that are read: more than the preview shows.
 const HEAD_BYTES: u64 = 16 << 10;
 
 impl State {

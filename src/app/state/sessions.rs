@@ -21,7 +21,7 @@ use crate::deployment::{Deployment, Finding, Source};
 pub struct SessionState {
     /// The session's file, once it was saved or opened.
     pub path: Option<PathBuf>,
-    /// They stay in the session, whose next save keeps them.
+    /// Deployments that could not be opened; they stay in the session, whose next save keeps them.
     pub missing: Vec<Missing>,
     /// Opened before, in this window or another; the newest first.
     pub recent: Vec<Recent>,

@@ -57,7 +57,7 @@ pub struct DriveShape {
 /// The drive seen from above. Positions are in station 1's frame (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Plan {
-    /// Nowhere.
+    /// The vehicle goes nowhere.
     Standing,
     /// One line, once or there and back; nearly everything lies within `bends_m` of it.
     StraightLine { length_m: f64, bends_m: f64 },

@@ -49,7 +49,7 @@ pub struct Direction {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
-    /// Nothing resists.
+    /// Nothing resists a move in this direction.
     Free,
     Weak,
     Held,

@@ -26,11 +26,11 @@ use super::{Minimum, Parameters, SquaredCost};
 const QUIET: usize = 30;
 /// Drives that leave directions free have minima everywhere; they are not worth more than this.
 const MOST_STARTS: usize = 600;
-/// Nor would a longer list say more.
+/// Most minima that are listed: a longer list would not say more.
 const MOST_BASINS: usize = 16;
-/// Enough to tell minima apart.
+/// How close to a minimum a search ends (m): enough to tell minima apart.
 const TOLERANCE_M: f64 = 1e-3;
-/// What is not there by then creeps along a valley.
+/// Most passes of a search; what is not there by then creeps along a valley.
 const MOST_PASSES: usize = 40;
 /// Seed of the random starts: fixed, so that the answer is the same every time.
 const SEED: u64 = 1;

@@ -215,11 +215,11 @@ struct Seen {
     prism: usize,
     velocity: Vector3<f64>,
     across: Vector3<f64>,
-    /// Along the sight, to its right, and up, as columns.
+    /// Directions along the sight, to its right, and up, as columns.
     axes: Matrix3<f64>,
     /// Errors of the spline over the reading, along these axes (m).
     errors: Vector3<f64>,
-    /// Their inverse covariance, and what it is made of.
+    /// Inverse covariance of these errors, and what it is made of.
     information: Matrix3<f64>,
     range_sigma_m: f64,
     across_sigma_m: f64,

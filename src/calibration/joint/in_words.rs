@@ -142,7 +142,7 @@ fn stepped(step: &Step, found: &JointEstimate) -> (Verdict, Finding) {
 struct InstrumentError {
     what: String,
     place: usize,
-    /// About zero, or what geometry says.
+    /// The error about zero, or about what geometry says.
     estimate: Estimate,
     /// What was known of it beforehand (1 σ).
     known: f64,

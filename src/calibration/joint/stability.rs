@@ -23,7 +23,7 @@ const CLOCK_CHI_SQUARE: f64 = 25.0;
 /// A station, or its clock, that was not the same before and after.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// 0 to 2.
+    /// The station, 0 to 2.
     pub station: usize,
     /// The first part after it.
     pub part: usize,

@@ -15,9 +15,9 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::{self, PipelineSettings, Triplets};
 use crate::progress::{Cancelled, Progress};
 
-/// Enough to tell millimetres from decimetres.
+/// Triplets that a drive is thinned to: enough to tell millimetres from decimetres.
 const THINNED: usize = 300;
-/// Below this a drive fits anything.
+/// Fewest triplets of a drive that is explained: with fewer a drive fits anything.
 const FEWEST_TRIPLETS: usize = 20;
 /// An explanation may fit this much worse than what it explains, and than the best explanation.
 const NO_WORSE: f64 = 1.2;

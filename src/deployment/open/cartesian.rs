@@ -18,11 +18,11 @@ use crate::geometry::{Polar, RigidTransform};
 use crate::progress::Progress;
 use crate::statistics::quantiles;
 
-/// Prisms of one vehicle are no further apart than this (m) …
+/// Prisms of one vehicle are no further apart than this (m).
 const LARGEST_RIG_M: f64 = 5.0;
-/// … and their distances are steady: half of them lie within this (m).
+/// Half the distances of prisms of one vehicle, which are steady, lie within this (m).
 const STEADY_M: f64 = 0.1;
-/// Fewer distances than this say nothing of that.
+/// Fewest distances that say whether they are steady.
 const FEWEST_DISTANCES: usize = 10;
 /// Longest gap to interpolate over, when two tracks are compared (s).
 const LONGEST_GAP_S: f64 = 1.0;

@@ -6,9 +6,9 @@ use crate::statistics::{median, sigma_of_errors};
 
 /// Readings on either side that a jump is judged by.
 const BESIDE_JUMP: usize = 5;
-/// A jump is at least this (s) …
+/// A jump is at least this (s).
 const SMALLEST_JUMP_S: f64 = 1e-3;
-/// … and this many times what neighbouring differences scatter by.
+/// A jump is at least this many times what neighbouring differences scatter by.
 const JUMP_OVER_NOISE: f64 = 8.0;
 /// Points that a line is fitted to, at most.
 const FITTED_POINTS: usize = 200;

@@ -54,7 +54,7 @@ impl Study {
     }
 }
 
-/// Neither infinite nor so large that pixels overflow.
+/// Whether a value is neither infinite nor so large that pixels overflow.
 fn can_be_shown(value: f64) -> bool {
     value.abs() < 1e15
 }

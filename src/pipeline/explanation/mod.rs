@@ -11,7 +11,7 @@ use crate::deployment::{Deployment, Measurement};
 /// Everything that decided the fate of one raw reading. Times are in s of the stations' clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
-    /// 0 to 2.
+    /// The station, 0 to 2.
     pub station: usize,
     /// Index of the reading in the station's raw track.
     pub index: usize,
@@ -61,7 +61,7 @@ pub enum Place {
         /// Number of the interval among those that module 3 kept, from 0; `None` for one that it dropped.
         kept: Option<usize>,
     },
-    /// Nowhere: the user left it out.
+    /// The reading is in no interval: the user left it out.
     LeftOut,
     /// The reading is in no interval, because these stations were silent; empty where all three measured at this
     /// instant, and at no other around it.
@@ -71,7 +71,7 @@ pub enum Place {
 /// A gap longer than τ_s between readings of one station that module 1 let pass, around the reading in question.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Silence {
-    /// 0 to 2.
+    /// The station, 0 to 2.
     pub station: usize,
     /// `None`: from the beginning.
     pub from_s: Option<f64>,

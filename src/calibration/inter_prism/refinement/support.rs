@@ -9,11 +9,11 @@ use crate::calibration::Estimated;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Support {
     pub what: &'static str,
-    /// Their squared distance from that, in units of their covariance: on average the number of unknowns, if there is
+    /// Squared distance of the unknowns from that, in units of their covariance: on average their number, if there is
     /// nothing to them.
     pub chi_square: f64,
     pub unknowns: usize,
-    /// Larger than chance makes it once in a hundred times.
+    /// Whether that is larger than chance makes it once in a hundred times.
     pub supported: bool,
 }
 

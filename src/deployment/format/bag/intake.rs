@@ -13,7 +13,7 @@ use crate::progress::Progress;
 
 /// No message that is read comes near this; a longer one is left out as malformed.
 pub const LARGEST_MESSAGE_BYTES: usize = 1 << 16;
-/// More topics than any robot has; those beyond are not read.
+/// Most topics that are read, more than any robot has; those beyond are not.
 const MOST_TOPICS: usize = 1000;
 
 /// A topic whose messages are wanted.
