@@ -19,7 +19,7 @@ pub struct Clock {
 /// Triplets with the velocities of their prisms, each in its station's frame.
 pub struct MovingTriplets<'a> {
     pub triplets: Cow<'a, Triplets>,
-    /// m/s; by differences with the neighbours of the same interval, none of which was left out.
+    /// Velocities (m/s) by differences with the neighbours of the same interval, none of which was left out.
     pub velocity_m_per_s: [Vec<Vector3<f64>>; 3],
     /// What a clock's second unknown counts by, for each triplet.
     pub growth: Vec<f64>,

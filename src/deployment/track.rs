@@ -9,9 +9,9 @@ use crate::geometry::Polar;
 pub struct Measurement {
     pub time_s: f64,
     pub range_m: f64,
-    /// Clockwise seen from above.
+    /// Azimuth, clockwise seen from above (rad).
     pub azimuth_rad: f64,
-    /// 0 straight up.
+    /// Zenith angle, 0 straight up (rad).
     pub zenith_rad: f64,
 }
 

@@ -60,7 +60,7 @@ pub struct Evaluation {
     /// |distance error| against the distances as measured on the vehicle (mm), where the answer estimates them.
     pub against_measured_mm: Option<Spread>,
     pub inter_prism_by_pair_mm: [Option<Spread>; 3],
-    /// One for each file of control points; pillars are left out.
+    /// The control-point metric of each file of control points (mm); pillars are left out.
     pub control_points_mm: Vec<ControlPointMetric>,
 }
 

@@ -20,7 +20,7 @@ pub type Reference = Option<Method>;
 pub struct Judge {
     pub method: Method,
     plan: Plan,
-    /// One for each training part.
+    /// The transforms that each training part leads to.
     station1_from_station: Vec<[RigidTransform; 3]>,
     inter_prism_m: Option<[f64; 3]>,
 }

@@ -19,11 +19,11 @@ pub enum CopyFormat {
     Toml,
     /// The transforms' part of what `calibrate --json` prints, under the same names.
     Json,
-    /// Homogeneous, four rows.
+    /// Homogeneous matrices of four rows.
     Matrix,
     /// x y z qx qy qz qw: one line each.
     Quaternion,
-    /// Python.
+    /// Homogeneous matrices as Python writes them.
     Numpy,
     /// A line for the shell: `ros2 run tf2_ros static_transform_publisher`, with named arguments.
     Ros2,
@@ -60,7 +60,7 @@ impl CopyFormat {
     }
 }
 
-/// Which of the two transforms.
+/// Which of the two transforms is copied, or both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Part {
     T12,
@@ -218,7 +218,7 @@ fn matrix(station: &StationSummary) -> [[String; 4]; 4] {
     std::array::from_fn(|row| std::array::from_fn(|column| digits(matrix[(row, column)])))
 }
 
-/// x, y, z, qx, qy, qz, qw.
+/// The transform's numbers x, y, z, qx, qy, qz, qw.
 fn pose(station: &StationSummary) -> [String; 7] {
     let ([x, y, z], [qx, qy, qz, qw]) = (station.translation_m, station.quaternion_xyzw);
     [x, y, z, qx, qy, qz, qw].map(digits)

@@ -31,7 +31,7 @@ pub struct ResultSummary {
     pub covariance: Option<[[f64; 8]; 8]>,
     /// |distance error| pooled over the pairs (mm).
     pub inter_prism_mm: Option<Spread>,
-    /// One for each file of control points.
+    /// The control-point metric of each file of control points (mm).
     pub control_points_mm: Vec<ControlPointMetric>,
     pub settings: Settings,
 }
@@ -145,7 +145,7 @@ impl StationSummary {
         Some(TransformSigma { translation_m: Vector3::new(x, y, z), yaw_rad })
     }
 
-    /// "T12" or "T13".
+    /// The transform's name: "T12" or "T13".
     pub fn name(&self) -> String {
         format!("T1{}", self.station)
     }

@@ -98,7 +98,7 @@ pub struct Validation {
     pub metric: Option<MetricThere>,
 }
 
-/// Whether it holds.
+/// Whether a calibration holds for another run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     Holds,

@@ -88,7 +88,7 @@ pub struct AskedFiles {
     pub folders: Vec<PathBuf>,
     /// Ids and names of the deployments that they could be for.
     pub targets: Vec<(u64, String)>,
-    /// Index among them.
+    /// Index of the chosen deployment among these.
     pub target: usize,
 }
 

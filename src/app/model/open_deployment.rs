@@ -15,7 +15,7 @@ pub struct OpenDeployment {
     /// Tells it from every other that was ever opened.
     pub id: u64,
     pub deployment: Arc<Deployment>,
-    /// Where it can be read again.
+    /// Where the deployment can be read again.
     pub source: Option<Source>,
     /// The longest range of each station (m); found once, because the window asks in every frame.
     pub longest_range_m: [f64; 3],
@@ -37,7 +37,7 @@ pub struct OpenDeployment {
     pub told: BTreeSet<String>,
     /// Whether any answer was there to the end, and not the paper's alone, ahead of a joint estimate.
     pub answered: bool,
-    /// What is awaited.
+    /// The newest request for an answer, while it is awaited.
     pub analysing: Option<Analysing>,
 }
 

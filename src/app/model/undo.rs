@@ -66,11 +66,11 @@ impl Changed {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     pub changes: Vec<Change>,
-    /// When it was last added to (s of the window's clock).
+    /// When the step was last added to (s of the window's clock).
     at_s: f64,
 }
 
-/// When a change comes.
+/// The moment at which a change comes.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
     /// The time of the change by the window's clock (s).

@@ -21,7 +21,7 @@ pub struct View {
 #[derive(Clone, Copy)]
 pub struct Look {
     pub preset: ViewPreset,
-    /// Where it left the camera.
+    /// The camera as the look left it.
     pub camera: Camera,
     pub size: Vec2,
     /// Whether the joint estimate was still to follow.

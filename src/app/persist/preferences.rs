@@ -63,7 +63,7 @@ impl From<Theme> for ThemePreference {
 /// A deployment that was opened before.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recent {
-    /// When it was opened (s since 1970).
+    /// When the deployment was last opened (s since 1970).
     pub opened_unix_s: u64,
     #[serde(flatten)]
     pub source: Source,

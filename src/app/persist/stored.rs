@@ -28,7 +28,7 @@ pub struct Version {
 pub struct StoredSession {
     /// The format's version; [`crate::deployment::SESSION_KEY`], by which a session is known.
     resect_session: u32,
-    /// The program's version.
+    /// The version of the program that wrote the file.
     #[serde(default)]
     resect: String,
     #[serde(default)]

@@ -19,7 +19,7 @@ pub fn time_origin_s(deployment: &Deployment) -> f64 {
 #[derive(Clone, Debug, Default)]
 pub struct Cloud {
     pub points: Vec<TimedPoint>,
-    /// Which of them are a station's.
+    /// Which of the points are each station's.
     pub ranges: [Range<usize>; 3],
     /// Trees of each station's points, to find what is under the pointer.
     pub trees: [PointTree; 3],

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct TimedPoint {
     pub position_m: [f32; 3],
-    /// Since [`time_origin_s`].
+    /// Time since [`time_origin_s`] (s).
     pub time_s: f32,
 }
 

@@ -32,7 +32,7 @@ pub struct GridNumber {
 }
 
 impl Grid {
-    /// One that lies under everything in a box.
+    /// A grid that lies under everything in a box.
     pub fn under(low: &Vector3<f32>, high: &Vector3<f32>) -> Self {
         let extent = (high.x - low.x).max(high.y - low.y).max(1.0);
         let rough = extent / SQUARES;

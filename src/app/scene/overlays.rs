@@ -19,7 +19,7 @@ const CORNERS: usize = 12;
 /// Ellipsoids are exaggerated by a round factor until the middle one is about this large (m, 2 σ).
 const WANTED_RADIUS_M: f64 = 0.5;
 
-/// x, y, z of any frame.
+/// Axes x, y, z of any frame, with their colours.
 pub const AXES: [(Vector3<f64>, Rgb); 3] = [
     (Vector3::new(1.0, 0.0, 0.0), [214, 73, 60]),
     (Vector3::new(0.0, 1.0, 0.0), [84, 168, 74]),

@@ -49,7 +49,7 @@ pub struct State {
     analyser: Analyser,
     /// The open deployments, in the order they were opened.
     pub open: Vec<OpenDeployment>,
-    /// Which of them the panes show.
+    /// Index of the open deployment that the panes show.
     active: usize,
     newest_id: u64,
     /// What the next deployment starts with.

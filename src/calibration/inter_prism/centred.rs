@@ -16,9 +16,9 @@ pub type Parameters = SVector<f64, 8>;
 pub struct CentredTriplets {
     /// Centroid of each station's points in its own frame (m).
     pub centre_m: [Vector3<f64>; 3],
-    /// `coordinates[station][axis][instant]`.
+    /// The coordinates about the centroids (m), as `coordinates[station][axis][instant]`.
     pub coordinates: [[Vec<f64>; 3]; 3],
-    /// α, β, γ (m).
+    /// The inter-prism distances α, β, γ (m).
     pub inter_prism_m: [f64; 3],
 }
 

@@ -17,9 +17,9 @@ use crate::geometry::LevelTransform;
 /// Eigenvalues below this share of the largest belong to drives such as an L (5e-3); drives with bends reach 2e-2. An
 /// error that is in no σ, such as a bias of the distances, weighs ten times as much there as where the drive is best.
 const WEAK_DIRECTION: f64 = 1e-2;
-/// A plain motion stands for a part of the free ones when this much of its length lies among them,
+/// A plain motion stands for a part of the free ones when this much of its length lies among them.
 const INSIDE: f64 = 0.95;
-/// and this much of it is not said already.
+/// A plain motion is said only where this much of it is not said already.
 const NEW: f64 = 0.3;
 
 /// How the drive holds the answer.

@@ -66,7 +66,7 @@ pub fn search(
 /// A basin: mostly one point, a valley where a direction is free.
 struct Valley {
     floor: Minimum,
-    /// Where searches ended in it, so that none walks there again.
+    /// Places in the valley where searches ended, so that none walks there again.
     seen: Vec<Parameters>,
 }
 

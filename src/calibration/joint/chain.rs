@@ -157,7 +157,7 @@ impl SlowPrecisions {
         Some(covariance.cholesky()?.inverse())
     }
 
-    /// Times slow states.
+    /// The product of the precisions and slow states.
     pub fn times<const K: usize>(
         &self,
         slow: &[SMatrix<f64, SLOW, K>],
@@ -264,7 +264,7 @@ impl Data {
         }
     }
 
-    /// Times a solution.
+    /// The product of this normal matrix and a solution.
     pub fn times<const K: usize>(&self, columns: &Columns<K>) -> Columns<K> {
         let mut product = Columns::zeros(self.own.len());
         product.constants = self.constants * columns.constants;

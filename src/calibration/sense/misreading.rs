@@ -8,7 +8,7 @@ use crate::pipeline::Triplets;
 /// The international foot (m). The US survey foot is 2 ppm longer, which no drive tells.
 const FOOT_M: f64 = 0.3048;
 
-/// One mistake.
+/// One mistake in how readings were understood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misreading {
     /// Azimuths run counter-clockwise: of all stations, or of one (0 to 2).

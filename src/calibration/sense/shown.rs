@@ -45,7 +45,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// `None` without triplets.
+    /// What an answer shows; `None` without triplets.
     pub fn of(
         rig: &Rig,
         control_points: &[ControlPointSet],

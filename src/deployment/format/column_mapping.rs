@@ -88,10 +88,10 @@ pub enum TableAngle {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VerticalAngle {
-    /// 0 straight up.
+    /// The vertical angle is 0 straight up.
     #[default]
     Zenith,
-    /// 0 on the horizon, positive upwards.
+    /// The vertical angle is 0 on the horizon, positive upwards.
     Elevation,
 }
 

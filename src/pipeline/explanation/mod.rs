@@ -212,7 +212,7 @@ impl Rate {
         self.threshold.is_some_and(|threshold| self.value.abs() > threshold)
     }
 
-    /// "m/s" or "°/s".
+    /// The rate's unit: "m/s" or "°/s".
     pub fn unit(&self) -> &'static str {
         match self.of {
             OutlierReason::Range => "m/s",

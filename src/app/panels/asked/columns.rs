@@ -10,7 +10,7 @@ use crate::deployment::format::column_mapping::{
 };
 use crate::deployment::{AzimuthSense, ColumnMapping, RawRecord};
 
-/// Rows in sight.
+/// Number of rows in sight.
 const ROWS: usize = 8;
 
 pub fn ui(ui: &mut egui::Ui, asked: &AskedColumns, commands: &mut Commands) {
