@@ -28,7 +28,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Those of a TOML file; what it does not name is the default. A file that cannot be read is
+    /// Settings of a TOML file; what it does not name is the default. A file that cannot be read is
     /// [`OpenError::Io`], what it says wrong an error with its line; what this version has no setting for is a finding.
     pub fn read(path: &Path) -> Result<(Self, Vec<Finding>), OpenError> {
         let text = std::fs::read_to_string(path)
@@ -61,14 +61,14 @@ pub struct Analysis {
     pub pipeline: PipelineOutput,
     /// Which methods the data allows.
     pub offer: Offer,
-    /// Or why there is none; the pipeline's part stands either way.
+    /// The answer, or why there is none; the pipeline's part stands either way.
     pub answer: Result<Arc<Answer>, CalibrationError>,
     pub pipeline_ms: f64,
     pub evaluation_ms: f64,
 }
 
 impl Analysis {
-    /// Those of the answer; without one the pipeline's.
+    /// The triplets of the answer; without one the pipeline's.
     pub fn triplets(&self) -> &Arc<Triplets> {
         self.answer.as_ref().map_or(&self.pipeline.triplets, |answer| &answer.triplets)
     }
@@ -102,7 +102,7 @@ impl Analyst {
         self.run_while(settings, &Progress::default()).expect("nobody else can cancel it")
     }
 
-    /// The same until `progress` is cancelled. What the pipeline found by then is remembered.
+    /// Runs like [`Self::run`] until `progress` is cancelled. What the pipeline found by then is remembered.
     pub fn run_while(
         &mut self,
         settings: &Settings,

@@ -42,7 +42,7 @@ pub fn verdict(verdict: Verdict) -> [Rgb; 2] {
     }
 }
 
-/// The same of whether a calibration holds for another run.
+/// Ground of the badge of whether a calibration holds for another run, and text that can be read on it.
 pub fn outcome(outcome: &Outcome) -> [Rgb; 2] {
     verdict(match outcome {
         Outcome::Holds => Verdict::Good,

@@ -45,7 +45,7 @@ impl Progress {
         (total > 0).then(|| (self.done() as f32 / total as f32).min(1.0))
     }
 
-    /// More work was found.
+    /// Tells that more work was found.
     pub fn expect(&self, amount: u64) {
         self.total.fetch_add(amount, Relaxed);
     }

@@ -10,11 +10,11 @@ use crate::pipeline::{PipelineSettings, Thresholds};
 /// One setting that differs. Displays as "τ_r 2 → 1.5 m/s".
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SettingChange {
-    /// As the window calls it; no two settings share a name.
+    /// What the window calls the setting; no two settings share a name.
     pub name: &'static str,
     pub before: String,
     pub after: String,
-    /// Of both values; empty for words.
+    /// The unit of both values; empty for words.
     pub unit: &'static str,
 }
 

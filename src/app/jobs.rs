@@ -91,7 +91,7 @@ impl<S: 'static> Jobs<S> {
         });
     }
 
-    /// For what runs elsewhere, such as a thread that stays.
+    /// The outbox for what runs elsewhere, such as a thread that stays.
     pub fn outbox(&self) -> Outbox<S> {
         self.outbox.clone()
     }

@@ -23,7 +23,7 @@ const EVERY: Duration = Duration::from_secs(3);
 pub struct Keeping {
     file: PreferencesFile,
     preferences: Preferences,
-    /// None where there is no folder to write to.
+    /// The sessions of running windows; `None` where there is no folder to write to.
     autosave: Option<Autosave>,
     cache: Arc<HashCache>,
     /// What a window that died had open, until this one has it.
@@ -108,7 +108,8 @@ impl Keeping {
         restored
     }
 
-    /// To be called in every frame. Every few seconds it has written what changed, in the background.
+    /// Keeps what is the user's; called in every frame. Every few seconds it has written what changed, in the
+    /// background.
     pub fn frame(&mut self, ctx: &egui::Context, state: &mut State) {
         let since = self.looked.elapsed();
         if since < self.every {

@@ -23,7 +23,7 @@ use crate::deployment::{Deployment, Sample, Source};
 pub enum Start {
     Sample(Sample),
     Deployments(Vec<(Arc<Deployment>, Source)>),
-    /// Of this file.
+    /// The session of this file.
     Session(PathBuf),
 }
 
@@ -31,7 +31,7 @@ pub enum Start {
 pub struct ResectWindow {
     pub state: State,
     scene: SceneView,
-    /// None of pictures and tests.
+    /// What is kept of the user's; `None` for pictures and tests.
     keeping: Option<(Keeping, egui::Context)>,
 }
 

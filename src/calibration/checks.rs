@@ -12,7 +12,7 @@ use crate::statistics::median;
 /// An answer whose largest standard deviation exceeds this is weak (m). The paper's deployments reach a few
 /// millimetres; two centimetres is what its failed ones show.
 pub const WEAK_SIGMA_M: f64 = 0.020;
-/// Beyond this a direction is as good as free (m).
+/// A direction whose standard deviation is larger than this is as good as free (m).
 pub const FREE_SIGMA_M: f64 = 0.5;
 /// Points that fit this badly (m, rms) show more than noise: good sets have 3 to 5 mm, tracks under 10.
 pub const POOR_POINT_FIT_M: f64 = 0.015;

@@ -15,9 +15,9 @@ const NOTABLE_M: f64 = 0.005;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disagreement {
     pub methods: [Method; 2],
-    /// 2 or 3.
+    /// The station, 2 or 3.
     pub station: usize,
-    /// Second minus first.
+    /// Second answer's translation minus the first's (m).
     pub translation_m: [f64; 3],
     pub yaw_rad: f64,
     /// The yaw's difference over the σ of both; `None` where one has no σ.
@@ -58,7 +58,7 @@ impl Disagreement {
     }
 }
 
-/// Where two answers are further apart than their σ allow; nothing where they are about different frames.
+/// The numbers in which two answers are further apart than their σ allow; none where they are about different frames.
 pub fn disagreements(
     a: &Calibration,
     b: &Calibration,

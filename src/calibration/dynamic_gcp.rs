@@ -1,6 +1,7 @@
 //! Method C: point-to-point alignment of the tracks of one moving prism that all three stations follow.
 //!
-//! The same cost as method B on the pipeline's triplets (`paper.tex`, "Dynamic GCP calibration").
+//! The same cost as method B on the pipeline's triplets (Vaidis et al. 2022, section "Dynamic methods", "Dynamic GCPs
+//! calibration").
 
 use std::borrow::Cow;
 
@@ -31,7 +32,7 @@ pub struct DynamicGcpDetails {
     pub rms_m: f64,
     /// Independent stretches of time that the covariance counts.
     pub blocks: usize,
-    /// Where they were to be estimated.
+    /// The clocks of stations 2 and 3, where they were to be estimated.
     pub clocks: Option<Box<TrackClocks>>,
     /// The joint estimate, where the readings themselves were used.
     pub joint: Option<Box<JointEstimate>>,

@@ -20,20 +20,21 @@ pub struct ErrorSizes {
     pub clock_drift: f64,
     /// How much a clock wanders during a drive beside that (s).
     pub clock_wander_s: f64,
-    /// Between the angles and the range of a reading (s).
+    /// Time between the angles and the range of a reading (s).
     pub latency_s: f64,
-    /// Of the inter-prism distances (m); [`super::CalibrationSettings::inter_prism_sigma_m`] takes its place.
+    /// Error of the inter-prism distances (m); [`super::CalibrationSettings::inter_prism_sigma_m`] takes its place.
     #[serde(skip)]
     pub inter_prism_m: f64,
     /// What a compensator leaves (rad).
     pub lean_rad: f64,
-    /// Of a station's ranges to its prism: the prism's constant, its centring, the instrument's zero (m).
+    /// Constant error of a station's ranges to its prism (m): the prism's constant, its centring, the instrument's
+    /// zero.
     pub range_offset_m: f64,
-    /// Of a station's ranges: air and oscillator.
+    /// Error of a station's ranges as a share of them: air and oscillator.
     pub range_scale: f64,
-    /// Of the vertical circle (rad).
+    /// Index error of the vertical circle (rad).
     pub index_rad: f64,
-    /// Of the sight, or of the tracker on its prism (rad).
+    /// Collimation error of the sight, or of the tracker on its prism (rad).
     pub collimation_rad: f64,
     /// How far a tripod turns (rad) and moves (m) during a drive.
     pub settling_rad: f64,

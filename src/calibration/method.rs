@@ -33,7 +33,7 @@ impl Method {
     pub const ALL: [Self; 5] =
         [Self::TwoPoint, Self::StaticGcp, Self::DynamicGcp, Self::InterPrism, Self::Joint];
 
-    /// As scripts write it.
+    /// The method's name as scripts write it.
     pub fn name(self) -> &'static str {
         match self {
             Self::TwoPoint => "two-point",
@@ -44,7 +44,7 @@ impl Method {
         }
     }
 
-    /// As the paper calls it, where it knows it.
+    /// The paper's letter for the method, `None` where the paper does not know it.
     pub fn letter(self) -> Option<char> {
         match self {
             Self::TwoPoint => Some('A'),
@@ -81,7 +81,7 @@ impl Method {
         matches!(self, Self::DynamicGcp | Self::InterPrism | Self::Joint)
     }
 
-    /// In words.
+    /// The method's name in words.
     pub fn title(self) -> &'static str {
         match self {
             Self::TwoPoint => "two-point resection",
@@ -107,7 +107,7 @@ impl fmt::Display for Method {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Offer {
     pub targets: Targets,
-    /// In the order of [`Method::ALL`]: what the data lacks for the method, in words; `None` where it can run.
+    /// What the data lacks for each method, in words and in the order of [`Method::ALL`]; `None` where it can run.
     pub lacks: [Option<String>; Method::ALL.len()],
 }
 

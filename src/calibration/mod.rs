@@ -1,4 +1,4 @@
-//! From triplets to the stations' extrinsics, each answer with its uncertainty and a verdict.
+//! The calibrations: they lead from triplets to the stations' extrinsics, with an uncertainty and a verdict each.
 //!
 //! [`solve()`] is the one way in; the paper's four methods live in modules of their own: A [`two_point`],
 //! B [`static_gcp`], C [`dynamic_gcp`], D [`inter_prism`]. The joint estimate goes beyond them, and carries the paper's
@@ -71,7 +71,7 @@ pub enum CalibrationError {
     PointsOnALine { deployment: String, method: Method },
     #[error("{why}; {published} has an answer: choose it ({})", .published.name())]
     NoJointEstimate { why: Box<CalibrationError>, published: Method },
-    /// By who asked for it: not to be shown as an error.
+    /// The calibration was cancelled by who asked for it: not to be shown as an error.
     #[error("cancelled")]
     Cancelled,
 }
@@ -121,12 +121,12 @@ impl Basin {
 /// What told a solution from its mirror twin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResolvedBy {
-    /// Which prism stands higher on the vehicle.
+    /// What is known of which prism stands higher on the vehicle.
     Rig,
     ControlPoints,
     /// Pitch and roll of the vehicle made the twin fit worse.
     Cost,
-    /// Nothing: the answer is one of two.
+    /// Nothing told them apart: the answer is one of two.
     Nothing,
 }
 
@@ -157,7 +157,7 @@ pub struct Calibration {
     pub method: Method,
     /// Frames of stations 1 (identity), 2 and 3 into station 1's; level unless a rigid alignment was asked for.
     pub station1_from_station: [RigidTransform; 3],
-    /// Of stations 2 and 3; `None` when the data leaves a direction free.
+    /// Standard deviations of the transforms of stations 2 and 3; `None` when the data leaves a direction free.
     pub sigma: Option<[TransformSigma; 2]>,
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
     pub covariance: Option<SMatrix<f64, 8, 8>>,
@@ -168,8 +168,8 @@ pub struct Calibration {
     pub checked_by: Vec<Witness>,
     /// What only its method knows.
     pub details: Details,
-    /// Of a joint estimate: the paper's answer to the same data, checked and judged like any other. `None` if the paper's
-    /// method has none, which a finding says.
+    /// Beside a joint estimate, the paper's answer to the same data, checked and judged like any other. `None` if the
+    /// paper's method has none, which a finding says.
     pub published: Option<Box<Calibration>>,
     /// Wall time of the prior and of the rest (ms).
     pub prior_ms: f64,
@@ -198,7 +198,8 @@ impl Calibration {
         placed.then_some(&self.station1_from_station)
     }
 
-    /// The same for the control points, which the stations read in their own frames.
+    /// This answer's transforms for the control points, which the stations read in their own frames; `None` where it is
+    /// about the frame of the tracks instead.
     pub fn placing_control_points(&self, deployment: &Deployment) -> Option<&[RigidTransform; 3]> {
         let placed = deployment.track_frame == TrackFrame::Own || !self.method.is_from_tracks();
         placed.then_some(&self.station1_from_station)
@@ -250,7 +251,8 @@ impl Calibration {
         }
     }
 
-    /// The same with their uncertainty: offset (s) and, where it was estimated, drift (s/s) of stations 2 and 3.
+    /// How late the stamps of stations 2 and 3 are, with uncertainty: offset (s) and, where it was estimated, drift
+    /// (s/s).
     pub fn clock_estimates(&self) -> Option<[(Estimate, Option<Estimate>); 2]> {
         let (offsets_s, drifts) = match &self.details {
             Details::InterPrism(details) => {

@@ -10,23 +10,23 @@ use crate::statistics::median;
 /// How late the stamps of a station are against station 1's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// In the middle of the drive (s).
+    /// How late the stamps are in the middle of the drive (s).
     pub offset_s: f64,
-    /// And how that grows (s per s).
+    /// How much later they get each second (s per s).
     pub drift: f64,
 }
 
 /// Triplets with the velocities of their prisms, each in its station's frame.
 pub struct MovingTriplets<'a> {
     pub triplets: Cow<'a, Triplets>,
-    /// m/s; by differences with the neighbours of the same interval, none of which was left out.
+    /// Velocities (m/s) by differences with the neighbours of the same interval, none of which was left out.
     pub velocity_m_per_s: [Vec<Vector3<f64>>; 3],
     /// What a clock's second unknown counts by, for each triplet.
     pub growth: Vec<f64>,
 }
 
 impl<'a> MovingTriplets<'a> {
-    /// With clocks that drift.
+    /// All triplets, with clocks that drift.
     pub fn all(triplets: &'a Triplets) -> Self {
         let velocity_m_per_s = velocities(triplets, 1);
         let middle_s = middle_s(triplets);

@@ -1,6 +1,6 @@
 //! Point-to-point alignments of several frames at once, with the covariance that their residuals support.
 //!
-//! Methods A, B and C share it: minimise Σ ‖to − T from‖² (`paper.tex`, eq. `icp_p_to_point_min`) over a level or a
+//! Methods A, B and C share it: minimise Σ ‖to − T from‖² (Vaidis et al. 2022, eq. (1)) over a level or a
 //! full rigid T. The estimates are unweighted least squares, so to first order the error of (t, ω) is
 //! N⁻¹ Jᵀ e with J = [I, −(R from)×]; what is known about e makes the covariance.
 
@@ -37,12 +37,12 @@ impl Matches {
 /// What is known about the errors of the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Errors {
-    /// As large as the residuals, alike on all axes, independent from block to block; a block is one point in each
-    /// alignment. For too few points to tell more.
+    /// Errors as large as the residuals, alike on all axes, independent from block to block; a block is one point in
+    /// each alignment. For too few points to tell more.
     AsResiduals,
-    /// Correlated within each block, whatever their size: the [`sandwich`].
+    /// Errors correlated within each block, whatever their size: the [`sandwich`].
     ByBlock,
-    /// This large on each axis (m, 1 σ), independent.
+    /// Independent errors of this size on each axis (m, 1 σ).
     Known(f64),
 }
 
@@ -52,8 +52,8 @@ pub struct Aligned {
     pub to_from: Vec<RigidTransform>,
     /// to − T from (m).
     pub residuals_m: Vec<Vec<Vector3<f64>>>,
-    /// Of (t, ω) of each alignment in turn, ω turning about the axes of the target frame; a held axis has zeros.
-    /// `None` when a direction is free.
+    /// Covariance of (t, ω) of each alignment in turn, ω turning about the axes of the target frame; a held axis has
+    /// zeros. `None` when a direction is free.
     pub covariance: Option<DMatrix<f64>>,
 }
 
@@ -69,7 +69,7 @@ pub fn transforms(matches: &[Matches], alignment: Alignment) -> Option<Vec<Rigid
     matches.iter().map(align).collect()
 }
 
-/// The same with their residuals, and the covariance that these errors make.
+/// The transforms that align, with their residuals, and the covariance that these errors make.
 pub fn align(matches: &[Matches], alignment: Alignment, errors: Errors) -> Option<Aligned> {
     let to_from = transforms(matches, alignment)?;
     let residuals_m: Vec<Vec<_>> = matches
@@ -250,7 +250,7 @@ pub fn sigmas(covariance: &SMatrix<f64, 8, 8>) -> [TransformSigma; 2] {
     })
 }
 
-/// From alignments to a common frame, `world_from_station`, to the frames of stations 2 and 3 in station 1's.
+/// Turns alignments to a common frame, `world_from_station`, into the frames of stations 2 and 3 in station 1's.
 ///
 /// With T = W1⁻¹ Ws: δt = R1ᵀ (δt_s − δt_1 − ω_1 × (t_s − t_1)) and ω = R1ᵀ (ω_s − ω_1).
 pub fn relative_to_station1(

@@ -6,7 +6,7 @@ use super::Method;
 use crate::calibration::ErrorSizes;
 use crate::deployment::Finding;
 
-/// Where method D starts from.
+/// What method D starts from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum PriorMethod {
@@ -58,22 +58,22 @@ pub enum Alignment {
 pub struct CalibrationSettings {
     /// `None` is the joint estimate.
     pub method: Option<Method>,
-    /// Of methods B and C.
+    /// What methods B and C may turn.
     pub alignment: Alignment,
-    /// Of method D, which the joint estimate starts from.
+    /// Where method D, which the joint estimate begins with, starts from.
     pub prior: PriorMethod,
     /// How well the inter-prism distances are known (m, 1 σ); widens every σ of the answer.
     pub inter_prism_sigma_m: f64,
-    /// Of methods C and D as published; the joint estimate has its own.
+    /// What a large error costs in methods C and D as published; the joint estimate has its own loss.
     pub loss: Loss,
-    /// Of methods C and D as published; the joint estimate has its own.
+    /// What methods C and D as published estimate beside the frames; the joint estimate has its own unknowns.
     pub estimate: Estimated,
     /// How large the errors of instruments are that the joint estimate allows for.
     pub errors: ErrorSizes,
     /// Only read: what older versions called it; see [`CalibrationSettings::take_removed`].
     #[serde(skip_serializing)]
     pub weigh_by_noise: bool,
-    /// Only read, as above.
+    /// Only read: what older versions called it; see [`CalibrationSettings::take_removed`].
     #[serde(skip_serializing)]
     pub continuous_time: bool,
 }

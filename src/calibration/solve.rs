@@ -21,7 +21,7 @@ pub fn solve(
     solve_while(deployment, triplets, settings, offer, &Progress::default())
 }
 
-/// The same until `progress` is cancelled, which ends it with [`CalibrationError::Cancelled`].
+/// Calibrates like [`solve`] until `progress` is cancelled, which ends it with [`CalibrationError::Cancelled`].
 pub fn solve_while(
     deployment: &Deployment,
     triplets: &Triplets,

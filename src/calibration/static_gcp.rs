@@ -1,7 +1,8 @@
 //! Method B: point-to-point alignment of static control points.
 //!
 //! Where the points' coordinates in a global frame are known, every station is aligned to that frame; else stations 2
-//! and 3 to station 1 (`paper.tex`, "Static GCP calibration"). All files of control points count, pillars do not.
+//! and 3 to station 1 (Vaidis et al. 2022, section "Static methods", "Static GCPs calibration"). All files of control
+//! points count, pillars do not.
 
 use nalgebra::Vector3;
 

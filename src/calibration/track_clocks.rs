@@ -9,7 +9,7 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::sandwich::{self, Block};
 
-/// For each of stations 2 and 3: (x, y, z, yaw), clock offset (s), clock drift (s per s).
+/// Unknowns of each of stations 2 and 3: (x, y, z, yaw), clock offset (s), clock drift (s per s).
 const PER_STATION: usize = 6;
 const UNKNOWNS: usize = 2 * PER_STATION;
 /// A stamp that is late by this much shows how fast a prism moves (s).
@@ -22,7 +22,7 @@ pub struct TrackClocks {
     pub drifts: [Estimate; 2],
     /// What the clocks move (x, y, z, yaw) of stations 2 and 3 by.
     pub moves: SVector<f64, 8>,
-    /// Of (x, y, z, yaw) of stations 2 and 3 with the clocks estimated: the sandwich by blocks of time.
+    /// Covariance of (x, y, z, yaw) of stations 2 and 3 with the clocks estimated: the sandwich by blocks of time.
     pub covariance: SMatrix<f64, 8, 8>,
 }
 

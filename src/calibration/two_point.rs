@@ -1,8 +1,8 @@
 //! Method A: two-point resection, in closed form.
 //!
 //! A level station has four unknowns, and two points with a known relative position give six equations: the station
-//! is placed in the frame of the points by a level alignment (`paper.tex`, "Two-point resection"). Every pair of
-//! known points is tried, and judged by the points that it leaves out.
+//! is placed in the frame of the points by a level alignment (Vaidis et al. 2022, section "Static methods", "Two-point
+//! resection"). Every pair of known points is tried, and judged by the points that it leaves out.
 
 use nalgebra::Vector3;
 
@@ -33,10 +33,10 @@ pub struct PairResection {
     pub markers: [i64; 2],
     /// Known distance between the two points (m).
     pub baseline_m: f64,
-    /// For each station: measured minus known distance (m).
+    /// Measured minus known distance between the two points, for each station (m).
     pub baseline_errors_m: [f64; 3],
     pub station1_from_station: [RigidTransform; 3],
-    /// Of the points left out: distances between what the stations make of them (m), sorted.
+    /// Distances between what the stations make of the points left out (m), sorted.
     pub left_out_m: Vec<f64>,
     /// Each point left out.
     pub left_out: Vec<LeftOut>,
@@ -70,7 +70,7 @@ pub struct TwoPointDetails {
 }
 
 impl TwoPointDetails {
-    /// Of the baseline errors of the pair that the answer comes from (m).
+    /// Root mean square of the baseline errors of the pair that the answer comes from (m).
     pub fn rms_m(&self) -> f64 {
         let errors = self.pairs[self.chosen].baseline_errors_m;
         (errors.iter().map(|error| error * error).sum::<f64>() / 3.0).sqrt()
@@ -162,7 +162,7 @@ pub fn solve(
 struct Placed {
     world_from_station: [RigidTransform; 3],
     matches: Vec<Matches>,
-    /// Of each station the sum of squared residuals (m²).
+    /// Sum of squared residuals of each station (m²).
     squares_m2: [f64; 3],
     /// The largest range (m).
     range_m: f64,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// From best to worst. The reasons stand in the findings beside it.
+/// How far an answer can be trusted, from best to worst. The reasons stand in the findings beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {

@@ -31,7 +31,7 @@ pub struct AnswerArguments {
 }
 
 impl AnswerArguments {
-    /// Those of the one method that there may be.
+    /// The settings of the one method that there may be.
     pub fn settings(&self) -> Result<Settings, Failure> {
         match &self.settings_of_each()?[..] {
             [settings] => Ok(*settings),
@@ -42,7 +42,7 @@ impl AnswerArguments {
         }
     }
 
-    /// Those of each method that is given, or of the one without a name; never none.
+    /// The settings of each method that is given, or of the one without a name; never none.
     pub fn settings_of_each(&self) -> Result<Vec<Settings>, Failure> {
         let settings = self.settings.settings()?;
         let mut methods: Vec<Option<Method>> = self.method.iter().copied().map(Some).collect();

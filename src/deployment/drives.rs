@@ -2,13 +2,13 @@
 
 use super::{Deployment, Finding, OpenError};
 
-/// Between drives, at least (s): the pipeline must see that one ends and the next begins.
+/// Shortest pause between drives (s): the pipeline must see that one ends and the next begins.
 const LEAST_PAUSE_S: f64 = 10.0;
-/// Where drives whose stamps overlap are put (s after the end of the one before).
+/// Pause that is put between drives whose stamps overlap (s after the end of the one before).
 const PAUSE_S: f64 = 60.0;
 /// Rigs whose measured distances differ by more (m) are not the same.
 const SAME_RIG_M: f64 = 0.005;
-/// Less (m) is rounding.
+/// Distances that differ by less (m) are the same but for rounding.
 const SAME_DISTANCES_M: f64 = 5e-5;
 
 impl Deployment {

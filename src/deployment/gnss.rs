@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// One position of one antenna.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GnssFix {
-    /// Unix time.
+    /// When the position was taken (Unix time, s).
     pub time_s: f64,
     /// Earth-centred, Earth-fixed; or east, north, up of the base station where the file has baselines. The same
     /// for all antennas that were solved with the same base and settings.

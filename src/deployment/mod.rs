@@ -84,7 +84,7 @@ pub struct Deployment {
     pub ingredients: Vec<Ingredient>,
     /// What the readers noticed.
     pub findings: Vec<Finding>,
-    /// When each further drive of the same set-up begins (s); none of a single drive.
+    /// Start of each further drive of the same set-up (s); none of a single drive.
     pub restarts_s: Vec<f64>,
 }
 

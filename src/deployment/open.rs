@@ -1,4 +1,4 @@
-//! From a path to a deployment: what is in a folder, which file plays which part, and what is missing.
+//! The way from a path to a deployment: what is in a folder, which file plays which part, and what is missing.
 
 mod bags;
 mod cartesian;
@@ -115,7 +115,7 @@ pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenErr
 struct Reading<'a, 'b> {
     files: &'a [FoundFile],
     overrides: &'a Overrides,
-    /// Those of them that the user says, over what the folder says.
+    /// The overrides that the user says, over those that the folder says.
     put_right: &'a Overrides,
     /// The inter-prism distances by the rig's files (m), once they are read.
     distances_of_files_m: Option<[f64; 3]>,

@@ -78,14 +78,14 @@ pub enum PrismConstants {
 }
 
 impl Default for PrismConstants {
-    /// That of the MT1000 prism.
+    /// The prism constant of the MT1000 prism.
     fn default() -> Self {
         Self::All(0.010)
     }
 }
 
 impl PrismConstants {
-    /// Of stations 1, 2, 3 (m).
+    /// The prism constants of stations 1, 2, 3 (m).
     pub fn each_m(self) -> [f64; 3] {
         match self {
             Self::All(constant_m) => [constant_m; 3],
@@ -117,7 +117,7 @@ impl OneOrMany {
 pub struct MaskedReading {
     /// 1, 2 or 3, as the deployment numbers its stations.
     pub station: u8,
-    /// Its stamp (s).
+    /// The stamp of the reading (s).
     pub time_s: f64,
 }
 

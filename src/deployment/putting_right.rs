@@ -6,7 +6,7 @@ use super::{AzimuthSense, Extras, Overrides, PrismConstants};
 /// Something that is read in another way. Displays as "station numbers 1 2 3 → 1 3 2".
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OverrideChange {
-    /// As the window calls it.
+    /// What the window calls it.
     pub name: &'static str,
     pub before: String,
     pub after: String,
@@ -103,7 +103,7 @@ pub fn extras_changes(before: &Extras, after: &Extras, as_read: &Overrides) -> V
         .collect()
 }
 
-/// The same of what `deployment.toml` can say.
+/// All of what `deployment.toml` can say that is read in another way, by what the window calls it.
 pub fn override_changes(before: &Overrides, after: &Overrides) -> Vec<OverrideChange> {
     let only = |put_right: &Overrides| Extras { put_right: put_right.clone(), ..Extras::default() };
     extras_changes(&only(before), &only(after), &Overrides::default())

@@ -17,7 +17,7 @@ const LATEST_STAMP_S: f64 = 1e11;
 const EARLIEST_UNIX_S: f64 = 1e8;
 /// Some instruments go on counting past a full turn or two; no further.
 const LARGEST_AZIMUTH_RAD: f64 = 2.0 * TAU;
-/// With fewer readings nothing is said of a column as a whole.
+/// Fewest readings of a column of which anything is said as a whole.
 const FEWEST: usize = 10;
 /// More whole-second stamps than this in a row are no chance.
 const MANY: usize = 50;
@@ -38,7 +38,7 @@ pub enum Impossible {
 }
 
 impl Impossible {
-    /// Those that a recorder gives away nothing with: it would not write them if it knew that they are no readings.
+    /// Reasons that a recorder does not know of: it would not write such numbers if it knew that they are no readings.
     const DOUBTFUL: [Self; 5] =
         [Self::ZeroRange, Self::NegativeRange, Self::Zenith, Self::Far, Self::Azimuth];
 

@@ -1,4 +1,4 @@
-//! From the records of files to the tracks of stations: what cannot be a measurement is counted and left out.
+//! The way from the records of files to the tracks of stations: what cannot be a measurement is counted and left out.
 
 use super::reading_sense::{self, Impossible, StationSense};
 use super::{Finding, Measurement, OpenError, TimeCorrection, Track};
@@ -10,7 +10,7 @@ pub struct RawRecord {
     pub station: i64,
     /// 0 when the station had a valid reading.
     pub status: i64,
-    /// Where it stands: line of a text file, running number of a message in a bag.
+    /// Where the record stands: line of a text file, running number of a message in a bag.
     pub place: usize,
     pub measurement: Measurement,
     /// What the station's own clock said (s), where the file has it beside the synchronised time.

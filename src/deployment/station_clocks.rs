@@ -38,7 +38,7 @@ pub struct ClockComparison {
 pub struct ClockJump {
     /// Stamp of the first reading after it (s).
     pub time_s: f64,
-    /// By how much own clock minus stamp grew (s).
+    /// How much own clock minus stamp grew at the jump (s).
     pub by_s: f64,
 }
 

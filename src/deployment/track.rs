@@ -9,9 +9,9 @@ use crate::geometry::Polar;
 pub struct Measurement {
     pub time_s: f64,
     pub range_m: f64,
-    /// Clockwise seen from above.
+    /// Azimuth, clockwise seen from above (rad).
     pub azimuth_rad: f64,
-    /// 0 straight up.
+    /// Zenith angle, 0 straight up (rad).
     pub zenith_rad: f64,
 }
 
@@ -51,7 +51,7 @@ impl Track {
 /// What a station's clock was corrected by at one moment, as the system that synchronises the stations said.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeCorrection {
-    /// When it was said (s, synchronised time).
+    /// When the correction was said (s, synchronised time).
     pub time_s: f64,
     /// The station's own clock minus the synchronised time (s).
     pub offset_s: f64,

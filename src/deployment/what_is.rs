@@ -32,12 +32,12 @@ pub enum Dropped {
     Gnss,
     Session,
     Settings,
-    /// And why nothing can be done with it.
+    /// Something else, and why nothing can be done with it.
     Unknown(String),
 }
 
 impl Dropped {
-    /// In a word or two.
+    /// The kind of thing in a word or two.
     pub fn label(&self) -> &'static str {
         match self {
             Self::Deployment => "deployment",
@@ -151,9 +151,9 @@ fn what_toml_is(file: &FoundFile) -> Dropped {
 /// Several paths at once, by what is done with them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sorted {
-    /// To be opened, each with the extras.
+    /// Deployments to be opened, each with the extras.
     pub deployments: Vec<PathBuf>,
-    /// Without a deployment beside them they are for the one that is open.
+    /// Extras of the deployments; without a deployment beside them they are for the one that is open.
     pub extras: Extras,
     /// Folders that hold nothing but some of these extras: they could be meant as deployments of their own.
     pub folders: Vec<PathBuf>,

@@ -24,7 +24,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of the sizes of these; `None` of nothing.
+    /// Spread of the sizes of these values; `None` of nothing.
     pub fn of(sizes: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut n = 0;
         let counted = sizes.into_iter().inspect(|_| n += 1).map(f64::abs);
@@ -57,10 +57,10 @@ pub struct Evaluation {
     pub distance_errors_mm: [Vec<f64>; 3],
     /// |distance error| pooled over the pairs (mm): the paper's inter-prism metric.
     pub inter_prism_mm: Option<Spread>,
-    /// The same against the distances as measured on the vehicle, where the answer estimates them.
+    /// |distance error| against the distances as measured on the vehicle (mm), where the answer estimates them.
     pub against_measured_mm: Option<Spread>,
     pub inter_prism_by_pair_mm: [Option<Spread>; 3],
-    /// One for each file of control points; pillars are left out.
+    /// The control-point metric of each file of control points (mm); pillars are left out.
     pub control_points_mm: Vec<ControlPointMetric>,
 }
 

@@ -12,8 +12,8 @@ pub struct Pose {
     /// Origin of the vehicle's frame.
     pub position_m: Vector3<f64>,
     pub orientation: UnitQuaternion<f64>,
-    /// Of the position (m), then of the rotation vector θ in station 1's frame (rad): the true orientation is
-    /// exp(θ) times this one.
+    /// Covariance of the position (m), then of the rotation vector θ in station 1's frame (rad): the true orientation
+    /// is exp(θ) times this one.
     pub covariance: Matrix6<f64>,
     /// The largest |apparent − known distance| between two prisms: what no pose can explain.
     pub inter_prism_error_m: f64,
@@ -43,7 +43,7 @@ impl Pose {
 }
 
 impl Trajectory {
-    /// That of the pose in the middle, in order of position σ; `None` without poses.
+    /// Standard deviations of the pose in the middle, in order of position σ; `None` without poses.
     pub fn middle_sigma(&self) -> Option<PoseSigma> {
         let mut all: Vec<PoseSigma> = self.poses.iter().map(Pose::sigma).collect();
         all.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
@@ -140,7 +140,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Not centred, so that position and orientation are correlated.
+    /// A rig that is not centred, so that position and orientation are correlated.
     fn rig() -> [Vector3<f64>; 3] {
         [Vector3::new(0.4, 0.1, 0.8), Vector3::new(-0.5, 0.3, 0.9), Vector3::new(0.0, -0.6, 0.7)]
     }

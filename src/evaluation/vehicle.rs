@@ -1,4 +1,4 @@
-//! From an answer to the vehicle's trajectory: which frame the poses are of, and how well each point is known.
+//! The vehicle's trajectory by an answer: which frame the poses are of, and how well each point is known.
 
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
@@ -33,7 +33,7 @@ pub enum NoTrajectory {
 /// What the vehicle's frame is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VehicleFrame {
-    /// As `deployment.toml` gives the prisms.
+    /// The frame in which `deployment.toml` gives the prisms.
     Given,
     /// Origin at prism 1, z up as the rig stood when it was read, x level and towards prism 2.
     Reading,

@@ -1,4 +1,4 @@
-//! What each module of the pipeline brings (`paper.tex`, "Sensitivity and ablation tests").
+//! What each module of the pipeline brings (Vaidis et al. 2022, section "Sensitivity and ablation tests").
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::palette;
 use crate::pipeline::{Interpolation, PipelineSettings};
 use crate::progress::Progress;
 
-/// Which optional modules run.
+/// Combinations of optional modules that run, with their names.
 const COMBINATIONS: [(&str, bool, bool); 4] = [
     ("no filter", false, false),
     ("filter 1 (outliers)", true, false),

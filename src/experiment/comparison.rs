@@ -1,4 +1,4 @@
-//! The calibrations side by side, by both metrics (`paper.tex`, "Calibration comparison").
+//! The calibrations side by side, by both metrics (Vaidis et al. 2022, section "Calibration comparison").
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ const METHODS: usize = Method::ALL.len();
 #[derive(Clone, Debug)]
 pub struct Compared {
     pub deployment: String,
-    /// In the order of [`Method::ALL`]; or why there is none.
+    /// The answers in the order of [`Method::ALL`]; or why there is none.
     pub answers: [Result<Arc<Answer>, String>; METHODS],
     pub disagreements: Vec<Disagreement>,
 }

@@ -4,7 +4,7 @@ use crate::progress::Cancelled;
 
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StudyError {
-    /// By who asked for it.
+    /// The study was cancelled by who asked for it.
     #[error("cancelled")]
     Cancelled,
     #[error("{0}")]

@@ -12,15 +12,15 @@ use crate::evaluation::{self, known_distances_m};
 use crate::geometry::RigidTransform;
 use crate::pipeline::{self, PipelineSettings};
 
-/// Which method's transforms; `None` takes B where the data allows it, else the paper's dynamic method: the studies are
-/// the paper's, and the joint estimate judges only where it is named.
+/// The method whose transforms judge; `None` takes B where the data allows it, else the paper's dynamic method: the
+/// studies are the paper's, and the joint estimate judges only where it is named.
 pub type Reference = Option<Method>;
 
 /// A deployment with what its errors are measured by.
 pub struct Judge {
     pub method: Method,
     plan: Plan,
-    /// One for each training part.
+    /// The transforms that each training part leads to.
     station1_from_station: Vec<[RigidTransform; 3]>,
     inter_prism_m: Option<[f64; 3]>,
 }

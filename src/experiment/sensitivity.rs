@@ -1,4 +1,4 @@
-//! How the errors depend on one threshold (`paper.tex`, "Sensitivity and ablation tests").
+//! How the errors depend on one threshold (Vaidis et al. 2022, section "Sensitivity and ablation tests").
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ impl Parameter {
     pub const ALL: [Self; 6] =
         [Self::TauR, Self::TauA, Self::TauE, Self::TauS, Self::TauL, Self::Rate];
 
-    /// As a flag.
+    /// The parameter's name as a flag.
     pub fn name(self) -> &'static str {
         match self {
             Self::TauR => "tau-r",
@@ -41,7 +41,7 @@ impl Parameter {
         }
     }
 
-    /// As the paper writes it, and in words.
+    /// The parameter as the paper writes it, and in words.
     pub fn title(self) -> &'static str {
         match self {
             Self::TauR => "τ_r, range rate",
@@ -171,7 +171,7 @@ pub fn sweep(
     })
 }
 
-/// Enough digits to tell the steps apart, without the zeros that say nothing.
+/// The value in enough digits to tell the steps apart, without the zeros that say nothing.
 fn short(value: f64, step: f64) -> String {
     let digits = (2.0 - step.abs().log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{value:.digits$}");

@@ -32,12 +32,12 @@ pub struct Plan {
 struct Training {
     /// Spans of time (s), ends included, in order.
     spans: Vec<[f64; 2]>,
-    /// For each set of control points, whether each point is trained on; all are, of pillars.
+    /// Whether each point is trained on, for each set of control points; all are, of pillars.
     points: Vec<Vec<bool>>,
 }
 
 impl Plan {
-    /// From the deployment's blocks of time; without splits one repeat that trains and judges on everything.
+    /// A plan by the deployment's blocks of time; without splits one repeat that trains and judges on everything.
     pub fn new(deployment: &Deployment, triplets: &Triplets, splits: Option<Splits>) -> Self {
         let Some(Splits { repeats, seed }) = splits else { return Self { repeats: Vec::new() } };
         let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
@@ -101,7 +101,7 @@ impl Training {
     }
 }
 
-/// For each of `count`, whether it is trained on.
+/// Whether each of `count` blocks or points is trained on, at random.
 fn sides(count: usize, rng: &mut ChaCha8Rng) -> Vec<bool> {
     let training = (TRAINING_SHARE * count as f64).round() as usize;
     let mut sides: Vec<bool> = (0..count).map(|i| i < training).collect();

@@ -17,7 +17,7 @@ pub struct Quantiles {
 }
 
 impl Quantiles {
-    /// Of errors (mm) of either sign, in any order; `None` of nothing.
+    /// Quantiles of the sizes of errors (mm) of either sign, in any order; `None` of nothing.
     pub fn of(errors_mm: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut n = 0;
         let sizes_mm = errors_mm.into_iter().inspect(|_| n += 1).map(f64::abs);
@@ -40,7 +40,7 @@ pub struct Group {
     pub label: String,
     /// A second line: how much data stands behind it.
     pub note: String,
-    /// Or why there is none, in a few words.
+    /// One box of each series, or why there is none, in a few words.
     pub boxes: Vec<Result<Quantiles, String>>,
 }
 
@@ -59,7 +59,7 @@ pub struct Level {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Study {
-    /// For file names: "ablation".
+    /// The name in file names: "ablation".
     pub name: String,
     pub title: String,
     pub subtitle: String,

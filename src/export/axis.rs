@@ -1,6 +1,6 @@
 //! The value axis of a chart: its range, its round ticks, and numbers as people write them.
 
-/// From values to pixels: from `bottom` to `top`, which for an axis across are its left and right end.
+/// The way from values to pixels: from `bottom` to `top`, which for an axis across are its left and right end.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
     log: bool,
@@ -58,7 +58,7 @@ impl Axis {
         self.bottom + (self.top - self.bottom) * share as f32
     }
 
-    /// In pixels.
+    /// The length of the axis in pixels.
     pub fn length(&self) -> f32 {
         (self.bottom - self.top).abs()
     }

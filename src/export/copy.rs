@@ -19,11 +19,11 @@ pub enum CopyFormat {
     Toml,
     /// The transforms' part of what `calibrate --json` prints, under the same names.
     Json,
-    /// Homogeneous, four rows.
+    /// Homogeneous matrices of four rows.
     Matrix,
     /// x y z qx qy qz qw: one line each.
     Quaternion,
-    /// Python.
+    /// Homogeneous matrices as Python writes them.
     Numpy,
     /// A line for the shell: `ros2 run tf2_ros static_transform_publisher`, with named arguments.
     Ros2,
@@ -45,7 +45,7 @@ impl CopyFormat {
         Self::Urdf,
     ];
 
-    /// As a menu names it.
+    /// The format's name in a menu.
     pub fn title(self) -> &'static str {
         match self {
             Self::Toml => "TOML",
@@ -60,7 +60,7 @@ impl CopyFormat {
     }
 }
 
-/// Which of the two transforms.
+/// Which of the two transforms is copied, or both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Part {
     T12,
@@ -207,7 +207,7 @@ fn maps(station: &StationSummary) -> String {
     format!("{}: station {} into station 1", station.name(), station.station)
 }
 
-/// To 1e-9, without negative zeros.
+/// The value in digits to 1e-9, without negative zeros.
 fn digits(value: f64) -> String {
     let text = format!("{value:.9}");
     if text == "-0.000000000" { "0.000000000".to_owned() } else { text }
@@ -218,7 +218,7 @@ fn matrix(station: &StationSummary) -> [[String; 4]; 4] {
     std::array::from_fn(|row| std::array::from_fn(|column| digits(matrix[(row, column)])))
 }
 
-/// x, y, z, qx, qy, qz, qw.
+/// The transform's numbers x, y, z, qx, qy, qz, qw.
 fn pose(station: &StationSummary) -> [String; 7] {
     let ([x, y, z], [qx, qy, qz, qw]) = (station.translation_m, station.quaternion_xyzw);
     [x, y, z, qx, qy, qz, qw].map(digits)

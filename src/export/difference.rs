@@ -33,9 +33,9 @@ pub struct Deviation {
 /// How `station1_from_station` of one station differs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StationDifference {
-    /// 2 or 3.
+    /// The station, 2 or 3.
     pub station: usize,
-    /// Along the axes of station 1 (m).
+    /// The translation's difference along the axes of station 1 (m).
     pub translation_m: [Deviation; 3],
     /// Length of the translation's difference (m), in σ along its own direction.
     pub distance_m: Deviation,
@@ -66,7 +66,7 @@ impl StationDifference {
 /// How two answers differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResultDifference {
-    /// Both come from the same readings. Otherwise the stations may not even stand in the same places.
+    /// Whether both come from the same readings. Otherwise the stations may not even stand in the same places.
     pub same_data: bool,
     pub stations: [StationDifference; 2],
     pub verdict: Compared<Verdict>,
@@ -74,7 +74,7 @@ pub struct ResultDifference {
     pub triplets: Compared<usize>,
     /// |distance error| pooled over the pairs (mm).
     pub inter_prism_mm: Compared<Option<Spread>>,
-    /// By file (mm), first those of the current answer.
+    /// The control-point metric by file (mm), first the files of the current answer.
     pub control_points_mm: Vec<(String, Compared<Option<Spread>>)>,
     pub settings: Vec<SettingChange>,
 }
@@ -183,7 +183,7 @@ fn in_sigmas(value: f64, sigma: f64) -> Option<f64> {
     (sigma > 0.0).then(|| value.abs() / sigma)
 }
 
-/// In [0, π]; good to the last digit near zero, where an arc cosine is not.
+/// The angle between two rotations in [0, π]; good to the last digit near zero, where an arc cosine is not.
 fn angle_between_rad(a: &StationSummary, b: &StationSummary) -> f64 {
     let rotation = |station: &StationSummary| {
         UnitQuaternion::from_rotation_matrix(&station.station1_from_station().rotation)
@@ -233,7 +233,7 @@ mod tests {
         }
     }
 
-    /// The same, with all σ twice as large.
+    /// The summary with all σ twice as large.
     fn less_certain(mut summary: ResultSummary) -> ResultSummary {
         for station in &mut summary.stations {
             station.sigma = station.sigma.map(|sigma| sigma.map(|s| 2.0 * s));

@@ -3,7 +3,7 @@
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     pub size: [f32; 2],
-    /// From back to front. x to the right, y down, in the units of `size`.
+    /// The marks from back to front. x to the right, y down, in the units of `size`.
     pub marks: Vec<Mark>,
 }
 
@@ -117,7 +117,7 @@ impl Mark {
 }
 
 impl Drawing {
-    /// The same picture, enlarged with its texts and lines.
+    /// This picture, enlarged with its texts and lines.
     pub fn scaled(mut self, scale: f32) -> Self {
         self.size = self.size.map(|side| side * scale);
         self.marks.iter_mut().for_each(|mark| mark.scale(scale));
@@ -144,7 +144,7 @@ pub fn text_width(text: &str, size: f32) -> f32 {
     text.chars().map(advance).sum::<f32>() * size / 1000.0
 }
 
-/// At most `most` lines no wider than `width`, broken between words; what is wider still is shortened.
+/// Breaks a text into at most `most` lines no wider than `width`, between words; what is wider still is shortened.
 pub fn wrap(text: &str, size: f32, width: f32, most: usize) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

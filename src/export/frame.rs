@@ -6,7 +6,7 @@ use super::drawing::{Anchor, Ink, Mark};
 /// Size of the numbers along the axes.
 pub const NUMBER: f32 = 10.0;
 
-/// Both axes are linear and fill the frame from end to end.
+/// Two linear axes that fill a frame from end to end.
 pub struct Frame {
     x: Axis,
     y: Axis,

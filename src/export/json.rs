@@ -158,7 +158,7 @@ pub fn transform(calibration: &Calibration, station: usize) -> Value {
     )
 }
 
-/// The same, of the station with this number.
+/// A transform of the station with this number into station 1, with its σ if there is one.
 pub fn transform_of(
     number: usize,
     station1_from_station: &RigidTransform,

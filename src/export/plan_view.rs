@@ -11,16 +11,16 @@ use crate::palette;
 use crate::pipeline::Triplets;
 
 const LABEL: f32 = 11.0;
-/// Of the plot: a drive along a tunnel is not a stripe, one across the view not a tower.
+/// Least and greatest height of the plot: a drive along a tunnel is not a stripe, one across the view not a tower.
 const HEIGHTS: [f32; 2] = [150.0, 460.0];
-/// Left, top, right and bottom of the plot, for numbers, legend and label.
+/// Margins to the left, top, right and bottom of the plot, for numbers, legend and label.
 const LEFT: f32 = 58.0;
 const TOP: f32 = 26.0;
 const RIGHT: f32 = 12.0;
 const BOTTOM: f32 = 38.0;
 /// Share of the range that is left free on each side.
 const FREE: f64 = 0.06;
-/// From the middle of a station's triangle to its corners.
+/// Distance from the middle of a station's triangle to its corners.
 const CORNER: f32 = 8.0;
 /// Points of a track closer than this on the picture say nothing more.
 const STEP: f32 = 1.0;
@@ -127,7 +127,7 @@ fn about_middle([low, high]: [f64; 2], length: f64) -> [f64; 2] {
     [middle - 0.5 * length, middle + 0.5 * length]
 }
 
-/// Without points that are closer to the last one than the eye can tell; both ends stay.
+/// The points without those that are closer to the last one than the eye can tell; both ends stay.
 fn thinned(points: impl Iterator<Item = [f32; 2]>) -> Vec<[f32; 2]> {
     let mut kept: Vec<[f32; 2]> = Vec::new();
     let mut skipped = None;

@@ -193,7 +193,8 @@ fn log_rates(
     Ok(())
 }
 
-/// As large on the screen from anywhere: a drive is a hundred metres, and its readings millimetres apart.
+/// Points that are as large on the screen from anywhere: a drive is a hundred metres, and its readings millimetres
+/// apart.
 fn points(
     positions: impl IntoIterator<Item = [f32; 3]>,
     colour: Rgb,

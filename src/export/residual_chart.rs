@@ -10,7 +10,7 @@ const LEFT: f32 = 58.0;
 const TOP: f32 = 6.0;
 const BOTTOM: f32 = 38.0;
 const ROW: f32 = 104.0;
-/// Between rows, for the pair's name; between the two columns.
+/// Space between rows, for the pair's name; between the two columns.
 const ROW_GAP: f32 = 22.0;
 const COLUMN_GAP: f32 = 14.0;
 const HISTOGRAM: f32 = 110.0;
@@ -74,7 +74,8 @@ pub fn draw(errors_mm: &[Vec<f64>; 3], time_s: &[f64], each: &str, width: f32) -
     Drawing { size: [width, height], marks }
 }
 
-/// For each short span of time a thin stroke from the lowest to the highest error and a thick one between the quartiles.
+/// Draws, for each short span of time, a thin stroke from the lowest to the highest error and a thick one between the
+/// quartiles.
 fn draw_strokes(errors_mm: &[f64], time_s: &[f64], plot: &Frame, ink: Ink, marks: &mut Vec<Mark>) {
     let indices: Vec<usize> = (0..errors_mm.len()).collect();
     let span = |index: usize| (plot.place(time_s[index], 0.0)[0] / STROKE) as i64;

@@ -25,13 +25,13 @@ pub struct ResultSummary {
     pub triplets: usize,
     /// All stations followed one prism: the inter-prism metric compares its versions.
     pub one_prism: bool,
-    /// Of stations 2 and 3.
+    /// What was found of stations 2 and 3.
     pub stations: [StationSummary; 2],
     /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
     pub covariance: Option<[[f64; 8]; 8]>,
     /// |distance error| pooled over the pairs (mm).
     pub inter_prism_mm: Option<Spread>,
-    /// One for each file of control points.
+    /// The control-point metric of each file of control points (mm).
     pub control_points_mm: Vec<ControlPointMetric>,
     pub settings: Settings,
 }
@@ -39,7 +39,7 @@ pub struct ResultSummary {
 /// `station1_from_station` of one station, with its σ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StationSummary {
-    /// 2 or 3.
+    /// The station, 2 or 3.
     pub station: usize,
     pub translation_m: [f64; 3],
     /// The whole rotation (x, y, z, w); its yaw is [`StationSummary::yaw_rad`].
@@ -104,7 +104,7 @@ impl ResultSummary {
 }
 
 impl StationSummary {
-    /// Of station 2 or 3, by its number.
+    /// The summary of station 2 or 3, by its number.
     pub fn new(
         station: usize,
         station1_from_station: &RigidTransform,
@@ -145,7 +145,7 @@ impl StationSummary {
         Some(TransformSigma { translation_m: Vector3::new(x, y, z), yaw_rad })
     }
 
-    /// "T12" or "T13".
+    /// The transform's name: "T12" or "T13".
     pub fn name(&self) -> String {
         format!("T1{}", self.station)
     }

@@ -107,7 +107,7 @@ fn colour(ink: Ink, colours: Colours) -> String {
     }
 }
 
-/// As CSS and SVG write it.
+/// A colour as CSS and SVG write it.
 pub fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }

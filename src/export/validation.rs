@@ -63,7 +63,7 @@ pub fn text(found: &Validation) -> String {
     text
 }
 
-/// x, y, z in mm and yaw in mrad, each with its σ.
+/// Four numbers in words: x, y, z in mm and yaw in mrad, each with its σ.
 fn four(parts: &[Estimate; 4]) -> String {
     let [x, y, z, yaw] = parts.map(|part| (part.value * 1e3, part.sigma * 1e3));
     let mm = |(value, sigma): (f64, f64)| format!("{value:>+9.1} ± {sigma:<6.1}");

@@ -9,7 +9,7 @@ use super::wrap_to_pi;
 ///
 /// A value named `a_from_b` maps coordinates in frame b to frame a: `p_a = R(yaw) p_b + t`.
 /// Stations are levelled by their compensators to about an arcsecond, which is why the paper gives
-/// them no roll and pitch (`paper.tex`, equation for ξ).
+/// them no roll and pitch (Vaidis et al. 2022, eq. (2)).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelTransform {
     pub translation_m: Vector3<f64>,

@@ -45,7 +45,7 @@ impl Polar {
     }
 }
 
-/// The same angle within [−π, π].
+/// An angle brought into [−π, π] by full turns.
 pub fn wrap_to_pi(angle_rad: f64) -> f64 {
     if angle_rad.abs() <= PI {
         return angle_rad;

@@ -1,4 +1,4 @@
-//! From raw polar tracks to triplets: the four modules of the paper's pre-processing pipeline.
+//! The way from raw polar tracks to triplets: the four modules of the paper's pre-processing pipeline.
 //!
 //! ```text
 //! tracks ─1 outlier filter─▶ filtered ─2 interval split─▶ intervals ─3 interval filter─▶ kept ─4 interpolation─▶ triplets

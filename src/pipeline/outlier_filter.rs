@@ -29,9 +29,9 @@ pub struct FilteredTrack {
     pub position_m: Vec<Vector3<f64>>,
     /// Index of each kept reading in the raw track.
     pub source: Vec<u32>,
-    /// For every raw reading, why it was dropped.
+    /// Why each raw reading was dropped, if it was.
     pub rejected: Vec<Option<OutlierReason>>,
-    /// As in [`Track::left_out`].
+    /// Whether each reading was left out by the user, as in [`Track::left_out`].
     pub left_out: Vec<bool>,
 }
 

@@ -54,7 +54,7 @@ impl Interpolation {
         }
     }
 
-    /// As the window and plots name it.
+    /// The interpolation's name in the window and in plots.
     pub fn title(self) -> &'static str {
         match self {
             Self::Linear => "linear",

@@ -19,7 +19,7 @@ pub enum SampleFate {
     Rejected(OutlierReason),
     /// Another station (or this one) was silent for longer than τ_s.
     InNoInterval,
-    /// Its interval is not longer than τ_l.
+    /// The reading's interval is not longer than τ_l.
     IntervalTooShort,
     /// The user left it out.
     LeftOut,
@@ -36,7 +36,7 @@ impl SampleFate {
         Self::LeftOut,
     ];
 
-    /// In words, for legends and exports.
+    /// The fate in words, for legends and exports.
     pub fn label(self) -> &'static str {
         match self {
             Self::Kept => "kept",
@@ -54,9 +54,9 @@ impl SampleFate {
 #[derive(Clone, Debug)]
 pub struct PipelineOutput {
     pub filtered: Arc<[FilteredTrack; 3]>,
-    /// After the split.
+    /// The intervals after the split.
     pub intervals: Arc<Vec<Interval>>,
-    /// After the interval filter; [`Triplets::interval`] counts these.
+    /// The intervals after the interval filter; [`Triplets::interval`] counts these.
     pub kept_intervals: Arc<Vec<Interval>>,
     pub triplets: Arc<Triplets>,
     pub fates: Arc<[Fates; 3]>,
@@ -65,9 +65,10 @@ pub struct PipelineOutput {
 /// What became of the readings of one station.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Fates {
-    /// Of each raw reading.
+    /// Fate of each raw reading.
     pub each: Vec<SampleFate>,
-    /// In the order of [`SampleFate::ALL`]; counted once, because the window asks in every frame.
+    /// Number of readings of each fate, in the order of [`SampleFate::ALL`]; counted once, because the window asks in
+    /// every frame.
     counts: [usize; 7],
 }
 
@@ -166,7 +167,7 @@ fn remember<Key: PartialEq, Output>(
     }
 }
 
-/// Of a filtered track, the readings that positions in an interval are interpolated from. Those that bracket it count,
+/// Readings of a filtered track that positions in an interval are interpolated from. Those that bracket it count,
 /// because its first and last positions are interpolated from them.
 pub(super) fn used_readings(track: &FilteredTrack, interval: &Interval) -> RangeInclusive<usize> {
     let from = track.time_s.partition_point(|t| *t <= interval.start_s).saturating_sub(1);

@@ -14,13 +14,13 @@ pub struct Triplets {
     pub time_s: Vec<f64>,
     /// The interval each instant belongs to, numbered from 0.
     pub interval: Vec<u32>,
-    /// For each station the position of its prism (m), in its own frame.
+    /// Positions of each station's prism (m), in the station's own frame.
     pub points_m: [Vec<Vector3<f64>>; 3],
     /// How fast prism 1 moves (m/s), by differences with the neighbouring instants.
     pub speed_m_per_s: Vec<f64>,
-    /// For each station one standard deviation of the position on each axis (m), where the interpolation says.
+    /// One standard deviation of each station's positions on each axis (m), where the interpolation says.
     pub sigma_m: Option<[Vec<Vector3<f64>>; 3]>,
-    /// When each further drive begins, as [`crate::deployment::Deployment::restarts_s`].
+    /// Start of each further drive (s), as [`crate::deployment::Deployment::restarts_s`].
     pub restarts_s: Vec<f64>,
     /// The filtered readings that they were interpolated from; empty where there were none.
     pub readings: Arc<[FilteredTrack; 3]>,

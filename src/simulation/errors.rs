@@ -12,7 +12,7 @@ use crate::geometry::{LevelTransform, Polar, RigidTransform};
 /// Errors that no reading shows by itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SystematicErrors {
-    /// By how much each station's stamps are late (s).
+    /// How late each station's stamps are (s).
     #[serde(skip_serializing_if = "is_nothing")]
     pub clock_offset_s: [f64; 3],
     /// How fast each station's stamps fall behind (s per s).
@@ -32,7 +32,7 @@ pub struct SystematicErrors {
     /// Added to every range of each station (m).
     #[serde(skip_serializing_if = "is_nothing")]
     pub range_offset_m: [f64; 3],
-    /// By which share of itself each station measures a range too long.
+    /// Share of itself by which each station measures a range too long.
     #[serde(skip_serializing_if = "is_nothing")]
     pub range_scale: [f64; 3],
     /// Added to every range to each of the vehicle's prisms, whichever station measures it (m).
@@ -41,7 +41,7 @@ pub struct SystematicErrors {
     /// Added to each station's zenith angles (rad).
     #[serde(skip_serializing_if = "is_nothing")]
     pub index_rad: [f64; 3],
-    /// By how much each station's line of sight is off square to its horizontal axis (rad).
+    /// How far each station's line of sight is off square to its horizontal axis (rad).
     ///
     /// It adds this much over the sine of the zenith angle to the azimuth.
     #[serde(skip_serializing_if = "is_nothing")]
@@ -80,15 +80,15 @@ pub struct ClockStep {
 pub struct Settling {
     #[serde(serialize_with = "number")]
     pub station: usize,
-    /// When it begins (s of the drive).
+    /// When the settling begins (s of the drive).
     pub from_s: f64,
     /// How long it takes, evenly (s); 0 is at once.
     pub over_s: f64,
-    /// About the station's own z.
+    /// How far the station turns about its own z (rad).
     pub turn_rad: f64,
-    /// In station 1's set-up frame.
+    /// How far the station moves, in station 1's set-up frame (m).
     pub move_m: Vector3<f64>,
-    /// About the station's own x and y.
+    /// How far the station leans about its own x and y (rad).
     pub lean_rad: [f64; 2],
 }
 
@@ -112,7 +112,7 @@ impl Settling {
 pub struct Wander {
     /// 1 σ at any one time (m).
     pub sigma_m: f64,
-    /// After this long, 1/e of an error is left (s).
+    /// Time after which 1/e of an error is left (s).
     pub correlation_s: f64,
 }
 

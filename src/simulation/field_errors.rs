@@ -14,7 +14,7 @@ use super::scenario::{ARCSECOND_RAD, Scenario};
 
 /// Tripods turn by tens of microradians in hours, says common surveying experience; more in sun and soft ground.
 const TURN_RAD: f64 = 30e-6;
-/// And they move by about a millimetre.
+/// Tripods also move, by about a millimetre.
 const MOVE_M: f64 = 0.0005;
 /// A compensator takes out most of what a tripod leans.
 const LEAN_RAD: f64 = ARCSECOND_RAD;
@@ -30,7 +30,7 @@ const RANGE_OFFSET_M: f64 = 0.0007;
 const RANGE_SCALE: f64 = 5e-6;
 /// Turning 360° and tilted prisms are up to 2 to 5 mm off (Lackner and Lienhart 2016).
 const WANDER_M: f64 = 0.001;
-/// And that lasts seconds to minutes; as likely in every octave.
+/// How long the wandering of ranges is correlated: seconds to minutes, as likely in every octave (s).
 const WANDER_CORRELATION_S: [f64; 2] = [2.0, 60.0];
 /// Angles lag ranges by 0 to about 30 ms, by instrument (the Bonn rts-network's own calibration; a report on an
 /// MS50); a fit to the published drives finds 0 ± 2 ms.
@@ -222,12 +222,12 @@ pub fn draw(kind: ErrorKind, scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
 }
 
 impl Scenario {
-    /// The same with errors of all kinds, as large as they are in the field.
+    /// This scenario with errors of all kinds, as large as they are in the field.
     pub fn with_field_errors(self, seed: u64) -> Self {
         Self { drawn_errors: ErrorKind::ALL.to_vec(), ..self }.draw_errors(seed)
     }
 
-    /// The same with the errors that are still to be drawn: afterwards they are its own.
+    /// This scenario with the errors that are still to be drawn: afterwards they are its own.
     pub fn draw_errors(mut self, seed: u64) -> Self {
         for kind in std::mem::take(&mut self.drawn_errors) {
             draw(kind, &mut self, &mut kind.rng(seed));

@@ -13,7 +13,7 @@ use crate::geometry::Geodetic;
 const RATE_HZ: f64 = 1.0;
 /// What receivers of this kind state under open sky, east and north, then up (m).
 const SIGMA_M: [f64; 3] = [0.006, 0.006, 0.012];
-/// Without fixed ambiguities the noise is this many times larger.
+/// Factor by which the noise is larger without fixed ambiguities.
 const FLOAT_FACTOR: f64 = 30.0;
 const FLOAT_SHARE: f64 = 0.03;
 /// Where station 1 stands: any place will do.

@@ -30,10 +30,10 @@ use crate::geometry::{LevelTransform, Polar, RigidTransform};
 /// Everything that was measured, and the truth behind it.
 #[derive(Clone, Debug)]
 pub struct Simulated {
-    /// With the errors that were drawn.
+    /// The scenario, with the errors that were drawn.
     pub scenario: Scenario,
     pub seed: u64,
-    /// In order of time; ranges lack the prism constant.
+    /// Readings of all stations in order of time; ranges lack the prism constant.
     pub records: Vec<RawRecord>,
     pub control_points: Vec<ControlPointSet>,
     /// A static station's averaged reading of the three prisms, prism constant included.

@@ -39,7 +39,7 @@ pub enum Path {
     Wander { centre_m: [f64; 2], radius_m: f64 },
     /// Along x between two ends (m), weaving by an amplitude (m) with a wavelength (m), and back.
     Tunnel { from_x_m: f64, to_x_m: f64, amplitude_m: f64, wavelength_m: f64 },
-    /// From a start (m) along x, straight but for bends, and from the beginning again where they end.
+    /// Along x from a start (m), straight but for bends, and from the beginning again where they end.
     Bends { start_m: [f64; 2], bends: &'static [Bend] },
 }
 
@@ -104,7 +104,8 @@ pub struct Scenario {
     pub control_point_sets: usize,
     /// Surveyed pillars on a line, for method A.
     pub pillars: bool,
-    /// From when to when (s of the drive) nothing is recorded of any station, wherever the vehicle goes meanwhile.
+    /// Times (start and end, s of the drive) in which nothing is recorded of any station, wherever the vehicle goes
+    /// meanwhile.
     pub pauses_s: Vec<[f64; 2]>,
     /// Added by the user to every range; the simulated instruments leave it off.
     pub prism_constant_m: f64,

@@ -52,7 +52,7 @@ pub fn central_sigma(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(0.5 * (high - low))
 }
 
-/// Between the value at the rank below a fractional one and the next, which is asked for only where it counts.
+/// A value between the one at the rank below a fractional one and the next, which is asked for only where it counts.
 fn between(low: f64, rank: f64, high: impl FnOnce() -> f64) -> f64 {
     match rank.fract() {
         0.0 => low,

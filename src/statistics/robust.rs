@@ -18,7 +18,7 @@ pub struct Influence {
     pub slope: f64,
 }
 
-/// Of an error that counts by its square.
+/// The influence of an error that counts by its square.
 pub const SQUARED: Influence = Influence { weight: 1.0, slope: 1.0 };
 
 /// Huber's: beyond the bend only the size counts.

@@ -31,7 +31,7 @@ use crate::geometry::{LevelTransform, RigidTransform};
 
 /// How often a calibration that holds is said not to, at most.
 pub const LEVEL: f64 = 0.01;
-/// That of each of the five tests.
+/// How often each of the five tests may say so by chance.
 const LEVEL_OF_ONE: f64 = LEVEL / 5.0;
 /// A difference that is not known better than this (m, 1 σ) hides what matters: answers are weak from here on as well.
 const COARSE_SIGMA_M: f64 = 0.020;
@@ -53,7 +53,7 @@ pub struct Earlier {
     /// The frames that its tracks were in; `None` where that is not known.
     pub track_frame: Option<TrackFrame>,
     pub station1_from_station: [RigidTransform; 3],
-    /// Of (x, y, z, yaw) of station 2, then of station 3 (m, rad); `None` where a direction was free.
+    /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad); `None` where a direction was free.
     pub covariance: Option<SMatrix<f64, 8, 8>>,
     /// The rig's distances as they were measured for it (m).
     pub inter_prism_m: Option<[f64; 3]>,
@@ -98,12 +98,12 @@ pub struct Validation {
     pub metric: Option<MetricThere>,
 }
 
-/// Whether it holds.
+/// Whether a calibration holds for another run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     Holds,
     DoesNotHold(Cause),
-    /// With the reason.
+    /// The data cannot tell, for this reason.
     CannotBeTold(String),
 }
 
@@ -122,7 +122,7 @@ impl Outcome {
 pub enum Cause {
     /// This station alone (0 to 2) moved or turned, which explains the whole difference.
     Station(usize),
-    /// One of these, which explain it alike.
+    /// One of these stations (0 to 2) moved or turned, which explain it alike.
     OneOf(Vec<usize>),
     /// No station explains it alone.
     NoneAlone,

@@ -21,14 +21,14 @@ const STEPS: usize = 6;
 /// The difference of two answers to one set-up, and what could have made it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Own minus earlier: (x, y, z, yaw) of station 2, then of station 3 (m, rad).
+    /// Own answer minus the earlier one: (x, y, z, yaw) of station 2, then of station 3 (m, rad).
     pub values: SVector<f64, 8>,
-    /// Of both answers, and of what tripods settle in between.
+    /// Covariance of both answers together, and of what tripods settle in between.
     pub covariance: SMatrix<f64, 8, 8>,
     pub chi_square: f64,
     /// How often chance makes a larger χ² where nothing moved.
     pub p_value: f64,
-    /// Of stations 1 to 3.
+    /// What each of stations 1 to 3 would have done, were it the only one that moved.
     pub stations: [StationMove; 3],
 }
 
@@ -46,7 +46,7 @@ pub struct StationMove {
 }
 
 impl StationMove {
-    /// Along x, y or z (m), or the turn (rad).
+    /// The move along x, y or z (m), or the turn (rad).
     pub fn part(&self, part: usize) -> Estimate {
         Estimate { value: self.by[part], sigma: self.covariance[(part, part)].max(0.0).sqrt() }
     }
@@ -140,7 +140,7 @@ impl Difference {
         })
     }
 
-    /// Of the translations (m).
+    /// The largest σ of the translations (m).
     pub fn largest_sigma_m(&self) -> f64 {
         let variance = |k: usize| if k % 4 == 3 { 0.0 } else { self.covariance[(k, k)] };
         (0..8).map(variance).fold(0.0, f64::max).sqrt()
@@ -245,7 +245,7 @@ mod tests {
         [LevelTransform::IDENTITY, at(5.2, -2.6, 3.1), at(-5.4, 0.4, -0.5)]
     }
 
-    /// Of 2 mm and 0.05 mrad, the two stations having half of it in common.
+    /// A covariance of 2 mm and 0.05 mrad, the two stations having half of it in common.
     fn covariance() -> SMatrix<f64, 8, 8> {
         let sigma = |k: usize| if k % 4 == 3 { 5e-5 } else { 2e-3 };
         SMatrix::from_fn(|i, j| {

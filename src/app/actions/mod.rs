@@ -47,7 +47,7 @@ pub struct Action {
     pub name: String,
     pub hint: &'static str,
     pub shortcut: Option<KeyboardShortcut>,
-    /// For what is chosen or switched: whether it is.
+    /// Whether the action's choice or switch is on; `None` where it is neither.
     pub on: Option<bool>,
     /// Whether the actions of its section stand in one row of the menu, each by its last word.
     pub in_a_row: bool,
@@ -90,7 +90,7 @@ impl Action {
         Self { on: Some(on), ..self }
     }
 
-    /// One of a few that exclude each other.
+    /// Makes it one of a few actions that exclude each other.
     fn one_of(self, on: bool) -> Self {
         Self { on: Some(on), in_a_row: true, ..self }
     }

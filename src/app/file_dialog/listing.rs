@@ -8,7 +8,7 @@ use crate::deployment::what_is;
 /// Looking into files ends after this long; those left are shown without a word on what they are.
 const LONGEST_LOOK: Duration = Duration::from_secs(2);
 
-/// One line.
+/// One line of the listing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
     pub name: String,

@@ -33,7 +33,7 @@ pub fn is_there() -> bool {
     !cfg!(target_os = "linux") || is_there_on_linux(|name| std::env::var_os(name), Path::new("/"))
 }
 
-/// The same for these environment variables and this root of the file system.
+/// Whether Linux has a dialog, by these environment variables and this root of the file system.
 fn is_there_on_linux(variable: impl Fn(&str) -> Option<OsString>, root: &Path) -> bool {
     let set = |name: &str| variable(name).filter(|value| !value.is_empty());
     // Over ssh the portal, if any, would answer on the other machine's own screen.

@@ -38,12 +38,12 @@ impl Need {
         }
     }
 
-    /// Of both, one at a time or one across the other.
+    /// The need of both, one at a time or one across the other.
     fn larger(self, other: Self) -> Self {
         Self { points: self.points.max(other.points), grows: self.grows || other.grows }
     }
 
-    /// Of both, one after the other.
+    /// The need of both, one after the other.
     fn sum(self, other: Self) -> Self {
         Self { points: self.points + other.points, grows: self.grows || other.grows }
     }

@@ -23,9 +23,9 @@ use behaviour::{Edits, PaneBehaviour};
 /// The tree of panes.
 pub struct Layout {
     tree: Tree<Pane>,
-    /// Of rows and columns as described, by child; what the window's size makes of them is in the tree.
+    /// Shares of rows and columns as described, by child; what the window's size makes of them is in the tree.
     shares: HashMap<TileId, f32>,
-    /// Until the user moves something.
+    /// Whether sizes follow the window: until the user moves something.
     follows_window: bool,
     /// The ready-made layout that it came from; closed panes come back to where that has them.
     preset: Option<LayoutPreset>,
@@ -45,7 +45,7 @@ impl From<LayoutPreset> for Layout {
 }
 
 impl Layout {
-    /// Without any pane: what is left while the panes are drawn.
+    /// A layout without any pane: what is left while the panes are drawn.
     pub fn empty() -> Self {
         let tree = Tree::empty(egui::Id::unique("panes"));
         Self { tree, shares: HashMap::new(), follows_window: true, preset: None }
@@ -56,7 +56,7 @@ impl Layout {
         Self { tree, shares, follows_window, preset: None }
     }
 
-    /// As described, with what is wrong put right; the first window's where no pane is left.
+    /// The layout as described, with what is wrong put right; the first window's where no pane is left.
     pub fn of_description(description: &LayoutDescription) -> (Self, Vec<Finding>) {
         let (root, findings) = description.arrangement();
         let layout = root
@@ -64,7 +64,7 @@ impl Layout {
         (layout, findings)
     }
 
-    /// As plain data, to be kept.
+    /// The layout as plain data, to be kept.
     pub fn describe(&self) -> LayoutDescription {
         let none = HashMap::new();
         let shares = if self.follows_window { &self.shares } else { &none };

@@ -9,9 +9,9 @@ use crate::app::model::pane::Pane;
 
 /// A place beside panes that the tree still has.
 enum Place {
-    /// Among the tabs of these.
+    /// A place among the tabs of these panes.
     With(Vec<Pane>),
-    /// A part of its own, before or after the part that holds these.
+    /// A part of its own, before or after the part that holds these panes.
     Beside { panes: Vec<Pane>, direction: LinearDir, before: bool, share: f32 },
 }
 

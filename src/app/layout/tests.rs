@@ -18,7 +18,7 @@ fn layouts() -> Vec<(&'static str, Layout)> {
 /// Draws a layout with the titles of its panes in place of their content.
 struct Drawn {
     layout: Layout,
-    /// Of the panes in front, in the last frame.
+    /// Places of the panes in front, in the last frame.
     places: HashMap<Pane, egui::Rect>,
 }
 

@@ -1,4 +1,4 @@
-//! Between descriptions and the tree of the docking library.
+//! The way between descriptions and the tree of the docking library.
 
 use std::collections::HashMap;
 

@@ -20,7 +20,7 @@ pub enum Asked {
 /// How a question is answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AskedAnswer {
-    /// By what is chosen.
+    /// The question is answered by what is chosen.
     AsChosen,
     /// The files are not for a deployment that is open: they are one of their own.
     OwnDeployment,
@@ -40,9 +40,9 @@ pub struct AskedStations {
     /// The bag, or the folder.
     pub place: String,
     pub are: StationsAre,
-    /// Their names, and what else is known of them.
+    /// Names of the topics or files, and what else is known of them.
     pub choices: Vec<(String, String)>,
-    /// For stations 1, 2, 3 the index among the choices.
+    /// Index among the choices for each of stations 1, 2, 3.
     pub stations: [usize; 3],
 }
 
@@ -66,7 +66,7 @@ pub struct AskedColumns {
     pub mapping: ColumnMapping,
     pub azimuth: AzimuthSense,
     pub ranges_include_prism_constant: bool,
-    /// Where each station has a file of its own, which they are: indices among [`TableHead::alike`].
+    /// Files of stations 1, 2, 3, where each has a file of its own: indices among [`TableHead::alike`].
     pub files: Option<[usize; 3]>,
     /// The first rows by the mapping.
     pub preview: Preview,
@@ -84,18 +84,18 @@ pub struct TableHead {
 #[derive(Clone, Debug, PartialEq)]
 pub struct AskedFiles {
     pub extras: Extras,
-    /// They are all that is in these.
+    /// Folders that hold nothing but these extras.
     pub folders: Vec<PathBuf>,
     /// Ids and names of the deployments that they could be for.
     pub targets: Vec<(u64, String)>,
-    /// Index among them.
+    /// Index of the chosen deployment among these.
     pub target: usize,
 }
 
 /// Whether this is written to the folder's `deployment.toml`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AskedToml {
-    /// Of the deployment.
+    /// Number of the deployment.
     pub id: u64,
     pub path: PathBuf,
     /// What is in the file, if there is one.
@@ -124,7 +124,7 @@ impl Asked {
 }
 
 impl AskedStations {
-    /// With a proposal: stations 1, 2, 3 in the order of the numbers in the names.
+    /// The question with a proposal: stations 1, 2, 3 in the order of the numbers in the names.
     pub fn new(place: String, are: StationsAre, choices: Vec<(String, String)>) -> Self {
         Self { place, are, stations: in_natural_order(&choices), choices }
     }

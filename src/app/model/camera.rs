@@ -7,14 +7,14 @@ use nalgebra::{Matrix4, Point3, Vector3};
 pub enum ViewPreset {
     /// Everything, from where the camera is turned now.
     Fit,
-    /// From above at a slant, as a deployment is seen at first.
+    /// The view from above at a slant, as a deployment is seen at first.
     Slanted,
     Top,
-    /// Along y, x to the right.
+    /// The view along y, x to the right.
     Front,
-    /// Against x, y to the right.
+    /// The view against x, y to the right.
     Side,
-    /// From where this station (0 to 2) stands, towards the prisms.
+    /// The view from where this station (0 to 2) stands, towards the prisms.
     Station(usize),
 }
 
@@ -96,7 +96,7 @@ impl Camera {
         self.target_m += metres_per_point * (up * drag[1] - right * drag[0]);
     }
 
-    /// At the distance of the target.
+    /// Length that a point of the screen covers at the distance of the target (m).
     pub fn metres_per_point(&self, viewport_height: f32) -> f32 {
         2.0 * self.distance_m * (FIELD_OF_VIEW_RAD / 2.0).tan() / viewport_height.max(1.0)
     }
@@ -168,7 +168,7 @@ impl Camera {
         self.distance_m = (eye_before_m - middle).max(0.5);
     }
 
-    /// Right, up, and back towards the eye, each of length 1.
+    /// Unit vectors to the right, up, and back towards the eye.
     fn axes(&self) -> [Vector3<f32>; 3] {
         let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
         let right = Vector3::new(-sin_yaw, cos_yaw, 0.0);

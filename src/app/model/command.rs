@@ -44,7 +44,7 @@ pub enum Command {
     Activate(u64),
     Close(u64),
 
-    /// Of the active deployment.
+    /// Sets the settings of the active deployment.
     Set(Settings),
     /// Gives every open deployment the active one's settings.
     SetAll,
@@ -75,7 +75,7 @@ pub enum Command {
     /// Time under the pointer (s, in the stations' clock); sent in every frame while it is there.
     Hover(f64),
     MoveCursor(f64),
-    /// By triplets.
+    /// Moves the time cursor by so many triplets.
     StepCursor(i32),
     /// Span of time that the plots show (s, in the stations' clock).
     ShowTimes([f64; 2]),
@@ -99,7 +99,7 @@ pub enum Command {
     ScenePicture(PictureTo),
 
     Copy(String),
-    /// Of the active deployment's answer.
+    /// Copies transforms of the active deployment's answer.
     CopyTransforms(CopyFormat, Part),
     OpenInRerun,
     SaveRecordingDialog,

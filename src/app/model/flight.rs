@@ -6,10 +6,10 @@ use crate::app::model::Camera;
 
 /// How long it takes (s): long enough to see where it goes.
 const LASTS_S: f64 = 0.3;
-/// From further away than this it comes as close (m): the rig fills about a tenth of the picture.
+/// Distance that a flight ends at if it began further away (m): the rig fills about a tenth of the picture.
 const CLOSE_M: f32 = 15.0;
 
-/// From what the camera looks at to something else.
+/// A flight of the camera from what it looks at to something else.
 #[derive(Clone, Copy, Debug)]
 pub struct Flight {
     from: (Vector3<f32>, f32),

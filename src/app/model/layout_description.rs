@@ -28,21 +28,21 @@ pub struct LayoutDescription {
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum Node<P = Pane> {
     Pane(P),
-    /// One of the children is seen, the others are tabs.
+    /// Tabs: one of the children is seen, the others are hidden behind it.
     Tabs {
         /// Index of the child that is seen.
         #[serde(default)]
         active: i64,
         children: Vec<Node<P>>,
     },
-    /// From left to right.
+    /// The children side by side, from left to right.
     Row {
         /// The part of the width that each child has; any unit.
         #[serde(default)]
         shares: Vec<f32>,
         children: Vec<Node<P>>,
     },
-    /// From top to bottom.
+    /// The children one under the other, from top to bottom.
     Column {
         #[serde(default)]
         shares: Vec<f32>,

@@ -15,18 +15,18 @@ pub struct OpenDeployment {
     /// Tells it from every other that was ever opened.
     pub id: u64,
     pub deployment: Arc<Deployment>,
-    /// Where it can be read again.
+    /// Where the deployment can be read again.
     pub source: Option<Source>,
-    /// Of each station; found once, because the window asks in every frame.
+    /// The longest range of each station (m); found once, because the window asks in every frame.
     pub longest_range_m: [f64; 3],
     pub settings: Settings,
     /// The newest answer; older than the settings while it is stale.
     pub analysis: Option<Arc<Analysis>>,
     /// The answer as plain data, if there is one.
     pub summary: Option<Arc<ResultSummary>>,
-    /// Its plots.
+    /// The plots of the newest answer.
     pub plots: Arc<PreparedPlots>,
-    /// Its readings and tracks, for the scene.
+    /// The readings and tracks of the newest answer, for the scene.
     pub clouds: Clouds,
     /// Counts the answers that were taken in: changes with what is shown.
     pub analysis_run: u64,
@@ -37,7 +37,7 @@ pub struct OpenDeployment {
     pub told: BTreeSet<String>,
     /// Whether any answer was there to the end, and not the paper's alone, ahead of a joint estimate.
     pub answered: bool,
-    /// What is awaited.
+    /// The newest request for an answer, while it is awaited.
     pub analysing: Option<Analysing>,
 }
 
@@ -79,7 +79,7 @@ impl OpenDeployment {
         }
     }
 
-    /// The same deployment, read again with other files; the old answer stays until the new one is there.
+    /// Takes in the same deployment, read again with other files; the old answer stays until the new one is there.
     pub fn replace(&mut self, deployment: Arc<Deployment>, source: Source) {
         self.longest_range_m = longest_range_m(&deployment);
         let old = std::mem::replace(&mut self.timeline, Timeline::new(&deployment));

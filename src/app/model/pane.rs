@@ -26,7 +26,7 @@ pub enum Pane {
 }
 
 impl Pane {
-    /// In the order of the menu.
+    /// All panes in the order of the menu.
     pub const ALL: [Self; 15] = [
         Self::Deployment,
         Self::Pipeline,
@@ -65,7 +65,7 @@ impl Pane {
         }
     }
 
-    /// As files call it; never changes, unlike the title.
+    /// The pane's name in files; never changes, unlike the title.
     pub fn name(self) -> &'static str {
         match self {
             Self::Deployment => "deployment",

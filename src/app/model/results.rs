@@ -15,7 +15,7 @@ pub struct Pin {
     pub summary: Arc<ResultSummary>,
     /// Whether its residuals are drawn behind the present ones.
     pub shown: bool,
-    /// Its residuals; `None` until they are computed, or when its deployment is not open.
+    /// The residuals of the pinned result; `None` until they are computed, or when its deployment is not open.
     pub plots: Option<Arc<PreparedPlots>>,
     /// Whether they are being computed.
     pub drawing: bool,
@@ -31,13 +31,13 @@ pub struct Run {
     /// The answer, or why there is none.
     pub result: Result<Arc<ResultSummary>, String>,
     pub settings: Settings,
-    /// Which step of the settings it belongs to: of a drag only the last is kept.
+    /// The step of the settings that the run belongs to: of a drag only the last is kept.
     pub step: u64,
 }
 
 #[derive(Default)]
 pub struct Results {
-    /// The newest last.
+    /// Runs of all deployments, the newest last.
     pub runs: Vec<Run>,
     pub pins: Vec<Pin>,
     newest_id: u64,

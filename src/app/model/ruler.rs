@@ -9,13 +9,13 @@ use crate::deployment::{PAIRS, pair_label};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ruler {
     pub active: bool,
-    /// At most two.
+    /// The ends that are set, at most two.
     pub ends: Vec<RulerEnd>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct RulerEnd {
-    /// In station 1's frame, when it was set.
+    /// Where the end was when it was set (m, in station 1's frame).
     pub position_m: Vector3<f64>,
     /// What it snapped to, in words.
     pub what: String,
@@ -24,7 +24,7 @@ pub struct RulerEnd {
 }
 
 impl Ruler {
-    /// With one more end; the third starts anew.
+    /// The ruler with one more end; the third starts anew.
     pub fn with(&self, end: RulerEnd) -> Self {
         let mut ends = if self.ends.len() < 2 { self.ends.clone() } else { Vec::new() };
         ends.push(end);

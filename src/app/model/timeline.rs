@@ -11,9 +11,9 @@ use crate::deployment::Deployment;
 /// A raw reading of a deployment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Picked {
-    /// 0 to 2.
+    /// The station, 0 to 2.
     pub station: usize,
-    /// In the station's track.
+    /// Index of the reading in the station's track.
     pub index: usize,
 }
 
@@ -35,7 +35,7 @@ impl Picked {
 /// Where in time the panes of a deployment are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timeline {
-    /// From the first measurement to the last.
+    /// Times of the first measurement and of the last (s).
     pub whole_s: [f64; 2],
     /// What the plots over time show.
     pub window_s: [f64; 2],

@@ -40,7 +40,7 @@ pub struct Toast {
     since_s: Option<f64>,
 }
 
-/// More would hide the window behind them.
+/// Most toasts that are shown: more would hide the window behind them.
 const MOST_TOASTS: usize = 4;
 
 /// The toasts that are shown, the newest last.
@@ -70,7 +70,7 @@ impl Toasts {
         self.line(ToastLevel::Error, line);
     }
 
-    /// The same of what was repaired or left out.
+    /// Tells what was repaired or left out, in a line of the form "what; remedy".
     pub fn warning(&mut self, line: &str) {
         self.line(ToastLevel::Warning, line);
     }
@@ -143,7 +143,7 @@ impl Toasts {
         self.shown.retain(|toast| toast.id != id);
     }
 
-    /// Its time starts anew: the pointer is on it.
+    /// Lets a toast's time start anew: the pointer is on it.
     pub fn hold(&mut self, id: u64) {
         if let Some(toast) = self.shown.iter_mut().find(|toast| toast.id == id) {
             toast.since_s = None;

@@ -66,21 +66,21 @@ impl Changed {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     pub changes: Vec<Change>,
-    /// When it was last added to (s of the window's clock).
+    /// When the step was last added to (s of the window's clock).
     at_s: f64,
 }
 
-/// When a change comes.
+/// The moment at which a change comes.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
-    /// Of the window's clock (s).
+    /// The time of the change by the window's clock (s).
     pub now_s: f64,
     /// Since when the pointer's button is down, if it is (s).
     pub pressed_s: Option<f64>,
 }
 
 impl Moment {
-    /// Of a change that is a step of its own.
+    /// The moment of a change that is a step of its own.
     pub const NEVER: Self = Self { now_s: f64::NEG_INFINITY, pressed_s: None };
 
     pub fn now(ctx: &egui::Context) -> Self {

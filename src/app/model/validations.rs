@@ -11,7 +11,7 @@ pub type AnswerOf = (u64, u64);
 /// What was asked and found.
 #[derive(Default)]
 pub struct Validations {
-    /// Whose calibration it was.
+    /// The answer whose calibration was asked about.
     pub of: Option<AnswerOf>,
     /// What it was held against.
     pub found: Vec<(AnswerOf, Validation)>,

@@ -10,7 +10,7 @@ use super::{Camera, ViewPreset};
 #[derive(Default)]
 pub struct View {
     pub camera: Camera,
-    /// To be done at the next frame.
+    /// The way to look that is taken at the next frame.
     pub wanted: Option<ViewPreset>,
     pub last_look: Option<Look>,
     pub flight: Option<Flight>,
@@ -21,7 +21,7 @@ pub struct View {
 #[derive(Clone, Copy)]
 pub struct Look {
     pub preset: ViewPreset,
-    /// Where it left the camera.
+    /// The camera as the look left it.
     pub camera: Camera,
     pub size: Vec2,
     /// Whether the joint estimate was still to follow.
@@ -34,7 +34,7 @@ impl View {
         self.wanted = Some(preset);
     }
 
-    /// The same as the last time, unless the camera was moved since.
+    /// Looks as it did the last time, unless the camera was moved since.
     pub fn look_again(&mut self, look: Look) {
         if look.camera == self.camera {
             self.wanted = self.wanted.or(Some(look.preset));

@@ -12,7 +12,7 @@ use crate::app::theme;
 use crate::deployment::Severity;
 
 const WIDTH: f32 = 560.0;
-/// Of the dialog with a table in it.
+/// Width of the dialog with a table in it.
 const WIDE: f32 = 980.0;
 
 pub fn ui(ctx: &egui::Context, asked: &Asked, commands: &mut Commands) {

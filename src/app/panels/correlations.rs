@@ -11,7 +11,7 @@ const HEAD: f32 = 26.0;
 const ROW: f32 = 19.0;
 const WIDEST_CELL: f32 = 44.0;
 
-/// Of x, y, z and yaw of stations 2 and 3; shown on request.
+/// Shows the correlations of x, y, z and yaw of stations 2 and 3, on request.
 pub fn ui(ui: &mut egui::Ui, correlation: &SMatrix<f64, 8, 8>) {
     ui.collapsing("Correlations", |ui| {
         let cell = ((ui.available_width() - HEAD) / 8.0).min(WIDEST_CELL);

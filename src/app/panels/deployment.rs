@@ -87,7 +87,7 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Those of the session that could not be opened: they stay in it until the user takes them out.
+/// Lists what of the session could not be opened: it stays in the session until the user takes it out.
 fn missing(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     for (index, missing) in state.session.missing.iter().enumerate() {
         ui.horizontal(|ui| {

@@ -40,7 +40,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 /// What goes into and comes out of each module.
 struct Counts {
-    /// Without what the user left out.
+    /// Raw readings without those that the user left out.
     raw: usize,
     left_out: usize,
     filtered: usize,

@@ -37,7 +37,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Those that have taken long enough to be worth a word.
+/// The jobs that have taken long enough to be worth a word.
 fn jobs(state: &State) -> Vec<Job<'_>> {
     let mut jobs: Vec<Job<'_>> = state
         .opening

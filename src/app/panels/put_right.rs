@@ -1,5 +1,5 @@
-//! In the deployment's pane: what was read can be put right. Each line shows what counts now; what differs from what
-//! the files say has a mark, tells what they say, and can be taken back.
+//! The part of the deployment's pane where what was read can be put right. Each line shows what counts now; what
+//! differs from what the files say has a mark, tells what they say, and can be taken back.
 
 mod files;
 mod times;
@@ -49,7 +49,7 @@ struct Shown<'a> {
     open: &'a OpenDeployment,
     /// What the user said.
     extras: &'a Extras,
-    /// That, and where it is silent what the files say.
+    /// What the user said, and where that is silent what the files say.
     now: Overrides,
 }
 

@@ -197,7 +197,7 @@ fn rates(ui: &mut egui::Ui, step: &Step) {
     });
 }
 
-/// Those of the triplet nearest in time (mm).
+/// Shows the distance errors of the triplet nearest in time (mm).
 fn distance_errors(ui: &mut egui::Ui, analysis: &Analysis, time_s: f64) {
     let answer = analysis.answer.as_ref().ok();
     let errors_mm = answer.zip(analysis.triplets().nearest(time_s)).and_then(|(answer, index)| {

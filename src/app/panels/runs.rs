@@ -49,9 +49,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 /// How a run is shown.
 #[derive(Clone, Copy)]
 struct Shown {
-    /// Its settings are the present ones.
+    /// Whether its settings are the present ones.
     current: bool,
-    /// There are runs of several deployments, so each names its own.
+    /// Whether there are runs of several deployments, so that each names its own.
     several: bool,
 }
 
@@ -182,7 +182,7 @@ fn numbers(ui: &mut egui::Ui, summary: &ResultSummary) {
     ui.small(format!("points {text}")).on_hover_text(hint);
 }
 
-/// At the right end of a line.
+/// Adds something at the right end of a line.
 fn right(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), add);
 }

@@ -10,7 +10,7 @@ use crate::palette;
 use crate::validation::in_words::chance;
 use crate::validation::{Difference, Validation};
 
-/// Nothing where no other deployment is open. Sentences wrap at this width (points).
+/// Shows the validations; nothing where no other deployment is open. Sentences wrap at this width (points).
 pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands) {
     let Some(active) = state.active().filter(|_| state.open.len() > 1) else { return };
     ui.add_space(6.0);

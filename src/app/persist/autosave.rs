@@ -34,7 +34,7 @@ pub struct Autosave {
 pub struct Recovered {
     pub session: Session,
     pub findings: Vec<Finding>,
-    /// When it was last written.
+    /// When the session was last written.
     pub saved: Option<SystemTime>,
     file: OwnFile,
 }

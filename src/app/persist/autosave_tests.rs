@@ -14,7 +14,7 @@ fn start(folder: &Path) -> (Autosave, Option<Recovered>, Vec<Finding>) {
     Autosave::start(folder, Arc::default()).expect("a folder")
 }
 
-/// With so many deployments, the last of which is shown.
+/// A session with `count` deployments, the last of which is shown.
 fn session(count: usize) -> Session {
     let saved = |number: usize| SavedDeployment {
         source: Source::at(format!("/data/deployment {number}")),
@@ -38,7 +38,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
         .collect()
 }
 
-/// As a crash leaves it: the lock is gone with the process, the file stays.
+/// Leaves things as a crash does: the lock is gone with the process, the file stays.
 fn die(autosave: Autosave) {
     autosave.writer.finish();
     drop(autosave);
@@ -137,7 +137,7 @@ fn what_could_not_be_written_is_tried_again_and_told_once() {
     assert_eq!(recovered.expect("what was open").session, session(1));
 }
 
-/// Not a test by itself: the process that the next one kills.
+/// The process that the next test kills; not a test by itself.
 #[test]
 fn child_that_saves_until_it_is_killed() {
     let Some(folder) = std::env::var_os(CHILD_FOLDER) else { return };

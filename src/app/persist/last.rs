@@ -12,18 +12,18 @@ pub struct LastSession {
 }
 
 impl LastSession {
-    /// Kept in this file, there or not.
+    /// The session that is kept in this file, there or not.
     pub fn at(path: PathBuf) -> Self {
         let is_there = path.is_file();
         Self { path, is_there }
     }
 
-    /// Its file, if there is one.
+    /// The session's file, if there is one.
     pub fn path(&self) -> Option<&Path> {
         Some(self.path.as_path()).filter(|_| self.is_there)
     }
 
-    /// This window has written it.
+    /// Remembers that this window has written it.
     pub fn written(&mut self) {
         self.is_there = true;
     }

@@ -23,9 +23,9 @@ const FOLDER_VARIABLE: &str = "RESECT_CONFIG_DIR";
 /// Where resect keeps what is the user's.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Folders {
-    /// Of the preferences.
+    /// The folder of the preferences.
     pub config: PathBuf,
-    /// Of the sessions of running windows.
+    /// The folder of the sessions of running windows.
     pub autosave: PathBuf,
 }
 

@@ -16,14 +16,14 @@ use crate::export::atomic;
 /// Version of the format that this program writes.
 const VERSION: u32 = 1;
 const FILE: &str = "preferences.toml";
-/// So many recent deployments are remembered.
+/// Most recent deployments that are remembered.
 const MOST_RECENT: usize = 12;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Preferences {
     pub theme: Theme,
     pub units: Units,
-    /// None until the user changed it.
+    /// The arrangement of the panes; `None` until the user changed it.
     pub layout: Option<LayoutDescription>,
     /// Size of the window (points).
     pub window_points: Option<[f32; 2]>,
@@ -63,7 +63,7 @@ impl From<Theme> for ThemePreference {
 /// A deployment that was opened before.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recent {
-    /// When it was opened (s since 1970).
+    /// When the deployment was last opened (s since 1970).
     pub opened_unix_s: u64,
     #[serde(flatten)]
     pub source: Source,
@@ -81,7 +81,7 @@ pub fn remember(recent: &mut Vec<Recent>, source: &Source) {
     recent.truncate(MOST_RECENT);
 }
 
-/// As it lies in the file. Parts that cannot be read are left out, the rest stays.
+/// The preferences as they lie in the file. Parts that cannot be read are left out, the rest stays.
 #[derive(Serialize, Deserialize)]
 struct StoredPreferences {
     version: u32,
@@ -136,7 +136,7 @@ impl StoredPreferences {
 /// The file of the preferences: read once, written in the background when they are others.
 pub struct PreferencesFile {
     path: PathBuf,
-    /// Not where a file lies that cannot be read and could not be moved aside.
+    /// Whether the file may be written: not where one lies that cannot be read and could not be moved aside.
     may_write: bool,
     last: Preferences,
     writer: Writer,

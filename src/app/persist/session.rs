@@ -76,14 +76,14 @@ impl PartialEq for Files {
 }
 
 impl Files {
-    /// Of a deployment that was just read.
+    /// Files of a deployment that was just read.
     pub fn of(source: Option<&Source>, deployment: &Arc<Deployment>) -> Self {
         let source = source.filter(|source| source.path().is_some()).cloned();
         let read = source.map(|source| (source, Arc::clone(deployment)));
         Self { read, marks: Arc::default() }
     }
 
-    /// As a session remembers them.
+    /// Files as a session remembers them.
     pub fn marked(marks: Vec<FileMark>) -> Self {
         Self { read: None, marks: Arc::new(OnceLock::from(marks)) }
     }
@@ -96,7 +96,7 @@ impl Files {
         })
     }
 
-    /// Those that are hashed already.
+    /// The marks that are hashed already.
     pub fn known_marks(&self) -> &[FileMark] {
         self.marks.get().map_or(&[], Vec::as_slice)
     }

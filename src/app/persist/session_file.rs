@@ -31,7 +31,7 @@ impl Session {
         Ok(atomic::write(path, text)?)
     }
 
-    /// The same without the hashes that are not known yet: reads no input.
+    /// Saves the session without the hashes that are not known yet: reads no input.
     pub fn save_unhashed(&self, path: &Path) -> Result<(), SessionError> {
         let text = self.text_with(&folder_of(path), Files::known_marks)?;
         Ok(atomic::write(path, text)?)

@@ -225,7 +225,7 @@ proptest! {
     }
 }
 
-/// Of one session that is made once.
+/// The text of one session that is made once.
 fn session_text(folder: &Path) -> String {
     static TEXT: OnceLock<String> = OnceLock::new();
     TEXT.get_or_init(|| session(folder).text(folder, &HashCache::default()).expect("text")).clone()

@@ -28,7 +28,7 @@ pub struct Version {
 pub struct StoredSession {
     /// The format's version; [`crate::deployment::SESSION_KEY`], by which a session is known.
     resect_session: u32,
-    /// The program's version.
+    /// The version of the program that wrote the file.
     #[serde(default)]
     resect: String,
     #[serde(default)]
@@ -170,7 +170,7 @@ fn read_pin(pin: Lenient<SavedPin>, findings: &mut Vec<Finding>) -> Option<Saved
     Some(pin)
 }
 
-/// With another path for each of a source's.
+/// The source with another path for each of its own.
 fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
     let all = |paths: &[PathBuf]| paths.iter().map(|path| change(path)).collect();
     let extras = &source.extras;
@@ -190,7 +190,7 @@ fn with_paths(source: &Source, change: impl Fn(&Path) -> PathBuf) -> Source {
     }
 }
 
-/// From this folder on where the path is below it, else absolute.
+/// The path from this folder on where it is below it, else absolute.
 fn relative(path: &Path, folder: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let absolute = absolute.canonicalize().unwrap_or(absolute);

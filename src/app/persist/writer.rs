@@ -10,7 +10,7 @@ struct Slot {
     next: Option<Job>,
     writing: bool,
     closed: bool,
-    /// Of the last job that failed, until it is taken.
+    /// The error of the last job that failed, until it is taken.
     error: Option<String>,
 }
 
@@ -38,7 +38,7 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Without a thread (the system has none left), jobs are done at once.
+    /// Starts the thread that writes; without one (the system has none left), jobs are done at once.
     pub fn start(name: &str) -> Self {
         let shared = Arc::new(Shared::default());
         let inner = Arc::clone(&shared);

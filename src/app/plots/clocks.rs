@@ -18,7 +18,8 @@ use crate::palette;
 
 /// The least height of the plot (ms): less is noise of the drawing.
 const LEAST_MS: f64 = 1.0;
-/// In a lower pane than this the numbers take one line, so that the plot has the rest (points).
+/// Least height of a pane whose numbers have lines of their own; in a lower one they share a line, so that the plot has
+/// the rest (points).
 const ROOM_FOR_WORDS: f32 = 200.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -100,11 +101,11 @@ fn nothing(ui: &mut egui::Ui) {
 
 /// What the calibration found.
 struct Estimated {
-    /// Of stations 2 and 3, in the middle of the drive (s late, against station 1).
+    /// How late stations 2 and 3 are against station 1, in the middle of the drive (s).
     offsets_s: [Estimate; 2],
-    /// How they grow (s per s).
+    /// How much later their stamps get each second (s per s).
     drifts: [f64; 2],
-    /// First and last triplet (s).
+    /// Times of the first and of the last triplet (s).
     span_s: [f64; 2],
 }
 
@@ -119,7 +120,7 @@ impl Estimated {
         })
     }
 
-    /// Of station 2 (slot 0) or 3 at both ends of the drive: s since `start_s`, ms.
+    /// How late station 2 (slot 0) or 3 is at both ends of the drive: s since `start_s`, ms.
     fn ends(&self, slot: usize, start_s: f64) -> [PlotPoint; 2] {
         let middle_s = 0.5 * (self.span_s[0] + self.span_s[1]);
         self.span_s.map(|time_s| {
@@ -178,7 +179,7 @@ fn caption(open: &OpenDeployment, state: &State, estimated: Option<&Estimated>) 
     parts.join("  ·  ")
 }
 
-/// With as many decimals as its size asks for: "+0.3012 s", "+3600.301 s".
+/// A time with as many decimals as its size asks for: "+0.3012 s", "+3600.301 s".
 fn seconds(value_s: f64) -> String {
     if value_s.abs() < 1.0 {
         format!("{:+.1} ms", value_s * 1e3)

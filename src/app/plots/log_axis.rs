@@ -13,8 +13,8 @@ pub fn decades(input: GridInput) -> Vec<GridMark> {
     marks(low, high, &steps)
 }
 
-/// Where decades have little room: strong lines at the powers of ten, faint ones at 2 and 5 times them, with numbers
-/// where those fit.
+/// Marks where decades have little room: strong lines at the powers of ten, faint ones at 2 and 5 times them, with
+/// numbers where those fit.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 pub fn many_decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;

@@ -10,7 +10,7 @@ use crate::app::model::{Command, Commands};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Moved {
     To([f64; 2]),
-    /// To what the plot shows by itself.
+    /// The axis goes back to what the plot shows by itself.
     Back,
 }
 

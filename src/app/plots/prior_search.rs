@@ -11,7 +11,7 @@ use crate::calibration::PriorMethod;
 use crate::calibration::inter_prism::{PriorSearch, SearchRun};
 use crate::palette;
 
-/// The two steps.
+/// Names of the two steps of the search.
 const STEPS: [&str; 2] = ["step 1", "step 2"];
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {

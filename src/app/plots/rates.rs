@@ -70,7 +70,7 @@ fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands
     });
 }
 
-/// One of the three plots.
+/// One of the three plots of rates: range, azimuth or zenith angle.
 struct RatePlot<'a> {
     open: &'a OpenDeployment,
     state: &'a State,
@@ -148,7 +148,7 @@ impl RatePlot<'_> {
         *self.quantity.threshold(&mut thresholds)
     }
 
-    /// At most a few for each column of the screen; the fastest and the slowest are among them.
+    /// At most a few dots for each column of the screen; the fastest and the slowest are among them.
     fn dots(&self, pipeline: &PipelineSettings, bounds: [f64; 2], runs: usize) -> Vec<Dot> {
         let mut dots = Vec::new();
         for (station, own) in self.readings().stations.iter().enumerate() {
@@ -170,7 +170,7 @@ impl RatePlot<'_> {
         dots
     }
 
-    /// Those too slow for the axis stand at its lower end.
+    /// Where a reading's dot is; readings too slow for the axis stand at its lower end.
     fn place(&self, own: &StationReadings, index: usize, bounds: [f64; 2]) -> PlotPoint {
         let margin = 0.01 * (bounds[1] - bounds[0]);
         let rate = own.rates[self.quantity as usize].values[index];
@@ -261,14 +261,14 @@ impl RatePlot<'_> {
     }
 }
 
-/// None at the ends, where it would stand on one of the plot above or below.
+/// The number at a grid line; none at the ends, where it would stand on one of the plot above or below.
 fn number_inside(log10: f64, range: &RangeInclusive<f64>) -> String {
     let margin = 0.08 * (range.end() - range.start());
     let inside = (range.start() + margin..=range.end() - margin).contains(&log10);
     if inside { log_axis::number(log10) } else { String::new() }
 }
 
-/// By the thresholds as they are now: the answer may still be on its way.
+/// The reading's fate by the thresholds as they are now: the answer may still be on its way.
 fn fate(own: &StationReadings, index: usize, pipeline: &PipelineSettings) -> Option<SampleFate> {
     if own.is_left_out(index) {
         return Some(SampleFate::LeftOut);

@@ -131,7 +131,7 @@ fn pinned<'a>(open: &OpenDeployment, state: &'a State) -> Vec<(&'a Pin, MarkerSh
     same.zip(SHAPES.into_iter().cycle()).collect()
 }
 
-/// Hollow and faint.
+/// Adds the residuals of a pinned result, hollow and faint.
 fn add_pinned(
     plot_ui: &mut PlotUi<'_>,
     pin: &Pin,

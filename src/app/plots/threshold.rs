@@ -10,13 +10,13 @@ use crate::app::theme;
 
 /// What is known of a threshold.
 pub struct Threshold<'a> {
-    /// τ_r and so on.
+    /// The threshold's symbol: τ_r and so on.
     pub symbol: &'a str,
     pub value: f64,
     /// The paper's value: a click with the right button brings it back.
     pub paper: f64,
     pub unit: &'a str,
-    /// Positive.
+    /// Values that the threshold can take; all are positive.
     pub range: RangeInclusive<f64>,
     /// Whether the module that it belongs to is on.
     pub enabled: bool,
@@ -29,7 +29,7 @@ const KEY_STEP: f64 = 1.03;
 const LARGE_KEY_STEP: f64 = 1.2;
 
 impl Threshold<'_> {
-    /// "τ_r 2.00 m/s"
+    /// The threshold in words: "τ_r 2.00 m/s".
     pub fn label(&self) -> String {
         format!("{} {} {}", self.symbol, short(self.value), self.unit)
     }
@@ -245,7 +245,7 @@ impl Ink {
     }
 }
 
-/// To three digits: what can be read is what is set.
+/// The value rounded to three digits: what can be read is what is set.
 fn rounded(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;
@@ -256,7 +256,7 @@ fn rounded(value: f64) -> f64 {
     if unit < 1.0 { digits / (1.0 / unit).round() } else { digits * unit }
 }
 
-/// With three digits, and four decimals at most.
+/// The value in words, with three digits, and four decimals at most.
 pub fn short(value: f64) -> String {
     match value {
         v if v < 0.0995 => format!("{v:.4}"),

@@ -151,7 +151,7 @@ pub fn head(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
 const HINT: &str =
     "drag: select · scroll: zoom · shift+scroll or right drag: move · double-click: all";
 
-/// In the line above a plot: how much is selected, and what can be done with it.
+/// Shows, in the line above a plot, how much is selected and what can be done with it.
 pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
     let Some([from_s, to_s]) = times.selection_s else { return };
     ui.small(format!("{:.1} s selected", to_s - from_s));
@@ -168,7 +168,7 @@ pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
     }
 }
 
-/// At the end of the line above a plot, as far as there is room; in full under the pointer.
+/// Shows a hint at the end of the line above a plot, as far as there is room; in full under the pointer.
 pub fn hint(ui: &mut egui::Ui, more: &str) {
     let text = egui::RichText::new(format!("{HINT}{more}")).small().weak();
     ui.add(egui::Label::new(text).truncate());

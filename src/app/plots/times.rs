@@ -10,7 +10,7 @@ pub struct Times {
     pub start_s: f64,
     pub window_s: [f64; 2],
     pub cursor_s: Option<f64>,
-    /// Under the pointer, in whichever pane.
+    /// The time under the pointer, in whichever pane (s).
     pub hover_s: Option<f64>,
     pub selection_s: Option<[f64; 2]>,
 }

@@ -39,7 +39,7 @@ impl Request {
         }
     }
 
-    /// Of the deployment.
+    /// The number of the deployment.
     fn id(&self) -> u64 {
         match self {
             Self::Analyse { id, .. } | Self::Forget(id) => *id,
@@ -54,21 +54,21 @@ impl Request {
 
 /// An analysis, and what is drawn of it.
 pub struct Answered {
-    /// Of the request.
+    /// The number of the request.
     pub number: u64,
-    /// Of the deployment.
+    /// The number of the deployment.
     pub id: u64,
     pub analysis: Arc<Analysis>,
     pub plots: Arc<PreparedPlots>,
     pub clouds: Clouds,
-    /// It is the paper's answer alone, to the same request as the joint estimate that comes after it.
+    /// Whether it is the paper's answer alone, to the same request as the joint estimate that comes after it.
     pub joint_follows: bool,
 }
 
 /// The window's end of the thread.
 pub struct Analyser {
     requests: Sender<Request>,
-    /// Of the newest analysis of each deployment.
+    /// Progress of the newest analysis of each deployment.
     analysing: HashMap<u64, Arc<Progress>>,
 }
 

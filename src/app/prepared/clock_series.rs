@@ -15,13 +15,13 @@ pub struct ClockSeries {
     pub median_s: Option<f64>,
     /// Median, drift and jumps; none of fewer than ten readings.
     pub comparison: Option<ClockComparison>,
-    /// By its readings: time since the first measurement of any station (s), and what is left (ms).
+    /// Differences by its readings: time since the first measurement of any station (s), and what is left (ms).
     pub readings: Dots,
-    /// By the corrections that the recording tells, less the same.
+    /// Differences by the corrections that the recording tells, less the same median (s, ms).
     pub corrections: Dots,
 }
 
-/// In order of time.
+/// Dots of a plot in order of time.
 #[derive(Clone, Debug, Default)]
 pub struct Dots {
     pub all: Vec<PlotPoint>,

@@ -19,9 +19,9 @@ pub fn time_origin_s(deployment: &Deployment) -> f64 {
 #[derive(Clone, Debug, Default)]
 pub struct Cloud {
     pub points: Vec<TimedPoint>,
-    /// Which of them are a station's.
+    /// Which of the points are each station's.
     pub ranges: [Range<usize>; 3],
-    /// For each station, to find what is under the pointer.
+    /// Trees of each station's points, to find what is under the pointer.
     pub trees: [PointTree; 3],
 }
 
@@ -94,7 +94,7 @@ impl CloudMaker {
     }
 }
 
-/// For each reading of a station the nearest triplet in time, `None` where none is within half a second.
+/// The nearest triplet in time for each reading of a station, `None` where none is within half a second.
 pub fn nearest_triplets<'a>(
     deployment: &'a Deployment,
     analysis: &'a Analysis,
@@ -115,7 +115,7 @@ pub fn nearest_triplets<'a>(
     })
 }
 
-/// As [`Triplets::nearest`].
+/// How far a triplet may be in time from its reading (s), as [`Triplets::nearest`] has it.
 const NEAR_S: f64 = 0.5;
 
 #[cfg(test)]

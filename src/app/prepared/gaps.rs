@@ -7,17 +7,17 @@ use crate::pipeline::{FilteredTrack, Interval};
 /// Times are seconds since the first measurement of any station.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
-    /// For each station the times longer than τ_s without a reading that the outlier filter kept, also before its
+    /// Times of each station longer than τ_s without a reading that the outlier filter kept, also before its
     /// first and after its last.
     pub outages: [Vec<Interval>; 3],
-    /// For each station when it gave a reading that the outlier filter rejected.
+    /// When each station gave a reading that the outlier filter rejected (s).
     pub rejected_s: [Vec<f64>; 3],
-    /// For each station when it gave a reading that the user left out.
+    /// When each station gave a reading that the user left out (s).
     pub left_out_s: [Vec<f64>; 3],
     /// Spans in which all three measured, in order: longer than τ_l, and not.
     pub kept: Vec<Interval>,
     pub short: Vec<Interval>,
-    /// For each station how long it was silent between two readings that the filter kept.
+    /// How long each station was silent between two readings that the filter kept.
     pub lengths: [LogHistogram; 3],
     /// How long the spans are, kept and short.
     pub interval_lengths: LogHistogram,
@@ -80,7 +80,7 @@ pub struct LogHistogram {
 const BINS: f64 = 10.0;
 
 impl LogHistogram {
-    /// Of positive values; others are left out.
+    /// A histogram of positive values; others are left out.
     pub fn of(values: impl Iterator<Item = f64>) -> Self {
         let bins: Vec<i32> = values
             .filter(|value| *value > 0.0 && value.is_finite())

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct TimedPoint {
     pub position_m: [f32; 3],
-    /// Since [`time_origin_s`].
+    /// Time since [`time_origin_s`] (s).
     pub time_s: f32,
 }
 
@@ -34,18 +34,18 @@ struct Aabb {
 pub struct PointTree {
     /// The points in the order in which they are grouped; empty for their own order.
     order: Vec<u32>,
-    /// From the smallest boxes to the largest.
+    /// Boxes by level, from the smallest to the largest.
     levels: Vec<Vec<Aabb>>,
 }
 
 /// A point under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Among its station's points.
+    /// Index of the point among its station's points.
     pub index: usize,
-    /// From the pointer on the screen, at least [`UNDER_POINTS`].
+    /// Distance from the pointer on the screen (points), at least [`UNDER_POINTS`].
     pub distance_points: f32,
-    /// Before the eye (clip w, metres).
+    /// Depth before the eye (clip w, m).
     pub depth_m: f32,
 }
 

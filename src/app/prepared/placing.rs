@@ -13,7 +13,7 @@ pub fn placed(analysis: &Analysis) -> [Option<RigidTransform>; 3] {
     }
 }
 
-/// The same for their tracks, which an answer from control points may not place.
+/// Where the frames of the stations' tracks stand in station 1's; an answer from control points may not place them.
 pub fn placed_tracks(deployment: &Deployment, analysis: &Analysis) -> [Option<RigidTransform>; 3] {
     match &analysis.answer {
         Ok(answer) if answer.calibration.placing_tracks(deployment).is_none() => [None; 3],

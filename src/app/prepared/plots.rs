@@ -19,7 +19,7 @@ pub struct PreparedPlots {
     /// The range that shows nearly all errors: outliers must not squeeze the rest into a line. About zero, or from
     /// zero up where no error is negative.
     pub range_mm: [f64; 2],
-    /// For each pair.
+    /// Distance errors of each pair.
     pub residuals: [Residuals; 3],
     /// The errors of all pairs in order of size.
     sorted_mm: Vec<f64>,
@@ -31,14 +31,14 @@ pub struct PreparedPlots {
     pub bin_width_mm: f64,
     pub highest_count: usize,
     pub gaps: Gaps,
-    /// The same for every answer.
+    /// What is plotted of the raw readings, the same for every answer.
     pub readings: Arc<RawReadings>,
 }
 
 /// Distance errors of a pair over time.
 #[derive(Clone, Debug, Default)]
 pub struct Residuals {
-    /// In order of time.
+    /// The errors in order of time.
     pub dots: Vec<PlotPoint>,
     pub pyramid: Pyramid,
 }
@@ -51,13 +51,13 @@ pub struct Band {
     pub half_widths_mm: Vec<f64>,
 }
 
-/// More corners than this a pair say nothing more to the eye.
+/// Most corners of a band for each pair: more say nothing more to the eye.
 const MOST_BAND_CORNERS: usize = 1000;
 /// Triplets of a stretch at least: a second of them.
 const LEAST_STRETCH: usize = 10;
 
 impl PreparedPlots {
-    /// Without an answer there are no errors.
+    /// The plots of an analysis; without an answer there are no errors.
     pub fn of(analysis: &Analysis, readings: &Arc<RawReadings>) -> Self {
         let (gaps, readings) = (Gaps::of(analysis, readings), Arc::clone(readings));
         let Ok(answer) = &analysis.answer else {

@@ -9,12 +9,12 @@ const SHORTEST_RUN: usize = 8;
 #[derive(Clone, Debug, Default)]
 pub struct Pyramid {
     len: usize,
-    /// For each level and run the indices of its least and greatest value. A last run that is not full is left out.
+    /// Indices of the least and greatest value, for each level and run. A last run that is not full is left out.
     levels: Vec<Vec<[u32; 2]>>,
 }
 
 impl Pyramid {
-    /// Of a series of fewer than 2³² values, none of them NaN; takes time linear in their number.
+    /// The pyramid of a series of fewer than 2³² values, none of them NaN; takes time linear in their number.
     pub fn of(values: &[f64]) -> Self {
         let extremes = |indices: &mut dyn Iterator<Item = u32>| {
             let first = indices.next().unwrap_or(0);
@@ -93,7 +93,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Against brute force: whatever is looked at, the extremes are drawn, in order, and not too many.
+        /// Agrees with brute force: whatever is looked at, the extremes are drawn, in order, and not too many.
         #[test]
         fn extremes_are_never_lost(
             values in proptest::collection::vec(-1e3..1e3f64, 1..3000),

@@ -16,7 +16,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// In the order of the pipeline's rule.
+    /// All quantities in the order of the pipeline's rule.
     pub const ALL: [Self; 3] = [Self::Range, Self::Azimuth, Self::Zenith];
 
     pub fn name(self) -> &'static str {
@@ -51,7 +51,7 @@ impl Quantity {
         }
     }
 
-    /// Its threshold, in [`Self::unit`].
+    /// The quantity's threshold, in [`Self::unit`].
     pub fn threshold(self, thresholds: &mut Thresholds) -> &mut f64 {
         match self {
             Self::Range => &mut thresholds.tau_r_m_per_s,
@@ -69,7 +69,7 @@ impl Quantity {
     }
 }
 
-/// Of all three stations.
+/// Raw readings of all three stations, as plots need them.
 #[derive(Clone, Debug, Default)]
 pub struct RawReadings {
     /// Time of the first measurement of any (s, in the stations' clock).
@@ -77,18 +77,18 @@ pub struct RawReadings {
     pub stations: [StationReadings; 3],
     /// What their own clocks said.
     pub clocks: [ClockSeries; 3],
-    /// For each quantity the rates that a plot of them shows by itself; none is beyond the upper.
+    /// Rates that a plot of each quantity shows by itself; none is beyond the upper.
     pub shown: [[f64; 2]; 3],
 }
 
-/// Of one station.
+/// Raw readings of one station, as plots need them.
 #[derive(Clone, Debug, Default)]
 pub struct StationReadings {
-    /// Of each raw reading, since the first measurement of any station.
+    /// Time of each raw reading, since the first measurement of any station (s).
     pub time_s: Vec<f64>,
-    /// As in [`Track::left_out`].
+    /// Whether each reading was left out by the user, as in [`Track::left_out`].
     pub left_out: Vec<bool>,
-    /// For each quantity.
+    /// The rates of each quantity.
     pub rates: [RateSeries; 3],
 }
 
@@ -125,7 +125,7 @@ impl RawReadings {
         Self { start_s, stations, clocks, shown }
     }
 
-    /// From the first measurement of any station to the last (s).
+    /// Time from the first measurement of any station to the last (s).
     pub fn length_s(&self) -> f64 {
         self.stations.iter().filter_map(|own| own.time_s.last()).copied().fold(0.0, f64::max)
     }

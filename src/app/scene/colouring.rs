@@ -12,7 +12,7 @@ use crate::pipeline::SampleFate;
 /// The colours of a continuous scale, from `low` to `high`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// With the unit.
+    /// The name of the quantity, with its unit.
     pub title: &'static str,
     pub low: f64,
     pub high: f64,
@@ -23,7 +23,7 @@ pub struct Scale {
 /// Red, green, blue, and what else the shader must know of a point.
 pub type PointColour = [u8; 4];
 
-/// In the last byte of a colour the lowest two bits are the station's number.
+/// Bit of a large point; in the last byte of a colour the lowest two bits are the station's number.
 const LARGE: u8 = 4;
 /// The track goes on from the point before.
 const JOINED: u8 = 8;
@@ -77,7 +77,7 @@ impl Colours {
         }
     }
 
-    /// Of what each station's readings and tracks have.
+    /// Colours of what each station's readings and tracks have.
     fn by_station(
         analysis: &Analysis,
         raw: impl Fn(usize) -> Vec<PointColour> + Sync,
@@ -112,7 +112,7 @@ impl Colours {
         Self::by_station(analysis, raw, track)
     }
 
-    /// Of values that each station has at every triplet; a reading has that of the nearest one.
+    /// Colours by values that each station has at every triplet; a reading has that of the nearest one.
     fn by_triplet(
         deployment: &Deployment,
         analysis: &Analysis,
@@ -152,7 +152,7 @@ impl Colours {
     }
 }
 
-/// As many steps of a scale as the eye can tell apart, worked out once.
+/// A scale in as many steps as the eye can tell apart, worked out once.
 struct Ramp {
     low: f64,
     steps_per_unit: f64,
@@ -199,7 +199,7 @@ fn intervals(deployment: &Deployment, analysis: &Analysis, station: usize) -> Ve
         .collect()
 }
 
-/// For each prism and triplet the larger |distance error| of the two pairs that the prism is part of (mm); empty where
+/// Larger |distance error| of the two pairs that each prism is part of, at every triplet (mm); empty where
 /// there is no answer, or no distance to compare with.
 fn residuals_mm(analysis: &Analysis) -> [Vec<f64>; 3] {
     let Ok(answer) = &analysis.answer else { return Default::default() };
@@ -217,7 +217,7 @@ fn residuals_mm(analysis: &Analysis) -> [Vec<f64>; 3] {
 const MOST_LOOKED_AT: usize = 20_000;
 const SPANNED: f64 = 0.98;
 
-/// From zero to what nearly all values stay below: a few wild ones must not make the rest one colour.
+/// A scale from zero to what nearly all values stay below: a few wild ones must not make the rest one colour.
 fn scale_of(title: &'static str, values: &[&Vec<f64>; 3]) -> Scale {
     let count: usize = values.iter().map(|values| values.len()).sum();
     let step = count.div_ceil(MOST_LOOKED_AT).max(1);

@@ -20,7 +20,7 @@ pub struct SceneContent {
     /// Readings and tracks, with the number of their newest change.
     pub clouds: Clouds,
     pub clouds_version: u64,
-    /// Theirs, with the same.
+    /// Colours of the readings and tracks, with the number of their newest change.
     pub colours: Colours,
     pub colours_version: u64,
     /// The stations whose readings, and whose tracks, are drawn.
@@ -28,7 +28,7 @@ pub struct SceneContent {
     pub tracks_shown: [bool; 3],
     /// What stands out (s since the first measurement).
     pub selection_s: Option<[f32; 2]>,
-    /// The same in the stations' clock.
+    /// The selected span in the stations' clock (s).
     pub(super) selected_s: Option<[f64; 2]>,
     /// The vehicle along its way.
     pub(super) poses: Vec<Pose>,
@@ -37,12 +37,12 @@ pub struct SceneContent {
     pub data: Layer,
     /// The prism triangle at the time cursor.
     pub cursor: Layer,
-    /// And at the time under the pointer.
+    /// The prism triangle at the time under the pointer.
     pub hover: Layer,
     pub ruler: Layer,
-    /// Of stations 1–3 into the world.
+    /// Frames of stations 1–3 into the world, which is station 1's frame; `None` without a place.
     pub station1_from_station: [Option<RigidTransform>; 3],
-    /// Of their tracks: none where the answer is about another frame than theirs.
+    /// Frames of their tracks into the world: none where the answer is about another frame than theirs.
     pub station1_from_tracks: [Option<RigidTransform>; 3],
     pub labels: Vec<Label>,
     pub landmarks: Vec<Landmark>,
@@ -53,11 +53,11 @@ pub struct SceneContent {
     pub grid: Option<Grid>,
     /// The three prisms at the cursor in station 1's frame, where all have a place.
     pub prisms_m: Option<[Vector3<f64>; 3]>,
-    /// And the vehicle's pose, where the rig is known.
+    /// The vehicle's pose at the cursor, where the rig is known.
     pub pose: Option<Pose>,
     /// How much larger than true the ellipsoids of the interpolation are, where there are any.
     pub exaggeration: Option<f64>,
-    /// And those of the stations.
+    /// How much larger than true the ellipsoids of the stations are, where there are any.
     pub station_exaggeration: Option<f64>,
 }
 

@@ -17,9 +17,9 @@ const MOSTLY: f32 = 0.6;
 /// Lines at whole multiples of the spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// 1, 2 or 5 times a power of ten.
+    /// Spacing of the lines (m): 1, 2 or 5 times a power of ten.
     pub spacing_m: f32,
-    /// First and last line across x, and across y.
+    /// Numbers of the first and last line across x, and across y.
     lines: [[i32; 2]; 2],
     height_m: f32,
 }
@@ -32,7 +32,7 @@ pub struct GridNumber {
 }
 
 impl Grid {
-    /// One that lies under everything in a box.
+    /// A grid that lies under everything in a box.
     pub fn under(low: &Vector3<f32>, high: &Vector3<f32>) -> Self {
         let extent = (high.x - low.x).max(high.y - low.y).max(1.0);
         let rough = extent / SQUARES;

@@ -14,7 +14,7 @@ pub struct Placer {
 }
 
 impl Placer {
-    /// Nothing is placed outside of the area, or on what is taken.
+    /// A placer that places nothing outside of the area, or on what is taken.
     pub fn new(area: Rect, taken: Vec<Rect>) -> Self {
         Self { area: area.shrink(4.0), taken }
     }

@@ -91,7 +91,7 @@ fn paint_scale(painter: &egui::Painter, at: Pos2, scale: &Scale, text_colour: Co
     }
 }
 
-/// Three digits.
+/// The value with three digits.
 fn number(value: f64) -> String {
     let decimals = (2.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 3.0) as usize;
     let text = format!("{value:.decimals$}");

@@ -19,7 +19,7 @@ const CORNERS: usize = 12;
 /// Ellipsoids are exaggerated by a round factor until the middle one is about this large (m, 2 σ).
 const WANTED_RADIUS_M: f64 = 0.5;
 
-/// x, y, z of any frame.
+/// Axes x, y, z of any frame, with their colours.
 pub const AXES: [(Vector3<f64>, Rgb); 3] = [
     (Vector3::new(1.0, 0.0, 0.0), [214, 73, 60]),
     (Vector3::new(0.0, 1.0, 0.0), [84, 168, 74]),
@@ -96,7 +96,7 @@ pub fn add_uncertainty(
     Some(factor)
 }
 
-/// In the station's frame, along its axes.
+/// Adds an ellipsoid in the station's frame, along its axes.
 fn add_ellipsoid(
     lines: &mut Vec<LineVertex>,
     station: usize,
@@ -129,7 +129,7 @@ fn exaggeration<'a>(sigma_m: impl Iterator<Item = &'a Vector3<f64>>) -> Option<f
     Some(round_factor(radius_m, WANTED_RADIUS_M))
 }
 
-/// 1, 2 or 5 times a power of ten, and at least 1, by which a length stays below what is wanted.
+/// Largest factor of 1, 2 or 5 times a power of ten, and at least 1, by which a length stays below what is wanted.
 pub fn round_factor(length_m: f64, wanted_m: f64) -> f64 {
     let wanted = (wanted_m / length_m.max(1e-6)).max(1.0);
     let decade = 10_f64.powf(wanted.log10().floor());

@@ -7,7 +7,7 @@ use super::vertices::{LineVertex, PointVertex};
 use crate::app::prepared::TimedPoint;
 
 pub const SAMPLES: u32 = 4;
-/// egui shows native textures of this format only.
+/// Format of the texture: egui shows native textures of no other.
 pub const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -15,9 +15,9 @@ pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub struct Pipelines {
     pub point: wgpu::RenderPipeline,
     pub line: wgpu::RenderPipeline,
-    /// Readings.
+    /// Draws readings.
     pub reading: wgpu::RenderPipeline,
-    /// Tracks, from each point to the next.
+    /// Draws tracks, from each point to the next.
     pub track: wgpu::RenderPipeline,
 }
 

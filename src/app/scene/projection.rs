@@ -1,4 +1,4 @@
-//! From the world to the screen.
+//! The projection from the world to the screen.
 
 use eframe::egui::{Pos2, Rect, Vec2};
 use nalgebra::{Matrix4, Vector3, Vector4};
@@ -44,7 +44,7 @@ impl Projection {
         self.screen(&position_m.cast::<f32>()).filter(|at| self.rect.contains(*at))
     }
 
-    /// To find what of a station's points is under the pointer.
+    /// The view in which it is found what of a station's points is under the pointer.
     pub fn pick_view(
         &self,
         station1_from_station: &RigidTransform,

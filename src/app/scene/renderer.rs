@@ -40,7 +40,7 @@ pub struct SceneRenderer {
     bind_group: wgpu::BindGroup,
     raw: CloudBuffers,
     tracks: CloudBuffers,
-    /// Those of [`layers`].
+    /// Buffers of the [`layers`], in their order.
     layers: [LayerBuffers; 5],
     target: Option<Target>,
     drawn: Option<Drawn>,
@@ -240,7 +240,7 @@ impl SceneRenderer {
     }
 }
 
-/// In the order they are drawn.
+/// The layers in the order they are drawn.
 fn layers(content: &SceneContent) -> [&Layer; 5] {
     [&content.along, &content.data, &content.hover, &content.cursor, &content.ruler]
 }

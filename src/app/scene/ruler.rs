@@ -12,7 +12,7 @@ const SNAP_POINTS: f32 = 11.0;
 
 /// What the ruler shows over the picture.
 pub struct RulerText {
-    /// On the screen, between the ends.
+    /// Where the text is on the screen, between the ends.
     pub at: Pos2,
     pub ends: [Option<Pos2>; 2],
     pub lines: Vec<String>,

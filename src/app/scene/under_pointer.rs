@@ -28,7 +28,7 @@ pub enum UnderPointer {
 }
 
 impl UnderPointer {
-    /// Of what is shown. A reading comes before the track that was made from it.
+    /// Finds what is under the pointer, of what is shown. A reading comes before the track that was made from it.
     pub fn find(content: &SceneContent, projection: &Projection, at: Pos2) -> Option<Self> {
         let nearest = |cloud: &Cloud, shown: &[bool; 3], reach: f32| -> Option<(usize, Hit)> {
             let mut best: Option<(usize, Hit)> = None;
@@ -76,7 +76,7 @@ impl UnderPointer {
         }
     }
 
-    /// As an end of the ruler.
+    /// The reading or track point as an end of the ruler.
     pub fn ruler_end(
         &self,
         open: &OpenDeployment,

@@ -49,7 +49,7 @@ pub struct Label {
 /// What a measurement can end at, beside readings and tracks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Landmark {
-    /// In station 1's frame.
+    /// Where the landmark is (m, in station 1's frame).
     pub position_m: Vector3<f64>,
     pub name: String,
 }

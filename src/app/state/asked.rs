@@ -19,7 +19,7 @@ pub(super) struct Waiting {
     reading: Option<(Source, Then)>,
 }
 
-/// More of a file than the preview shows.
+/// Bytes of a file's beginning that are read: more than the preview shows.
 const HEAD_BYTES: u64 = 16 << 10;
 
 impl State {
@@ -33,7 +33,7 @@ impl State {
         self.ask_and_read(question, source, then);
     }
 
-    /// The same, and goes on as was meant.
+    /// Asks the question, and goes on as was meant once it is answered.
     pub(super) fn ask_and_read(&mut self, question: Question, source: Source, then: Then) {
         let asked = match question {
             Question::Tracks { folder, files } => {

@@ -275,7 +275,7 @@ impl State {
         });
     }
 
-    /// To the triplet so many further on; without triplets by tenths of a second.
+    /// Moves the time cursor so many triplets further on; without triplets by tenths of a second.
     fn step_cursor(&mut self, steps: i32) {
         let Some(open) = self.open.get_mut(self.active) else { return };
         let timeline = &mut open.timeline;

@@ -47,9 +47,9 @@ const DIM_AFTER: Duration = Duration::from_millis(80);
 pub struct State {
     jobs: Jobs<Self>,
     analyser: Analyser,
-    /// In the order they were opened.
+    /// The open deployments, in the order they were opened.
     pub open: Vec<OpenDeployment>,
-    /// Which of them the panes show.
+    /// Index of the open deployment that the panes show.
     active: usize,
     newest_id: u64,
     /// What the next deployment starts with.
@@ -152,7 +152,7 @@ impl State {
         Some((active, active.analysis.as_ref()?))
     }
 
-    /// Those of the active deployment, or what the next one starts with.
+    /// The settings of the active deployment, or what the next one starts with.
     pub fn settings(&self) -> &Settings {
         self.active().map_or(&self.start_settings, |open| &open.settings)
     }

@@ -19,7 +19,7 @@ pub struct Opening {
     pub number: u64,
     pub title: String,
     pub since: Instant,
-    /// In bytes.
+    /// How much of it is read, in bytes.
     pub progress: Arc<Progress>,
     pub(super) source: Source,
     then: Then,
@@ -43,17 +43,17 @@ impl Opening {
 /// What becomes of a deployment once it is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Then {
-    /// It is shown, with these settings.
+    /// The deployment is shown, with these settings.
     Show(Settings),
-    /// It is shown, and gives way to the first that the user opens.
+    /// The deployment is shown, and gives way to the first that the user opens.
     Placeholder,
-    /// It takes the place of an open one, whose id this is: the same data, read with other extras.
+    /// The deployment takes the place of an open one, whose id this is: the same data, read with other extras.
     Replace {
         id: u64,
         /// Whether that is a step that can be undone.
         step: bool,
     },
-    /// It is shown as the session has it that is being restored.
+    /// The deployment is shown as the session has it that is being restored.
     Restore,
 }
 

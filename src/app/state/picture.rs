@@ -6,8 +6,8 @@ use super::State;
 use crate::app::model::PictureTo;
 
 impl State {
-    /// To be called before a frame is drawn: it may become the picture. Some systems take the frame after the one that
-    /// asked, so all of them may until the picture is there.
+    /// Begins a picture that is wanted; called before a frame is drawn, which may become it. Some systems take the
+    /// frame after the one that asked, so all of them may until the picture is there.
     pub fn begin_picture(&mut self) {
         self.picturing |= self.wanted_picture.is_some();
     }

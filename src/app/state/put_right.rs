@@ -112,7 +112,7 @@ pub fn effective(extras: &Extras, deployment: &Deployment) -> Overrides {
     extras.put_right.clone().over(deployment.as_read.clone())
 }
 
-/// With the files' numbers of two stations exchanged (0 to 2).
+/// The extras with the files' numbers of two stations exchanged (0 to 2).
 pub fn exchanged(extras: &Extras, deployment: &Deployment, [a, b]: [usize; 2]) -> Extras {
     let mut extras = extras.clone();
     let now = effective(&extras, deployment);
@@ -124,7 +124,7 @@ pub fn exchanged(extras: &Extras, deployment: &Deployment, [a, b]: [usize; 2]) -
     extras
 }
 
-/// With these readings left out, or used again.
+/// The extras with these readings left out, or used again.
 pub fn masked(
     extras: &Extras,
     deployment: &Deployment,
@@ -168,7 +168,7 @@ pub fn within(deployment: &Deployment, station: usize, [from_s, to_s]: [f64; 2])
     (from..to).map(|index| Picked { station, index }).collect()
 }
 
-/// With only this span of time used, or all of it.
+/// The extras with only this span of time used, or all of it.
 pub fn with_span(extras: &Extras, open: &OpenDeployment, span_s: Option<[f64; 2]>) -> Extras {
     let mut extras = extras.clone();
     // Where the folder names a span, only another one can be said over it.
@@ -177,7 +177,7 @@ pub fn with_span(extras: &Extras, open: &OpenDeployment, span_s: Option<[f64; 2]
     extras
 }
 
-/// With another set of the folder's control-point files; `files` are those that are used now.
+/// The extras without one of the control-point files that are used now.
 pub fn without_control_points(extras: &Extras, deployment: &Deployment, file: &str) -> Extras {
     let mut extras = extras.clone();
     let of_user = extras.gcp.iter().position(|path| path.display().to_string() == file);

@@ -8,7 +8,7 @@ use crate::analysis::{Analysis, Analyst, Settings, changes_in_words, setting_cha
 use crate::app::model::{Pin, Run};
 use crate::app::prepared::{PreparedPlots, RawReadings};
 
-/// More runs than this are not looked at again; the oldest go.
+/// Most runs that are kept: more are not looked at again; the oldest go.
 const MOST_RUNS: usize = 200;
 
 impl State {

@@ -19,15 +19,15 @@ use crate::deployment::{Deployment, Finding, Source};
 /// What belongs to the session beside what is open.
 #[derive(Default)]
 pub struct SessionState {
-    /// Its file, once it was saved or opened.
+    /// The session's file, once it was saved or opened.
     pub path: Option<PathBuf>,
-    /// They stay in the session, whose next save keeps them.
+    /// Deployments that could not be opened; they stay in the session, whose next save keeps them.
     pub missing: Vec<Missing>,
     /// Opened before, in this window or another; the newest first.
     pub recent: Vec<Recent>,
     /// What was open before, in this window or another; none of windows that keep nothing.
     pub last: Option<LastSession>,
-    /// Those yet to be opened, in order.
+    /// Deployments yet to be opened, in order.
     waiting: VecDeque<Waiting>,
     /// The one that is being opened.
     restoring: Option<Waiting>,
@@ -50,16 +50,16 @@ pub struct SessionState {
 pub struct Missing {
     pub saved: SavedDeployment,
     pub why: String,
-    /// Its place among the session's deployments, from 0.
+    /// The deployment's place among the session's deployments, from 0.
     place: usize,
 }
 
 /// A deployment of the session that is yet to be opened.
 struct Waiting {
     saved: SavedDeployment,
-    /// It is the one to be shown.
+    /// Whether it is the one to be shown.
     shown: bool,
-    /// Among the session's deployments, from 0.
+    /// The deployment's place among the session's deployments, from 0.
     place: usize,
 }
 

@@ -16,9 +16,9 @@ pub type Parameters = SVector<f64, 8>;
 pub struct CentredTriplets {
     /// Centroid of each station's points in its own frame (m).
     pub centre_m: [Vector3<f64>; 3],
-    /// `coordinates[station][axis][instant]`.
+    /// The coordinates about the centroids (m), as `coordinates[station][axis][instant]`.
     pub coordinates: [[Vec<f64>; 3]; 3],
-    /// α, β, γ (m).
+    /// The inter-prism distances α, β, γ (m).
     pub inter_prism_m: [f64; 3],
 }
 
@@ -46,7 +46,7 @@ impl CentredTriplets {
         self.map(|list| list[..count].to_vec())
     }
 
-    /// At most `count` instants, evenly spread, about the same centroids as all.
+    /// The triplets thinned to at most `count` instants, evenly spread, about the same centroids as all.
     pub fn thinned(&self, count: usize) -> Self {
         let step = self.len().div_ceil(count).max(1);
         self.map(|list| list.iter().step_by(step).copied().collect())
@@ -94,7 +94,7 @@ impl CentredTriplets {
         [-parameters[2], -parameters[6]]
     }
 
-    /// The same solution with the heights of the chosen stations' prisms mirrored in prism 1's.
+    /// A solution with the heights of the chosen stations' prisms mirrored in prism 1's.
     pub fn mirrored_in_height(&self, parameters: &Parameters, flips: [bool; 2]) -> Parameters {
         let mut mirrored = *parameters;
         for (slot, _) in flips.iter().enumerate().filter(|(_, flip)| **flip) {
@@ -103,7 +103,7 @@ impl CentredTriplets {
         mirrored
     }
 
-    /// The same solution with the rig turned about the vertical through prism 1.
+    /// A solution with the rig turned about the vertical through prism 1.
     pub fn turned(&self, parameters: &Parameters, angle_rad: f64) -> Parameters {
         let (sin, cos) = angle_rad.sin_cos();
         let mut turned = *parameters;
@@ -115,7 +115,7 @@ impl CentredTriplets {
         turned
     }
 
-    /// The same solution with the rig mirrored in a vertical plane through prism 1, whose direction is `angle_rad`.
+    /// A solution with the rig mirrored in a vertical plane through prism 1, whose direction is `angle_rad`.
     pub fn mirrored_in_plane(&self, parameters: &Parameters, angle_rad: f64) -> Parameters {
         let (sin, cos) = (2.0 * angle_rad).sin_cos();
         let mut mirrored = *parameters;

@@ -1,9 +1,10 @@
 //! One pair's squared distances, compressed: n triplets become a 9×9 triangle.
 //!
 //! For a pair (a, b) with the pose (ψ, t) of frame b in frame a, the squared distance is linear in nine monomials,
-//! ‖q_a − R q_b − t‖² − d² = φ(q_a, q_b)ᵀ m(ψ, t) (design.md, section 4), so that Σ (…)² = ‖Φ m‖² = ‖T m‖² with the
-//! triangle T of Φ = Q T: from here on no cost depends on n. Householder's QR keeps the precision that a Gram matrix
-//! ΦᵀΦ would lose (2·10⁻¹¹ against 5·10⁻⁴ of the cost); rows come in chunks, so the memory is bounded.
+//! ‖q_a − R q_b − t‖² − d² = φ(q_a, q_b)ᵀ m(ψ, t) with m = (cos ψ, sin ψ, t_x, t_y, t_z, ‖t‖², (Rᵀt)_x, (Rᵀt)_y, 1), so
+//! that Σ (…)² = ‖Φ m‖² = ‖T m‖² with the triangle T of Φ = Q T: from here on no cost depends on n. Householder's QR
+//! keeps the precision that a Gram matrix ΦᵀΦ would lose (2·10⁻¹¹ against 5·10⁻⁴ of the cost); rows come in chunks, so
+//! the memory is bounded.
 
 use multiversion::multiversion;
 

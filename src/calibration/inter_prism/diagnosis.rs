@@ -23,7 +23,7 @@ const FAR: f64 = 2.0;
 /// What a verdict is made from.
 pub struct Evidence<'a> {
     pub deployment: &'a Deployment,
-    /// Enough triplets to see the track and the size of the errors.
+    /// Triplets that are enough to see the track and the size of the errors.
     pub thinned: &'a CentredTriplets,
     pub answer: &'a Minimum,
     pub rival: Option<(Parameters, f64)>,

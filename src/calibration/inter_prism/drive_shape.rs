@@ -24,7 +24,7 @@ const CHORDS_ACROSS: f64 = 30.0;
 const GAP: f64 = 3.0;
 /// Courses closer than this are one: what steering and noise do to a chord on a straight leg.
 const SAME_COURSE_RAD: f64 = 5.0 * PI / 180.0;
-/// This share of the chords follows the one course of a straight line, or the two of an L: a short corner remains.
+/// Share of the chords that follow the one course of a straight line, or the two of an L: a short corner remains.
 const STRAIGHT_SHARE: f64 = 0.95;
 const TWO_LEGS_SHARE: f64 = 0.9;
 /// Each leg of an L has this share at least.
@@ -57,7 +57,7 @@ pub struct DriveShape {
 /// The drive seen from above. Positions are in station 1's frame (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Plan {
-    /// Nowhere.
+    /// The vehicle goes nowhere.
     Standing,
     /// One line, once or there and back; nearly everything lies within `bends_m` of it.
     StraightLine { length_m: f64, bends_m: f64 },
@@ -70,7 +70,7 @@ pub enum Plan {
 }
 
 impl DriveShape {
-    /// As scripts read it.
+    /// The shape's name as scripts read it.
     pub fn name(&self) -> &'static str {
         match self.plan {
             Plan::Standing => "standing",

@@ -78,7 +78,7 @@ pub fn left_out(time_s: &[f64], kept_s: &[f64]) -> Vec<(Verdict, Finding)> {
     doubts
 }
 
-/// From when to when most triplets were left out, the first time that this lasts (s); pauses of the recording do not count.
+/// The first long span of time in which most triplets were left out (s); pauses of the recording do not count.
 fn mostly_left_out(time_s: &[f64], kept_s: &[f64]) -> Option<[f64; 2]> {
     let step_s = median(time_s.windows(2).map(|both| both[1] - both[0]))?;
     let length = (LONG_RUN_S / step_s).ceil() as usize;

@@ -4,7 +4,7 @@ use super::{CentredTriplets, NormalEquations, Parameters};
 
 /// How far from the minimum a search may end (m, and rad times the track's size): ten nanometres for the answer.
 pub const FINE_M: f64 = 1e-8;
-/// And a micrometre for what is only a start, or shown beside the answer.
+/// How far from the minimum a search may end that is only a start, or shown beside the answer: a micrometre.
 pub const ROUGH_M: f64 = 1e-6;
 /// Only below this step (m) is the rate of convergence a guide to what is left.
 const NEAR_M: f64 = 1e-4;
@@ -14,7 +14,7 @@ const MOST_PASSES: usize = 60;
 #[derive(Clone, Copy, Debug)]
 pub struct Minimum {
     pub parameters: Parameters,
-    /// At the parameters, or a step of less than a tenth of a millimetre before them.
+    /// The normal equations at the parameters, or a step of less than a tenth of a millimetre before them.
     pub normal: NormalEquations,
     pub converged: bool,
     /// Evaluations of the cost: passes over the data where it is the exact one.

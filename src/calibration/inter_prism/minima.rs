@@ -19,7 +19,7 @@ const SAME_TWIN_M: f64 = 1e-3;
 
 /// What was found.
 pub struct Minima {
-    /// On all triplets.
+    /// The lowest minimum on all triplets.
     pub lowest: Minimum,
     /// The lowest minimum with mirrored heights, on all triplets; `None` where it runs back into the lowest.
     pub twin: Option<Minimum>,
@@ -28,7 +28,7 @@ pub struct Minima {
 }
 
 impl Minima {
-    /// All of them in order of cost. The mean squares of the others are what they would be on all triplets, if the ratio
+    /// All minima in order of cost. The mean squares of the others are what they would be on all triplets, if the ratio
     /// of costs were what it is on the thinned ones.
     pub fn basins(&self, data: &CentredTriplets) -> Vec<Basin> {
         let lowest = basin(data, &self.lowest);
@@ -193,7 +193,7 @@ pub(super) mod tests {
         }
     }
 
-    /// From anywhere, on the exact cost: what costs less than ten times the lowest is on the list.
+    /// Searches from anywhere on the exact cost: what costs less than ten times the lowest is on the list.
     #[test]
     fn brute_force_finds_nothing_that_is_not_listed() {
         for preset in [Preset::Warthog, Preset::Hd2Tunnel, Preset::FigureEight, Preset::LShape] {

@@ -1,7 +1,7 @@
 //! Method D: the dynamic inter-prism calibration.
 //!
 //! Minimises Σ (‖q1−T12 q2‖−α)² + (‖q1−T13 q3‖−β)² + (‖T12 q2−T13 q3‖−γ)² over the translation and yaw of
-//! stations 2 and 3 (`paper.tex`, eq. `cost_function_2`).
+//! stations 2 and 3 (Vaidis et al. 2022, eq. (3)).
 //!
 //! The way to the answer: thinned triplets compressed to a [`squared_cost`] that does not depend on their number → a
 //! prior ([`closed_form`] or [`prior_search`]) → [`search`] of all its minima → these on the exact cost, the best one

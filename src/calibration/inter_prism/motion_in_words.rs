@@ -40,7 +40,7 @@ impl Part {
 /// The directions that a track has in plan.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackAxes {
-    /// In which prism 1's track reaches furthest, in station 1's frame; of length 1.
+    /// Direction in which prism 1's track reaches furthest, in station 1's frame; of length 1.
     pub along: [f64; 2],
     /// Whether it is clearly longer than wide.
     long: bool,
@@ -106,7 +106,7 @@ pub fn leading_part(axes: &TrackAxes, motion: &Motion) -> Part {
     shares(axes, motion)[0].part
 }
 
-/// Its one or two largest parts, such as "stations 2 and 3 rise together"; `free` says that they can.
+/// The one or two largest parts of a motion, such as "stations 2 and 3 rise together"; `free` says that they can.
 pub fn describe(axes: &TrackAxes, motion: &Motion, free: bool) -> String {
     let shares = shares(axes, motion);
     let said = SAID * shares[0].largest();

@@ -27,12 +27,12 @@ impl NormalEquations {
         Self { matrix: matrix(sums), gradient: gradient(sums), cost: cost(sums) }
     }
 
-    /// Of the distances themselves (`paper.tex`, eq. `cost_function_2`).
+    /// Normal equations of the distances themselves (Vaidis et al. 2022, eq. (3)).
     pub fn at(data: &CentredTriplets, parameters: &Parameters) -> Self {
         Self::over(data, parameters, 0..data.len())
     }
 
-    /// Of some of the triplets.
+    /// Normal equations of the distances of some of the triplets.
     pub fn over(data: &CentredTriplets, parameters: &Parameters, instants: Range<usize>) -> Self {
         Self::of(&sums_over(data, parameters, instants, true))
     }

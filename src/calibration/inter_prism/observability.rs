@@ -17,15 +17,15 @@ use crate::geometry::LevelTransform;
 /// Eigenvalues below this share of the largest belong to drives such as an L (5e-3); drives with bends reach 2e-2. An
 /// error that is in no σ, such as a bias of the distances, weighs ten times as much there as where the drive is best.
 const WEAK_DIRECTION: f64 = 1e-2;
-/// A plain motion stands for a part of the free ones when this much of its length lies among them,
+/// A plain motion stands for a part of the free ones when this much of its length lies among them.
 const INSIDE: f64 = 0.95;
-/// and this much of it is not said already.
+/// A plain motion is said only where this much of it is not said already.
 const NEW: f64 = 0.3;
 
 /// How the drive holds the answer.
 #[derive(Clone, Debug)]
 pub struct Observability {
-    /// From the least held to the best.
+    /// Eight independent directions, from the least held to the best.
     pub directions: [Direction; 8],
     pub drive: DriveShape,
     /// What to drive next, to hold the least held direction better.
@@ -43,13 +43,13 @@ pub struct Direction {
     pub sigma_m: Option<f64>,
     pub hold: Hold,
     pub words: String,
-    /// Of stations 2 and 3.
+    /// How stations 2 and 3 move along this direction.
     pub motion: [StationMotion; 2],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
-    /// Nothing resists.
+    /// Nothing resists a move in this direction.
     Free,
     Weak,
     Held,
@@ -68,9 +68,9 @@ impl Hold {
 /// How a station moves when the answer moves one metre along a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StationMotion {
-    /// Of the instrument, in station 1's frame (m per m).
+    /// How the instrument moves, in station 1's frame (m per m).
     pub translation_m: Vector3<f64>,
-    /// Of its zero direction (rad per m).
+    /// How its zero direction turns (rad per m).
     pub yaw_rad: f64,
 }
 
@@ -216,7 +216,7 @@ fn candidates(axes: &TrackAxes, answer: &Parameters) -> Vec<(Motion, Option<&'st
     candidates
 }
 
-/// As many independent motions as there are free ones, all of them free: candidates first, then what they leave.
+/// The plainest free motions, independent and as many as there are: candidates first, then what they leave.
 fn plainest(
     free: &[Motion],
     candidates: &[(Motion, Option<&'static str>)],
@@ -243,7 +243,8 @@ fn plainest(
     chosen
 }
 
-/// From the centroid of a station's track to its instrument: a turn about the centroid moves it sideways.
+/// Moves a motion from the centroid of each station's track to its instrument: a turn about the centroid moves it
+/// sideways.
 fn at_the_stations(
     data: &CentredTriplets,
     answer: &Parameters,

@@ -3,7 +3,7 @@
 //! Step 1 starts from the point-to-point alignment, solves with the triplets slower than τ_v = 1 cm/s, raises τ_v
 //! by 10 cm/s over the speed range, and hands each solution to the next as its prior. Step 2 repeats from the
 //! best of step 1, the same prior for every τ_v. The inter-prism metric picks the best among the optima that
-//! at least three other runs agree with (`paper.tex`, "Search of prior").
+//! at least three other runs agree with (Vaidis et al. 2022, section "Dynamic methods", "Search of prior").
 
 use super::levenberg_marquardt::ROUGH_M;
 use super::{CentredTriplets, FEWEST_TRIPLETS, minimise, same_solution};

@@ -16,7 +16,7 @@ use crate::pipeline::Triplets;
 pub struct Published {
     pub data: CentredTriplets,
     pub thinned: CentredTriplets,
-    /// On all of the data.
+    /// The published answer on all of the data: the lowest minimum, or its mirror twin where that is the real one.
     pub answer: Minimum,
     pub choice: Choice,
     pub basins: Vec<Basin>,
@@ -76,7 +76,7 @@ pub fn solve(
     Published { data, thinned, answer, choice, basins, rival, prior_search, findings, prior_ms }
 }
 
-/// That the search of the prior ended elsewhere.
+/// The finding that the search of the prior ended elsewhere.
 fn astray(search: &PriorSearch, choice: &Choice) -> Option<Finding> {
     let answer = &choice.answer.station1_from_station;
     if same_solution(&search.chosen, answer) {

@@ -26,13 +26,13 @@ use super::{Minimum, Parameters, SquaredCost};
 const QUIET: usize = 30;
 /// Drives that leave directions free have minima everywhere; they are not worth more than this.
 const MOST_STARTS: usize = 600;
-/// Nor would a longer list say more.
+/// Most minima that are listed: a longer list would not say more.
 const MOST_BASINS: usize = 16;
-/// Enough to tell minima apart.
+/// How close to a minimum a search ends (m): enough to tell minima apart.
 const TOLERANCE_M: f64 = 1e-3;
-/// What is not there by then creeps along a valley.
+/// Most passes of a search; what is not there by then creeps along a valley.
 const MOST_PASSES: usize = 40;
-/// The same answer every time.
+/// Seed of the random starts: fixed, so that the answer is the same every time.
 const SEED: u64 = 1;
 
 /// All minima of the squared cost, the lowest first; each valley counts once.
@@ -66,7 +66,7 @@ pub fn search(
 /// A basin: mostly one point, a valley where a direction is free.
 struct Valley {
     floor: Minimum,
-    /// Where searches ended in it, so that none walks there again.
+    /// Places in the valley where searches ended, so that none walks there again.
     seen: Vec<Parameters>,
 }
 
@@ -122,7 +122,7 @@ impl Starts {
         }
     }
 
-    /// With yaws near those of a solution that fits.
+    /// A random start with yaws near those of a solution that fits.
     fn draw(&mut self, fits: &Parameters) -> Parameters {
         let [w, i, j, k] = std::array::from_fn(|_| self.random.sample(StandardNormal));
         let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));

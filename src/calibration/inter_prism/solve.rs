@@ -193,7 +193,7 @@ impl Found {
         }
     }
 
-    /// From here on the refined answer stands in the place of the published one, on the readings that it put right.
+    /// Puts the refined answer in the place of the published one from here on, on the readings that it put right.
     fn refine(&mut self, task: &Task<'_>, refined: &Refinement, used: &Triplets) {
         let points = task.deployment.comparable_control_points();
         let answer = refined_answer::solve(refined, task.rig, points, used, task.settings.loss);

@@ -21,7 +21,7 @@ type Column = [f64; ROWS];
 /// All that the search needs of the triplets.
 #[derive(Clone, Debug)]
 pub struct SquaredCost {
-    /// Of pairs 12, 13 and 23, over 2d: metres.
+    /// Columns of the triangles of pairs 12, 13 and 23, over 2d (m).
     columns: [[Column; MONOMIALS]; 3],
     pub inter_prism_m: [f64; 3],
     /// What a radian of yaw moves (m).
@@ -160,7 +160,8 @@ mod tests {
         }
     }
 
-    /// Where it matters: at a fit of millimetres, with all the cancellation of squares of tens of metres.
+    /// Digits are kept where it matters: at a fit of millimetres, with all the cancellation of squares of tens of
+    /// metres.
     #[test]
     fn a_good_fit_keeps_its_digits() {
         let (mut data, parameters) = irregular(700);

@@ -138,7 +138,7 @@ fn first_of_b(pair: usize) -> usize {
     if pair == 0 { 0 } else { 4 }
 }
 
-/// rᵀr of the three pairs.
+/// The cost: rᵀr of the three pairs.
 pub fn cost(sums: &[Sums<1>; 3]) -> f64 {
     sums.iter().map(|s| s.rr[0]).sum()
 }

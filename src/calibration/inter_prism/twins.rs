@@ -11,7 +11,7 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
-/// So many triplets show whether anything near a prior fits at all.
+/// This many triplets show whether anything near a prior fits at all.
 const FIRST_LOOK: usize = 60;
 
 /// The lowest minimum and its mirror twin, judged by nothing yet.

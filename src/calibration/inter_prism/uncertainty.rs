@@ -25,7 +25,7 @@ pub const FREE_DIRECTION: f64 = 1e-4;
 pub struct Uncertainty {
     /// (x, y, z, yaw) of stations 2 and 3 into station 1's frame (m, rad); `None` if a direction is free.
     pub covariance: Option<SMatrix<f64, 8, 8>>,
-    /// The same of the centred parameters, yaw in metres at the radius.
+    /// Covariance of the centred parameters, yaw in metres at the radius (m²); `None` if a direction is free.
     pub centred_m2: Option<SMatrix<f64, 8, 8>>,
     /// Eigenvalues and directions of JᵀJ in the same, without wild triplets.
     pub spectrum: SymmetricEigen<f64, Const<8>>,
@@ -48,8 +48,8 @@ impl Uncertainty {
     }
 }
 
-/// At a minimum found on all of `data`, whose instants are `time_s` and `interval`. What is free is read off `fitting`,
-/// the triplets whose distances fit: a wild point seems to hold what the drive does not.
+/// Uncertainty at a minimum found on all of `data`, whose instants are `time_s` and `interval`. What is free is read
+/// off `fitting`, the triplets whose distances fit: a wild point seems to hold what the drive does not.
 pub fn estimate(
     data: &CentredTriplets,
     fitting: &CentredTriplets,
@@ -114,7 +114,7 @@ pub fn estimate(
     known(covariance, centred, spectrum, radius_m)
 }
 
-/// Of an answer whose covariance at the stations is known already.
+/// Uncertainty of an answer whose covariance at the stations is known already.
 pub fn of_covariance(
     data: &CentredTriplets,
     fitting: &CentredTriplets,
@@ -148,7 +148,7 @@ fn known(
     }
 }
 
-/// Of JᵀJ, with yaw in metres at the track's radius, so that directions can be compared.
+/// Eigenvalues and directions of JᵀJ, with yaw in metres at the track's radius, so that directions can be compared.
 fn spectrum(
     fitting: &CentredTriplets,
     parameters: &Parameters,

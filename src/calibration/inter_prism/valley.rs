@@ -11,7 +11,7 @@ use crate::geometry::wrap_to_pi;
 /// A ridge that costs less than this many times the higher end is noise: 10 % are one σ of 200 independent residuals.
 const RIDGE: f64 = 1.1;
 const STEPS: usize = 8;
-/// To the floor at every step.
+/// How close to the valley's floor every step goes (m).
 const TOLERANCE_M: f64 = 1e-3;
 const MOST_PASSES: usize = 20;
 

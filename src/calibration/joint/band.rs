@@ -50,7 +50,7 @@ pub struct Band<const LOCAL: usize, const ROW: usize> {
 #[derive(Clone, Debug)]
 pub struct Part {
     pub information: PartMatrix,
-    /// With the part after it.
+    /// What the part has in common with the part after it.
     pub with_next: PartMatrix,
     pub gradient: PartVector,
 }
@@ -68,7 +68,7 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
     /// Whether the parts of the drive are unknown as well.
     pub const HAS_PARTS: bool = Self::WIDTH > MOTION_BORDER;
 
-    /// Without any equation, in the room of other rows; parts begin at these knots, the first at 0.
+    /// A band without any equation, in the room of other rows; parts begin at these knots, the first at 0.
     pub fn new(mut rows: Rows<LOCAL, ROW>, knots: usize, first_knots: Vec<usize>) -> Self {
         rows.clear();
         rows.resize(knots, [[0.0; ROW]; LOCAL]);

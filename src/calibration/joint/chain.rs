@@ -14,7 +14,7 @@ use super::band::{PART, Part, factorise};
 use super::unknowns::{CONSTANTS, Constants, SLOW, SLOW_CLOCKS, SLOW_RANGES, Slow};
 
 type SlowMatrix = SMatrix<f64, SLOW, SLOW>;
-/// Of the states that walk: stations and clocks.
+/// A matrix of the states that walk: stations and clocks.
 pub type Walk = SMatrix<f64, SLOW_RANGES, SLOW_RANGES>;
 type Between = SMatrix<f64, SLOW, CONSTANTS>;
 type Square = SMatrix<f64, CONSTANTS, CONSTANTS>;
@@ -34,7 +34,7 @@ pub struct Wander {
 pub struct SlowPriors {
     /// Variance of how far (x, y, z, yaw) of stations 2 and 3 walk during the whole drive (m², rad²).
     pub settling: SMatrix<f64, 8, 8>,
-    /// The same of their clocks (s²).
+    /// Variance of how far the clocks of stations 2 and 3 walk during the whole drive (s²).
     pub clocks_s2: f64,
     pub wander: Wander,
     /// When further drives begin (s): stations may have settled since as during a drive, and clocks are their own, with
@@ -81,7 +81,7 @@ pub struct SlowPrecisions {
 }
 
 impl SlowPrecisions {
-    /// Of parts at these times (s); `None` where something is known exactly.
+    /// Precisions of the slow states of parts at these times (s); `None` where something is known exactly.
     pub fn new(priors: &SlowPriors, time_s: &[f64]) -> Option<Self> {
         let restarts = |part: usize| {
             part > 0
@@ -136,7 +136,7 @@ impl SlowPrecisions {
         Some(Self { own, with_next, log_determinant })
     }
 
-    /// As if slow states were known a thousand times better.
+    /// These precisions as if slow states were known a thousand times better.
     pub fn stiffer(&self) -> Self {
         let more = |all: &[SlowMatrix]| all.iter().map(|matrix| matrix * 1e6).collect();
         let log_determinant = self.log_determinant;
@@ -148,7 +148,7 @@ impl SlowPrecisions {
         -self.with_next[part - 1].fixed_view::<SLOW_RANGES, SLOW_RANGES>(0, 0)
     }
 
-    /// The same from the first part to the last; `None` where that is known exactly.
+    /// Precision of how all that walks from the first part to the last; `None` where that is known exactly.
     pub fn of_whole_walk(&self) -> Option<Walk> {
         let mut covariance = Walk::zeros();
         for part in 1..self.own.len() {
@@ -157,7 +157,7 @@ impl SlowPrecisions {
         Some(covariance.cholesky()?.inverse())
     }
 
-    /// Times slow states.
+    /// The product of the precisions and slow states.
     pub fn times<const K: usize>(
         &self,
         slow: &[SMatrix<f64, SLOW, K>],
@@ -264,7 +264,7 @@ impl Data {
         }
     }
 
-    /// Times a solution.
+    /// The product of this normal matrix and a solution.
     pub fn times<const K: usize>(&self, columns: &Columns<K>) -> Columns<K> {
         let mut product = Columns::zeros(self.own.len());
         product.constants = self.constants * columns.constants;
@@ -293,7 +293,7 @@ type Rows = [[f64; ROW]; SLOW];
 
 /// Data and priors, factorised.
 pub struct Factor {
-    /// By part: the upper factor of its own states, with what it has in common with the next part and the constants.
+    /// The upper factor of each part's own states, with what it has in common with the next part and the constants.
     rows: Vec<Rows>,
     constants: Cholesky<f64, Const<CONSTANTS>>,
     /// Logarithm of the determinant, less the one of the slow priors.

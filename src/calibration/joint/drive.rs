@@ -9,11 +9,11 @@ use crate::statistics::median;
 /// The readings of a drive, by stretch, and what its parts look like.
 pub struct Drive {
     pub pieces: Vec<Piece>,
-    /// By part, over all stretches.
+    /// Where the readings of each station point at, by part over all stretches.
     pub outlooks: Vec<[Outlook; 3]>,
     pub part_times_s: Vec<f64>,
     pub tied_to_next: Vec<bool>,
-    /// From when to when each drive is (s), where several are solved together.
+    /// Start and end of each drive (s), where several are solved together.
     pub spans_s: Vec<[f64; 2]>,
 }
 
@@ -58,7 +58,7 @@ impl Drive {
         (!drive.pieces.is_empty()).then_some(drive)
     }
 
-    /// Every so many stretches, of about so many knots together.
+    /// Every so many stretches of the drive, which have about `knots` knots together.
     pub fn sample(&self, knots: usize) -> Self {
         let all: usize = self.pieces.iter().map(|piece| piece.stretch.knots).sum();
         let stride = (all / knots).max(1);
@@ -114,7 +114,7 @@ impl Drive {
     }
 }
 
-/// From when to when each drive is (s).
+/// Start and end of each drive (s).
 fn spans_s(triplets: &Triplets) -> Vec<[f64; 2]> {
     let mut cuts: Vec<usize> = triplets
         .restarts_s
@@ -127,7 +127,7 @@ fn spans_s(triplets: &Triplets) -> Vec<[f64; 2]> {
     spans.filter_map(|times_s| Some([*times_s.first()?, *times_s.last()?])).collect()
 }
 
-/// Between consecutive instants.
+/// Median time between consecutive instants (s).
 fn median_step_s(time_s: &[f64]) -> f64 {
     median(time_s.windows(2).map(|w| w[1] - w[0])).unwrap_or(f64::NAN)
 }

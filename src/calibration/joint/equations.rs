@@ -31,7 +31,7 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// Of a range of no length (m).
+    /// One standard deviation of a range of no length (m).
     pub fn range_m(&self) -> f64 {
         self.range * RANGE_M
     }
@@ -68,7 +68,7 @@ pub struct At<'a> {
     pub middle_s: f64,
     /// What is slow, by part of this stretch.
     pub slow: &'a [PartVector],
-    /// Of the splines: x, y, z of each prism by knot (m).
+    /// Coefficients of the splines: x, y, z of each prism by knot (m).
     pub coefficients_m: &'a [f64],
 }
 
@@ -87,7 +87,7 @@ pub struct Weighing<'a> {
 pub struct Squares {
     pub found: [f64; PROBES],
     pub expected: [f64; PROBES],
-    /// Which the motion has taken up.
+    /// Squares of errors that the motion has taken up.
     pub taken_up: [f64; PROBES],
 }
 
@@ -143,9 +143,9 @@ pub fn equations<const LOCAL: usize, const ROW: usize>(
 
 /// What the same equations pull at, all weights being held.
 pub struct Gradients<const LOCAL: usize> {
-    /// By knot.
+    /// Gradients of the splines' coefficients, by knot.
     pub local: Vec<[f64; LOCAL]>,
-    /// By part of the stretch.
+    /// Gradients of the slow states, by part of the stretch.
     pub parts: Vec<PartVector>,
 }
 
@@ -215,11 +215,11 @@ struct Seen {
     prism: usize,
     velocity: Vector3<f64>,
     across: Vector3<f64>,
-    /// Along the sight, to its right, and up, as columns.
+    /// Directions along the sight, to its right, and up, as columns.
     axes: Matrix3<f64>,
-    /// Of the spline over the reading, along these axes (m).
+    /// Errors of the spline over the reading, along these axes (m).
     errors: Vector3<f64>,
-    /// Their inverse covariance, and what it is made of.
+    /// Inverse covariance of these errors, and what it is made of.
     information: Matrix3<f64>,
     range_sigma_m: f64,
     across_sigma_m: f64,
@@ -314,7 +314,7 @@ fn knots_s(stretch: &Stretch) -> impl Iterator<Item = f64> + use<> {
     (0..=steps).map(move |step| (start_s + knot_s * step as f64).min(end_s))
 }
 
-/// From the second prism to the first, a unit vector, and how much longer that is than the rig has it (m).
+/// Unit vector from the second prism to the first, and how much longer their distance is than the rig has it (m).
 fn apart<const LOCAL: usize>(
     at: &At<'_>,
     place: &Place,
@@ -411,7 +411,7 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
         }
     }
 
-    /// That the splines keep the distances of the rig, once a knot.
+    /// Adds that the splines keep the distances of the rig, once a knot.
     fn distances(&mut self, stretch: &Stretch, distances_m: &[f64; 3]) {
         const PRISMS: usize = 9;
         let weight = RIGID_M.powi(-2);
@@ -441,7 +441,7 @@ impl<const LOCAL: usize, const ROW: usize> Building<'_, LOCAL, ROW> {
         }
     }
 
-    /// That the motion is smooth: one equation a coordinate and knot.
+    /// Adds that the motion is smooth: one equation a coordinate and knot.
     fn jerks(&mut self, stretch: &Stretch) {
         let factors = jerk_factors(stretch, &self.by.levels);
         for first in 0..stretch.knots - (TIED - 1) {

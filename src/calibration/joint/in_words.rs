@@ -8,7 +8,8 @@ use crate::deployment::{Finding, pair_label};
 
 /// How far one estimate may be from its prior by chance (σ): once in forty thousand, by some of thirty.
 const MOST_STRAIN: f64 = 4.2;
-/// And those of a station, or all of them, together: once in a thousand.
+/// How far the estimates of a station, or all of them, may be from their priors together by chance (σ): once in a
+/// thousand.
 const MOST_STRAIN_OF_STATION: f64 = 3.0;
 const MOST_STRAIN_OF_ALL: f64 = 3.3;
 /// The largest errors of ranges to prisms that turn are 5 mm (Lackner & Lienhart 2016).
@@ -141,11 +142,11 @@ fn stepped(step: &Step, found: &JointEstimate) -> (Verdict, Finding) {
 struct InstrumentError {
     what: String,
     place: usize,
-    /// About zero, or what geometry says.
+    /// The error about zero, or about what geometry says.
     estimate: Estimate,
     /// What was known of it beforehand (1 σ).
     known: f64,
-    /// From the estimate's unit to the one that is shown.
+    /// Factor from the estimate's unit to the one that is shown.
     scale: f64,
     unit: &'static str,
 }

@@ -57,7 +57,7 @@ const FAST: f64 = 0.1;
 /// costs a third.
 const LEARNING_KNOTS: usize = 600;
 const LEARNING_STEPS: [bool; 5] = [true, false, false, true, false];
-/// So many steps of the motion alone bring the rest of a long drive near its readings.
+/// This many steps of the motion alone bring the rest of a long drive near its readings.
 const MOTION_STEPS: usize = 2;
 /// How far the published answer may be off meanwhile (1 σ).
 const NEAR_M: f64 = 0.1;
@@ -70,11 +70,11 @@ const SMALL_STEP: f64 = 4e-3;
 pub struct JointEstimate {
     /// Level frames of the stations into station 1's, as they stood on average.
     pub station1_from_station: [LevelTransform; 3],
-    /// Of (x, y, z, yaw) of stations 2 and 3 (m, rad).
+    /// Covariance of (x, y, z, yaw) of stations 2 and 3 (m, rad).
     pub covariance: SMatrix<f64, 8, 8>,
     /// What each of these variances is made of.
     pub budget: Vec<(&'static str, SVector<f64, 8>)>,
-    /// In the middle of the first drive, as stations 2 and 3 are late against station 1.
+    /// How late stations 2 and 3 are against station 1 in the middle of the first drive (s).
     pub clock_offsets_s: [Estimate; 2],
     /// The clocks of each drive, where several were solved together.
     pub drives: Vec<DriveClocks>,
@@ -100,7 +100,7 @@ pub struct JointEstimate {
 /// The clocks of one drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveClocks {
-    /// From when to when it is (s).
+    /// Start and end of the drive (s).
     pub span_s: [f64; 2],
     /// How late stations 2 and 3 are against station 1 in its middle.
     pub late_s: [Estimate; 2],

@@ -22,7 +22,7 @@ const PART_KNOTS: f64 = 16.0;
 pub struct Stretch {
     pub start_s: f64,
     pub end_s: f64,
-    /// Between knots.
+    /// Time between knots (s).
     pub knot_s: f64,
     pub knots: usize,
     /// Equal parts that it is cut into.

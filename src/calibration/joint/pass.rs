@@ -18,7 +18,7 @@ use crate::progress::{Cancelled, Progress};
 pub struct Estimates {
     pub constants: Constants,
     pub slow: Vec<Slow>,
-    /// By stretch.
+    /// Coefficients of the splines: x, y, z of each prism by knot, for each stretch (m).
     pub coefficients_m: Vec<Vec<f64>>,
 }
 

@@ -16,20 +16,20 @@ use crate::calibration::Estimate;
 const STEPPING: usize = SLOW_RANGES;
 /// χ² of a step that chance hardly makes, at any of the times, with four numbers and with one.
 const STATION_CHI_SQUARE: f64 = 28.0;
-/// The same with four numbers of three stations, at one time.
+/// χ² of a slow walk of one of three stations that chance hardly makes, with four numbers and at one time.
 const DRIFT_CHI_SQUARE: f64 = 20.0;
 const CLOCK_CHI_SQUARE: f64 = 25.0;
 
 /// A station, or its clock, that was not the same before and after.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// 0 to 2.
+    /// The station, 0 to 2.
     pub station: usize,
     /// The first part after it.
     pub part: usize,
-    /// From the first part's middle on (s).
+    /// Time of the step, after the first part's middle (s).
     pub after_s: f64,
-    /// It took the whole drive, from its first part to its last.
+    /// Whether the step took the whole drive, from its first part to its last.
     pub slowly: bool,
     pub what: Stepped,
 }
@@ -58,12 +58,12 @@ impl Step {
 pub struct Search<'a> {
     pub factor: &'a Factor,
     pub slow_priors: &'a SlowPrecisions,
-    /// By part, where everything is best.
+    /// The slow states of each part, where everything is best.
     pub slow: &'a [Slow],
     pub part_times_s: &'a [f64],
     /// Steps of stations, and of clocks, that are known already, by their first part.
     pub known: [&'a [usize]; 2],
-    /// Of station 2 and 3 from station 1 (m).
+    /// Vector from station 1 to stations 2 and 3 (m).
     pub places_m: [Vector3<f64>; 2],
 }
 
@@ -131,7 +131,7 @@ fn beyond_priors(
     (by_priors - by_priors * left * by_priors, by_priors * walk.fixed_rows::<STEPPING>(0))
 }
 
-/// The same step by a solution in which it has room, the search's priors being those without.
+/// The step as measured by a solution in which it has room, the search's priors being those without that room.
 pub fn measured(search: &Search<'_>, step: &Step) -> Option<Step> {
     // What the data leaves open, and the walk that there would be in any case.
     let left = left_of_walk(search, step.part - 1, step.part)

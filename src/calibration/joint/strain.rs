@@ -17,11 +17,11 @@ const LEAST_TOLD: f64 = 0.05;
 /// How far constants are from their priors, in σ of what priors that are right would give.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strain {
-    /// From the priors.
+    /// How far the constants are from the priors, in their own units.
     pub moved: Constants,
-    /// By constant; zero where nothing was known or the data tells nothing.
+    /// Strain of each constant (σ); zero where nothing was known or the data tells nothing.
     pub of: Constants,
-    /// Of each station's instrument as a whole, and of all instruments and distances.
+    /// Strain of each station's instrument as a whole, and of all instruments and distances (σ).
     pub of_stations: [f64; 3],
     pub of_all: f64,
 }

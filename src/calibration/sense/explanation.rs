@@ -15,9 +15,9 @@ use crate::geometry::RigidTransform;
 use crate::pipeline::{self, PipelineSettings, Triplets};
 use crate::progress::{Cancelled, Progress};
 
-/// Enough to tell millimetres from decimetres.
+/// Triplets that a drive is thinned to: enough to tell millimetres from decimetres.
 const THINNED: usize = 300;
-/// Below this a drive fits anything.
+/// Fewest triplets of a drive that is explained: with fewer a drive fits anything.
 const FEWEST_TRIPLETS: usize = 20;
 /// An explanation may fit this much worse than what it explains, and than the best explanation.
 const NO_WORSE: f64 = 1.2;
@@ -28,10 +28,10 @@ const FIT_NOISE_M: f64 = 0.0005;
 const HOPELESS: f64 = 4.0;
 /// What was off has to be off by less than this part of it.
 const CLEARLY_LESS: f64 = 0.5;
-/// So many explanations are named at most.
+/// Most explanations that are named.
 const MOST_NAMED: usize = 3;
-/// Where the outlier filter left a smaller part of a station's readings, its limits act on wrong units. Then it is run again
-/// on what the readings would be, as many of them as this.
+/// Where the outlier filter left a smaller part of a station's readings than this, its limits act on wrong units. Then
+/// it is run again on what the readings would be, as many of them as this.
 const MOSTLY_REJECTED: f64 = 0.6;
 const MOST_READINGS: usize = 20_000;
 
@@ -56,7 +56,7 @@ struct Explanation {
 pub struct Tried(Option<Tries>);
 
 struct Tries {
-    /// As things were read; `None` without an answer.
+    /// What things show as they were read; `None` without an answer.
     base: Option<(Shown, [RigidTransform; 3])>,
     undone: Option<Vec<Explanation>>,
 }
@@ -205,7 +205,7 @@ fn thinned(triplets: &Triplets) -> Triplets {
 /// What is to be explained.
 struct Case<'a> {
     witnesses: Witnesses<'a>,
-    /// As things were read.
+    /// What the answer shows as things were read.
     base: Shown,
 }
 

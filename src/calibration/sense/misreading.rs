@@ -8,7 +8,7 @@ use crate::pipeline::Triplets;
 /// The international foot (m). The US survey foot is 2 ppm longer, which no drive tells.
 const FOOT_M: f64 = 0.3048;
 
-/// One mistake.
+/// One mistake in how readings were understood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misreading {
     /// Azimuths run counter-clockwise: of all stations, or of one (0 to 2).
@@ -20,7 +20,7 @@ pub enum Misreading {
 }
 
 impl Misreading {
-    /// All of them, what happens most and explains most in few words first.
+    /// All misreadings, what happens most and explains most in few words first.
     pub const ALL: [Self; 13] = [
         Self::Azimuth(None),
         Self::Feet(None),

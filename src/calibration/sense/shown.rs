@@ -45,7 +45,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// `None` without triplets.
+    /// What an answer shows; `None` without triplets.
     pub fn of(
         rig: &Rig,
         control_points: &[ControlPointSet],
@@ -93,7 +93,7 @@ pub fn plan_area_m2(corners_m: &[Vector3<f64>; 3]) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Agreement {
     Agrees,
-    /// Not what one expects, but it can be.
+    /// What the answer shows is not what one expects, but it can be.
     Suspicious,
     Contradicts,
 }

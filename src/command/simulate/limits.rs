@@ -13,7 +13,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// As far below zero as above.
+    /// Limits as far below zero as above.
     pub const fn either_way(most: f64, unit: f64) -> Self {
         Self { low: -most, high: most, unit }
     }

@@ -91,7 +91,7 @@ enum Clock {
     Corrected,
     /// The instrument's own count, on a straight line of the computer's time.
     Line { unit: &'static str, per_second: f64, drift: f64, at: [f64; 2], scatter_s: f64 },
-    /// There is too little to put a line through.
+    /// The reading's arrival: there is too little to put a line through.
     Arrival,
 }
 

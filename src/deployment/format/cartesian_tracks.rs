@@ -15,7 +15,7 @@ use super::OpenError;
 pub struct Position {
     pub line: usize,
     pub time_s: f64,
-    /// In the axes of the file (m); what is not finite is the caller's business.
+    /// The position in the axes of the file (m); what is not finite is the caller's business.
     pub position_m: Vector3<f64>,
 }
 

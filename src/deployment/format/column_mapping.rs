@@ -88,15 +88,15 @@ pub enum TableAngle {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VerticalAngle {
-    /// 0 straight up.
+    /// The vertical angle is 0 straight up.
     #[default]
     Zenith,
-    /// 0 on the horizon, positive upwards.
+    /// The vertical angle is 0 on the horizon, positive upwards.
     Elevation,
 }
 
 impl TableLength {
-    /// As in "range in metres".
+    /// The unit of lengths in words, as in "range in metres".
     pub fn words(self) -> &'static str {
         match self {
             Self::Metres => "metres",
@@ -108,7 +108,7 @@ impl TableLength {
 }
 
 impl TableAngle {
-    /// As in "angles in radians".
+    /// The unit of angles in words, as in "angles in radians".
     pub fn words(self) -> &'static str {
         match self {
             Self::Radians => "radians",
@@ -120,7 +120,7 @@ impl TableAngle {
 }
 
 impl VerticalAngle {
-    /// As in "zenith angle".
+    /// The kind of angle in words, as in "zenith angle".
     pub fn words(self) -> &'static str {
         match self {
             Self::Zenith => "zenith",

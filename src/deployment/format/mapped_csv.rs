@@ -35,7 +35,7 @@ pub struct Preview {
     pub header: Vec<String>,
     /// The first twenty, as text.
     pub rows: Vec<Vec<String>>,
-    /// The same rows as they are understood, or why they are not. Without a column of stations all are station 1's.
+    /// The first rows as they are understood, or why they are not. Without a column of stations all are station 1's.
     pub read: Vec<Result<RawRecord, String>>,
 }
 

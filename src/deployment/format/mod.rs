@@ -41,7 +41,7 @@ pub enum OpenError {
     /// What only the user can tell; the window asks, a command names the key of `deployment.toml`.
     #[error("{0}")]
     Question(Box<Question>),
-    /// By who asked for it: not to be shown as an error.
+    /// Opening was cancelled by who asked for it: not to be shown as an error.
     #[error("cancelled")]
     Cancelled,
 }
@@ -81,7 +81,7 @@ pub enum Question {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topic {
     pub name: String,
-    /// Of its messages, as `geometry_msgs/PointStamped`.
+    /// Type of the topic's messages, such as `geometry_msgs/PointStamped`.
     pub message_type: String,
     pub messages: u64,
 }
@@ -126,11 +126,11 @@ pub const BYTE_ORDER_MARK: char = '\u{feff}';
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     PolarCsv,
-    /// One station's; three make a deployment.
+    /// Cartesian track of one station; three make a deployment.
     CartesianTrack,
     /// What Cartesian tracks were turned with.
     AppliedTransforms,
-    /// One station's, of Bonn's network.
+    /// Track of one station of Bonn's network.
     BonnCsv,
     /// A header that no reader knows above numbers: tracks, once the user says which column is what.
     UnknownTable,
@@ -142,7 +142,7 @@ pub enum Format {
     ControlPoints,
     /// Readings of one instrument.
     Gsi,
-    /// The same.
+    /// Readings of one instrument, as JobXML.
     JobXml,
     Pillars,
     SurveyedPoints,

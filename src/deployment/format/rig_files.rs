@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::OpenError;
 use crate::geometry::Polar;
 
-/// Between a millimetre and the size of a ship.
+/// Plausible distances between prisms (m): from a millimetre to the size of a ship.
 pub const PLAUSIBLE_DISTANCE_M: std::ops::RangeInclusive<f64> = 1e-3..=100.0;
 
 /// `calibration_results.csv`: distances 12, 13, 23 between the prisms, then between the GNSS antennas (m).

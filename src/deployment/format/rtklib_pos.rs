@@ -28,7 +28,7 @@ enum TimeScale {
 enum Coordinates {
     /// Latitude, longitude (degrees), height (m).
     Degrees,
-    /// The same with degrees, minutes and seconds as fields of their own.
+    /// Latitude, longitude (degrees, minutes and seconds as fields of their own), height (m).
     DegreesMinutesSeconds,
     /// Metres: ECEF, or east, north, up of the base.
     Cartesian,

@@ -19,7 +19,7 @@ const NAMED: usize = 3;
 /// What a file of one instrument holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Survey {
-    /// In the order of the file.
+    /// The sightings in the order of the file.
     pub sightings: Vec<Sighting>,
     /// Names and coordinates (east, north, up; m) that stand there without a reading.
     pub coordinates: Vec<(String, Vector3<f64>)>,
@@ -30,14 +30,14 @@ pub struct Survey {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sighting {
     pub point: String,
-    /// In either face: a zenith angle beyond 180° is face II.
+    /// The reading in either face: a zenith angle beyond 180° is face II.
     pub polar: Polar,
     /// Whether the prism constant is in the range.
     pub complete: bool,
 }
 
 impl Sighting {
-    /// The same in face I, and whether it was made in face II.
+    /// The reading in face I, and whether it was made in face II.
     fn in_face_one(&self) -> (Polar, bool) {
         let zenith_rad = self.polar.zenith_rad.rem_euclid(TAU);
         if zenith_rad <= PI {

@@ -11,7 +11,7 @@ pub const COLUMNS: [&str; 5] = ["file", "marker_number", "x_m", "y_m", "z_m"];
 
 #[derive(Clone, Debug, PartialEq, serde::Deserialize)]
 pub struct SurveyedPoint {
-    /// Of the readings, relative to the folder.
+    /// The file of the readings, relative to the folder.
     pub file: String,
     pub marker_number: i64,
     x_m: f64,

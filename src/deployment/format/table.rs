@@ -77,7 +77,7 @@ pub fn for_each_row<const N: usize>(
     Ok(())
 }
 
-/// All of [`for_each_row`].
+/// All rows that [`for_each_row`] gives.
 pub fn read_columns<const N: usize>(
     file: &str,
     text: &str,

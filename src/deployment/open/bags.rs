@@ -82,7 +82,7 @@ pub fn finding(chosen: &[&FoundFile], files: &[FoundFile]) -> Option<Finding> {
 
 /// The name of a piece: `drive_3.bag`, `drive/drive_3.db3.zstd`.
 struct SplitName<'a> {
-    /// With the folder, up to the last underscore.
+    /// The name with the folder, up to the last underscore.
     stem: &'a str,
     number: u64,
 }

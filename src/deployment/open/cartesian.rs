@@ -18,11 +18,11 @@ use crate::geometry::{Polar, RigidTransform};
 use crate::progress::Progress;
 use crate::statistics::quantiles;
 
-/// Prisms of one vehicle are no further apart than this (m) …
+/// Prisms of one vehicle are no further apart than this (m).
 const LARGEST_RIG_M: f64 = 5.0;
-/// … and their distances are steady: half of them lie within this (m).
+/// Half the distances of prisms of one vehicle, which are steady, lie within this (m).
 const STEADY_M: f64 = 0.1;
-/// Fewer distances than this say nothing of that.
+/// Fewest distances that say whether they are steady.
 const FEWEST_DISTANCES: usize = 10;
 /// Longest gap to interpolate over, when two tracks are compared (s).
 const LONGEST_GAP_S: f64 = 1.0;
@@ -294,7 +294,8 @@ fn all_in_steps(positions: &[Position], origin_m: &Vector3<f64>, step_m: f64) ->
     mean_phase(positions.iter().map(|p| (p.position_m - origin_m).norm() / step_m))
 }
 
-/// The same of the differences of consecutive readings that moved, which an origin a little off changes less.
+/// Length of the mean of exp(2πi Δr / step) over consecutive readings that moved; an origin a little off changes these
+/// differences Δr of ranges less.
 fn next_in_steps(positions: &[Position], origin_m: &Vector3<f64>, step_m: f64) -> f64 {
     let pairs = positions.windows(2).map(|pair| [pair[0].position_m, pair[1].position_m]);
     let moved = pairs.filter(|[a, b]| (a - b).norm() > MOVED_M);

@@ -6,7 +6,7 @@ use crate::deployment::format::OpenError;
 
 /// What a deployment of the authors' layout has in it.
 const MARK: &str = "total_stations";
-/// Where their repository keeps them.
+/// Where the authors' repository keeps its deployments.
 const DATA: &str = "data";
 
 /// Refuses a folder with several deployments, with the names of a few.

@@ -30,11 +30,11 @@ pub enum Content {
 /// Whether a file may play its part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
-    /// It lies with the tracks.
+    /// The file lies with the tracks.
     Beside,
     /// The user named it.
     Named,
-    /// It lies with the tracks, and the user named another instead.
+    /// The file lies with the tracks, and the user named another instead.
     SetAside,
 }
 
@@ -98,7 +98,7 @@ impl FoundFile {
         Ok(text)
     }
 
-    /// The same for a reader that counts on its own.
+    /// The file's text, for a reader that counts on its own.
     pub fn uncounted_text(&self) -> Result<String, OpenError> {
         let text = match &self.content {
             Content::Memory(text) => text.clone(),
@@ -119,7 +119,7 @@ impl FoundFile {
 
 /// Everything that a deployment is put together from.
 pub struct Found {
-    /// Of the deployment, unless `deployment.toml` names it.
+    /// Name of the deployment, unless `deployment.toml` names it.
     pub name: String,
     /// The file of tracks that was asked for.
     pub chosen: Option<String>,
@@ -297,7 +297,7 @@ impl Found {
         Ok(())
     }
 
-    /// The same file must not count twice where it lies with the tracks as well.
+    /// Takes in a file that the user named; it must not count twice where it lies with the tracks as well.
     fn name_file(&mut self, file: FoundFile) {
         let same = |other: &FoundFile| match (&file.content, &other.content) {
             (Content::Disk(a), Content::Disk(b)) => {

@@ -11,7 +11,7 @@ use crate::deployment::{Finding, OneOrMany, Rig};
 
 /// Distances of one rig in two files may differ by this much (m) before it is worth a word.
 const RIG_TOLERANCE_M: f64 = 0.005;
-/// … and by this much only if they are not of one rig.
+/// Distances in two files differ by more than this (m) only if they are not of one rig.
 const WRONG_RIG_M: f64 = 0.05;
 
 /// What `rig` of `deployment.toml` can name.

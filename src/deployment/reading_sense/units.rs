@@ -142,7 +142,7 @@ impl LooksLike {
 /// A column, by how its suspicion is found and told.
 struct Judged {
     suspicions: [Option<Suspicion>; 3],
-    /// As in "zenith angles of station 2 lie about".
+    /// What the column is called, as in "zenith angles of station 2 lie about".
     name: &'static str,
     verb: &'static str,
     expected: String,

@@ -10,7 +10,7 @@ const KEPT_ARRIVALS: usize = 4096;
 /// When readings reached the recorder, against both of their times: an independent witness.
 #[derive(Debug, Default)]
 pub struct Arrivals {
-    /// Of each station, after its stamp and after its own clock (s); every `every`-th.
+    /// How long after its stamp and after its own clock a reading of each station arrived (s); every `every`-th.
     kept: [Vec<(f64, f64)>; 3],
     seen: [usize; 3],
     every: [usize; 3],

@@ -6,14 +6,14 @@ use crate::statistics::{median, sigma_of_errors};
 
 /// Readings on either side that a jump is judged by.
 const BESIDE_JUMP: usize = 5;
-/// A jump is at least this (s) …
+/// A jump is at least this (s).
 const SMALLEST_JUMP_S: f64 = 1e-3;
-/// … and this many times what neighbouring differences scatter by.
+/// A jump is at least this many times what neighbouring differences scatter by.
 const JUMP_OVER_NOISE: f64 = 8.0;
 /// Points that a line is fitted to, at most.
 const FITTED_POINTS: usize = 200;
 
-/// Of the differences of neighbours: a jump changes one of them only. 0 where no two are apart.
+/// Median slope between neighbours: a jump changes one of them only. 0 where no two are apart.
 pub fn slope_of_neighbours(times_s: &[f64], apart_s: &[f64]) -> f64 {
     let slopes =
         times_s.windows(2).zip(apart_s.windows(2)).map(|(t, d)| (d[1] - d[0]) / (t[1] - t[0]));

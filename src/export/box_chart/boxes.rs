@@ -173,7 +173,7 @@ fn texts(quantiles: &Quantiles, digits: usize) -> [String; 2] {
     [quantiles.median, quantiles.q75 - quantiles.q25].map(|value| number(value, digits))
 }
 
-/// Under a text: hides most of the grid and the levels behind it.
+/// Paper under a text: hides most of the grid and the levels behind it.
 fn paper([x, y]: [f32; 2], [half_width, half_height]: [f32; 2], marks: &mut Vec<Mark>) {
     marks.push(Mark::Rect {
         min: [x - half_width, y - half_height],

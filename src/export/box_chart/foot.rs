@@ -6,7 +6,7 @@ use crate::export::drawing::{Anchor, Ink, Mark, text_width, wrap};
 
 const LABEL_LINE: f32 = 1.25 * LABEL;
 const SMALL_LINE: f32 = 1.25 * SMALL;
-/// Between the axis and the groups' names: a median's number may stand right on the axis.
+/// Space between the axis and the groups' names: a median's number may stand right on the axis.
 const GAP: f32 = 8.0;
 
 pub struct Foot {

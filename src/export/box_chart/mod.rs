@@ -54,7 +54,7 @@ impl Study {
     }
 }
 
-/// Neither infinite nor so large that pixels overflow.
+/// Whether a value is neither infinite nor so large that pixels overflow.
 fn can_be_shown(value: f64) -> bool {
     value.abs() < 1e15
 }
@@ -64,7 +64,7 @@ const LABEL: f32 = 11.5;
 const SMALL: f32 = 9.5;
 const TITLE: f32 = 15.0;
 const MARGIN: f32 = 12.0;
-/// For the number above the highest whisker.
+/// Room for the number above the highest whisker.
 const HEADROOM: f32 = 20.0;
 
 pub fn draw(chart: &Study, size: [f32; 2]) -> Drawing {

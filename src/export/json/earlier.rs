@@ -41,7 +41,7 @@ struct WrittenSchema {
     schema: u32,
 }
 
-/// Of all that is written, what a validation needs; keys that are newer than a file may be missing from it.
+/// What a validation needs of all that is written; keys that are newer than a file may be missing from it.
 #[derive(Deserialize)]
 struct Written {
     deployment: String,
@@ -119,7 +119,7 @@ fn earlier(file: &str, text: &str) -> Result<Earlier, EarlierError> {
     })
 }
 
-/// Of a homogeneous matrix, row by row.
+/// The rigid transform of a homogeneous matrix, row by row; `None` where it is none.
 fn rigid(rows: &[[f64; 4]; 4]) -> Option<RigidTransform> {
     let matrix = Matrix4::from_fn(|row, column| rows[row][column]);
     let rotation: Matrix3<f64> = matrix.fixed_view::<3, 3>(0, 0).into();

@@ -10,7 +10,7 @@ use crate::export::svg::{Colours, to_svg};
 use crate::export::{plan_view, residual_chart};
 use crate::pipeline::Triplets;
 
-/// At this width texts have their own size on the screen, and on paper nearly.
+/// Width at which texts have their own size on the screen, and on paper nearly.
 const WIDTH: f32 = 800.0;
 
 pub fn plan(deployment: &Deployment, answer: &Answer) -> Markup {

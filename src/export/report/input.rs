@@ -16,7 +16,7 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis) -> Markup {
     }
 }
 
-/// From raw readings to triplets, one column a station.
+/// Counts from raw readings to triplets, one column a station.
 fn pipeline(deployment: &Deployment, analysis: &Analysis) -> Markup {
     let out = &analysis.pipeline;
     let row = |name: &str, counts: [usize; 3]| {
@@ -83,7 +83,7 @@ fn data(deployment: &Deployment) -> Markup {
     }
 }
 
-/// All of them by the names of a `--config` file; those that are not the defaults stand out.
+/// All settings by the names of a `--config` file; those that are not the defaults stand out.
 fn settings(settings: &Settings) -> Markup {
     let rows = listed(settings).into_iter().zip(listed(&Settings::default()));
     html! {

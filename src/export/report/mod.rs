@@ -25,7 +25,7 @@ pub enum Chapter {
         deployment: Arc<Deployment>,
         analysis: Box<Analysis>,
     },
-    /// It could not be opened; the error is one line.
+    /// The path could not be opened; the error is one line.
     Unopened {
         path: String,
         error: String,

@@ -11,11 +11,11 @@ use crate::deployment::{Deployment, Measurement};
 /// Everything that decided the fate of one raw reading. Times are in s of the stations' clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
-    /// 0 to 2.
+    /// The station, 0 to 2.
     pub station: usize,
-    /// In the station's raw track.
+    /// Index of the reading in the station's raw track.
     pub index: usize,
-    /// As the instrument gave it, without the prism constant.
+    /// The reading as the instrument gave it, without the prism constant.
     pub reading: Measurement,
     pub fate: SampleFate,
     /// What module 1 looks at; `None` for the first reading of a station, which it always lets pass.
@@ -24,7 +24,7 @@ pub struct Explanation {
     pub gap_before_s: Option<f64>,
     pub gap_after_s: Option<f64>,
     pub place: Place,
-    /// Those that made it so.
+    /// The settings that made it so.
     pub settings: PipelineSettings,
 }
 
@@ -32,7 +32,7 @@ pub struct Explanation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     pub elapsed_s: f64,
-    /// Of range, azimuth and zenith angle, in this order.
+    /// Rates of range, azimuth and zenith angle, in this order.
     pub rates: [Rate; 3],
     /// What module 1 did to the previous reading: after a jump, the way back is a jump too.
     pub previous_rejected: bool,
@@ -42,7 +42,7 @@ pub struct Step {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
     pub of: OutlierReason,
-    /// With its sign; m/s for the range, °/s for the angles.
+    /// The rate with its sign; m/s for the range, °/s for the angles.
     pub value: f64,
     /// τ_r, τ_a or τ_e, in the same unit; `None` while module 1 is off.
     pub threshold: Option<f64>,
@@ -58,26 +58,26 @@ pub enum Place {
         interval: Interval,
         /// The reading itself stands just outside, and the interval's first or last position needs it.
         beside: bool,
-        /// Its number among those that module 3 kept, from 0; `None` for one that it dropped.
+        /// Number of the interval among those that module 3 kept, from 0; `None` for one that it dropped.
         kept: Option<usize>,
     },
-    /// Nowhere: the user left it out.
+    /// The reading is in no interval: the user left it out.
     LeftOut,
-    /// In no interval, because these stations were silent; empty where all three measured at this instant, and at
-    /// no other around it.
+    /// The reading is in no interval, because these stations were silent; empty where all three measured at this
+    /// instant, and at no other around it.
     InNone(Vec<Silence>),
 }
 
 /// A gap longer than τ_s between readings of one station that module 1 let pass, around the reading in question.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Silence {
-    /// 0 to 2.
+    /// The station, 0 to 2.
     pub station: usize,
     /// `None`: from the beginning.
     pub from_s: Option<f64>,
     /// `None`: to the end.
     pub to_s: Option<f64>,
-    /// It has one reading in between, at the instant itself, with a gap before and a gap after it.
+    /// Whether it has one reading in between, at the instant itself, with a gap before and a gap after it.
     pub alone: bool,
     /// How many of its raw readings in this time module 1 rejected.
     pub rejected: usize,
@@ -212,7 +212,7 @@ impl Rate {
         self.threshold.is_some_and(|threshold| self.value.abs() > threshold)
     }
 
-    /// "m/s" or "°/s".
+    /// The rate's unit: "m/s" or "°/s".
     pub fn unit(&self) -> &'static str {
         match self.of {
             OutlierReason::Range => "m/s",

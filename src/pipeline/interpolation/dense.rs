@@ -13,18 +13,19 @@ pub struct Window<'a> {
     noise_ratio: f64,
     /// `exp(−Δt²/2ℓ²)` between readings.
     pub correlation: DMatrix<f64>,
-    /// Of `K`, the correlation with the noise ratio on its diagonal.
+    /// Cholesky factor of `K`, the correlation with the noise ratio on its diagonal.
     factor: Cholesky<f64, Dyn>,
     /// `H`: one column of ones, and one of times if there are two readings or more.
     line: DMatrix<f64>,
     /// `K⁻¹ H`.
     weighted_line: DMatrix<f64>,
-    /// Of `Hᵀ K⁻¹ H`, what the readings know of the line.
+    /// Cholesky factor of `Hᵀ K⁻¹ H`, what the readings know of the line.
     line_factor: Cholesky<f64, Dyn>,
 }
 
 impl<'a> Window<'a> {
-    /// With a kernel of this length scale, and noise of variance `σ_n²/σ_f²`.
+    /// Factors the covariances of readings at these times, with a kernel of this length scale and noise of variance
+    /// `σ_n²/σ_f²`.
     pub fn new(times_s: &'a [f64], length_scale_s: f64, noise_ratio: f64) -> Self {
         let correlation = correlation(times_s, times_s, length_scale_s);
         let mut kernel = correlation.clone();
@@ -58,8 +59,8 @@ impl<'a> Window<'a> {
         self.factor.inverse() - known * self.weighted_line.transpose()
     }
 
-    /// Of positions with one column for each axis: the best line's coefficients, what it leaves, and `K⁻¹` times that,
-    /// which is `P y`.
+    /// Weighs positions with one column for each axis: the best line's coefficients, what it leaves, and `K⁻¹` times
+    /// that, which is `P y`.
     pub fn weigh(&self, positions_m: &DMatrix<f64>) -> [DMatrix<f64>; 3] {
         let coefficients = self.line_factor.solve(&self.weighted_line.tr_mul(positions_m));
         let rest_m = positions_m - &self.line * &coefficients;

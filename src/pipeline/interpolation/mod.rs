@@ -76,13 +76,13 @@ const LEAST_NOISE_M: f64 = 1e-5;
 
 /// One station's readings for one interval.
 struct Series {
-    /// From the interval's start: the stamps are Unix times, too large for arithmetic on their squares.
+    /// Times since the interval's start (s): the stamps are Unix times, too large for arithmetic on their squares.
     time_s: Vec<f64>,
     position_m: Vec<Vector3<f64>>,
 }
 
 impl Series {
-    /// From the last reading at or before the interval's start to the first at or after its end.
+    /// Takes the readings from the last at or before the interval's start to the first at or after its end.
     fn new(track: &FilteredTrack, interval: &Interval) -> Self {
         let from = track.time_s.partition_point(|t| *t <= interval.start_s).saturating_sub(1);
         let to = track.time_s.partition_point(|t| *t < interval.end_s) + 1;

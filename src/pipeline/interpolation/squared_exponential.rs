@@ -41,7 +41,7 @@ impl Hyperparameters {
     }
 }
 
-/// Where no interval holds enough readings to learn from: a walking-pace robot and a good instrument.
+/// Hyper-parameters where no interval holds enough readings to learn from: a walking-pace robot and a good instrument.
 const UNLEARNED: Hyperparameters =
     Hyperparameters { length_scale_s: 3.0, signal_m: 1.0, noise_m: 2e-3 };
 
@@ -58,7 +58,7 @@ pub fn at(
     })
 }
 
-/// For each interval the hyper-parameters of the level axes and of the vertical one.
+/// Hyper-parameters of the level axes and of the vertical one, for each interval.
 pub fn learn(track: &FilteredTrack, intervals: &[Interval]) -> Vec<[Hyperparameters; 2]> {
     let series: Vec<_> = intervals.iter().map(|interval| Series::new(track, interval)).collect();
     let shared = AXIS_GROUPS

@@ -13,7 +13,8 @@ const BOTH: [(&str, Method); 2] = [
     ("squared exponential", squared_exponential::at),
     ("white noise on acceleration", white_noise_on_acceleration::at),
 ];
-/// Of the simulated acceleration: a few millimetres between readings, so that 2 mm of noise can be told apart.
+/// Spectral density of the simulated acceleration: a few millimetres between readings, so that 2 mm of noise can be
+/// told apart.
 const DENSITY_M2_PER_S3: f64 = 1e-3;
 /// Unix time: the stamps of real readings are this large.
 const START_S: f64 = 1.6e9;
@@ -164,7 +165,7 @@ fn median_error_m(
     errors_m[errors_m.len() / 2]
 }
 
-/// Of straight lines and of both processes.
+/// Root-mean-square errors of straight lines and of both processes (m).
 fn rms_errors_m(motion: impl Fn(f64) -> Vector3<f64>, track: &FilteredTrack) -> [f64; 3] {
     let by_lines = linear::at(track, &instants_s(track));
     let [smooth, driven] = BOTH.map(|(_, method)| estimated(track, method).points_m);

@@ -21,7 +21,7 @@ pub struct Hyperparameters {
     pub noise_m: f64,
 }
 
-/// Where no interval holds enough readings to learn from: a walking-pace robot and a good instrument.
+/// Hyper-parameters where no interval holds enough readings to learn from: a walking-pace robot and a good instrument.
 const UNLEARNED: Hyperparameters = Hyperparameters { density_m2_per_s3: 0.1, noise_m: 2e-3 };
 
 /// Positions at sorted instants (s), each in `intervals[interval[i]]`.
@@ -37,7 +37,7 @@ pub fn at(
     })
 }
 
-/// For each interval the hyper-parameters of the level axes and of the vertical one.
+/// Hyper-parameters of the level axes and of the vertical one, for each interval.
 pub fn learn(track: &FilteredTrack, intervals: &[Interval]) -> Vec<[Hyperparameters; 2]> {
     let series: Vec<_> = intervals.iter().map(|interval| Series::new(track, interval)).collect();
     let shared = learn_together(&series).unwrap_or([UNLEARNED; 2]);
@@ -95,7 +95,7 @@ struct Belief<const A: usize> {
 }
 
 impl<const A: usize> Belief<A> {
-    /// At the second reading, given the first two and nothing else: what a flat prior comes to there.
+    /// Belief at the second reading, given the first two and nothing else: what a flat prior comes to there.
     fn of_two(series: &Series, axes: [usize; A], ratio: f64) -> Self {
         let elapsed_s = series.time_s[1] - series.time_s[0];
         let [first_m, second_m] = [0, 1].map(|index| coordinates_m(series, index, axes));
@@ -137,8 +137,8 @@ impl<const A: usize> Belief<A> {
         }
     }
 
-    /// From what all readings say of the second one's instant, the state before it. No filter has been there; but given
-    /// that state only the first reading matters, and the motion may as well run backwards.
+    /// State before the second reading's instant, from what all readings say of the state at it. No filter has been
+    /// there; but given that state only the first reading matters, and the motion may as well run backwards.
     fn before_second(&self, series: &Series, axes: [usize; A], time_s: f64, ratio: f64) -> Self {
         let back_s = time_s - series.time_s[1];
         let since_first_s = time_s - series.time_s[0];

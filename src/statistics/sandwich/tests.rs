@@ -111,7 +111,7 @@ fn ours(blocks: &[Block], prior: Option<&Prior>) -> DMatrix<f64> {
     covariance(blocks, prior).expect("held")
 }
 
-/// With the blocks' gradients as they are, times a factor.
+/// The sandwich with the blocks' gradients as they are, times a factor.
 fn with_factor(blocks: &[Block], prior: Option<&Prior>, factor: f64) -> DMatrix<f64> {
     let mut information: DMatrix<f64> = blocks.iter().map(|block| &block.information).sum();
     let mut middle: DMatrix<f64> =
@@ -192,7 +192,7 @@ fn a_prior_need_not_be_weighed_by_the_noise() {
     assert!(old.min() < 0.8, "{old:.3}");
 }
 
-/// Of errors that a block shares, which the information does not know of, a part is missing while blocks are few.
+/// A part of errors that a block shares, which the information does not know of, is missing while blocks are few.
 #[test]
 fn errors_that_a_block_shares_are_nearly_all_stated() {
     for (blocks, least) in [(16, 0.8), (20, 0.85), (40, 0.9), (60, 0.92)] {

@@ -10,7 +10,7 @@ use crate::deployment::format::column_mapping::{
 };
 use crate::deployment::{AzimuthSense, ColumnMapping, RawRecord};
 
-/// Rows in sight.
+/// Number of rows in sight.
 const ROWS: usize = 8;
 
 pub fn ui(ui: &mut egui::Ui, asked: &AskedColumns, commands: &mut Commands) {
@@ -89,7 +89,7 @@ fn names(
     });
 }
 
-/// Where no column names the station, each has a file of its own.
+/// Asks which file is which station's, where no column names the station and each has a file of its own.
 fn stations_files(ui: &mut egui::Ui, edited: &mut AskedColumns, head: Option<&TableHead>) {
     if edited.mapping.station.is_some() {
         edited.files = None;

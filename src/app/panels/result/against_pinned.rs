@@ -13,7 +13,7 @@ use crate::evaluation::Spread;
 use crate::export::difference::{Compared, Deviation, ResultDifference, StationDifference};
 use crate::export::summary::ResultSummary;
 
-/// Nothing where nothing is pinned.
+/// Shows how the answer differs from the pinned one; nothing where nothing is pinned.
 pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
     let (Some(pin), Some(now)) = (state.compared_with(), &open.summary) else { return };
     ui.add_space(4.0);
@@ -58,7 +58,7 @@ fn verdict_and_settings(ui: &mut egui::Ui, difference: &ResultDifference) {
     }
 }
 
-/// Now minus pinned, beside each number how many σ that is.
+/// Shows how the transforms differ, now minus pinned, beside each number how many σ that is.
 fn transforms(
     ui: &mut egui::Ui,
     difference: &ResultDifference,

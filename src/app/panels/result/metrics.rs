@@ -15,7 +15,7 @@ pub fn name(targets: Targets) -> &'static str {
     }
 }
 
-/// In mm whatever the units: there is nothing larger to see.
+/// Shows the metrics, in mm whatever the units: there is nothing larger to see.
 pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
     heading(ui, "Metrics (mm)");
     egui::Grid::new("metrics").num_columns(4).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {

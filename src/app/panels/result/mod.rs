@@ -59,7 +59,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// Where the inter-prism distances are missing, they can be given at once.
+/// Lets the inter-prism distances be given at once where they are missing.
 fn missing_rig(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
     let Some(extras) = state.extras().filter(|_| open.deployment.rig.is_none()) else { return };
     ui.add_space(6.0);

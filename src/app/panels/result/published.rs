@@ -9,7 +9,7 @@ use crate::app::state::State;
 use crate::calibration::Calibration;
 use crate::export::difference::moved_from_published;
 
-/// Nothing beside any other answer.
+/// Shows the paper's answer beside a joint estimate; nothing beside any other answer.
 pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut Commands) {
     let (Some(published), Some(moved)) = (&joint.published, moved_from_published(joint)) else {
         return;

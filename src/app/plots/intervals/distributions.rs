@@ -57,7 +57,7 @@ fn title(ui: &mut egui::Ui, text: &str) {
     ui.put(rect, egui::Label::new(RichText::new(text).small()).truncate());
 }
 
-/// Of a length, also one that no axis shows.
+/// Where a length is on the screen, also one that no axis shows.
 fn x(transform: &PlotTransform, length_s: f64) -> f32 {
     let bounds = transform.bounds();
     let log10 = length_s.max(1e-9).log10().clamp(bounds.min()[0], bounds.max()[0]);
@@ -130,7 +130,7 @@ impl Distribution<'_> {
     }
 }
 
-/// Of a count on its axis: nothing at 0, and one is seen.
+/// Where a count is on its axis: nothing at 0, and one is seen.
 fn place(count: usize) -> f64 {
     (count as f64 + 1.0).log10()
 }

@@ -57,7 +57,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// τ_s and τ_l.
+/// The thresholds τ_s and τ_l of this pane.
 struct GapThresholds([Threshold<'static>; 2]);
 
 impl GapThresholds {

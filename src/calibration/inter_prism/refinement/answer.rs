@@ -14,13 +14,13 @@ use crate::pipeline::Triplets;
 pub struct Refinement {
     pub station1_from_station: [RigidTransform; 3],
     pub sigma: [TransformSigma; 2],
-    /// Of (x, y, z, yaw) of station 2, then 3.
+    /// Covariance of (x, y, z, yaw) of station 2, then of station 3 (m, rad).
     pub covariance: SMatrix<f64, 8, 8>,
-    /// By how much the stamps of stations 2 and 3 are late against station 1's (s).
+    /// How late the stamps of stations 2 and 3 are against station 1's (s).
     pub clock_offsets_s: Option<[Estimate; 2]>,
-    /// And how fast that grows (s per s).
+    /// How much later these stamps get each second (s per s).
     pub clock_drifts: Option<[Estimate; 2]>,
-    /// By how much the prism constant makes all ranges too long (m); estimated with the distances.
+    /// How much too long the prism constant makes all ranges (m); estimated with the distances.
     pub prism_constant_error_m: Option<Estimate>,
     /// Estimated inter-prism distances (m).
     pub distances_m: Option<[Estimate; 3]>,

@@ -10,8 +10,9 @@ use crate::statistics::sandwich::{self, Block, Prior};
 /// How far the noise's share of the variances may be off (1 σ); what it pulls the answer by is uncertain as much.
 const NOISE_SHARE_SIGMA: f64 = 0.5;
 
-/// Of the estimated unknowns: the sandwich with their priors. Distances and tilts that are not estimated are not known
-/// exactly either: their σ is propagated, since an error of theirs acts on every triplet alike and no residual shows it.
+/// Covariance of the estimated unknowns: the sandwich with their priors. Distances and tilts that are not estimated are
+/// not known exactly either: their σ is propagated, since an error of theirs acts on every triplet alike and no
+/// residual shows it.
 pub fn covariance(
     blocks: &[Sums],
     precision: &State,

@@ -35,7 +35,7 @@ const MOST_NEWTON_STEPS: usize = 30;
 const SUSPICION_TRIPLETS: usize = 400;
 /// Steps smaller than this (m, rad, s; all of the same order here) change nothing that anyone can see.
 const SMALL_STEP: f64 = 1e-9;
-/// The Trimble S7: 2 mm + 2 ppm, one arcsecond (`paper.tex`, "Experiments").
+/// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, section "Experiments").
 const INSTRUMENT: PolarNoise = PolarNoise {
     range_m: 0.002,
     range_share: 2e-6,
@@ -43,7 +43,7 @@ const INSTRUMENT: PolarNoise = PolarNoise {
 };
 /// Quartz clocks drift by some parts per million (s per s, 1 σ).
 const DRIFT_SIGMA: f64 = 5e-6;
-/// Where one jumps, it does by milliseconds (s, 1 σ).
+/// Clocks that jump do so by milliseconds (s, 1 σ).
 const JUMP_SIGMA_S: f64 = 0.01;
 /// The loss's scale settles while weights are iterated; then it is held, and Newton's steps finish.
 const MOST_REWEIGHTINGS: usize = 15;
@@ -142,7 +142,7 @@ pub fn suspected_clocks(
     })
 }
 
-/// Of stations 2 and 3.
+/// What the clocks of stations 2 and 3 are suspected of.
 pub struct SuspectedClocks {
     pub offsets_s: [Estimate; 2],
     /// How much later they are in the second half of the drive.

@@ -27,7 +27,7 @@ pub fn reduced_vector(vector: &State, places: &[usize]) -> DVector<f64> {
     DVector::from_fn(places.len(), |i, _| vector[places[i]])
 }
 
-/// Of station 2 (slot 0) or 3.
+/// The clock of station 2 (slot 0) or 3.
 pub fn clock(state: &State, slot: usize) -> Clock {
     Clock { offset_s: state[CLOCKS + slot], drift: state[DRIFTS + slot] }
 }

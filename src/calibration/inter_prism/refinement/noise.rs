@@ -45,7 +45,7 @@ impl Noise {
         self
     }
 
-    /// From the instruments' noise and the interpolation's.
+    /// Noise that the instruments and the interpolation make.
     pub fn new(triplets: &Triplets, station1_from_station: &[RigidTransform; 3]) -> Self {
         let point = |station: usize, index: usize| {
             let turn = station1_from_station[station].rotation.matrix();

@@ -30,7 +30,7 @@ impl Sums {
         }
     }
 
-    /// Of all blocks.
+    /// Sums over all blocks.
     pub fn over(blocks: &[Self]) -> Self {
         let mut all = Self::zeros();
         for block in blocks {

@@ -9,18 +9,18 @@ use crate::calibration::Estimated;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Support {
     pub what: &'static str,
-    /// Their squared distance from that, in units of their covariance: on average the number of unknowns, if there is
+    /// Squared distance of the unknowns from that, in units of their covariance: on average their number, if there is
     /// nothing to them.
     pub chi_square: f64,
     pub unknowns: usize,
-    /// Larger than chance makes it once in a hundred times.
+    /// Whether that is larger than chance makes it once in a hundred times.
     pub supported: bool,
 }
 
 /// 99 % of χ² with one to six degrees of freedom.
 const CHI_SQUARE_99: [f64; 6] = [6.635, 9.210, 11.345, 13.277, 15.086, 16.812];
 
-/// Of each group of unknowns that was estimated.
+/// What supports each group of unknowns that was estimated.
 pub fn support(
     state: &State,
     start: &State,

@@ -114,7 +114,7 @@ pub fn read_up_to(reader: &mut impl Read, count: u64, into: &mut Vec<u8>) -> io:
 
 /// Why the walk over the records stopped before their end.
 pub enum Stop {
-    /// For good.
+    /// The bag is refused for good.
     Refused(OpenError),
     /// A record that makes no sense; what comes after it may.
     Damaged(String),
@@ -141,7 +141,7 @@ impl From<OpenError> for Stop {
     }
 }
 
-/// With the place of the record in the file.
+/// A reason to stop, with the place of the record in the file.
 pub struct At<T> {
     pub start: u64,
     pub stop: T,

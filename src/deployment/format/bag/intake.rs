@@ -13,7 +13,7 @@ use crate::progress::Progress;
 
 /// No message that is read comes near this; a longer one is left out as malformed.
 pub const LARGEST_MESSAGE_BYTES: usize = 1 << 16;
-/// More topics than any robot has; those beyond are not read.
+/// Most topics that are read, more than any robot has; those beyond are not.
 const MOST_TOPICS: usize = 1000;
 
 /// A topic whose messages are wanted.
@@ -21,7 +21,7 @@ const MOST_TOPICS: usize = 1000;
 pub struct Subscription {
     kind: Kind,
     encoding: Encoding,
-    /// In `Intake::topics`.
+    /// Index of the topic in `Intake::topics`.
     topic: usize,
 }
 
@@ -104,7 +104,7 @@ impl<'a> Intake<'a> {
         (self.losses, self.span_s) = (Losses::default(), None);
     }
 
-    /// Of the file that is being read.
+    /// The name of the file that is being read.
     pub fn file(&self) -> &str {
         self.files.last().map_or("", String::as_str)
     }
@@ -118,7 +118,7 @@ impl<'a> Intake<'a> {
         self.span_s
     }
 
-    /// This share of the file is done.
+    /// Tells the progress that this share of the file is done.
     pub fn done(&mut self, share: f64) -> Result<(), OpenError> {
         let done = (self.file_bytes as f64 * share.clamp(0.0, 1.0)) as u64;
         let more = done.saturating_sub(self.reported);

@@ -20,9 +20,9 @@ use super::wire::{Encoding, Malformed, Wire};
 pub const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// The definition of a message is text.
 const LARGEST_RECORD_BYTES: u64 = 1 << 20;
-/// Of a message record before its data: channel, sequence, two times.
+/// Size of a message record before its data: channel, sequence, two times.
 const MESSAGE_HEAD_BYTES: u64 = 2 + 4 + 8 + 8;
-/// Of a chunk before its records, without the name of the compression.
+/// Size of a chunk before its records, without the name of the compression.
 const CHUNK_HEAD_BYTES: u64 = 8 + 8 + 8 + 4 + 4 + 8;
 /// The footer and the closing magic.
 const TAIL_BYTES: u64 = 1 + 8 + 20 + 8;
@@ -33,7 +33,7 @@ mod op {
     pub const CHANNEL: u8 = 4;
     pub const MESSAGE: u8 = 5;
     pub const CHUNK: u8 = 6;
-    /// Of the closing magic, where a record would begin.
+    /// First byte of the closing magic, where a record would begin.
     pub const END: u8 = MAGIC_FIRST;
     const MAGIC_FIRST: u8 = 0x89;
 }
@@ -73,7 +73,7 @@ struct Recording<'i, 'a> {
     intake: &'i mut Intake<'a>,
     /// Names of message types by the number of the schema.
     types: HashMap<u16, String>,
-    /// By the number of the channel; `None` for those that are not wanted.
+    /// Subscriptions by the number of the channel; `None` for channels that are not wanted.
     subscriptions: HashMap<u16, Option<Subscription>>,
     without_channel: u64,
     /// Whether the footer was met.
@@ -271,7 +271,7 @@ struct ChunkHead {
     checksum: u32,
     compression: String,
     compressed_bytes: u64,
-    /// Of the head itself.
+    /// Size of the head itself (bytes).
     bytes: u64,
 }
 
@@ -286,7 +286,7 @@ impl ChunkHead {
         Ok(Self { checksum, compression, compressed_bytes, bytes })
     }
 
-    /// Its records as they come out of the decoder; `file` is where they begin.
+    /// The chunk's records as they come out of the decoder; `file` is where they begin.
     fn records<'r>(
         &self,
         file: &'r mut Positioned,

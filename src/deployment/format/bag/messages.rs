@@ -27,7 +27,8 @@ pub enum Kind {
 pub const THEODOLITE_TYPE: &str = "theodolite_node_msgs/TheodoliteCoordsStamped";
 
 impl Kind {
-    /// By the name of a type in ROS 1 (`package/Name`) or ROS 2 (`package/msg/Name`); `None` for what is not read.
+    /// The kind of a type named as in ROS 1 (`package/Name`) or ROS 2 (`package/msg/Name`); `None` for what is not
+    /// read.
     pub fn of_type(name: &str) -> Option<Self> {
         match short_type(name).as_str() {
             THEODOLITE_TYPE => Some(Self::TheodoliteCoords),

@@ -42,7 +42,7 @@ pub struct Piece<'a> {
     pub file: &'a str,
 }
 
-/// Enough of a file's first bytes to tell what it is.
+/// Bytes at a file's beginning that are enough to tell what it is.
 const HEAD_BYTES: u64 = 4096;
 
 /// What a file is by its first bytes (up to [`HEAD_BYTES`]), if it is anything of a bag.

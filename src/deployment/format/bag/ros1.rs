@@ -66,7 +66,7 @@ pub fn read(
 /// What is known while a bag is read.
 struct Bag<'i, 'a> {
     intake: &'i mut Intake<'a>,
-    /// By the number of the connection; `None` for those that are not wanted.
+    /// Subscriptions by the number of the connection; `None` for connections that are not wanted.
     subscriptions: HashMap<u32, Option<Subscription>>,
     /// Messages whose connection is not known.
     unconnected: u64,

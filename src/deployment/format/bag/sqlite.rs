@@ -35,7 +35,7 @@ pub fn is_log(head: &[u8]) -> bool {
         .any(|magic| head.starts_with(magic))
 }
 
-/// Of a database's first bytes (sqlite.org/fileformat2.html, 1.3).
+/// Page size by a database's first bytes (sqlite.org/fileformat2.html, 1.3); 0 where they do not say.
 fn page_bytes(head: &[u8]) -> u64 {
     match head.get(16..18) {
         Some([0, 1]) => 65_536,

@@ -23,7 +23,7 @@ pub enum Malformed {
 
 /// Reads field after field.
 pub struct Wire<'a> {
-    /// Without the encapsulation.
+    /// The message without the encapsulation.
     data: &'a [u8],
     at: usize,
     encoding: Encoding,

@@ -1,7 +1,7 @@
 use super::super::column_mapping::{TableAngle, TableLength, TimeFormat};
 use super::*;
 
-/// The same reading, 12.5 m away at azimuth 1 rad and zenith angle 1.6 rad, as foreign tables may write it.
+/// One reading, 12.5 m away at azimuth 1 rad and zenith angle 1.6 rad, as foreign tables may write it.
 const TABLES: [&str; 8] = [
     "time_s,station,slope_distance,azimuth,zenith\n1657569001.5,2,12.5,1.0,1.6\n",
     "Stamp;RTS;Range [mm];Hz;V\n1657569001500;2;12500,0;63,661977236758;101,859163578813\n",
