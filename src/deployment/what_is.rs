@@ -94,9 +94,10 @@ pub fn what_is(path: &Path) -> Dropped {
         Format::Ignored(why) => {
             let is_toml = path.extension().is_some_and(|extension| extension == "toml");
             match what_toml_is(&file) {
+                _ if file.file == "truth.toml" => Dropped::Unknown(format!("{}: {why}", file.file)),
                 // A session may have been saved under any name.
                 found @ (Dropped::Session | Dropped::Settings) => found,
-                other if is_toml && file.file != "truth.toml" => other,
+                other if is_toml => other,
                 _ => Dropped::Unknown(format!("{}: {why}", file.file)),
             }
         }

@@ -72,7 +72,7 @@ fn a_question_can_be_left() {
     let mut harness = window(SMALL, Theme::Light);
     let name = shown(&harness).deployment.name.clone();
     send(&mut harness, Command::OpenSource(Source::at(&drive)));
-    snapshot_of(&mut harness, Part::Middle(Vec2::new(760.0, 660.0)), "asked-tracks-light");
+    snapshot_of(&mut harness, Part::Middle(Vec2::new(640.0, 320.0)), "asked-tracks-light");
     harness.key_press(eframe::egui::Key::Escape);
     settle(&mut harness);
     assert!(harness.state().state.asked().is_none());
@@ -92,7 +92,7 @@ fn topics_are_proposed_and_can_be_exchanged() {
     ask(&mut harness, question, Source::at(sample_folder("warthog")));
     let Asked::Stations(proposed) = asked(&harness) else { panic!("topics") };
     assert_eq!(proposed.stations, [2, 1, 0]);
-    snapshot_of(&mut harness, Part::Middle(Vec2::new(760.0, 660.0)), "asked-topics-dark");
+    snapshot_of(&mut harness, Part::Middle(Vec2::new(640.0, 320.0)), "asked-topics-dark");
     choose(
         &mut harness,
         "The topic of station 1",
@@ -139,10 +139,14 @@ fn columns_are_named_with_the_first_rows_in_sight() {
         choose(&mut harness, "Column of station", "bb");
         choose(&mut harness, "Column of range", "cc");
         choose(&mut harness, "Column of azimuth", "kk");
-        snapshot_of(&mut harness, Part::Middle(Vec2::new(760.0, 660.0)), &format!("{name}-unread"));
+        snapshot_of(
+            &mut harness,
+            Part::Middle(Vec2::new(1100.0, 640.0)),
+            &format!("{name}-unread"),
+        );
         choose(&mut harness, "Column of vertical angle", "ee");
         harness.get_by_label("The first rows read.");
-        snapshot_of(&mut harness, Part::Middle(Vec2::new(760.0, 660.0)), name);
+        snapshot_of(&mut harness, Part::Middle(Vec2::new(1100.0, 640.0)), name);
         click(&mut harness, "is in the ranges already");
         click(&mut harness, "Open");
         let own = put_right(&harness);
@@ -173,7 +177,7 @@ fn a_folder_with_only_a_rig_asks_what_it_is_for() {
     let before = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
     let name = shown(&harness).deployment.name.clone();
     send(&mut harness, Command::OpenPaths(vec![rig.clone()]));
-    snapshot_of(&mut harness, Part::Middle(Vec2::new(760.0, 660.0)), "asked-files-dark");
+    snapshot_of(&mut harness, Part::Middle(Vec2::new(640.0, 320.0)), "asked-files-dark");
     assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
     click(&mut harness, "Cancel");
     assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);

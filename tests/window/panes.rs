@@ -96,7 +96,7 @@ fn the_palette_and_the_sheet_of_shortcuts() {
     both(
         "palette",
         SMALL,
-        [Part::Middle(Vec2::new(760.0, 660.0)), Part::Middle(Vec2::new(760.0, 660.0))],
+        [Part::Middle(Vec2::new(600.0, 240.0)), Part::Middle(Vec2::new(600.0, 240.0))],
         |harness| {
             press(harness, Modifiers::COMMAND, Key::P);
             harness.event(Event::Text("lay".to_owned()));
@@ -106,7 +106,7 @@ fn the_palette_and_the_sheet_of_shortcuts() {
     both(
         "shortcuts",
         SMALL,
-        [Part::Middle(Vec2::new(760.0, 660.0)), Part::Middle(Vec2::new(760.0, 660.0))],
+        [Part::Middle(Vec2::new(1060.0, 640.0)), Part::Middle(Vec2::new(1060.0, 640.0))],
         |harness| press(harness, Modifiers::NONE, Key::Questionmark),
     );
 }

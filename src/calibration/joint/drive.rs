@@ -58,10 +58,14 @@ impl Drive {
         (!drive.pieces.is_empty()).then_some(drive)
     }
 
+    /// Knots of all stretches.
+    pub fn knots(&self) -> usize {
+        self.pieces.iter().map(|piece| piece.stretch.knots).sum()
+    }
+
     /// Every so many stretches of the drive, which have about `knots` knots together.
     pub fn sample(&self, knots: usize) -> Self {
-        let all: usize = self.pieces.iter().map(|piece| piece.stretch.knots).sum();
-        let stride = (all / knots).max(1);
+        let stride = (self.knots() / knots).max(1);
         let first_parts = self.first_parts();
         let taken: Vec<usize> = (stride / 2..self.pieces.len()).step_by(stride).collect();
         let parts = || taken.iter().flat_map(|index| first_parts[*index]..first_parts[*index + 1]);

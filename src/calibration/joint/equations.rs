@@ -145,7 +145,7 @@ pub fn equations<const LOCAL: usize, const ROW: usize>(
 pub struct Gradients<const LOCAL: usize> {
     /// Gradients of the splines' coefficients, by knot.
     pub local: Vec<[f64; LOCAL]>,
-    /// Gradients of the slow states, by part of the stretch.
+    /// Gradients of the parts' unknowns, by part of the stretch.
     pub parts: Vec<PartVector>,
 }
 

@@ -37,7 +37,7 @@ use self::pass::{Estimates, Model, Pass, Spare, Weigh, move_motion, pass};
 use self::slow_changes::{add_steps, is_usual, likeliest, measured};
 pub use self::stability::{Step, Stepped};
 use self::strain::Strain;
-use self::unknowns::{CLOCKS, CONSTANTS, Constants, SLOW, precisions, start};
+use self::unknowns::{CLOCKS, Constants, precisions, start};
 use super::TransformSigma;
 pub use crate::calibration::ErrorSizes;
 use crate::calibration::Estimate;
@@ -49,14 +49,14 @@ const MOST_STEPS: usize = 20;
 /// What is slow is constant for about this long (s). Longer where the data holds a direction so weakly that a part's end
 /// matters, and at last for as long as a stretch.
 const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
-/// A step whose square is below this many variances for each unknown brings the motion near the readings.
-const NEAR: f64 = 0.3;
+/// Where no constant has to move by more than this many σ, the motion is near the readings.
+const NEAR_SIGMAS: f64 = 1.0;
 /// Steps whose squares shrink by this factor or more need nothing but gradients.
 const FAST: f64 = 0.1;
 /// Noise is learned from stretches of about so many knots, in these steps: whether all moves, or the motion alone, which
-/// costs a third.
+/// costs a third. Before the constants are about right, all of it would look like noise.
 const LEARNING_KNOTS: usize = 600;
-const LEARNING_STEPS: [bool; 5] = [true, false, false, true, false];
+const LEARNING_STEPS: [bool; 5] = [true, true, false, true, false];
 /// This many steps of the motion alone bring the rest of a long drive near its readings.
 const MOTION_STEPS: usize = 2;
 /// How far the published answer may be off meanwhile (1 σ).
@@ -193,6 +193,8 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     else {
         return Ok(None);
     };
+    // What a share of the drive leaves open of the constants, the whole one may move.
+    let longest_move = NEAR_SIGMAS * (drive.knots() as f64 / sample.knots() as f64).sqrt();
     if sample.pieces.len() < drive.pieces.len() {
         at = Estimates::start(drive, triplets, &at.constants, LOCAL / 3);
         for _ in 0..MOTION_STEPS {
@@ -215,7 +217,7 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
             let pass = pass::<LOCAL, ROW>(drive, &at, &by, &model, &mut spare, progress)?;
             let Some(mut pass) = pass else { return Ok(None) };
             // Only near its readings does the motion leave errors that tell of anything else.
-            let is_near = pass.square() < NEAR * (CONSTANTS + SLOW * at.slow.len()) as f64;
+            let is_near = pass.longest_move() < longest_move;
             if is_near && by.held.is_none() {
                 if sizes.ranges_wander {
                     model.priors.wander = likeliest(&pass.data, &model, drive, &at, progress)?;

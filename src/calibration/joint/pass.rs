@@ -171,12 +171,17 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         Ok(())
     }
 
-    /// The step's square in units of the covariance.
-    pub fn square(&self) -> f64 {
-        self.step.dot(&self.data.times(&self.step))[0]
+    /// How far the step moves any of the constants (σ).
+    pub fn longest_move(&self) -> f64 {
+        let variance = self.factor.of_constants().diagonal();
+        self.step
+            .constants
+            .zip_map(&variance, |step, variance| step.powi(2) / variance)
+            .max()
+            .sqrt()
     }
 
-    /// Takes the step; its square.
+    /// Takes the step; its square in units of the covariance.
     pub fn walk(&self, drive: &Drive, at: &mut Estimates) -> f64 {
         let step = &self.step;
         let of_parts: Vec<PartVector> = self
@@ -195,7 +200,7 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
                 coefficients_m.iter_mut().zip(&local).for_each(|(value, step)| *value -= step);
             },
         );
-        self.square()
+        step.dot(&self.data.times(step))[0]
     }
 }
 
