@@ -50,7 +50,7 @@ const MOST_STEPS: usize = 20;
 /// matters, and at last for as long as a stretch.
 const PARTS_S: [f64; 3] = [6.0, 30.0, f64::INFINITY];
 /// Where no constant has to move by more than this many σ, the motion is near the readings.
-const NEAR_SIGMAS: f64 = 1.0;
+const NEAR_SIGMAS: f64 = 1.5;
 /// Steps whose squares shrink by this factor or more need nothing but gradients.
 const FAST: f64 = 0.1;
 /// Noise is learned from stretches of about so many knots, in these steps: whether all moves, or the motion alone, which
