@@ -164,19 +164,19 @@ impl Reading<'_> {
             }
             syn::UseTree::Name(name) if name.ident == "self" => {
                 let own = before.last().cloned().unwrap_or_default();
-                self.take(before.to_vec(), own);
+                self.take(before, own);
             }
-            syn::UseTree::Name(name) => self.take(with(&name.ident), name.ident.to_string()),
-            syn::UseTree::Rename(name) => self.take(with(&name.ident), name.rename.to_string()),
+            syn::UseTree::Name(name) => self.take(&with(&name.ident), name.ident.to_string()),
+            syn::UseTree::Rename(name) => self.take(&with(&name.ident), name.rename.to_string()),
             syn::UseTree::Glob(_) => {}
         }
     }
 
-    fn take(&mut self, path: Vec<String>, as_name: String) {
+    fn take(&mut self, path: &[String], as_name: String) {
         // In a face, what is not from the crate is from one of its own files.
-        let path = match self.absolute(&path) {
+        let path = match self.absolute(path) {
             Some(path) => path,
-            None if self.file.is_face => [&self.module[..], &path[..]].concat(),
+            None if self.file.is_face => [&self.module[..], path].concat(),
             None => return,
         };
         self.file.imports.insert(as_name, path.clone());
