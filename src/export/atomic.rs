@@ -19,7 +19,7 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
     write_with(path, |part| std::fs::write(part, bytes.as_ref()))
 }
 
-/// Writes like [`write`] what is too large to be held in memory, or written by others: `fill` makes the file that it is
+/// Writes like [`write()`] what is too large to be held in memory, or written by others: `fill` makes the file that it is
 /// given.
 pub fn write_with(
     path: &Path,

@@ -2,7 +2,7 @@
 //!
 //! Plain data and plain functions. [`session`] and [`preferences`] are the files, [`hashes`] tells whether inputs
 //! changed, [`autosave`] keeps the running window's session safe, [`last`] what was open before, [`writer`] writes without a frame waiting, and
-//! [`keeping`] is all that a window needs of it.
+//! [`super::keeping`] is all that a window needs of it.
 
 pub mod autosave;
 pub mod hashes;

@@ -2,7 +2,7 @@
 //!
 //! Nothing is interpolated: the prisms move along splines that keep the rig's distances, and each reading counts by its
 //! own noise (continuous-time batch estimation: Furgale, Barfoot & Sibley 2012). What instruments do wrong and the data may
-//! not show is unknown as well, with a prior of its physical size ([`unknowns::ErrorSizes`]): it is estimated where the data
+//! not show is unknown as well, with a prior of its physical size ([`ErrorSizes`]): it is estimated where the data
 //! tells, and otherwise it widens σ.
 //!
 //! One [pass](mod@pass) is a step of Gauss & Newton: [`equations`] of each stretch of the [`drive`] → [`band`] eliminates the
@@ -39,7 +39,7 @@ pub use self::stability::{Step, Stepped};
 use self::strain::Strain;
 use self::unknowns::{CLOCKS, Constants, precisions, start};
 use super::TransformSigma;
-pub use crate::calibration::ErrorSizes;
+use crate::calibration::ErrorSizes;
 use crate::calibration::Estimate;
 use crate::geometry::LevelTransform;
 use crate::pipeline::Triplets;
