@@ -6,7 +6,7 @@
 //!
 //! **What the difference may be.** Its covariance is that of the earlier answer, that of the own one, and what every tripod
 //! settles in between, which is taken to be once more what it settles during a drive
-//! ([`ErrorSizes::settling_m`](crate::calibration::joint::ErrorSizes), `settling_rad`). Errors that both runs have in common
+//! ([`ErrorSizes::settling_m`](crate::calibration::ErrorSizes), `settling_rad`). Errors that both runs have in common
 //! (prisms, rig, the same instruments) are counted twice although they partly cancel: the tests are conservative, and most
 //! so in height, where the rig's distances dominate.
 //!
