@@ -57,6 +57,9 @@ const FAST: f64 = 0.1;
 /// costs a third. Before the constants are about right, all of it would look like noise.
 const LEARNING_KNOTS: usize = 600;
 const LEARNING_STEPS: [bool; 5] = [true, true, false, true, false];
+/// Wandering ranges and steps are looked for so often near the readings: what the first look finds moves all else, and with
+/// one look alone the 95 % regions of 3000 drives covered 91.7 %, with two 94.1 %.
+const LOOKS: usize = 2;
 /// This many steps of the motion alone bring the rest of a long drive near its readings.
 const MOTION_STEPS: usize = 2;
 /// How far the published answer may be off meanwhile (1 σ).
@@ -204,6 +207,7 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         }
     }
     let mut stepped = Vec::new();
+    let mut looks = 0;
     let mut spare = Spare::default();
     // What is linear about a place so near that gradients alone tell where to go.
     let mut nearby: Option<Pass<LOCAL, ROW>> = None;
@@ -228,7 +232,8 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
                     return Ok(None);
                 }
                 // Readings about a step that nothing allowed for seem worse than they are.
-                holds = stepped.len() == known;
+                looks += 1;
+                holds = stepped.len() == known && looks >= LOOKS;
             }
             pass
         };
