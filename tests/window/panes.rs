@@ -113,12 +113,8 @@ fn the_palette_and_the_sheet_of_shortcuts() {
 
 #[test]
 fn paths_are_asked_for_in_the_window() {
-    // A place whose name is the same everywhere.
-    let folder = std::path::Path::new("/tmp/resect prompt test");
-    std::fs::create_dir_all(folder.join("2024-05-03")).expect("writable");
-    let tracks = "timestamp,id,distance,ha,va\n1,1,2,3,1.5\n";
-    std::fs::write(folder.join("tracks.csv"), tracks).expect("writable");
-    std::fs::write(folder.join("notes.txt"), "it rained\n").expect("writable");
+    // A place whose name is the same everywhere: tests run in the repository's root.
+    let folder = std::path::Path::new("tests/fixtures/prompt");
     both(
         "prompt",
         SMALL,
