@@ -68,10 +68,10 @@ fn content(ui: &mut egui::Ui, recent: &[Recent], commands: &mut Commands) {
         ui.label("or drop files anywhere on the window");
     });
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Guide").on_hover_text("The whole way, step by step").clicked() {
+        if ui.button("Show the guide").on_hover_text("The whole way, step by step").clicked() {
             commands.push(Command::ShowPane(Pane::Guide));
         }
-        ui.label("leads from your data to an answer that can be trusted");
+        ui.label("from your data to an answer that can be trusted");
     });
     ui.add_space(10.0);
     ui.strong("No data at hand?");

@@ -30,7 +30,9 @@ pub fn ui(ctx: &egui::Context, lookup: &Lookup, commands: &mut Commands) {
         let some = edited.query.trim().is_empty() && !edited.of.is_empty();
         let found = if some { edited.of.clone() } else { glossary::matching(&edited.query) };
         let height = size.y - 90.0;
-        egui::ScrollArea::vertical().auto_shrink([false, true]).max_height(height).show(ui, |ui| {
+        // A dialog offers no more room than it had; what is found by the next letter may need it.
+        let list = egui::ScrollArea::vertical().auto_shrink([false, true]).max_height(height);
+        list.min_scrolled_height(height).show(ui, |ui| {
             for term in &found {
                 words::entry(ui, term);
                 ui.add_space(8.0);
