@@ -3,7 +3,9 @@
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset};
+use resect::app::{
+    Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset, Visibility,
+};
 
 use crate::harness::{LARGE, Window, send, window};
 
@@ -32,21 +34,31 @@ fn hovered_s(harness: &mut Window, at: Pos2) -> Option<f64> {
     harness.state().state.hover_s
 }
 
-/// Places of the scene row by row, from the top down.
-fn places(harness: &Window) -> impl DoubleEndedIterator<Item = Pos2> + use<> {
-    let scene = place(harness);
-    let rows = (3..30).map(move |row| scene.top() + scene.height() * row as f32 / 32.0);
-    let columns = (scene.left() as usize + 20..scene.right() as usize - 20).step_by(4);
-    rows.flat_map(move |y| columns.clone().map(move |x| Pos2::new(x as f32, y)))
+/// Places all over the scene, from its middle outwards.
+fn places(harness: &Window) -> Vec<Pos2> {
+    let scene = place(harness).shrink(20.0);
+    let [columns, rows] = [scene.width(), scene.height()].map(|points| (points / 8.0) as i32);
+    let at = |column: i32, row: i32| scene.min + 8.0 * Vec2::new(column as f32, row as f32);
+    let mut places: Vec<Pos2> =
+        (0..rows).flat_map(|row| (0..columns).map(move |column| at(column, row))).collect();
+    let middle = scene.center();
+    places.sort_by(|a, b| a.distance_sq(middle).total_cmp(&b.distance_sq(middle)));
+    places
+}
+
+/// Leaves nothing but readings under the pointer.
+fn show_readings_alone(harness: &mut Window) {
+    let visibility = harness.state().state.visibility;
+    send(harness, Command::Show(Visibility { raw: true, tracks: false, ..visibility }));
 }
 
 /// The first of these places where something is under the pointer, other than at some time.
 fn find(
     harness: &mut Window,
-    mut places: impl Iterator<Item = Pos2>,
+    places: impl IntoIterator<Item = Pos2>,
     not_s: Option<f64>,
 ) -> (Pos2, f64) {
-    let found = places.find_map(|at| {
+    let found = places.into_iter().find_map(|at| {
         let time_s = hovered_s(harness, at).filter(|time_s| Some(*time_s) != not_s)?;
         Some((at, time_s))
     });
@@ -56,11 +68,11 @@ fn find(
 /// Somewhere in the lower half of the scene with nothing under the pointer or near it.
 fn empty(harness: &mut Window) -> Pos2 {
     let middle = place(harness).center().y;
-    let mut lower = places(harness).filter(|at| at.y > middle).step_by(16);
+    let lower: Vec<Pos2> = places(harness).into_iter().filter(|at| at.y > middle).collect();
     let around = [Vec2::ZERO, Vec2::X, -Vec2::X, Vec2::Y, -Vec2::Y].map(|way| 16.0 * way);
     let is_empty =
         |at: &Pos2| around.into_iter().all(|beside| hovered_s(harness, *at + beside).is_none());
-    lower.find(is_empty).expect("something is empty")
+    lower.into_iter().step_by(7).find(is_empty).expect("something is empty")
 }
 
 /// Pixels that differ in the middle of the scene, without its legend and its buttons.
@@ -87,6 +99,7 @@ fn assert_all_differ(scene: Rect, pictures: &[(String, image::RgbaImage)]) {
 #[test]
 fn a_click_on_a_reading_picks_it_and_one_beside_everything_lets_go() {
     let mut harness = window(LARGE, Theme::Dark);
+    show_readings_alone(&mut harness);
     let all = places(&harness);
     let (at, hovered_s) = find(&mut harness, all, None);
     click_at(&mut harness, at);
@@ -211,14 +224,15 @@ fn the_camera_flies_to_what_is_picked_in_a_plot() {
 #[test]
 fn the_ruler_snaps_to_what_is_clicked_and_esc_clears_it() {
     let mut harness = window(LARGE, Theme::Dark);
+    show_readings_alone(&mut harness);
     harness.get_by_label("Ruler").click();
     harness.run_steps(2);
     assert!(harness.state().state.ruler.active);
     let all = places(&harness);
     let (first, first_s) = find(&mut harness, all, None);
     click_at(&mut harness, first);
-    let from_below = places(&harness).rev();
-    let (second, _) = find(&mut harness, from_below, Some(first_s));
+    let apart = places(&harness).into_iter().filter(|at| at.distance(first) > 80.0);
+    let (second, _) = find(&mut harness, apart, Some(first_s));
     click_at(&mut harness, second);
     let nothing = empty(&mut harness);
     click_at(&mut harness, nothing);
