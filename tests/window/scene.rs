@@ -3,9 +3,7 @@
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{
-    Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset, Visibility,
-};
+use resect::app::{Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset, Visibility};
 
 use crate::harness::{LARGE, Window, send, window};
 
@@ -77,8 +75,8 @@ fn empty(harness: &mut Window) -> Pos2 {
 
 /// Pixels that differ in the middle of the scene, without its legend and its buttons.
 fn differing(scene: Rect, a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
-    let middle =
-        scene.with_min_y(scene.top() + 0.33 * scene.height()).shrink2(Vec2::new(8.0, 60.0));
+    let top = scene.top() + 0.3 * scene.height();
+    let middle = Rect::from_min_max(Pos2::new(scene.left(), top), scene.max - Vec2::splat(20.0));
     (a.enumerate_pixels())
         .filter(|(x, y, _)| middle.contains(Pos2::new(*x as f32, *y as f32)))
         .filter(|(x, y, pixel)| b.get_pixel(*x, *y) != *pixel)
