@@ -38,6 +38,7 @@
 //! | [`palette`] | the colours that mean something | |
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |
 //! | [`font`] | the one font | |
+//! | [`glossary`] | the words of the field, explained | a term: a line in `terms.rs` |
 //! | [`export`] | JSON, text, CSV, TUM, HTML, SVG, PNG, Rerun | a writer |
 //! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `layout/pane.rs` and `window.rs`; an entry of a menu: a line in `actions/` |
 //! | [`command`] | the command line; prints | a subcommand: a file |
@@ -58,6 +59,7 @@ pub mod experiment;
 pub mod export;
 pub mod font;
 pub mod geometry;
+pub mod glossary;
 pub mod palette;
 pub mod pipeline;
 pub mod progress;

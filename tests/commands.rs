@@ -679,6 +679,20 @@ fn validate_reads_calibrations_by_every_method() {
 }
 
 #[test]
+fn a_word_is_explained_and_all_are_listed() {
+    let text = stdout(&["explain", "tau-s"]);
+    assert!(text.starts_with("τ_s\n") && text.contains("longest gap inside an interval"), "{text}");
+    assert!(text.contains("Vaidis et al. 2022, "), "{text}");
+    let heads = |text: &str| text.lines().filter(|line| !line.starts_with(' ') && !line.is_empty()).count();
+    assert_eq!(heads(&text), 1, "{text}");
+    let all = stdout(&["explain"]);
+    assert_eq!(heads(&all), resect::glossary::ALL.len());
+    assert!(all.lines().all(|line| line.chars().count() <= 96), "{all}");
+    let line = complaint(&["explain", "no", "such", "word"], 2);
+    assert!(line.contains("\"no such word\"") && line.contains("resect explain"), "{line}");
+}
+
+#[test]
 fn validate_without_a_calibration_is_one_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let (path, file) = (sample_folder("warthog"), folder.path().join("a.json"));

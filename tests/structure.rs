@@ -232,7 +232,7 @@ impl<'ast> Visit<'ast> for Reading<'_> {
 }
 
 /// The window's rooms, each above those that it may look into.
-const WINDOW: [&str; 14] = [
+const WINDOW: [&str; 15] = [
     "window",
     "panels",
     "actions",
@@ -247,6 +247,7 @@ const WINDOW: [&str; 14] = [
     "jobs",
     "file_dialog",
     "theme",
+    "words",
 ];
 
 fn house() -> House {

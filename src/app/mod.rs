@@ -15,7 +15,7 @@
 //!    └─ model                 plain data: commands, what is open, timeline, undo, units, toasts, view
 //!       ├─ prepared           what is computed for drawing, and the thread that does it
 //!       ├─ jobs               work beside the window, whose outcome is a function applied to the state
-//!       └─ file_dialog, theme asking for a path; colours and sizes
+//!       └─ file_dialog, theme, words   asking for a path; colours and sizes; words explained where they stand
 //! ```
 //!
 //! `tests/structure.rs` holds the imports against this picture.
@@ -34,6 +34,7 @@ mod scene;
 mod state;
 mod theme;
 mod window;
+mod words;
 
 pub use layout::Layout;
 pub use model::{

@@ -135,6 +135,7 @@ impl eframe::App for ResectWindow {
                 panels::command_palette::ui(&ctx, &self.state, palette, &mut commands);
             }
             Overlay::Shortcuts => panels::shortcuts::ui(&ctx, &self.state, &mut commands),
+            Overlay::Glossary(lookup) => panels::glossary::ui(&ctx, lookup, &mut commands),
         }
         if let Some(prompt) = &self.state.prompt {
             panels::path_prompt::ui(&ctx, &prompt.shown, &mut commands);
@@ -199,6 +200,7 @@ impl Panes<'_> {
             Pane::Studies => panels::studies::ui(ui, self.state, self.commands),
             Pane::Reading => panels::reading::ui(ui, self.state, self.commands),
             Pane::Runs => panels::runs::ui(ui, self.state, self.commands),
+            Pane::Guide => panels::guide::ui(ui, self.state, self.commands),
         }
     }
 }

@@ -4,6 +4,7 @@ mod ablate;
 mod calibrate;
 mod check;
 mod compare;
+mod explain;
 mod export;
 mod report;
 mod screenshot;
@@ -59,6 +60,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Write tracks and residuals for other programs
     Export(export::Arguments),
+    /// Explain a word of the field: τ_s, T12, mirror twin
+    Explain(explain::Arguments),
 }
 
 /// Why a command ends without an answer.
@@ -100,6 +103,7 @@ pub fn run() -> ExitCode {
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
+        Some(Command::Explain(arguments)) => explain::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

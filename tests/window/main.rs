@@ -7,6 +7,7 @@ mod common;
 mod asking;
 mod clocks;
 mod drives;
+mod guide;
 mod harness;
 mod naming;
 mod opening;

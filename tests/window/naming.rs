@@ -41,7 +41,9 @@ fn whatever_can_be_used_has_a_name() {
         send(&mut harness, Command::ShowPane(pane));
         assert_eq!(nameless(&harness), [""; 0], "{pane:?}");
     }
-    for overlay in [Command::ShowPalette, Command::ShowShortcuts, Command::OpenFileDialog] {
+    for overlay in
+        [Command::ShowPalette, Command::ShowShortcuts, Command::Explain, Command::OpenFileDialog]
+    {
         send(&mut harness, overlay.clone());
         assert_eq!(nameless(&harness), [""; 0], "{overlay:?}");
         press(&mut harness, Modifiers::NONE, Key::Escape);

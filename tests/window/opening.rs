@@ -23,6 +23,19 @@ fn type_path(harness: &mut Window, text: &str) {
     settle(harness);
 }
 
+/// Waits until the window says so, however long the disk takes.
+#[track_caller]
+fn wait_until_told(harness: &mut Window, what: &str) {
+    let told = |harness: &Window| {
+        let toasts = &harness.state().state.toasts;
+        assert_eq!(toasts.errors().next(), None);
+        toasts.shown().iter().any(|toast| toast.text.contains(what))
+    };
+    while !told(harness) {
+        assert!(harness.state_mut().state.wait_for_outcome(), "nothing more comes, and not {what}");
+    }
+}
+
 #[test]
 fn a_deployment_is_opened_by_typing_its_path() {
     let mut harness = window(SIZE, Theme::Dark);
@@ -84,13 +97,8 @@ fn a_file_is_written_where_it_is_asked_for_and_not_over_another_unasked() {
     settle(&mut harness);
     harness.get_by_label("Replace").click();
     settle(&mut harness);
-    for _ in 0..50 {
-        std::thread::sleep(std::time::Duration::from_millis(20));
-        if std::fs::read_to_string(&path).expect("there") != "mine\n" {
-            return;
-        }
-    }
-    panic!("the trajectory was not written");
+    wait_until_told(&mut harness, "old.tum written");
+    assert_ne!(std::fs::read_to_string(&path).expect("there"), "mine\n");
 }
 
 #[test]
@@ -211,11 +219,6 @@ fn what_is_typed_in_the_same_frame_as_enter_counts() {
     send(&mut harness, Command::SaveTrajectoryDialog);
     type_and_enter_at_once(&mut harness, &path.display().to_string());
     assert!(harness.state().state.prompt.is_none());
-    for _ in 0..100 {
-        if path.exists() {
-            return;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    panic!("the trajectory was not written where it was asked for");
+    wait_until_told(&mut harness, "here.tum written");
+    assert!(path.exists(), "it was written where it was asked for");
 }

@@ -212,7 +212,8 @@ fn where_the_pointer_is_is_known_to_all_panes() {
     let hover_s = harness.state().state.hover_s.expect("hovered") - open.start_s();
     let [from, to] = window_s(&harness);
     assert!((hover_s - (from + to) / 2.0).abs() < 1.0, "{hover_s}");
-    move_to(&mut harness, Pos2::new(700.0, 4.0));
+    harness.input_mut().events.push(Event::PointerGone);
+    harness.run_steps(2);
     assert!(harness.state().state.hover_s.is_none());
 }
 

@@ -1,14 +1,11 @@
 //! The scene, driven by mouse and keyboard.
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, Theme};
+use eframe::egui::{Key, Modifiers, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset};
+use resect::app::{Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset, Visibility};
 
 use crate::harness::{LARGE, Window, send, window};
-
-/// Somewhere in the scene where nothing is.
-const EMPTY: Pos2 = Pos2::new(560.0, 430.0);
 
 fn timeline(harness: &Window) -> Timeline {
     harness.state().state.active().expect("open").timeline
@@ -23,38 +20,93 @@ fn click_at(harness: &mut Window, at: Pos2) {
     harness.run_steps(2);
 }
 
-/// The first place along a row of the scene where something is under the pointer, other than at some time.
-fn find(harness: &mut Window, row: f32, not_s: Option<f64>) -> (Pos2, f64) {
-    for x in (700..1210).step_by(4) {
-        let at = Pos2::new(x as f32, row);
-        harness.hover_at(at);
-        harness.run_steps(2);
-        let hovered_s = harness.state().state.hover_s;
-        if let Some(time_s) = hovered_s.filter(|time_s| Some(*time_s) != not_s) {
-            return (at, time_s);
-        }
-    }
-    panic!("nothing under the pointer at {row}");
+/// The scene's place in the window.
+fn place(harness: &Window) -> Rect {
+    harness.get_by_role_and_label(Role::Image, "Scene").rect()
 }
 
-/// Pixels of the scene that differ.
-fn differing(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
+/// The time of what is under the pointer here.
+fn hovered_s(harness: &mut Window, at: Pos2) -> Option<f64> {
+    harness.hover_at(at);
+    harness.run_steps(2);
+    harness.state().state.hover_s
+}
+
+/// Places all over the scene, from its middle outwards.
+fn places(harness: &Window) -> Vec<Pos2> {
+    let scene = place(harness).shrink(20.0);
+    let [columns, rows] = [scene.width(), scene.height()].map(|points| (points / 8.0) as i32);
+    let at = |column: i32, row: i32| scene.min + 8.0 * Vec2::new(column as f32, row as f32);
+    let mut places: Vec<Pos2> =
+        (0..rows).flat_map(|row| (0..columns).map(move |column| at(column, row))).collect();
+    let middle = scene.center();
+    places.sort_by(|a, b| a.distance_sq(middle).total_cmp(&b.distance_sq(middle)));
+    places
+}
+
+/// Leaves nothing but readings under the pointer.
+fn show_readings_alone(harness: &mut Window) {
+    let visibility = harness.state().state.visibility;
+    send(harness, Command::Show(Visibility { raw: true, tracks: false, ..visibility }));
+}
+
+/// The first of these places where something is under the pointer, other than at some time.
+fn find(
+    harness: &mut Window,
+    places: impl IntoIterator<Item = Pos2>,
+    not_s: Option<f64>,
+) -> (Pos2, f64) {
+    let found = places.into_iter().find_map(|at| {
+        let time_s = hovered_s(harness, at).filter(|time_s| Some(*time_s) != not_s)?;
+        Some((at, time_s))
+    });
+    found.expect("something is under the pointer somewhere")
+}
+
+/// Somewhere in the lower half of the scene with nothing under the pointer or near it.
+fn empty(harness: &mut Window) -> Pos2 {
+    let middle = place(harness).center().y;
+    let lower: Vec<Pos2> = places(harness).into_iter().filter(|at| at.y > middle).collect();
+    let around = [Vec2::ZERO, Vec2::X, -Vec2::X, Vec2::Y, -Vec2::Y].map(|way| 16.0 * way);
+    let is_empty =
+        |at: &Pos2| around.into_iter().all(|beside| hovered_s(harness, *at + beside).is_none());
+    lower.into_iter().step_by(7).find(is_empty).expect("something is empty")
+}
+
+/// Pixels that differ in the middle of the scene, without its legend and its buttons.
+fn differing(scene: Rect, a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
+    let top = scene.top() + 0.3 * scene.height();
+    let middle = Rect::from_min_max(Pos2::new(scene.left(), top), scene.max - Vec2::splat(20.0));
     (a.enumerate_pixels())
-        .filter(|(x, y, _)| (300..1210).contains(x) && (250..630).contains(y))
+        .filter(|(x, y, _)| middle.contains(Pos2::new(*x as f32, *y as f32)))
         .filter(|(x, y, pixel)| b.get_pixel(*x, *y) != *pixel)
         .count()
+}
+
+/// Every two of these pictures differ in the scene.
+#[track_caller]
+fn assert_all_differ(scene: Rect, pictures: &[(String, image::RgbaImage)]) {
+    for (index, (one, picture)) in pictures.iter().enumerate() {
+        for (other, earlier) in &pictures[..index] {
+            let count = differing(scene, picture, earlier);
+            assert!(count > 1000, "{one} and {other}: {count} pixels differ");
+        }
+    }
 }
 
 #[test]
 fn a_click_on_a_reading_picks_it_and_one_beside_everything_lets_go() {
     let mut harness = window(LARGE, Theme::Dark);
-    let (at, hovered_s) = find(&mut harness, 320.0, None);
+    show_readings_alone(&mut harness);
+    let all = places(&harness);
+    let (at, hovered_s) = find(&mut harness, all, None);
     click_at(&mut harness, at);
     let picked = timeline(&harness).picked.expect("a reading");
     let deployment = harness.state().state.active().expect("open").deployment.clone();
     assert_eq!(picked.time_s(&deployment), Some(hovered_s));
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
-    click_at(&mut harness, EMPTY);
+    let nothing = empty(&mut harness);
+    click_at(&mut harness, nothing);
     assert_eq!(timeline(&harness).picked, None);
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
 }
@@ -62,7 +114,8 @@ fn a_click_on_a_reading_picks_it_and_one_beside_everything_lets_go() {
 #[test]
 fn what_is_not_shown_is_not_under_the_pointer() {
     let mut harness = window(LARGE, Theme::Dark);
-    let (at, _) = find(&mut harness, 320.0, None);
+    let all = places(&harness);
+    let (at, _) = find(&mut harness, all, None);
     let mut visibility = harness.state().state.visibility;
     (visibility.raw, visibility.tracks) = (false, false);
     send(&mut harness, Command::Show(visibility));
@@ -73,7 +126,8 @@ fn what_is_not_shown_is_not_under_the_pointer() {
     visibility.tracks = true;
     send(&mut harness, Command::Show(visibility));
     let before_s = timeline(&harness).cursor_s;
-    let (at, hovered_s) = find(&mut harness, 260.0, before_s);
+    let all = places(&harness);
+    let (at, hovered_s) = find(&mut harness, all, before_s);
     click_at(&mut harness, at);
     assert_eq!(timeline(&harness).picked, None);
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
@@ -82,23 +136,21 @@ fn what_is_not_shown_is_not_under_the_pointer() {
 #[test]
 fn each_colouring_is_another_picture_and_a_selection_dims_the_rest() {
     let mut harness = window(LARGE, Theme::Dark);
-    let mut pictures = vec![harness.render().expect("a picture")];
-    for colouring in Colouring::ALL.into_iter().skip(1) {
+    let scene = place(&harness);
+    let mut pictures = Vec::new();
+    for colouring in Colouring::ALL {
         send(&mut harness, Command::Colour(colouring));
-        pictures.push(harness.render().expect("a picture"));
+        pictures.push((format!("{colouring:?}"), harness.render().expect("a picture")));
     }
-    for (index, one) in pictures.iter().enumerate() {
-        for other in &pictures[..index] {
-            assert!(differing(one, other) > 1000, "{index}: {}", differing(one, other));
-        }
-    }
+    assert_all_differ(scene, &pictures);
+    let (_, last) = &pictures[pictures.len() - 1];
     let [start_s, end_s] = timeline(&harness).whole_s;
     let third_s = (end_s - start_s) / 3.0;
     send(&mut harness, Command::Select(Some([start_s + third_s, end_s - third_s])));
     let selected = harness.render().expect("a picture");
-    assert!(differing(&selected, &pictures[5]) > 1000);
+    assert!(differing(scene, &selected, last) > 1000);
     send(&mut harness, Command::Select(None));
-    assert_eq!(differing(&harness.render().expect("a picture"), &pictures[5]), 0);
+    assert_eq!(differing(scene, &harness.render().expect("a picture"), last), 0);
 }
 
 #[test]
@@ -114,7 +166,9 @@ fn the_colouring_is_chosen_in_the_scene() {
 #[test]
 fn keys_turn_the_scene_that_has_the_focus_and_leave_time_alone() {
     let mut harness = window(LARGE, Theme::Dark);
-    click_at(&mut harness, EMPTY);
+    let nothing = empty(&mut harness);
+    click_at(&mut harness, nothing);
+    let scene = place(&harness);
     let cursor_s = timeline(&harness).cursor_s;
     let mut last = harness.render().expect("a picture");
     for (modifiers, key) in [
@@ -127,7 +181,7 @@ fn keys_turn_the_scene_that_has_the_focus_and_leave_time_alone() {
         harness.key_press_modifiers(modifiers, key);
         harness.run_steps(2);
         let next = harness.render().expect("a picture");
-        assert!(differing(&last, &next) > 500, "{key:?}");
+        assert!(differing(scene, &last, &next) > 500, "{key:?}");
         last = next;
     }
     assert_eq!(timeline(&harness).cursor_s, cursor_s);
@@ -136,13 +190,19 @@ fn keys_turn_the_scene_that_has_the_focus_and_leave_time_alone() {
 #[test]
 fn stations_can_be_stood_at() {
     let mut harness = window(LARGE, Theme::Dark);
-    let before = harness.render().expect("a picture");
+    let scene = place(&harness);
+    let mut pictures = vec![("at first".to_owned(), harness.render().expect("a picture"))];
     for name in ["From station 1", "From station 2", "From station 3", "Front", "Side", "Top"] {
         harness.get_by_label(name).click();
         harness.run_steps(3);
-        assert!(differing(&before, &harness.render().expect("a picture")) > 1000, "{name}");
+        pictures.push((name.to_owned(), harness.render().expect("a picture")));
     }
+    assert_all_differ(scene, &pictures);
+    // The palette's command is the button's.
+    send(&mut harness, Command::Look(ViewPreset::Fit));
     send(&mut harness, Command::Look(ViewPreset::Top));
+    let (_, top) = &pictures[pictures.len() - 1];
+    assert_eq!(differing(scene, top, &harness.render().expect("a picture")), 0);
 }
 
 #[test]
@@ -152,23 +212,28 @@ fn the_camera_flies_to_what_is_picked_in_a_plot() {
     send(&mut harness, Command::PickInPlot(Picked { station: 1, index: 300 }));
     harness.run_steps(4);
     let near = harness.render().expect("a picture");
-    assert!(differing(&before, &near) > 1000);
+    let scene = place(&harness);
+    assert!(differing(scene, &before, &near) > 1000);
     // It has arrived, and asks for no more frames.
     harness.run_steps(2);
-    assert_eq!(differing(&near, &harness.render().expect("a picture")), 0);
+    assert_eq!(differing(scene, &near, &harness.render().expect("a picture")), 0);
 }
 
 #[test]
 fn the_ruler_snaps_to_what_is_clicked_and_esc_clears_it() {
     let mut harness = window(LARGE, Theme::Dark);
+    show_readings_alone(&mut harness);
     harness.get_by_label("Ruler").click();
     harness.run_steps(2);
     assert!(harness.state().state.ruler.active);
-    let (first, first_s) = find(&mut harness, 320.0, None);
+    let all = places(&harness);
+    let (first, first_s) = find(&mut harness, all, None);
     click_at(&mut harness, first);
-    let (second, _) = find(&mut harness, 285.0, Some(first_s));
+    let apart = places(&harness).into_iter().filter(|at| at.distance(first) > 80.0);
+    let (second, _) = find(&mut harness, apart, Some(first_s));
     click_at(&mut harness, second);
-    click_at(&mut harness, EMPTY);
+    let nothing = empty(&mut harness);
+    click_at(&mut harness, nothing);
     let ends = harness.state().state.ruler.ends.clone();
     assert_eq!(ends.len(), 2, "{ends:?}");
     assert!((ends[0].position_m - ends[1].position_m).norm() > 1.0);
@@ -197,5 +262,5 @@ fn a_ruler_between_prisms_goes_with_the_cursor() {
     let here = harness.render().expect("a picture");
     let [start_s, _] = timeline(&harness).whole_s;
     send(&mut harness, Command::MoveCursor(start_s + 20.0));
-    assert!(differing(&here, &harness.render().expect("a picture")) > 300);
+    assert!(differing(place(&harness), &here, &harness.render().expect("a picture")) > 300);
 }

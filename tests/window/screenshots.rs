@@ -130,7 +130,8 @@ fn copy_gives_the_text_of_the_command_line() {
 fn a_click_in_the_residuals_moves_the_cursor() {
     let mut harness = window(LARGE, Theme::Dark);
     let before = cursor_s(&harness);
-    let at = eframe::egui::Pos2::new(420.0, 860.0);
+    let plot = harness.get_by_label("distance errors over time").rect();
+    let (at, share) = (plot.left_center() + Vec2::new(0.75 * plot.width(), 0.0), 0.75);
     harness.hover_at(at);
     harness.run_steps(1);
     harness.drag_at(at);
@@ -138,7 +139,9 @@ fn a_click_in_the_residuals_moves_the_cursor() {
     harness.drop_at(at);
     settle(&mut harness);
     let after = cursor_s(&harness);
-    assert!((after - before).abs() > 20.0, "{before} {after}");
+    let [start_s, end_s] = harness.state().state.active().expect("open").timeline.window_s;
+    let expected = start_s + share * (end_s - start_s);
+    assert!((after - expected).abs() < 2.0, "{before} {after} {expected}");
 }
 
 /// A file as the window system hands it over.

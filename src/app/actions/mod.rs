@@ -9,7 +9,7 @@ mod view;
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
 
 use super::state::State;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Command, Commands, Pane};
 
 /// The menus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,6 +111,16 @@ pub fn all(state: &State) -> Vec<Action> {
         Action::new(Menu::Help, "", "Command palette…", Command::ShowPalette)
             .hint("Type what you want to do")
             .ctrl(Key::P),
+        Action::new(
+            Menu::Help,
+            "",
+            "Guide: from your data to an answer",
+            Command::ShowPane(Pane::Guide),
+        )
+        .hint("What to do, step by step, with what does it"),
+        Action::new(Menu::Help, "", "Words, explained", Command::Explain)
+            .hint("F1 explains the word under the pointer, or the one that has the focus")
+            .key(Key::F1),
         Action::new(Menu::Help, "", "Keyboard and mouse", Command::ShowShortcuts)
             .hint("All keys, and what the mouse does in the scene and in the plots")
             .key(Key::Questionmark),
@@ -134,7 +144,8 @@ pub fn from_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     keyed.sort_by_key(|(keys, _)| std::cmp::Reverse(keys.modifiers.shift));
     for (keys, command) in keyed {
         let plain = keys.modifiers.is_none() || keys.modifiers == Modifiers::SHIFT;
-        // The arrows and the space bar work the widget that has the focus; letters only a text field.
+        // The arrows and the space bar work the widget that has the focus; letters only a text field; F1 neither.
+        let typing = typing && keys.logical_key != Key::F1;
         let taken = plain && (typing || (focused && works_widgets(keys.logical_key)));
         if !taken && ctx.input_mut(|input| input.consume_shortcut(&keys)) {
             commands.push(command);

@@ -30,7 +30,7 @@ impl Need {
             (LinearDir::Horizontal, Pane::Deployment | Pane::Pipeline | Pane::Reading) => {
                 fixed(LEFT_POINTS)
             }
-            (LinearDir::Horizontal, Pane::Result | Pane::Runs | Pane::Findings) => {
+            (LinearDir::Horizontal, Pane::Result | Pane::Runs | Pane::Findings | Pane::Guide) => {
                 fixed(RIGHT_POINTS)
             }
             (LinearDir::Vertical, Pane::Deployment) => fixed(DEPLOYMENT_POINTS),

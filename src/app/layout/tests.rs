@@ -245,6 +245,25 @@ proptest! {
     }
 }
 
+/// Parts that are too small are widened, once and for all: read again they are not widened further.
+#[test]
+fn parts_too_small_to_be_seen_are_the_same_when_they_are_read_again() {
+    let all: Vec<Node<String>> =
+        Pane::ALL.iter().map(|pane| Node::Pane(pane.name().to_owned())).collect();
+    let (first, others) = all.split_first().expect("panes");
+    let tiny = vec![f32::MIN_POSITIVE; others.len()];
+    let inner = Node::Row { shares: tiny, children: others.to_vec() };
+    let shares = vec![9.0, 1.2e-38];
+    let root = Node::Row { shares, children: vec![first.clone(), inner] };
+    let description = LayoutDescription { version: 1, follows_window: false, root };
+    let (layout, findings) = Layout::of_description(&description);
+    assert_eq!(findings, []);
+    let Node::Row { shares, .. } = layout.describe().root else { panic!("a row") };
+    assert!(shares.iter().all(|share| *share >= 0.0199), "{shares:?}");
+    let (again, _) = reread(&layout);
+    assert!(close(&again.describe().root, &layout.describe().root), "{shares:?}");
+}
+
 /// Equal but for rounding of the shares.
 fn close(a: &Node<String>, b: &Node<String>) -> bool {
     let all = |a: &[Node<String>], b: &[Node<String>]| {

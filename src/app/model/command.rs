@@ -6,7 +6,7 @@ use eframe::egui;
 
 use super::Units;
 use super::studies::StudyOptions;
-use super::{Asked, AskedAnswer, Palette, Picked, Visibility};
+use super::{Asked, AskedAnswer, Lookup, Palette, Picked, Visibility};
 use super::{Colouring, Ruler, ViewPreset};
 use super::{LayoutPreset, Pane};
 use crate::analysis::Settings;
@@ -122,7 +122,11 @@ pub enum Command {
     /// What is typed in the command palette and which of its lines is chosen.
     EditPalette(Palette),
     ShowShortcuts,
-    /// Closes the palette or the sheet of shortcuts.
+    /// Explains the word under the pointer or with the focus; all words where there is none.
+    Explain,
+    /// What is typed among the words of the field.
+    LookUp(Lookup),
+    /// Closes the palette, the sheet of shortcuts or the glossary.
     CloseOverlay,
     DismissToast(u64),
     /// The pointer is on a toast.

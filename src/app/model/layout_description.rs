@@ -251,13 +251,25 @@ impl Reader {
     }
 }
 
-/// Shares above zero made to sum to one, none too small to be seen.
+/// Shares above zero made to sum to one, none too small to be seen; what is so already stays as it is.
 pub fn normalised(shares: &[f32]) -> Vec<f32> {
     // By the largest first: a sum of very large ones is infinite.
     let largest = shares.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
-    let sum: f32 = shares.iter().map(|share| share / largest).sum();
-    let visible: Vec<f32> =
-        shares.iter().map(|share| (share / largest / sum).max(SMALLEST_SHARE)).collect();
-    let sum: f32 = visible.iter().sum();
-    visible.into_iter().map(|share| share / sum).collect()
+    let relative: Vec<f32> = shares.iter().map(|share| share / largest).collect();
+    let smallest = SMALLEST_SHARE.min(0.5 / shares.len().max(1) as f32);
+    let mut small = vec![false; shares.len()];
+    // What too small ones get is taken from the others, which may make more of them too small.
+    loop {
+        let room = 1.0 - smallest * small.iter().filter(|small| **small).count() as f32;
+        let others = relative.iter().zip(&small).filter(|(_, small)| !**small);
+        let sum: f32 = others.map(|(share, _)| share).sum();
+        let share_of = |(share, small): (&f32, &bool)| {
+            if *small { smallest } else { share / sum * room }
+        };
+        let visible: Vec<f32> = relative.iter().zip(&small).map(share_of).collect();
+        if visible.iter().all(|share| *share >= smallest) {
+            return visible;
+        }
+        small = visible.iter().map(|share| *share <= smallest).collect();
+    }
 }

@@ -2,8 +2,8 @@
 
 use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
-    Clocks, Deployment, Findings, Histogram, Intervals, Pipeline, PriorSearch, Rates, Reading,
-    Residuals, Result, Runs, Scene, SideBySide, Studies,
+    Clocks, Deployment, Findings, Guide, Histogram, Intervals, Pipeline, PriorSearch, Rates,
+    Reading, Residuals, Result, Runs, Scene, SideBySide, Studies,
 };
 
 /// A ready-made layout for one kind of work.
@@ -102,6 +102,6 @@ pub fn first() -> Node {
                 ),
             ]),
         ),
-        (0.2, tabs(&[Result, Runs])),
+        (0.2, tabs(&[Result, Runs, Guide])),
     ])
 }

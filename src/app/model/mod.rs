@@ -34,7 +34,7 @@ pub use command::{Command, Commands, PictureTo};
 pub use layout_description::LayoutDescription;
 pub use layout_presets::LayoutPreset;
 pub use open_deployment::{Analysing, OpenDeployment};
-pub use overlay::{Overlay, Palette};
+pub use overlay::{Lookup, Overlay, Palette};
 pub use pane::Pane;
 pub use results::{Pin, Results, Run};
 pub use ruler::{Ruler, RulerEnd};

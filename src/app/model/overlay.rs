@@ -1,5 +1,7 @@
 //! What lies over the panes.
 
+use crate::glossary::Term;
+
 /// What lies over the panes and has the keyboard.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Overlay {
@@ -7,6 +9,7 @@ pub enum Overlay {
     None,
     Palette(Palette),
     Shortcuts,
+    Glossary(Lookup),
 }
 
 /// The command palette.
@@ -15,4 +18,12 @@ pub struct Palette {
     pub query: String,
     /// Line among those found.
     pub chosen: usize,
+}
+
+/// What is looked up among the words of the field.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Lookup {
+    pub query: String,
+    /// Shown while nothing is typed; all words where there is none.
+    pub of: Vec<&'static Term>,
 }

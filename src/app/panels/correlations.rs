@@ -4,6 +4,8 @@ use eframe::egui::{self, Align2, Color32, FontId, Rect, Sense, Vec2};
 use nalgebra::SMatrix;
 
 use crate::app::theme;
+use crate::app::words;
+use crate::glossary;
 use crate::palette;
 
 const NAMES: [&str; 8] = ["x2", "y2", "z2", "ψ2", "x3", "y3", "z3", "ψ3"];
@@ -13,7 +15,7 @@ const WIDEST_CELL: f32 = 44.0;
 
 /// Shows the correlations of x, y, z and yaw of stations 2 and 3, on request.
 pub fn ui(ui: &mut egui::Ui, correlation: &SMatrix<f64, 8, 8>) {
-    ui.collapsing("Correlations", |ui| {
+    let shown = ui.collapsing("Correlations", |ui| {
         let cell = ((ui.available_width() - HEAD) / 8.0).min(WIDEST_CELL);
         let size = Vec2::new(HEAD + 8.0 * cell, 9.0 * ROW);
         let (whole, response) = ui.allocate_exact_size(size, Sense::hover());
@@ -43,6 +45,7 @@ pub fn ui(ui: &mut egui::Ui, correlation: &SMatrix<f64, 8, 8>) {
             "At the stations: x, y, z and yaw ψ of T12 and T13. Near ±1, the one cannot be told without the other.",
         );
     });
+    words::explain(shown.header_response, &glossary::CORRELATION);
 }
 
 /// Vermilion for what errs the same way, blue for the opposite, the ground for nothing.

@@ -6,9 +6,11 @@ use super::{finding, heading, put_right, scrolled};
 use crate::app::model::{Command, Commands, OpenDeployment, Visibility};
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::words;
 use crate::calibration::Calibration;
 use crate::calibration::inter_prism::observability::Hold;
 use crate::deployment::{Severity, pair_label};
+use crate::glossary;
 use crate::palette;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -37,7 +39,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             Some(rig) => {
                 egui::Grid::new("rig").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
                     for (pair, distance) in rig.inter_prism_m.iter().enumerate() {
-                        ui.label(format!("Prisms {}", pair_label(pair)));
+                        let name = ui.label(format!("Prisms {}", pair_label(pair)));
+                        words::explain(name, &glossary::INTER_PRISM_DISTANCES);
                         ui.monospace(format!("{distance:.4} m"));
                         ui.end_row();
                     }
@@ -153,11 +156,15 @@ fn what_is_known(ui: &mut egui::Ui, open: &OpenDeployment, visibility: &mut Visi
     ui.horizontal(|ui| {
         ui.label("Stations");
         let ellipsoids = egui::Checkbox::new(&mut visibility.station_ellipsoids, "σ");
-        ui.add_enabled(stated, ellipsoids)
+        let ellipsoids = ui.add_enabled(stated, ellipsoids);
+        words::mark(&ellipsoids, &[&glossary::ELLIPSOID, &glossary::SIGMA]);
+        ellipsoids
             .on_hover_text("Ellipsoids in which stations 2 and 3 stand with 95 % probability")
             .on_disabled_hover_text("No σ: a direction is free");
         let arrows = egui::Checkbox::new(&mut visibility.weak_directions, "weak directions");
-        ui.add_enabled(weak, arrows)
+        let arrows = ui.add_enabled(weak, arrows);
+        words::mark(&arrows, &[&glossary::WEAK_DIRECTION]);
+        arrows
             .on_hover_text("How stations 2 and 3 can move without the distances noticing much")
             .on_disabled_hover_text("The drive holds every direction");
     });

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, RichText};
 
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Command, Commands, Pane};
 use crate::app::persist::preferences::Recent;
 use crate::deployment::Sample;
 
@@ -66,6 +66,12 @@ fn content(ui: &mut egui::Ui, recent: &[Recent], commands: &mut Commands) {
             commands.push(Command::OpenFileDialog);
         }
         ui.label("or drop files anywhere on the window");
+    });
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Show the guide").on_hover_text("The whole way, step by step").clicked() {
+            commands.push(Command::ShowPane(Pane::Guide));
+        }
+        ui.label("from your data to an answer that can be trusted");
     });
     ui.add_space(10.0);
     ui.strong("No data at hand?");

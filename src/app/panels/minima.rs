@@ -3,16 +3,18 @@
 use eframe::egui;
 
 use crate::app::model::Units;
+use crate::app::words;
 use crate::calibration::inter_prism::InterPrismDetails;
+use crate::glossary;
 
 pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
     let title = format!("minima ({})", details.basins.len());
-    egui::CollapsingHeader::new(title).id_salt("minima").show(ui, |ui| {
+    let header = egui::CollapsingHeader::new(title).id_salt("minima").show(ui, |ui| {
         egui::Grid::new("minima").num_columns(4).spacing([10.0, 2.0]).striped(true).show(
             ui,
             |ui| {
                 for name in ["", "RMS (mm)", "cost ratio", "away (m)"] {
-                    ui.label(name);
+                    words::explain_text(ui.label(name), name);
                 }
                 ui.end_row();
                 for basin in &details.basins {
@@ -32,4 +34,5 @@ pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
         );
         ui.small("Away: how far from the answer a station stands in it.");
     });
+    words::explain(header.header_response, &glossary::MINIMUM);
 }

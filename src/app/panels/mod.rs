@@ -7,6 +7,8 @@ pub mod deployment;
 pub mod drop_hint;
 pub mod empty_state;
 pub mod findings;
+pub mod glossary;
+pub mod guide;
 pub mod minima;
 mod number;
 pub mod observability;
@@ -28,6 +30,7 @@ pub mod validation;
 use eframe::egui;
 
 use crate::app::theme;
+use crate::app::words;
 use crate::deployment::Finding;
 
 /// What takes less is not worth a word.
@@ -52,12 +55,13 @@ fn finding(ui: &mut egui::Ui, finding: &Finding) {
         let (place, _) = ui.allocate_exact_size(egui::vec2(width, 16.0), egui::Sense::hover());
         let font = egui::TextStyle::Body.resolve(ui.style());
         ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, sign, font, colour);
-        ui.add(egui::Label::new(&finding.message).wrap());
+        let label = ui.add(egui::Label::new(&finding.message).wrap());
+        words::explain_text(label, &finding.message);
     });
 }
 
 /// A heading inside a pane.
 fn heading(ui: &mut egui::Ui, text: &str) {
     ui.add_space(4.0);
-    ui.strong(text);
+    words::explain_text(ui.strong(text), text);
 }

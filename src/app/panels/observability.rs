@@ -3,9 +3,11 @@
 use eframe::egui::{self, Color32, Rect, RichText, Sense, Vec2};
 
 use crate::app::theme;
+use crate::app::words;
 use crate::calibration::inter_prism::drive_shape::{DriveShape, Plan};
 use crate::calibration::inter_prism::observability::{Direction, Hold, Observability};
 use crate::export::text::sigma_text;
+use crate::glossary;
 use crate::palette;
 
 const BAR: Vec2 = Vec2::new(84.0, 12.0);
@@ -17,7 +19,7 @@ const SIGMA_WIDTH: f32 = 62.0;
 pub fn ui(ui: &mut egui::Ui, observed: &Observability) {
     let doubtful = observed.count(Hold::Held) < 8;
     let header = egui::CollapsingHeader::new("Observability").id_salt(("observability", doubtful));
-    header.default_open(doubtful).show(ui, |ui| {
+    let shown = header.default_open(doubtful).show(ui, |ui| {
         ui.label(drive_in_words(&observed.drive));
         for direction in &observed.directions {
             row(ui, direction);
@@ -29,6 +31,7 @@ pub fn ui(ui: &mut egui::Ui, observed: &Observability) {
         let lead = if doubtful { "What to drive next" } else { "To hold the first better" };
         ui.add(egui::Label::new(format!("{lead}: {}.", observed.advice)).wrap());
     });
+    words::explain(shown.header_response, &glossary::OBSERVABILITY);
 }
 
 fn row(ui: &mut egui::Ui, direction: &Direction) {

@@ -9,10 +9,12 @@ use super::scrolled;
 use crate::analysis::{Analysis, Settings};
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
+use crate::app::words;
 use crate::calibration::{
     Alignment, CalibrationSettings, Loss, Method, Offer, PriorMethod, Targets,
 };
 use crate::deployment::Deployment;
+use crate::glossary::{self, Term};
 use crate::pipeline::{Interpolation, Interval, PipelineSettings, SampleFate, Thresholds};
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -83,7 +85,7 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
         ui.add_enabled_ui(on, |ui| {
             threshold(
                 ui,
-                "τ_r  range",
+                ("τ_r  range", &glossary::TAU_R),
                 &mut thresholds.tau_r_m_per_s,
                 0.05..=20.0,
                 " m/s",
@@ -91,7 +93,7 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
             );
             threshold(
                 ui,
-                "τ_a  azimuth",
+                ("τ_a  azimuth", &glossary::TAU_A),
                 &mut thresholds.tau_a_deg_per_s,
                 0.05..=20.0,
                 " °/s",
@@ -99,7 +101,7 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
             );
             threshold(
                 ui,
-                "τ_e  zenith",
+                ("τ_e  zenith", &glossary::TAU_E),
                 &mut thresholds.tau_e_deg_per_s,
                 0.05..=20.0,
                 " °/s",
@@ -116,7 +118,7 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
     module(ui, None, "2  Interval split", |ui, _| {
         threshold(
             ui,
-            "τ_s  gap",
+            ("τ_s  gap", &glossary::TAU_S),
             &mut thresholds.tau_s_seconds,
             0.1..=10.0,
             " s",
@@ -128,7 +130,7 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
         ui.add_enabled_ui(on, |ui| {
             threshold(
                 ui,
-                "τ_l  length",
+                ("τ_l  length", &glossary::TAU_L),
                 &mut thresholds.tau_l_seconds,
                 0.0..=60.0,
                 " s",
@@ -155,7 +157,14 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
                 ui.radio_value(interpolation, choice, choice.title()).on_hover_text(hint);
             }
         });
-        threshold(ui, "rate", rate_hz, 0.5..=100.0, " Hz", PipelineSettings::default().rate_hz);
+        threshold(
+            ui,
+            ("rate", &glossary::TRIPLET),
+            rate_hz,
+            0.5..=100.0,
+            " Hz",
+            PipelineSettings::default().rate_hz,
+        );
         ui.small(line(counts.map(|c| format!("{} intervals → {} triplets", c.kept, c.triplets))));
     });
 }
@@ -169,6 +178,7 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
             let lack = offer.and_then(|offer| offer.lack(choice));
             ui.add_enabled_ui(lack.is_none(), |ui| {
                 let radio = ui.radio_value(&mut method, choice, choice.label());
+                let radio = words::explain(radio, words::of_method(choice));
                 radio.on_disabled_hover_text(format!("Needs {}", lack.unwrap_or_default()));
             });
         }
@@ -182,7 +192,7 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
             Method::Joint if offer.is_some_and(|offer| offer.targets == Targets::OnePrism) => {}
             Method::StaticGcp | Method::DynamicGcp => {
                 ui.horizontal(|ui| {
-                    ui.label("alignment");
+                    words::explain(ui.label("alignment"), &glossary::LEVEL);
                     ui.radio_value(&mut settings.alignment, Alignment::Level, "level")
                         .on_hover_text("Translation and yaw: the stations are levelled");
                     ui.radio_value(&mut settings.alignment, Alignment::Rigid, "rigid")
@@ -191,7 +201,7 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
             }
             Method::InterPrism | Method::Joint => {
                 ui.horizontal(|ui| {
-                    ui.label("prior");
+                    words::explain(ui.label("prior"), &glossary::PRIOR);
                     ui.radio_value(&mut settings.prior, PriorMethod::ClosedForm, "closed form")
                         .on_hover_text("Lifted linear least squares: needs no guess");
                     ui.radio_value(&mut settings.prior, PriorMethod::Search, "search").on_hover_text(
@@ -199,7 +209,7 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
                     );
                 });
                 let mut sigma_mm = settings.inter_prism_sigma_m * 1e3;
-                threshold(ui, "σ distances", &mut sigma_mm, 0.0..=20.0, " mm", 1.0).on_hover_text(
+                threshold(ui, ("σ distances", &glossary::SIGMA_DISTANCES), &mut sigma_mm, 0.0..=20.0, " mm", 1.0).on_hover_text(
                     "How well the inter-prism distances are known (1 σ); widens every σ of the result",
                 );
                 settings.inter_prism_sigma_m = sigma_mm / 1e3;
@@ -217,7 +227,7 @@ fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings, joint_has_its_o
         if joint_has_its_own { response.on_disabled_hover_text(reason) } else { response }
     };
     ui.horizontal_wrapped(|ui| {
-        ui.label("loss");
+        words::explain(ui.label("loss"), &glossary::LOSS);
         for (loss, name) in
             [(Loss::Squared, "squared"), (Loss::Huber, "Huber"), (Loss::Cauchy, "Cauchy")]
         {
@@ -249,11 +259,12 @@ fn module(
         ui.set_width(ui.available_width());
         let on = match switch {
             Some(on) => {
-                ui.checkbox(on, egui::RichText::new(title).strong());
+                let text = egui::RichText::new(title).strong();
+                words::explain_text(ui.checkbox(on, text), title);
                 *on
             }
             None => {
-                ui.strong(title);
+                words::explain_text(ui.strong(title), title);
                 true
             }
         };
@@ -286,7 +297,7 @@ fn module(
 /// A slider with its unit and typed entry; a click with the right button brings the paper's value back.
 fn threshold(
     ui: &mut egui::Ui,
-    name: &str,
+    (name, term): (&str, &'static Term),
     value: &mut f64,
     range: RangeInclusive<f64>,
     unit: &str,
@@ -297,7 +308,7 @@ fn threshold(
         let left = egui::Layout::left_to_right(egui::Align::Center);
         let label = ui.allocate_ui_with_layout(name_size, left, |ui| {
             ui.set_min_width(name_size.x);
-            ui.label(name)
+            words::explain(ui.label(name), term)
         });
         ui.spacing_mut().slider_width = (ui.available_width() - 84.0).max(40.0);
         let slider = egui::Slider::new(value, range)
@@ -311,6 +322,7 @@ fn threshold(
         if response.secondary_clicked() {
             *value = paper;
         }
+        words::mark(&response, &[term]);
         response.on_hover_text(format!(
             "Paper: {paper}{unit} (right click). Drag, or click the number to type."
         ))

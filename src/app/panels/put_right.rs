@@ -10,6 +10,7 @@ use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::state::put_right::{effective, exchanged};
 use crate::app::theme;
+use crate::app::words;
 use crate::deployment::{
     AS_NUMBERED, AzimuthSense, Deployment, Extras, Overrides, PrismConstants, Severity,
     extras_changes, pair_label,
@@ -63,14 +64,15 @@ fn name(ui: &mut egui::Ui, name: &str, as_read: Option<String>) -> bool {
     ui.add_space(3.0);
     ui.horizontal(|ui| {
         let Some(as_read) = as_read else {
-            ui.label(name);
+            words::explain_text(ui.label(name), name);
             return false;
         };
         let colour = mark_colour(ui.visuals().dark_mode);
         let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 12.0), egui::Sense::hover());
         ui.painter().circle_filled(dot.center(), 3.5, colour);
         let as_read = format!("As read: {as_read}");
-        ui.label(RichText::new(name).color(colour)).on_hover_text(&as_read);
+        let label = ui.label(RichText::new(name).color(colour)).on_hover_text(&as_read);
+        words::explain_text(label, name);
         let button = ui.small_button("take back").on_hover_text(as_read);
         let label = format!("Take back: {name}");
         button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));

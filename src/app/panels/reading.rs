@@ -8,7 +8,9 @@ use crate::app::model::units::without_negative_zero;
 use crate::app::model::{Command, Commands, OpenDeployment, Picked, Units};
 use crate::app::state::{State, put_right};
 use crate::app::theme;
+use crate::app::words;
 use crate::deployment::{Severity, pair_label};
+use crate::glossary;
 use crate::palette;
 use crate::pipeline::SampleFate;
 use crate::pipeline::explanation::{Explanation, Step, explain};
@@ -68,7 +70,7 @@ fn show(
     ui.horizontal(|ui| {
         let (dot, _) = ui.allocate_exact_size(egui::vec2(12.0, 16.0), egui::Sense::hover());
         ui.painter().circle_filled(dot.center(), 5.0, theme::rgb(palette::fate(fate)));
-        ui.strong(fate.label());
+        words::explain(ui.strong(fate.label()), &glossary::FATE);
     });
     ui.add(egui::Label::new(explained.in_words(open.start_s())).wrap());
     remedy(ui, state, explained, commands);
@@ -165,7 +167,7 @@ fn numbers(ui: &mut egui::Ui, explained: &Explanation, start_s: f64, units: Unit
                 ("gap before (s)".to_owned(), gap(explained.gap_before_s)),
                 ("gap after (s)".to_owned(), gap(explained.gap_after_s)),
             ] {
-                ui.label(name);
+                words::explain_text(ui.label(&name), &name);
                 ui.monospace(format!("{value:>11}"));
                 ui.end_row();
             }
@@ -191,7 +193,7 @@ fn rates(ui: &mut egui::Ui, step: &Step) {
                 let sign = if rate.exceeds() { "  ✗" } else { "" };
                 format!("{} {threshold}{sign}", rate.threshold_name())
             });
-            ui.label(allowed);
+            words::explain_text(ui.label(&allowed), &allowed);
             ui.end_row();
         }
     });

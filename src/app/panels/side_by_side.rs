@@ -7,6 +7,7 @@ use crate::analysis::{Answer, Settings};
 use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::words;
 use crate::calibration::Calibration;
 use crate::deployment::Severity;
 use crate::evaluation::{ControlPointMetric, Spread};
@@ -111,7 +112,7 @@ fn row(
     name: &str,
     cell: impl Fn(&mut egui::Ui, &Calibration, &Answer),
 ) {
-    ui.label(name);
+    words::explain_text(ui.label(name), name);
     for open in &state.open {
         match newest(open) {
             Some(Ok(answer)) => cell(ui, &answer.calibration, answer),

@@ -7,6 +7,7 @@ use crate::app::model::studies::{StudyKind, StudyOptions};
 use crate::app::model::{Command, Commands};
 use crate::app::plots::chart;
 use crate::app::state::State;
+use crate::app::words;
 use crate::calibration::Method;
 use crate::experiment::{Parameter, Sweep};
 use crate::export::box_chart;
@@ -36,7 +37,8 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut options = state.studies.options;
     ui.horizontal_wrapped(|ui| {
         for kind in StudyKind::ALL {
-            ui.radio_value(&mut options.kind, kind, kind.title());
+            let radio = ui.radio_value(&mut options.kind, kind, kind.title());
+            words::explain_text(radio, kind.title());
         }
     });
     run_or_cancel(ui, state, commands);

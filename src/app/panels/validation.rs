@@ -6,6 +6,8 @@ use super::{finding, heading};
 use crate::app::model::{Command, Commands, Units};
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::words;
+use crate::glossary;
 use crate::palette;
 use crate::validation::in_words::chance;
 use crate::validation::{Difference, Validation};
@@ -73,8 +75,9 @@ fn stations(ui: &mut egui::Ui, (index, difference): (usize, &Difference), units:
             for name in ["x (mm)", "y (mm)", "z (mm)", &format!("turn ({small})")] {
                 ui.label(name);
             }
-            ui.label("not moved");
-            ui.label("moved alone");
+            for name in ["not moved", "moved alone"] {
+                words::explain(ui.label(name), &glossary::VALIDATION);
+            }
             ui.end_row();
             for (station, moved) in difference.stations.iter().enumerate() {
                 ui.strong(format!("station {}", station + 1));

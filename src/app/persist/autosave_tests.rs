@@ -1,6 +1,6 @@
 use std::collections::BTreeSet;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::*;
 use crate::app::persist::session::SavedDeployment;
@@ -167,13 +167,13 @@ fn a_killed_process_damages_neither_session_nor_autosave() {
             .spawn()
             .expect("started");
         let before = path.metadata().and_then(|metadata| metadata.modified()).ok();
-        let patience = Instant::now();
         let autosaved =
             || names(&folder.path().join("autosave")).iter().any(|name| name.ends_with(".toml"));
         while path.metadata().and_then(|metadata| metadata.modified()).ok() == before
             || !autosaved()
         {
-            assert!(patience.elapsed() < Duration::from_secs(30), "the child does not save");
+            // However long a save takes on a busy machine.
+            assert!(child.try_wait().expect("a child").is_none(), "the child ended by itself");
             std::thread::sleep(Duration::from_micros(200));
         }
         std::thread::sleep(Duration::from_micros(311 * kill));

@@ -13,9 +13,13 @@ use crate::analysis::Analysis;
 use crate::app::model::{Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::words;
 use crate::calibration::Estimate;
+use crate::glossary::{self, Term};
 use crate::palette;
 
+/// What the numbers above the plot are of.
+const WORDS: &[&Term] = &[&glossary::OWN_CLOCK, &glossary::CLOCK_OFFSET, &glossary::CLOCK_DRIFT];
 /// The least height of the plot (ms): less is noise of the drawing.
 const LEAST_MS: f64 = 1.0;
 /// Least height of a pane whose numbers have lines of their own; in a lower one they share a line, so that the plot has
@@ -42,9 +46,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let caption = caption(open, state, estimated.as_ref());
     let label = egui::Label::new(RichText::new(&caption).small());
     if ui.available_height() < ROOM_FOR_WORDS {
-        ui.add(label.truncate()).on_hover_text(caption.replace("  ·  ", "\n"));
+        let label = ui.add(label.truncate()).on_hover_text(caption.replace("  ·  ", "\n"));
+        words::mark(&label, WORDS);
     } else {
-        ui.add(label.wrap());
+        words::explain_all(ui.add(label.wrap()), WORDS);
     }
     let plot = Plot::new(("clocks", open.id))
         .custom_x_axes(vec![time_axis(ui.available_width())])

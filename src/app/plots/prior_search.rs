@@ -7,6 +7,7 @@ use super::{LABELS, answer, log_axis, round_marks};
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::words;
 use crate::calibration::PriorMethod;
 use crate::calibration::inter_prism::{PriorSearch, SearchRun};
 use crate::palette;
@@ -114,7 +115,8 @@ fn caption(ui: &mut egui::Ui, search: &PriorSearch) {
                 "A run counts when at least three others end within 5 cm and 0.5° of it",
             );
         }
-        ui.small("solid: median of all triplets · dashed: cost (rms) of those below τ_v · cross: does not count · ring: chosen");
+        let key = "solid: median of all triplets · dashed: cost (rms) of those below τ_v · cross: does not count · ring: chosen";
+        words::explain_text(ui.small(key), key);
     });
 }
 

@@ -13,7 +13,9 @@ use crate::app::prepared::gaps;
 use crate::app::prepared::plots::{Band, PreparedPlots};
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::words;
 use crate::deployment::pair_label;
+use crate::glossary;
 use crate::palette;
 
 /// Three times as many dots a pair are all drawn, also where the plot is narrow: of a cloud the eye wants more than the edges.
@@ -40,7 +42,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         }
         time_plot::selection(ui, &times, commands);
         let text = caption(open, analysis, answer, shown_mm);
-        ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
+        let label = egui::Label::new(egui::RichText::new(text).small()).truncate();
+        words::explain(ui.add(label), &glossary::INTER_PRISM_METRIC);
         time_plot::hint(ui, " · ctrl+scroll: zoom in mm");
     });
     let plot = Plot::new(("residuals", open.id))

@@ -7,6 +7,7 @@ use eframe::egui::{
 };
 
 use crate::app::theme;
+use crate::app::words;
 
 /// What is known of a threshold.
 pub struct Threshold<'a> {
@@ -115,6 +116,7 @@ impl Threshold<'_> {
         let sense = if self.enabled { Sense::click_and_drag() } else { Sense::hover() };
         let response = ui.interact(rect, ui.scope_id().with(&name), sense);
         response.widget_info(|| egui::WidgetInfo::slider(self.enabled, self.value, &name));
+        words::mark_text(&response, self.symbol);
         if !self.enabled {
             return (response.on_hover_text("This module of the pipeline is off"), None);
         }

@@ -9,7 +9,8 @@ use super::put_right::Extra;
 use crate::analysis::Settings;
 use crate::app::layout::Layout;
 use crate::app::model::undo::{Change, Changed, Moment};
-use crate::app::model::{Command, Overlay, Palette, Pane, Picked, Timeline, studies};
+use crate::app::model::{Command, Lookup, Overlay, Palette, Pane, Picked, Timeline, studies};
+use crate::app::words;
 use crate::deployment::{Deployment, Source};
 use crate::export;
 use crate::progress::Progress;
@@ -133,6 +134,11 @@ impl State {
             Command::ShowPalette => self.overlay = Overlay::Palette(Palette::default()),
             Command::EditPalette(palette) => self.overlay = Overlay::Palette(palette),
             Command::ShowShortcuts => self.overlay = Overlay::Shortcuts,
+            Command::Explain => {
+                let of = words::pointed_at(ctx);
+                self.overlay = Overlay::Glossary(Lookup { of, ..Lookup::default() });
+            }
+            Command::LookUp(lookup) => self.overlay = Overlay::Glossary(lookup),
             Command::CloseOverlay => self.overlay = Overlay::None,
 
             Command::ScenePicture(to) => {

@@ -28,6 +28,11 @@ impl State {
         }
     }
 
+    /// Waits for the next outcome of a job and applies it; false where none comes. For tests of jobs that nobody counts.
+    pub fn wait_for_outcome(&mut self) -> bool {
+        self.jobs.wait().map(|outcome| outcome(self)).is_some()
+    }
+
     /// A job, by its number, ended in a bug of the program.
     pub(super) fn failed(&mut self, number: u64) {
         self.opening_failed(number);

@@ -25,7 +25,6 @@ mod text_chunks;
 use std::path::PathBuf;
 
 pub use column_mapping::ColumnMapping;
-pub use rtklib_pos::days_from_civil;
 
 use crate::progress::Cancelled;
 

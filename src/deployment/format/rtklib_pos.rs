@@ -8,6 +8,8 @@
 //! Heights may be above the ellipsoid or the sea. They are taken for the former: between antennas of one vehicle
 //! the difference is a few parts in a million of their distance.
 
+use jiff::civil::{Date, date};
+use jiff::tz::Offset;
 use nalgebra::Vector3;
 
 use super::OpenError;
@@ -230,14 +232,13 @@ pub fn write(fixes: &[GnssFix]) -> String {
     text
 }
 
-const DAY_S: f64 = 86_400.0;
-const WEEK_S: f64 = 7.0 * DAY_S;
+const WEEK_S: f64 = 7.0 * 86_400.0;
 
-/// Days from 1970-01-01 to week 0 of GPS, 1980-01-06.
-const GPS_WEEK_0_DAYS: i64 = 3657;
+/// The first day of week 0 of GPS.
+const GPS_WEEK_0: Date = date(1980, 1, 6);
 
 /// Year and month whose first second follows a leap second, since GPS time and UTC agreed (IERS Bulletin C).
-const LEAPS: [(i64, i64); 18] = [
+const LEAPS: [(i16, i8); 18] = [
     (1981, 7),
     (1982, 7),
     (1983, 7),
@@ -274,7 +275,7 @@ fn leaps() -> impl Iterator<Item = (f64, f64)> {
     LEAPS
         .iter()
         .zip(1..)
-        .map(|((year, month), n)| (days_from_civil(*year, *month, 1) as f64 * DAY_S, f64::from(n)))
+        .map(|((year, month), n)| (unix_of_day_s(date(*year, *month, 1)), f64::from(n)))
 }
 
 fn unix_from_gpst_s(gpst_s: f64) -> f64 {
@@ -290,61 +291,40 @@ fn clock_s(first: &str, second: &str) -> Option<f64> {
     if !first.contains('/') {
         let week: u16 = first.parse().ok()?;
         let of_week_s: f64 = second.parse().ok()?;
-        let days = GPS_WEEK_0_DAYS + 7 * i64::from(week);
-        return (0.0..WEEK_S).contains(&of_week_s).then_some(days as f64 * DAY_S + of_week_s);
+        let week_s = unix_of_day_s(GPS_WEEK_0) + f64::from(week) * WEEK_S;
+        return (0.0..WEEK_S).contains(&of_week_s).then_some(week_s + of_week_s);
     }
-    let mut date = first.split('/').map(|part| part.parse::<u16>().ok().map(i64::from));
-    let (year, month, day) = (date.next()??, date.next()??, date.next()??);
+    let mut parts = first.split('/');
+    let year: i16 = parts.next()?.parse().ok()?;
+    let (month, day) = (parts.next()?.parse::<u8>().ok()?, parts.next()?.parse::<u8>().ok()?);
+    let day = Date::new(year, month.try_into().ok()?, day.try_into().ok()?).ok()?;
     let mut time = second.split(':');
     let (hour, minute) = (time.next()?.parse::<u8>().ok()?, time.next()?.parse::<u8>().ok()?);
     let seconds: f64 = time.next()?.parse().ok()?;
-    let days = days_from_civil(year, month, day);
-    // The day exists if the way back leads to it; the 61st second of a minute does in UTC.
+    // The 61st second of a minute exists in UTC.
     let right = year > 999
-        && civil_from_days(days) == (year, month, day)
         && hour < 24
         && minute < 60
         && (0.0..61.0).contains(&seconds)
-        && date.next().is_none()
+        && parts.next().is_none()
         && time.next().is_none();
     let of_day_s = f64::from(hour) * 3600.0 + f64::from(minute) * 60.0 + seconds;
-    right.then_some(days as f64 * DAY_S + of_day_s)
+    right.then_some(unix_of_day_s(day) + of_day_s)
 }
 
 /// `yyyy/mm/dd hh:mm:ss.sss` of seconds since 1970-01-01.
 fn calendar(clock_s: f64) -> String {
-    // Whole milliseconds first: rounding the seconds alone would write the 60th.
+    // Whole milliseconds first: cutting off the rest would write the one before.
     let clock_ms = (clock_s * 1e3).round() as i64;
-    let (days, of_day_ms) = (clock_ms.div_euclid(86_400_000), clock_ms.rem_euclid(86_400_000));
-    let (year, month, day) = civil_from_days(days);
-    let (minutes, seconds) = (of_day_ms / 60_000, (of_day_ms % 60_000) as f64 / 1e3);
-    let (hour, minute) = (minutes / 60, minutes % 60);
-    format!("{year:04}/{month:02}/{day:02} {hour:02}:{minute:02}:{seconds:06.3}")
+    let [first, last] = [jiff::Timestamp::MIN, jiff::Timestamp::MAX];
+    let stamp = jiff::Timestamp::from_millisecond(clock_ms);
+    let stamp = stamp.unwrap_or(if clock_ms < 0 { first } else { last });
+    Offset::UTC.to_datetime(stamp).strftime("%Y/%m/%d %H:%M:%S%.3f").to_string()
 }
 
-/// Days from 1970-01-01 to a date of the Gregorian calendar (Hinnant, "chrono-compatible low-level date
-/// algorithms"). Its years begin in March, so that leap days come last; 719468 days lie before 1970 in them.
-pub fn days_from_civil(year: i64, month: i64, day: i64) -> i64 {
-    let year = if month <= 2 { year - 1 } else { year };
-    let era = year.div_euclid(400);
-    let year_of_era = year.rem_euclid(400);
-    let day_of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
-    let day_of_era = 365 * year_of_era + year_of_era / 4 - year_of_era / 100 + day_of_year;
-    146_097 * era + day_of_era - 719_468
-}
-
-/// The inverse of [`days_from_civil`]: year, month and day.
-fn civil_from_days(days: i64) -> (i64, i64, i64) {
-    let days = days + 719_468;
-    let era = days.div_euclid(146_097);
-    let day_of_era = days.rem_euclid(146_097);
-    let year_of_era =
-        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
-    let month = (from_march + 2) % 12 + 1;
-    (400 * era + year_of_era + i64::from(month <= 2), month, day)
+/// Seconds from 1970-01-01 to a date, were every day as long.
+fn unix_of_day_s(day: Date) -> f64 {
+    day.duration_since(date(1970, 1, 1)).as_secs_f64()
 }
 
 #[cfg(test)]

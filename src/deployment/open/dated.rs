@@ -1,6 +1,7 @@
 //! Whether the stamps of tracks are of the day that the folder is named after.
 
-use crate::deployment::format::days_from_civil;
+use jiff::civil::{Date, date};
+
 use crate::deployment::{Finding, Track};
 
 const DAY_S: f64 = 86_400.0;
@@ -12,13 +13,14 @@ const EARLIEST_STAMP_S: f64 = 978_307_200.0;
 /// A doubt where a station's stamps are more than a day off the date in the folder's name: then other data lies in the
 /// folder than its name says, and rig and control points may be of another day too.
 pub fn contradicts_folder(name: &str, tracks: &[Track; 3]) -> Option<Finding> {
-    let (date, day) = date_in(name)?;
+    let day = date_in(name)?;
+    let day_s = day.duration_since(date(1970, 1, 1)).as_secs_f64();
     let off: Vec<(usize, f64)> = tracks
         .iter()
         .enumerate()
         .filter_map(|(station, track)| {
             let start_s = track.measurements.first().map(|m| m.time_s)?;
-            let days = start_s / DAY_S - day as f64;
+            let days = (start_s - day_s) / DAY_S;
             // A day has its own length before the tolerance after it begins.
             let inside = (-TOLERANCE_DAYS..=1.0 + TOLERANCE_DAYS).contains(&days);
             (start_s > EARLIEST_STAMP_S && !inside).then_some((station + 1, days.floor()))
@@ -27,7 +29,7 @@ pub fn contradicts_folder(name: &str, tracks: &[Track; 3]) -> Option<Finding> {
     let (_, days) = off.first()?;
     let stations: Vec<String> = off.iter().map(|(station, _)| station.to_string()).collect();
     Some(Finding::doubt(format!(
-        "the folder is named {name}, but the stamps of station {} are {:.0} days {} {date}: either the name or the data is \
+        "the folder is named {name}, but the stamps of station {} are {:.0} days {} {day}: either the name or the data is \
          wrong, and rig and control points may be of another day than the tracks",
         stations.join(", "),
         days.abs(),
@@ -35,8 +37,8 @@ pub fn contradicts_folder(name: &str, tracks: &[Track; 3]) -> Option<Finding> {
     )))
 }
 
-/// A date `20220711` or `2022-07-11` in a name, as text and as days since 1970.
-fn date_in(name: &str) -> Option<(String, i64)> {
+/// A date `20220711` or `2022-07-11` in a name.
+fn date_in(name: &str) -> Option<Date> {
     let bytes = name.as_bytes();
     let digits = |at: usize, n: usize| -> Option<i64> {
         let part = bytes.get(at..at + n)?;
@@ -56,7 +58,7 @@ fn date_in(name: &str) -> Option<(String, i64)> {
         let apart_again = usize::from(apart == 1 && bytes.get(at) == bytes.get(start + 4));
         let day = digits(at + apart_again, 2).filter(|day| (1..=31).contains(day))?;
         let ends = apart == apart_again && !is_digit(at + apart_again + 2);
-        ends.then(|| (format!("{year}-{month:02}-{day:02}"), days_from_civil(year, month, day)))
+        if ends { Date::new(year as i16, month as i8, day as i8).ok() } else { None }
     })
 }
 
@@ -72,16 +74,17 @@ mod tests {
             ("2022-07-11-2-published", Some("2022-07-11")),
             ("run_2022_07_11", Some("2022-07-11")),
             ("20221301", None),
+            ("20220230", None),
             ("120220711", None),
             ("202207110", None),
             ("2022-0711", None),
             ("warthog", None),
             ("été 20220711", Some("2022-07-11")),
         ] {
-            assert_eq!(date_in(name).map(|(text, _)| text).as_deref(), expected, "{name}");
+            let found = date_in(name).map(|day| day.to_string());
+            assert_eq!(found.as_deref(), expected, "{name}");
         }
         assert_eq!(date_in("19700101"), None);
-        assert_eq!(date_in("20220711").map(|(_, days)| days), Some(19184));
     }
 
     #[test]

@@ -4,10 +4,12 @@ use eframe::egui::{self, RichText};
 
 use crate::app::model::Units;
 use crate::app::panels::{heading, minima, observability};
+use crate::app::words;
 use crate::calibration::inter_prism::InterPrismDetails;
 use crate::calibration::static_gcp::StaticGcpDetails;
 use crate::calibration::two_point::TwoPointDetails;
 use crate::calibration::{Details, Mirror, ResolvedBy};
+use crate::glossary;
 
 pub fn ui(ui: &mut egui::Ui, details: &Details, units: Units) {
     match details {
@@ -53,7 +55,7 @@ fn mirror(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
             ui.monospace(format!("{:>8.2}", basin.mean_square_m2.sqrt() * 1e3));
         }
         ui.end_row();
-        ui.label("cost ratio");
+        words::explain(ui.label("cost ratio"), &glossary::COST_RATIO);
         ui.monospace(format!("{:>8.2}", 1.0));
         ui.monospace(format!("{ratio:>8.2}"));
         ui.end_row();

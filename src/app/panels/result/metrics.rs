@@ -3,9 +3,11 @@
 use eframe::egui::{self, RichText};
 
 use crate::app::panels::heading;
+use crate::app::words;
 use crate::calibration::Targets;
 use crate::deployment::pair_label;
 use crate::evaluation::{Evaluation, Spread};
+use crate::glossary;
 
 /// What the first metric is of: where all stations follow one prism, the distances compare their versions of it.
 pub fn name(targets: Targets) -> &'static str {
@@ -21,33 +23,35 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
     egui::Grid::new("metrics").num_columns(4).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {
         ui.label("");
         ui.label("median");
-        ui.label("IQR");
+        words::explain(ui.label("IQR"), &glossary::IQR);
         ui.label("n");
         ui.end_row();
-        let row = |ui: &mut egui::Ui, name: RichText, spread: &Spread| {
-            ui.label(name);
+        let row = |ui: &mut egui::Ui, name: RichText, term, spread: &Spread| {
+            words::explain(ui.label(name), term);
             ui.monospace(format!("{:>7.2}", spread.median));
             ui.monospace(format!("{:>7.2}", spread.iqr));
             ui.monospace(spread.n.to_string());
             ui.end_row();
         };
         let all = name(targets);
+        let distances = &glossary::INTER_PRISM_METRIC;
         let each = if targets == Targets::OnePrism { "stations" } else { "prisms" };
         if let Some(spread) = &evaluation.inter_prism_mm {
-            row(ui, RichText::new(all).strong(), spread);
+            row(ui, RichText::new(all).strong(), distances, spread);
         }
         for (pair, spread) in evaluation.inter_prism_by_pair_mm.iter().enumerate() {
             if let Some(spread) = spread {
-                row(ui, RichText::new(format!("   {each} {}", pair_label(pair))), spread);
+                let name = format!("   {each} {}", pair_label(pair));
+                row(ui, RichText::new(name), distances, spread);
             }
         }
         if let Some(spread) = &evaluation.against_measured_mm {
-            row(ui, RichText::new("   as measured"), spread);
+            row(ui, RichText::new("   as measured"), distances, spread);
         }
         for metric in &evaluation.control_points_mm {
             // Files from elsewhere have their whole path.
             let name = metric.file.rsplit(['/', '\\']).next().unwrap_or(&metric.file);
-            row(ui, RichText::new(name), &metric.spread);
+            row(ui, RichText::new(name), &glossary::GCP_METRIC, &metric.spread);
         }
     });
     if evaluation.control_points_mm.is_empty() {

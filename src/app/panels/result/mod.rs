@@ -16,11 +16,13 @@ use crate::analysis::{Analysis, Answer};
 use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::words;
 use crate::calibration::{Calibration, Targets, Verdict};
 use crate::deployment::{Finding, Severity};
 use crate::export::difference::Deviation;
 use crate::export::summary::ResultSummary;
 use crate::export::text;
+use crate::glossary;
 use crate::palette;
 
 /// Beyond this many σ a choice moves the answer more than it should.
@@ -139,12 +141,13 @@ fn head(ui: &mut egui::Ui, open: &OpenDeployment, answer: &Answer, targets: Targ
     }
     if let Some(spread) = &answer.evaluation.inter_prism_mm {
         let what = metrics::name(targets);
-        ui.label(format!("{what} {:.2} mm (median), IQR {:.2} mm", spread.median, spread.iqr));
+        let text = format!("{what} {:.2} mm (median), IQR {:.2} mm", spread.median, spread.iqr);
+        words::explain(ui.label(text), &glossary::INTER_PRISM_METRIC);
     }
 }
 
 /// Problems, then warnings.
-fn doubts(findings: &[Finding]) -> Vec<&Finding> {
+pub fn doubts(findings: &[Finding]) -> Vec<&Finding> {
     let mut doubts: Vec<&Finding> =
         findings.iter().filter(|finding| finding.severity > Severity::Note).collect();
     doubts.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
@@ -172,23 +175,31 @@ const UNCHECKED: &str = "Nothing that it does not rest on confirms it. Control p
 
 fn verdict(ui: &mut egui::Ui, calibration: &Calibration) {
     ui.horizontal(|ui| {
-        badge(ui, calibration.verdict, 15.0);
-        ui.label(calibration.method.label());
+        let badge = badge(ui, calibration.verdict, 15.0);
+        words::explain(badge, &glossary::VERDICT);
+        let method = calibration.method;
+        words::explain(ui.label(method.label()), words::of_method(method));
     });
     let caveat = calibration.verdict.caveat(calibration.is_independently_checked());
     if !caveat.is_empty() {
-        ui.label(caveat.trim_start_matches(", ")).on_hover_text(UNCHECKED);
+        let label = ui.label(caveat.trim_start_matches(", ")).on_hover_text(UNCHECKED);
+        words::mark(&label, &[&glossary::UNCHECKED]);
     }
 }
 
 /// A verdict on its colour.
-pub fn badge(ui: &mut egui::Ui, verdict: Verdict, size: f32) {
+pub fn badge(ui: &mut egui::Ui, verdict: Verdict, size: f32) -> egui::Response {
     let [fill, ink] = palette::verdict(verdict).map(theme::rgb);
     let margin = egui::Margin::symmetric((0.65 * size) as i8, (0.25 * size) as i8);
-    egui::Frame::new().fill(fill).corner_radius(4.0).inner_margin(margin).show(ui, |ui| {
-        let word = verdict.name().to_uppercase();
-        ui.label(RichText::new(word).color(ink).strong().size(size));
-    });
+    egui::Frame::new()
+        .fill(fill)
+        .corner_radius(4.0)
+        .inner_margin(margin)
+        .show(ui, |ui| {
+            let word = verdict.name().to_uppercase();
+            ui.label(RichText::new(word).color(ink).strong().size(size))
+        })
+        .inner
 }
 
 /// One quantity of both stations, beside each number how many σ that is.

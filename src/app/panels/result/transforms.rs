@@ -3,17 +3,19 @@
 use eframe::egui::{self, RichText};
 
 use crate::app::model::{AngleUnit, Units};
+use crate::app::words;
 use crate::calibration::Calibration;
 use crate::export::text;
+use crate::glossary;
 
 /// A column for each transform: value ± σ.
 pub fn table(ui: &mut egui::Ui, calibration: &Calibration, units: Units) {
     let [length, angle] = [units.length.name(), units.angle.name()];
     egui::Grid::new("transforms").num_columns(5).spacing([7.0, 3.0]).striped(true).show(ui, |ui| {
         ui.label("");
-        for station in 1..3 {
-            ui.strong(format!("T1{}", station + 1));
-            ui.weak("± 1 σ");
+        for (station, term) in [(1, &glossary::T12), (2, &glossary::T13)] {
+            words::explain(ui.strong(format!("T1{}", station + 1)), term);
+            words::explain(ui.weak("± 1 σ"), &glossary::SIGMA);
         }
         ui.end_row();
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -26,7 +28,7 @@ pub fn table(ui: &mut egui::Ui, calibration: &Calibration, units: Units) {
             }
             ui.end_row();
         }
-        ui.label(format!("yaw ({angle})"));
+        words::explain(ui.label(format!("yaw ({angle})")), &glossary::YAW);
         for station in 1..3 {
             let value = calibration.station1_from_station[station].yaw_rad();
             let sigma = calibration.sigma.map(|s| s[station - 1].yaw_rad);

@@ -1,0 +1,53 @@
+//! The words of the field, to be looked up: those that F1 was pressed on, or all that have what is typed.
+
+use eframe::egui;
+
+use crate::app::model::{Command, Commands, Lookup};
+use crate::app::words;
+use crate::glossary;
+
+const SIZE: egui::Vec2 = egui::Vec2::new(560.0, 620.0);
+
+pub fn ui(ctx: &egui::Context, lookup: &Lookup, commands: &mut Commands) {
+    let mut edited = lookup.clone();
+    let modal = egui::Modal::new(egui::Id::unique("glossary"));
+    let response = modal.show(ctx, |ui| {
+        let size = SIZE.min(ui.ctx().content_rect().size() - egui::vec2(60.0, 120.0));
+        ui.set_width(size.x);
+        ui.horizontal(|ui| {
+            ui.heading("Words");
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Close").clicked() {
+                    commands.push(Command::CloseOverlay);
+                }
+            });
+        });
+        let field = egui::TextEdit::singleline(&mut edited.query)
+            .hint_text("A word, or what it is about")
+            .desired_width(f32::INFINITY);
+        ui.add(field).accessible_name("Word").request_focus();
+        ui.add_space(4.0);
+        let some = edited.query.trim().is_empty() && !edited.of.is_empty();
+        let found = if some { edited.of.clone() } else { glossary::matching(&edited.query) };
+        let height = size.y - 90.0;
+        // A dialog offers no more room than it had; what is found by the next letter may need it.
+        let list = egui::ScrollArea::vertical().auto_shrink([false, true]).max_height(height);
+        list.min_scrolled_height(height).show(ui, |ui| {
+            for term in &found {
+                words::entry(ui, term);
+                ui.add_space(8.0);
+            }
+        });
+        if found.is_empty() {
+            ui.weak("No word has this in it.");
+        }
+        if some && ui.button("All words").clicked() {
+            edited.of.clear();
+        }
+    });
+    if response.should_close() {
+        commands.push(Command::CloseOverlay);
+    } else if edited != *lookup {
+        commands.push(Command::LookUp(edited));
+    }
+}

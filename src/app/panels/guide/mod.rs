@@ -1,0 +1,300 @@
+//! The guide: from data to an answer that is trusted, step by step, with buttons that do each step. [`steps`] has its words.
+
+mod doubts;
+mod headless;
+mod steps;
+
+use eframe::egui::{self, RichText};
+
+use self::doubts::{DOUBTS, Doubt};
+use self::steps::{Part, STEPS, Step};
+use super::{finding, result, scrolled};
+use crate::app::actions::{self, Action, Menu};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
+use crate::app::{theme, words};
+use crate::calibration::Verdict;
+use crate::deployment::{Finding, Severity};
+use crate::glossary;
+
+/// Of the words that have what is sought, no more are shown below the steps.
+const MOST_WORDS: usize = 6;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let query_id = ui.scope_id().with("query");
+    let mut query: String = ui.data(|data| data.get_temp(query_id)).unwrap_or_default();
+    egui::Frame::new().inner_margin(egui::Margin { bottom: 0, ..8.into() }).show(ui, |ui| {
+        let field = egui::TextEdit::singleline(&mut query)
+            .hint_text("Search the guide and the words")
+            .desired_width(f32::INFINITY);
+        if ui.add(field).accessible_name("Search the guide").changed() {
+            ui.data_mut(|data| data.insert_temp(query_id, query.clone()));
+        }
+    });
+    let all = actions::all(state);
+    let mut guide = Guide { state, actions: &all, commands };
+    scrolled(ui, |ui| {
+        if query.trim().is_empty() {
+            guide.steps(ui);
+        } else {
+            guide.found(ui, &query);
+        }
+    });
+}
+
+/// What the steps are drawn from.
+struct Guide<'a> {
+    state: &'a State,
+    actions: &'a [Action],
+    commands: &'a mut Commands,
+}
+
+impl Guide<'_> {
+    fn steps(&mut self, ui: &mut egui::Ui) {
+        let own_data = self.state.active().is_some_and(|open| !open.placeholder);
+        // Where the user is when the guide is opened.
+        let first = usize::from(own_data);
+        for (index, step) in STEPS.iter().enumerate() {
+            let title = RichText::new(format!("{}  {}", index + 1, step.title)).strong();
+            egui::CollapsingHeader::new(title)
+                .id_salt(step.title)
+                .default_open(index == first)
+                .show(ui, |ui| {
+                    for part in step.parts {
+                        self.part(ui, part);
+                    }
+                });
+        }
+    }
+
+    /// Every part that has all words of the query, with the buttons below it; then the words of the field.
+    fn found(&mut self, ui: &mut egui::Ui, query: &str) {
+        let wanted: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
+        let has = |texts: &[&str]| {
+            let text = texts.join(" ").to_lowercase();
+            wanted.iter().all(|word| text.contains(word.as_str()))
+        };
+        let mut any = false;
+        for step in &STEPS {
+            let parts = found_in(step, &has);
+            let doubts: Vec<&Doubt> = DOUBTS
+                .iter()
+                .filter(|doubt| {
+                    step.parts.iter().any(|part| matches!(part, Part::Doubts))
+                        && has(&[doubt.title, doubt.means])
+                })
+                .collect();
+            if parts.is_empty() && doubts.is_empty() {
+                continue;
+            }
+            any = true;
+            ui.strong(step.title);
+            parts.into_iter().for_each(|part| self.part(ui, part));
+            doubts.into_iter().for_each(|doubt| show_doubt(ui, doubt, false));
+        }
+        let terms = glossary::matching(query);
+        if !terms.is_empty() {
+            ui.add_space(6.0);
+            ui.strong("Words");
+            for term in terms.iter().take(MOST_WORDS) {
+                ui.add_space(4.0);
+                words::entry(ui, term);
+            }
+        }
+        if !any && terms.is_empty() {
+            ui.weak("Neither the guide nor the words have this. Ctrl+P finds what can be done.");
+        }
+    }
+
+    fn part(&mut self, ui: &mut egui::Ui, part: &Part) {
+        match part {
+            Part::Say(text) => {
+                let label = ui.add(egui::Label::new(*text).wrap());
+                words::explain_text(label, text);
+            }
+            Part::Do(names) => {
+                ui.horizontal_wrapped(|ui| {
+                    names.iter().for_each(|name| self.button(ui, *name));
+                });
+                ui.add_space(4.0);
+            }
+            Part::Open => self.what_is_open(ui),
+            Part::Verdict => self.verdict(ui),
+            Part::Doubts => self.doubts(ui),
+            Part::Headless => self.headless(ui),
+        }
+    }
+
+    /// A button for an entry of a menu.
+    fn button(&mut self, ui: &mut egui::Ui, (menu, name): (Menu, &str)) {
+        let found = self.actions.iter().find(|action| action.menu == menu && action.name == name);
+        let Some(action) = found else { return };
+        let label =
+            if action.section == "Panes" { format!("Show {name}") } else { name.to_owned() };
+        let button = ui.add_enabled(action.command.is_some(), egui::Button::new(label));
+        let button =
+            if action.hint.is_empty() { button } else { button.on_hover_text(action.hint) };
+        let why_not = match self.state.active() {
+            None => "Open a deployment first",
+            Some(_) => "Not now: there is nothing for it to work on",
+        };
+        if button.on_disabled_hover_text(why_not).clicked() {
+            self.commands.extend(action.command.clone());
+        }
+    }
+
+    fn what_is_open(&self, ui: &mut egui::Ui) {
+        let Some(open) = self.state.active() else {
+            ui.weak("Nothing is open.");
+            return;
+        };
+        let deployment = &open.deployment;
+        let readings: usize = deployment.tracks.iter().map(|track| track.measurements.len()).sum();
+        let rig = if deployment.rig.is_some() { "rig known" } else { "rig not known" };
+        let points = match deployment.control_points.len() {
+            0 => "no control points".to_owned(),
+            1 => "1 file of control points".to_owned(),
+            count => format!("{count} files of control points"),
+        };
+        let name = &deployment.name;
+        ui.label(format!("Open now: {name}, {readings} readings, {rig}, {points}."));
+    }
+
+    /// The findings that limit the present answer.
+    fn present_doubts(&self) -> Vec<&Finding> {
+        let answer =
+            self.state.analysed().and_then(|(_, analysis)| analysis.answer.as_deref().ok());
+        answer.map_or_else(Vec::new, |answer| result::doubts(&answer.calibration.findings))
+    }
+
+    fn verdict(&self, ui: &mut egui::Ui) {
+        let answer = match self.state.analysed().map(|(_, analysis)| &analysis.answer) {
+            Some(Ok(answer)) => answer,
+            Some(Err(error)) => {
+                finding(ui, &Finding::problem(error.to_string()));
+                return;
+            }
+            None => {
+                ui.weak("No answer yet.");
+                return;
+            }
+        };
+        let calibration = &answer.calibration;
+        ui.horizontal_wrapped(|ui| {
+            result::badge(ui, calibration.verdict, 12.0);
+            let caveat = calibration.verdict.caveat(calibration.is_independently_checked());
+            ui.label(caveat.trim_start_matches(", "));
+        });
+        self.present_doubts().into_iter().for_each(|one| finding(ui, one));
+        if let Some(details) = calibration.inter_prism() {
+            let lead = match calibration.verdict {
+                Verdict::Good => "To do better next time",
+                _ => "Next time",
+            };
+            let text = format!("{lead}: {}.", details.observability.advice);
+            let label = ui.add(egui::Label::new(RichText::new(&text).strong()).wrap());
+            words::explain_text(label, &text);
+        }
+        ui.add_space(4.0);
+    }
+
+    /// Every kind of doubt; those about the present answer come first, and open.
+    fn doubts(&self, ui: &mut egui::Ui) {
+        let present = self.present_doubts();
+        let is_present =
+            |doubt: &Doubt| present.iter().any(|finding| doubt.is_of(&finding.message));
+        let (now, others): (Vec<&Doubt>, Vec<&Doubt>) =
+            DOUBTS.iter().partition(|doubt| is_present(doubt));
+        ui.strong("What the doubts mean");
+        now.into_iter().for_each(|doubt| show_doubt(ui, doubt, true));
+        for doubt in others {
+            ui.collapsing(doubt.title, |ui| ui.add(egui::Label::new(doubt.means).wrap()));
+        }
+    }
+
+    fn headless(&mut self, ui: &mut egui::Ui) {
+        let open = self.state.active().and_then(|open| Some((open, open.source.as_ref()?)));
+        let command = open
+            .and_then(|(open, source)| headless::command(source, &open.settings))
+            .unwrap_or_else(|| "resect calibrate FOLDER --json > calibration.json".to_owned());
+        let text = RichText::new(&command).monospace().size(11.0);
+        ui.add(egui::Label::new(text).wrap());
+        ui.horizontal_wrapped(|ui| {
+            if ui.button("Copy the command").clicked() {
+                self.commands.push(Command::Copy(command));
+            }
+            let settings = self.state.settings();
+            let button = ui
+                .button("Copy the settings")
+                .on_hover_text(format!("As TOML, to be saved as {}", headless::SETTINGS_FILE));
+            if button.clicked()
+                && let Ok(text) = toml::to_string(settings)
+            {
+                self.commands.push(Command::Copy(text));
+            }
+        });
+        if self.state.extras().is_some_and(|extras| !extras.put_right.is_empty()) {
+            let (colour, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
+            let text = "What you put right goes along once the folder itself says it:";
+            ui.label(RichText::new(text).color(colour));
+            self.button(ui, (Menu::Edit, "Write to deployment.toml…"));
+        }
+        ui.add_space(4.0);
+    }
+}
+
+/// The parts of a step that have what is sought, each with the buttons that follow it; all, where the title has it.
+fn found_in<'a>(step: &'a Step, has: &impl Fn(&[&str]) -> bool) -> Vec<&'a Part> {
+    let whole = has(&[step.title]);
+    let mut found = Vec::new();
+    let mut above = false;
+    for part in step.parts {
+        match part {
+            Part::Say(text) => above = whole || has(&[step.title, text]),
+            Part::Do(names) => {
+                let names: Vec<&str> = names.iter().map(|(_, name)| *name).collect();
+                above |= has(&names);
+            }
+            // Shown with all kinds of doubts, or by themselves.
+            Part::Doubts => continue,
+            Part::Open | Part::Verdict | Part::Headless => {}
+        }
+        if whole || above {
+            found.push(part);
+        }
+    }
+    found
+}
+
+fn show_doubt(ui: &mut egui::Ui, doubt: &Doubt, present: bool) {
+    let title = RichText::new(doubt.title);
+    let (colour, sign) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
+    ui.add_space(2.0);
+    if present {
+        ui.label(RichText::new(format!("{sign} {}, here", doubt.title)).color(colour));
+    } else {
+        ui.label(title.italics());
+    }
+    ui.indent(doubt.title, |ui| ui.add(egui::Label::new(doubt.means).wrap()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An entry that is renamed in its menu would silently lose its button.
+    #[test]
+    fn every_button_is_an_entry_of_a_menu() {
+        let state = State::new(egui::Context::default());
+        let actions = actions::all(&state);
+        for step in &STEPS {
+            for part in step.parts {
+                let Part::Do(names) = part else { continue };
+                for (menu, name) in *names {
+                    let known = actions.iter().any(|a| a.menu == *menu && a.name == *name);
+                    assert!(known, "{}: {menu:?} has no {name}", step.title);
+                }
+            }
+        }
+    }
+}

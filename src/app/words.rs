@@ -1,0 +1,115 @@
+//! Words of the field where they stand: explained on hover, and by F1 where the pointer or the focus is.
+
+use eframe::egui::{self, CursorIcon, Id, Response, RichText, Sense};
+
+use crate::calibration::Method;
+use crate::glossary::{self, Term};
+
+const WIDTH: f32 = 340.0;
+/// Of a long sentence no more are explained on hover.
+const MOST_ON_HOVER: usize = 3;
+
+/// What F1 explains, in this order.
+#[derive(Clone, Copy)]
+enum At {
+    Pointer,
+    Focus,
+}
+
+/// Explains a word on hover and by F1.
+pub fn explain(response: Response, term: &'static Term) -> Response {
+    explain_all(response, &[term])
+}
+
+/// Explains the words that stand in a text; nothing where none does.
+pub fn explain_text(response: Response, text: &str) -> Response {
+    if !is_looked_at(&response) {
+        return response;
+    }
+    let terms = glossary::in_text(text);
+    if terms.is_empty() { response } else { explain_all(response, &terms) }
+}
+
+/// Explains several words.
+pub fn explain_all(response: Response, terms: &[&'static Term]) -> Response {
+    mark(&response, terms);
+    let show = |ui: &mut egui::Ui| {
+        ui.set_max_width(WIDTH);
+        for (index, term) in terms.iter().take(MOST_ON_HOVER).enumerate() {
+            if index > 0 {
+                ui.add_space(4.0);
+            }
+            entry(ui, term);
+        }
+    };
+    let passive = !response.sense.intersects(Sense::CLICK | Sense::DRAG);
+    let response = response.on_hover_ui(show).on_disabled_hover_ui(show);
+    if passive { response.on_hover_cursor(CursorIcon::Help) } else { response }
+}
+
+/// Lets F1 explain a widget that has a hint of its own.
+pub fn mark(response: &Response, terms: &[&'static Term]) {
+    if terms.is_empty() {
+        return;
+    }
+    let at = if response.contains_pointer() {
+        At::Pointer
+    } else if response.has_focus() {
+        At::Focus
+    } else {
+        return;
+    };
+    let marked = (response.ctx.cumulative_pass_nr(), terms.to_vec());
+    response.ctx.data_mut(|data| data.insert_temp(place(at), marked));
+}
+
+/// The same for the words of a text.
+pub fn mark_text(response: &Response, text: &str) {
+    if is_looked_at(response) {
+        mark(response, &glossary::in_text(text));
+    }
+}
+
+/// Reading a text takes longer than drawing it.
+fn is_looked_at(response: &Response) -> bool {
+    response.contains_pointer() || response.has_focus()
+}
+
+/// What was marked in this frame under the pointer, or else where the focus is; nothing where neither is on a word.
+pub fn pointed_at(ctx: &egui::Context) -> Vec<&'static Term> {
+    let now = ctx.cumulative_pass_nr();
+    let marked = |at: At| {
+        let marked: Option<(u64, Vec<&'static Term>)> = ctx.data(|data| data.get_temp(place(at)));
+        marked.filter(|(pass, _)| *pass == now).map(|(_, terms)| terms)
+    };
+    marked(At::Pointer).or_else(|| marked(At::Focus)).unwrap_or_default()
+}
+
+fn place(at: At) -> Id {
+    Id::unique(("explained words", at as u8))
+}
+
+/// A word with its other names, what it means, and where the paper has it.
+pub fn entry(ui: &mut egui::Ui, term: &Term) {
+    ui.horizontal_wrapped(|ui| {
+        ui.strong(term.name);
+        if !term.also.is_empty() {
+            ui.label(RichText::new(term.also.join(", ")).small().weak());
+        }
+    });
+    ui.add(egui::Label::new(term.means).wrap());
+    if let Some(source) = term.source() {
+        ui.label(RichText::new(source).small().weak());
+    }
+}
+
+/// The term of a method.
+pub fn of_method(method: Method) -> &'static Term {
+    match method {
+        Method::TwoPoint => &glossary::TWO_POINT,
+        Method::StaticGcp => &glossary::STATIC_GCP,
+        Method::DynamicGcp => &glossary::DYNAMIC_GCP,
+        Method::InterPrism => &glossary::INTER_PRISM,
+        Method::Joint => &glossary::JOINT,
+    }
+}
