@@ -683,7 +683,8 @@ fn a_word_is_explained_and_all_are_listed() {
     let text = stdout(&["explain", "tau-s"]);
     assert!(text.starts_with("τ_s\n") && text.contains("longest gap inside an interval"), "{text}");
     assert!(text.contains("Vaidis et al. 2022, "), "{text}");
-    let heads = |text: &str| text.lines().filter(|line| !line.starts_with(' ') && !line.is_empty()).count();
+    let heads =
+        |text: &str| text.lines().filter(|line| !line.starts_with(' ') && !line.is_empty()).count();
     assert_eq!(heads(&text), 1, "{text}");
     let all = stdout(&["explain"]);
     assert_eq!(heads(&all), resect::glossary::ALL.len());
