@@ -111,6 +111,7 @@ impl eframe::App for ResectWindow {
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
         panels::time_bar::ui(ui, &self.state, &mut commands);
+        panels::toasts::ui(ui, &self.state.toasts, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
             // Panes may move the layout and the camera while they read all the rest.
@@ -125,9 +126,6 @@ impl eframe::App for ResectWindow {
             layout.ui(ui, &mut |pane, ui| panes.pane(pane, ui));
             (self.state.layout, self.state.view) = (layout, view);
         });
-        if !self.state.picturing {
-            panels::toasts::ui(&ctx, &self.state.toasts, &mut commands);
-        }
         panels::drop_hint::ui(ui, &self.state, &mut commands);
         match &self.state.overlay {
             Overlay::None => {}
@@ -184,7 +182,7 @@ impl Panes<'_> {
             Pane::Deployment => panels::deployment::ui(ui, self.state, self.commands),
             Pane::Pipeline => panels::pipeline::ui(ui, self.state, self.commands),
             Pane::Scene if self.state.open.is_empty() && self.state.opening.is_empty() => {
-                panels::empty_state::ui(ui, &self.state.session.recent, self.commands);
+                panels::empty_state::ui(ui, &self.state.session, self.commands);
             }
             Pane::Scene => self.scene.ui(ui, self.state, self.view, self.commands),
             Pane::Result => panels::result::ui(ui, self.state, self.commands),

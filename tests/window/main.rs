@@ -8,6 +8,7 @@ mod asking;
 mod clocks;
 mod drives;
 mod harness;
+mod messages;
 mod naming;
 mod opening;
 mod panes;

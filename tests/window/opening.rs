@@ -142,11 +142,7 @@ fn warnings_are_told_once_and_errors_until_they_are_dismissed() {
         let done = "warthog.tum written";
         harness.state_mut().state.toasts.done(done);
         harness.run_steps(2);
-        snapshot_of(
-            &mut harness,
-            Part::LowerRight(Vec2::new(520.0, 360.0)),
-            &format!("toasts-{name}"),
-        );
+        snapshot_of(&mut harness, Part::Bottom(140.0), &format!("toasts-{name}"));
         let texts = |harness: &Window| -> Vec<String> {
             harness.state().state.toasts.shown().iter().map(|toast| toast.text.clone()).collect()
         };

@@ -5,6 +5,7 @@ use eframe::egui::{Key, Modifiers};
 use super::{Action, Menu};
 use crate::analysis::Settings;
 use crate::app::model::Command;
+use crate::app::model::undo::Step;
 use crate::app::state::{State, put_right};
 use crate::calibration::Method;
 use crate::deployment::Extras;
@@ -12,11 +13,15 @@ use crate::pipeline::Interpolation;
 
 pub fn actions(state: &State) -> Vec<Action> {
     let open = state.active().is_some();
+    let undo = of_which(state, state.undo.undo_name(), state.undo.next_undo());
+    let redo = of_which(state, state.undo.redo_name(), state.undo.next_redo());
     let mut actions = vec![
-        Action::new(Menu::Edit, "", state.undo.undo_name(), Command::Undo)
+        Action::new(Menu::Edit, "", undo, Command::Undo)
+            .in_general("Undo")
             .ctrl(Key::Z)
             .possible(state.undo.next_undo().is_some()),
-        Action::new(Menu::Edit, "", state.undo.redo_name(), Command::Redo)
+        Action::new(Menu::Edit, "", redo, Command::Redo)
+            .in_general("Redo")
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
             .possible(state.undo.next_redo().is_some()),
     ];
@@ -70,6 +75,17 @@ pub fn actions(state: &State) -> Vec<Action> {
             .possible(state.open.iter().any(|open| open.settings != *now)),
     );
     actions
+}
+
+/// "Undo τ_r 2 → 1.5 m/s", and where several are open of which; what it acts on is shown.
+fn of_which(state: &State, name: String, step: Option<&Step>) -> String {
+    match step.map(|step| &step.changes[..]) {
+        Some([one]) if state.open.len() > 1 => {
+            format!("{name} in {}", state.name_of(one.id).unwrap_or_default())
+        }
+        Some(several @ [_, _, ..]) => format!("{name} in {} deployments", several.len()),
+        _ => name,
+    }
 }
 
 /// What is put right in the data.

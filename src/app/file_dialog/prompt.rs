@@ -51,14 +51,15 @@ pub enum PromptStep {
 }
 
 impl PathPrompt {
-    /// Starts in a folder, which is to be read.
-    pub fn new(question: Question, folder: PathBuf, recent: &[PathBuf]) -> (Self, PromptStep) {
+    /// Starts in a folder, which is to be read. `recent`: places opened before, with their names.
+    pub fn new(
+        question: Question,
+        folder: PathBuf,
+        recent: Vec<(String, PathBuf)>,
+    ) -> (Self, PromptStep) {
         let mut places: Vec<(String, PathBuf)> = Vec::new();
         places.extend(home().map(|home| ("Home".to_owned(), home)));
-        for path in recent {
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-            places.push((name, path.clone()));
-        }
+        places.extend(recent);
         let mut prompt = Self {
             question,
             text: String::new(),
@@ -302,7 +303,7 @@ mod tests {
             std::fs::write(folder.path().join("field/notes.txt"), "rain\n").expect("writable");
             std::fs::write(folder.path().join("field/.hidden"), "").expect("writable");
             let question = Question::new("Open", wanted);
-            let (prompt, step) = PathPrompt::new(question, folder.path().join("field"), &[]);
+            let (prompt, step) = PathPrompt::new(question, folder.path().join("field"), vec![]);
             let mut desk = Self { folder, prompt };
             desk.follow(step);
             desk

@@ -10,6 +10,7 @@ mod command;
 pub mod flight;
 pub mod layout_description;
 pub mod layout_presets;
+pub mod names;
 mod open_deployment;
 mod overlay;
 pub mod pane;

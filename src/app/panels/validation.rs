@@ -16,7 +16,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands)
     ui.add_space(6.0);
     heading(ui, "The same set-up?");
     ui.horizontal(|ui| {
-        let text = format!("Apply {}'s calibration to the others", active.deployment.name);
+        let name = state.name_of(active.id).unwrap_or_default();
+        let text = format!("Apply {name}'s calibration to the others");
         let button = ui
             .add_enabled(state.can_validate(), egui::Button::new(text))
             .on_hover_text("Whether it holds there: the metric, and which station moved since")

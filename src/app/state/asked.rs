@@ -86,7 +86,7 @@ impl State {
         }
         let shown = self.active().map(|open| open.id);
         let targets: Vec<(u64, String)> =
-            self.open.iter().map(|open| (open.id, open.deployment.name.clone())).collect();
+            self.open.iter().map(|open| open.id).zip(self.names()).collect();
         let target = targets.iter().position(|(id, _)| Some(*id) == shown).unwrap_or(0);
         if targets.is_empty() && folders.is_empty() {
             let line = "these files describe a deployment, but none is open; open its tracks first";

@@ -33,7 +33,8 @@ impl State {
             Command::RetryMissing => self.retry_missing(),
             Command::ForgetMissing(index) => {
                 if index < self.session.missing.len() {
-                    self.session.missing.remove(index);
+                    let missing = self.session.missing.remove(index);
+                    self.toasts.settled(&missing.saved.source.place);
                 }
             }
             Command::Activate(id) => {
@@ -243,6 +244,7 @@ impl State {
         self.analyser.forget(id);
         self.session.files.remove(&id);
         self.undo.forget(id);
+        self.toasts.closed(id);
         // The one shown stays shown; of a closed one, its neighbour.
         if index == self.active {
             self.show(index.min(self.open.len().saturating_sub(1)));

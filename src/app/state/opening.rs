@@ -185,10 +185,11 @@ impl State {
                 return;
             }
             Err(error) => {
-                self.toasts.error(&error.to_string());
+                self.toasts.not_opened(&source.place, &error.to_string());
                 return;
             }
         };
+        self.toasts.settled(&source.place);
         match then {
             Then::Show(settings) => {
                 self.add_with(deployment, Some(source), settings);
@@ -223,9 +224,10 @@ impl State {
 
     /// What the readers noticed and the user was not told yet.
     pub(super) fn tell_of_reading(&mut self, index: usize) {
-        let Some(open) = self.open.get_mut(index) else { return };
-        let deployment = &open.deployment;
-        self.toasts.findings(&deployment.name, &deployment.findings, &mut open.told);
+        let Some(name) = self.names().into_iter().nth(index) else { return };
+        let open = &mut self.open[index];
+        let findings = &open.deployment.findings;
+        self.toasts.findings((open.id, &name), findings, &mut open.told);
     }
 
     /// Finds out what paths are, beside the worker: a folder may lie on a slow disk.

@@ -7,6 +7,7 @@ use super::State;
 use crate::analysis::{Analysis, Analyst, Settings, changes_in_words, setting_changes};
 use crate::app::model::{Pin, Run};
 use crate::app::prepared::{PreparedPlots, RawReadings};
+use crate::export::summary::ResultSummary;
 
 /// Most runs that are kept: more are not looked at again; the oldest go.
 const MOST_RUNS: usize = 200;
@@ -18,6 +19,13 @@ impl State {
         let now = self.active()?.summary.as_ref()?;
         let pins = &self.results.pins;
         pins.iter().rev().find(|pin| pin.summary.has_same_data(now)).or(pins.last())
+    }
+
+    /// The name of what a result is of, which tells it from the others that are open.
+    pub fn name_of_result(&self, summary: &ResultSummary) -> String {
+        let mut of = self.open.iter().filter(|open| summary.is_of(&open.deployment));
+        let only = of.next().filter(|_| of.next().is_none());
+        only.and_then(|open| self.name_of(open.id)).unwrap_or_else(|| summary.deployment.clone())
     }
 
     /// Remembers what an analysis led to. One drag is one run.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::State;
 use crate::app::layout::Layout;
 use crate::app::model::OpenDeployment;
+use crate::app::model::names::told_apart;
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::last::LastSession;
 use crate::app::persist::preferences::{Recent, remember};
@@ -87,6 +88,16 @@ impl SessionState {
             waiting.shown = false;
             self.shown = Some(id);
         }
+    }
+
+    /// The names of what was opened before, which tell them apart.
+    pub fn recent_names(&self) -> Vec<String> {
+        title_of_each(self.recent.iter().map(|recent| &recent.source))
+    }
+
+    /// The names of what could not be opened, which tell them apart.
+    pub fn missing_names(&self) -> Vec<String> {
+        title_of_each(self.missing.iter().map(|missing| &missing.saved.source))
     }
 
     /// A deployment was opened that can be opened again.
@@ -348,7 +359,7 @@ impl State {
     /// A deployment of the session cannot be opened; it stays in it.
     pub(super) fn not_restored(&mut self, why: &str) {
         let Some(Waiting { saved, place, .. }) = self.session.restoring.take() else { return };
-        self.toasts.error(&format!("{why} (it stays in the session)"));
+        self.toasts.not_opened(&saved.source.place, &format!("{why} (it stays in the session)"));
         self.session.missing.push(Missing { saved, why: why.to_owned(), place });
         self.restore_next();
     }
@@ -367,6 +378,10 @@ impl State {
             self.toasts.warning(&finding.message);
         }
     }
+}
+
+fn title_of_each<'a>(sources: impl Iterator<Item = &'a Source>) -> Vec<String> {
+    told_apart(&sources.map(|source| (source.title(), source.path())).collect::<Vec<_>>())
 }
 
 #[cfg(test)]
