@@ -5,6 +5,9 @@ use std::sync::Arc;
 
 use eframe::egui;
 
+mod shell;
+
+use self::shell::{FIRST_POINTS, LEAST_POINTS, Shell};
 use super::actions;
 use super::keeping::Keeping;
 use super::layout::Layout;
@@ -31,6 +34,7 @@ pub enum Start {
 pub struct ResectWindow {
     pub state: State,
     scene: SceneView,
+    shell: Shell,
     /// What is kept of the user's; `None` for pictures and tests.
     keeping: Option<(Keeping, egui::Context)>,
 }
@@ -68,7 +72,7 @@ impl ResectWindow {
         }
         let scene = SceneView::new(creation.wgpu_render_state.as_ref());
         let keeping = keeping.map(|keeping| (keeping, ctx.clone()));
-        Self { state, scene, keeping }
+        Self { state, scene, shell: Shell::default(), keeping }
     }
 
     pub fn layout(&self) -> &Layout {
@@ -154,6 +158,7 @@ impl eframe::App for ResectWindow {
             // To dim the old answer, and to turn the spinner.
             ctx.request_repaint_after(std::time::Duration::from_millis(50));
         }
+        self.shell.frame(&ctx, self.state.title());
         if let Some((keeping, _)) = &mut self.keeping {
             keeping.frame(&ctx, &mut self.state);
         }
@@ -212,8 +217,8 @@ pub fn open_window(start: Start) -> eframe::Result {
     let mut viewport = egui::ViewportBuilder::default()
         .with_title("resect")
         .with_app_id("resect")
-        .with_inner_size(size.unwrap_or([1600.0, 1000.0]))
-        .with_min_inner_size([900.0, 600.0])
+        .with_inner_size(size.unwrap_or(FIRST_POINTS))
+        .with_min_inner_size(LEAST_POINTS)
         .with_drag_and_drop(true);
     if let Some(icon) = icon {
         viewport = viewport.with_icon(icon);

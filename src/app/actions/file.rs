@@ -33,6 +33,12 @@ pub fn actions(state: &State) -> Vec<Action> {
                 .hint("Before another session took its place, or the last window was closed"),
         );
     }
+    if state.session.recovered {
+        actions.push(
+            file("Session", "Discard what was restored", Command::DiscardRecovered)
+                .hint("What was open when resect stopped; it can be opened again"),
+        );
+    }
     if !state.session.missing.is_empty() {
         let hint = "Those of the session that could not be opened";
         actions.push(

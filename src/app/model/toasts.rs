@@ -37,15 +37,13 @@ pub struct Toast {
     /// How often the same was said while it is shown.
     pub count: usize,
     about: About,
-    /// Whether it stays until it is dismissed, whatever its level.
-    stays: bool,
     /// Since when it is seen (s of the window's clock); `None` until the next frame.
     since_s: Option<f64>,
 }
 
 impl Toast {
     fn life_s(&self) -> f64 {
-        if self.stays { f64::INFINITY } else { self.level.life_s() }
+        if self.about == About::Offer { f64::INFINITY } else { self.level.life_s() }
     }
 }
 
@@ -58,6 +56,8 @@ enum About {
     Findings(u64, Vec<Finding>),
     /// A place that could not be opened.
     Place(Place),
+    /// What the user may still decide.
+    Offer,
 }
 
 /// Most toasts that tell no error: more would leave the panes no room.
@@ -102,12 +102,14 @@ impl Toasts {
         self.line(ToastLevel::Warning, line, About::Past);
     }
 
-    /// Tells what was done and can be undone by a button, until it is dismissed.
+    /// Tells what was done and can be undone by a button, until that is decided.
     pub fn offer(&mut self, line: &str, action: (&'static str, Command)) {
-        self.push(ToastLevel::Warning, halves(line), Some(action), About::Past);
-        if let Some(toast) = self.shown.last_mut() {
-            toast.stays = true;
-        }
+        self.push(ToastLevel::Warning, halves(line), Some(action), About::Offer);
+    }
+
+    /// It was decided otherwise.
+    pub fn withdraw_offer(&mut self) {
+        self.shown.retain(|toast| toast.about != About::Offer);
     }
 
     fn line(&mut self, level: ToastLevel, line: &str, about: About) {
@@ -190,9 +192,9 @@ impl Toasts {
         let before = self.shown.iter().position(same).map(|index| self.shown.remove(index));
         let count = 1 + before.map_or(0, |toast| toast.count);
         self.newest_id += 1;
-        let (id, since_s, stays) = (self.newest_id, None, false);
-        self.shown.push(Toast { id, level, text, detail, action, count, about, stays, since_s });
-        let expendable = |toast: &Toast| toast.level != ToastLevel::Error && !toast.stays;
+        let (id, since_s) = (self.newest_id, None);
+        self.shown.push(Toast { id, level, text, detail, action, count, about, since_s });
+        let expendable = |toast: &Toast| toast.life_s().is_finite();
         if self.shown.iter().filter(|toast| expendable(toast)).count() > MOST_TOASTS {
             let oldest = self.shown.iter().position(expendable);
             self.shown.remove(oldest.unwrap_or(0));

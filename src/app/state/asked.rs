@@ -132,7 +132,16 @@ impl State {
     }
 
     pub(super) fn cancel_asked(&mut self) {
-        self.asked.pop_front();
+        let Some(Waiting { reading, .. }) = self.asked.pop_front() else { return };
+        if let Some((source, Then::Restore)) = reading {
+            self.not_restored(&format!("{}: what was asked has no answer", source.title()));
+        }
+    }
+
+    /// What a session has opened until now is no longer wanted, nor what had to be asked for it.
+    pub(super) fn ask_nothing_of_restoring(&mut self) {
+        let of_restoring = |waiting: &Waiting| matches!(waiting.reading, Some((_, Then::Restore)));
+        self.asked.retain(|waiting| !of_restoring(waiting));
     }
 
     pub(super) fn answer_asked(&mut self, answer: AskedAnswer) {
@@ -183,7 +192,10 @@ impl State {
         }
         if let Some((mut source, then)) = reading {
             source.extras.add(Extras { put_right, ..Extras::default() });
-            self.read(source, then);
+            match then {
+                Then::Restore => self.restore_with(source),
+                then => self.read(source, then),
+            }
         }
     }
 }

@@ -27,6 +27,7 @@ impl State {
             Command::Prompt(command) => self.answer_prompt(command),
             Command::OpenSessionDialog => self.open_session_dialog(),
             Command::ReopenLast => self.reopen_last(),
+            Command::DiscardRecovered => self.discard_recovered(),
             Command::SaveSession => self.save_session(false),
             Command::SaveSessionAs => self.save_session(true),
             Command::HoverPaths(paths) => self.hover_paths(paths),

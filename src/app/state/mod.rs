@@ -7,6 +7,7 @@ mod asking;
 mod deployment_toml;
 mod handle;
 mod hovering;
+mod naming;
 mod opening;
 mod outcomes;
 mod picture;
@@ -34,14 +35,12 @@ use super::layout::Layout;
 use super::model::View;
 use super::prepared::analyser::Analyser;
 use crate::analysis::{Analysis, Settings};
-use crate::app::model::names::told_apart;
 use crate::app::model::studies::Studies;
 use crate::app::model::toasts::Toasts;
 use crate::app::model::{
     Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Playback, Results, Ruler,
     UndoStack, Units, Validations, Visibility,
 };
-use crate::deployment::Source;
 
 /// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
 const DIM_AFTER: Duration = Duration::from_millis(80);
@@ -146,20 +145,6 @@ impl State {
     /// What the panes show.
     pub fn active(&self) -> Option<&OpenDeployment> {
         self.open.get(self.active)
-    }
-
-    /// The names of the open deployments, which tell them apart.
-    pub fn names(&self) -> Vec<String> {
-        let named = self.open.iter().map(|open| {
-            (open.deployment.name.clone(), open.source.as_ref().and_then(Source::path))
-        });
-        told_apart(&named.collect::<Vec<_>>())
-    }
-
-    /// The name of an open deployment among the others, by its id.
-    pub fn name_of(&self, id: u64) -> Option<String> {
-        let index = self.open.iter().position(|open| open.id == id)?;
-        self.names().into_iter().nth(index)
     }
 
     /// The active deployment with its newest answer, once there is one.

@@ -151,6 +151,7 @@ impl State {
             .partition::<Vec<_>, _>(|opening| opening.then == Then::Restore);
         restoring.iter().for_each(|opening| opening.progress.cancel());
         self.opening = others;
+        self.ask_nothing_of_restoring();
     }
 
     /// A bug stopped the reading.
@@ -175,15 +176,15 @@ impl State {
                 self.not_restored(&format!("{}: reading was cancelled", source.title()));
                 return;
             }
+            Err(OpenError::Question(question)) => {
+                self.ask_and_read(*question, source, then);
+                return;
+            }
             Err(error) if then == Then::Restore => {
                 self.not_restored(&error.to_string());
                 return;
             }
             Err(OpenError::Cancelled) => return,
-            Err(OpenError::Question(question)) => {
-                self.ask_and_read(*question, source, then);
-                return;
-            }
             Err(error) => {
                 self.toasts.not_opened(&source.place, &error.to_string());
                 return;

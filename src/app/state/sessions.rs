@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use super::State;
 use crate::app::layout::Layout;
-use crate::app::model::OpenDeployment;
 use crate::app::model::names::told_apart;
+use crate::app::model::{Command, OpenDeployment};
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::last::LastSession;
 use crate::app::persist::preferences::{Recent, remember};
@@ -22,6 +22,10 @@ use crate::deployment::{Deployment, Finding, Source};
 pub struct SessionState {
     /// The session's file, once it was saved or opened.
     pub path: Option<PathBuf>,
+    /// What is in that file.
+    pub(super) kept: Option<Session>,
+    /// Whether what is open was restored after a crash, and the user has not decided about it.
+    pub recovered: bool,
     /// Deployments that could not be opened; they stay in the session, whose next save keeps them.
     pub missing: Vec<Missing>,
     /// Opened before, in this window or another; the newest first.
@@ -216,29 +220,60 @@ impl State {
         self.session.done(number);
         match result {
             Ok((session, findings)) => {
-                let replaced = self.session();
-                if !replaced.is_empty() {
-                    self.session.replaced.get_or_insert(replaced);
-                }
-                let ids: Vec<u64> = self.open.iter().map(|open| open.id).collect();
-                for id in ids {
-                    self.close(id);
-                }
-                self.results.pins.clear();
-                self.results.runs.clear();
-                self.session.missing.clear();
-                self.session.waiting.clear();
-                self.session.restoring = None;
-                self.session.shown = None;
-                self.give_up_restoring();
-                self.session.opened += 1;
+                self.clear();
                 // The program's own file is not where the user saves.
                 let last = self.session.last.as_ref().and_then(LastSession::path);
                 self.session.path = (last != Some(path.as_path())).then_some(path);
+                self.session.kept = Some(session.clone());
                 self.tell(&findings);
                 self.restore(session);
             }
             Err(error) => self.toasts.error(&error.to_string()),
+        }
+    }
+
+    /// Closes everything; it can be opened again.
+    fn clear(&mut self) {
+        let replaced = self.session();
+        if !replaced.is_empty() {
+            self.session.replaced.get_or_insert(replaced);
+        }
+        let ids: Vec<u64> = self.open.iter().map(|open| open.id).collect();
+        for id in ids {
+            self.close(id);
+        }
+        self.results.pins.clear();
+        self.results.runs.clear();
+        self.give_up_restoring();
+        let session = &mut self.session;
+        session.missing.clear();
+        session.waiting.clear();
+        (session.restoring, session.shown) = (None, None);
+        (session.path, session.kept) = (None, None);
+        session.opened += 1;
+        session.recovered = false;
+        self.toasts.withdraw_offer();
+    }
+
+    /// Restores what was open when the program stopped, `when`, and offers to discard it.
+    pub fn recover(&mut self, session: Session, when: &str) {
+        let names = title_of_each(session.deployments.iter().map(|saved| &saved.source));
+        let what = match (&names[..], session.pins.len()) {
+            ([], pins) => format!("{pins} pinned results"),
+            (_, 0) => names.join(", "),
+            (_, pins) => format!("{} and {pins} pinned results", names.join(", ")),
+        };
+        let line = format!("restored what was open when resect stopped: {what}; as it was {when}");
+        self.toasts.offer(&line, ("Discard", Command::DiscardRecovered));
+        self.session.recovered = true;
+        self.restore(session);
+    }
+
+    /// Closes what was restored after a crash.
+    pub(super) fn discard_recovered(&mut self) {
+        if self.session.recovered {
+            self.clear();
+            self.toasts.done("discarded; File › Reopen what was open last brings it back");
         }
     }
 
@@ -281,10 +316,13 @@ impl State {
     pub(super) fn write_session(&mut self, path: PathBuf, session: Session, which: u64) {
         let cache = Arc::clone(&self.session.cache);
         let to = path.clone();
-        let number = self.jobs.start(
-            move || session.save(&to, &cache).map_err(|error| error.to_string()),
-            move |state: &mut Self, number, result| state.take_session_saved(number, path, result),
-        );
+        let job = move || {
+            session.save(&to, &cache).map_err(|error| error.to_string())?;
+            Ok(session)
+        };
+        let number = self.jobs.start(job, move |state: &mut Self, number, result| {
+            state.take_session_saved(number, path, result);
+        });
         self.session.writing.push((number, which));
     }
 
@@ -292,15 +330,15 @@ impl State {
         &mut self,
         number: u64,
         path: PathBuf,
-        result: Result<(), String>,
+        result: Result<Session, String>,
     ) {
         let which = self.session.done(number);
         match result {
-            Ok(()) => {
+            Ok(session) => {
                 self.toasts.done(format!("session saved to {}", path.display()));
                 // Another may have been opened meanwhile, which has a file of its own.
                 if which == Some(self.session.opened) {
-                    self.session.path = Some(path);
+                    (self.session.path, self.session.kept) = (Some(path), Some(session));
                 }
             }
             Err(line) => self.toasts.error(&line),
@@ -329,6 +367,14 @@ impl State {
         } else if self.session.waiting.is_empty() && self.session.restoring.is_none() {
             self.session.shown = None;
         }
+    }
+
+    /// Reads the deployment that is being restored once more, with what the user answered.
+    pub(super) fn restore_with(&mut self, source: Source) {
+        let Some(restoring) = &mut self.session.restoring else { return };
+        restoring.saved.source = source;
+        let (saved, cache) = (restoring.saved.clone(), Arc::clone(&self.session.cache));
+        self.read_again(&saved, cache);
     }
 
     /// A deployment of the session is open: back to where the user was in it.
