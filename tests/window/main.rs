@@ -10,6 +10,7 @@ mod drives;
 mod harness;
 mod messages;
 mod naming;
+mod numbers;
 mod opening;
 mod panes;
 mod plots;
