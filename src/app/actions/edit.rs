@@ -33,6 +33,13 @@ pub fn actions(state: &State) -> Vec<Action> {
             .key(Key::P)
             .possible(answered),
     );
+    let calibrated = state.active().filter(|open| open.analysing.is_some());
+    let stop = Command::CancelAnalysis(calibrated.map_or(0, |open| open.id));
+    actions.push(
+        Action::new(Menu::Edit, "Result", "Stop the calibration", stop)
+            .hint("Back to the settings of the answer that is shown")
+            .possible(calibrated.is_some()),
+    );
     actions.extend(data(state));
     let now = state.settings();
     let setting = |section, name: &str, on: bool, change: &dyn Fn(&mut Settings)| {

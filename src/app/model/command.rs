@@ -50,6 +50,8 @@ pub enum Command {
     Set(Settings),
     /// Gives every open deployment the active one's settings.
     SetAll,
+    /// Stops calibrating a deployment, by its id, and goes back to the settings of the answer that is shown.
+    CancelAnalysis(u64),
     Undo,
     Redo,
 

@@ -19,6 +19,7 @@ mod ruler;
 pub mod studies;
 pub mod timeline;
 pub mod toasts;
+pub mod told;
 pub mod undo;
 pub mod units;
 mod validations;

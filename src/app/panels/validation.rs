@@ -32,21 +32,21 @@ pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands)
             }
         }
     });
-    for (index, found) in state.validations().enumerate() {
+    for (index, (name, found)) in state.validated().enumerate() {
         ui.add_space(4.0);
         ui.scope(|ui| {
             ui.set_max_width(width);
-            one(ui, (index, found), state.units);
+            one(ui, &name, (index, found), state.units);
         });
     }
 }
 
-fn one(ui: &mut egui::Ui, (index, found): (usize, &Validation), units: Units) {
+fn one(ui: &mut egui::Ui, name: &str, (index, found): (usize, &Validation), units: Units) {
     ui.horizontal(|ui| {
         let [ground, ink] = palette::outcome(&found.outcome).map(theme::rgb);
         let word = RichText::new(format!(" {} ", found.outcome.name()));
         ui.label(word.color(ink).background_color(ground));
-        ui.strong(format!("for {}", found.deployment));
+        ui.strong(format!("for {name}"));
     });
     ui.add(egui::Label::new(found.why()).wrap());
     if let Some(difference) = &found.difference {

@@ -53,6 +53,7 @@ impl State {
                 let ids: Vec<u64> = self.open.iter().map(|open| open.id).collect();
                 self.change(&ids, *self.settings(), Moment::now(ctx));
             }
+            Command::CancelAnalysis(id) => self.cancel_analysis(id),
             Command::Undo => {
                 // What is not done yet is not done.
                 if self.take_back_pending() {
@@ -193,7 +194,7 @@ impl State {
     }
 
     /// Gives deployments new settings as one step that can be undone.
-    fn change(&mut self, ids: &[u64], settings: Settings, moment: Moment) {
+    pub(super) fn change(&mut self, ids: &[u64], settings: Settings, moment: Moment) {
         let changes: Vec<Change> = ids
             .iter()
             .filter_map(|&id| {

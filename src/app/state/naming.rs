@@ -1,6 +1,7 @@
 //! By which names the open deployments are told apart, and what the window's title says.
 
 use super::State;
+use super::sessions::title_of_each;
 use crate::app::model::names::told_apart;
 use crate::deployment::Source;
 
@@ -17,6 +18,11 @@ impl State {
     pub fn name_of(&self, id: u64) -> Option<String> {
         let index = self.open.iter().position(|open| open.id == id)?;
         self.names().into_iter().nth(index)
+    }
+
+    /// The names of what is being read, which tell them apart.
+    pub fn opening_names(&self) -> Vec<String> {
+        title_of_each(self.opening.iter().map(|opening| &opening.source))
     }
 
     /// Which deployment is shown, in which session, and whether that is saved as it is.

@@ -17,7 +17,6 @@ use crate::progress::Progress;
 /// A deployment that is being read.
 pub struct Opening {
     pub number: u64,
-    pub title: String,
     pub since: Instant,
     /// How much of it is read, in bytes.
     pub progress: Arc<Progress>,
@@ -130,8 +129,8 @@ impl State {
         let progress = Arc::new(Progress::default());
         let (from, shared) = (source.clone(), Arc::clone(&progress));
         let number = self.jobs.start(move || from.open(&shared).map(Arc::new), Self::take_opened);
-        let (title, since) = (source.title(), Instant::now());
-        self.opening.push(Opening { number, title, since, progress, source, then });
+        let since = Instant::now();
+        self.opening.push(Opening { number, since, progress, source, then });
     }
 
     /// Opens a deployment of a session, and finds out which of its files changed since.
@@ -141,7 +140,7 @@ impl State {
         let number =
             self.jobs.start(move || again.open(&cache, &shared).map(Arc::new), Self::take_opened);
         let (source, since, then) = (saved.source.clone(), Instant::now(), Then::Restore);
-        self.opening.push(Opening { number, title: source.title(), since, progress, source, then });
+        self.opening.push(Opening { number, since, progress, source, then });
     }
 
     /// What a session has opened until now is no longer wanted.

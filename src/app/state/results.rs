@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::State;
 use crate::analysis::{Analysis, Analyst, Settings, changes_in_words, setting_changes};
+use crate::app::model::undo::Moment;
 use crate::app::model::{Pin, Run};
 use crate::app::prepared::{PreparedPlots, RawReadings};
 use crate::export::summary::ResultSummary;
@@ -26,6 +27,23 @@ impl State {
         let mut of = self.open.iter().filter(|open| summary.is_of(&open.deployment));
         let only = of.next().filter(|_| of.next().is_none());
         only.and_then(|open| self.name_of(open.id)).unwrap_or_else(|| summary.deployment.clone())
+    }
+
+    /// Stops an analysis; the settings are again those of the answer that is shown, if there is one.
+    pub(super) fn cancel_analysis(&mut self, id: u64) {
+        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        if open.analysing.take().is_none() {
+            return;
+        }
+        if let Some(progress) = self.analyser.progress(id) {
+            progress.cancel();
+        }
+        match open.analysis.as_ref().map(|analysis| analysis.settings) {
+            Some(settings) => self.change(&[id], settings, Moment::NEVER),
+            None => self
+                .toasts
+                .warning("the calibration was stopped; change a setting to start it again"),
+        }
     }
 
     /// Remembers what an analysis led to. One drag is one run.

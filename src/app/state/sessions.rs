@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use super::State;
 use crate::app::layout::Layout;
+use crate::app::model::OpenDeployment;
 use crate::app::model::names::told_apart;
-use crate::app::model::{Command, OpenDeployment};
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::last::LastSession;
 use crate::app::persist::preferences::{Recent, remember};
@@ -15,7 +15,7 @@ use crate::app::persist::session::{
     EXTENSION, Files, SavedDeployment, SavedPin, SavedView, Session, SessionError,
 };
 use crate::app::persist::session_file;
-use crate::deployment::{Deployment, Finding, Source};
+use crate::deployment::{Finding, Source};
 
 /// What belongs to the session beside what is open.
 #[derive(Default)]
@@ -33,11 +33,11 @@ pub struct SessionState {
     /// What was open before, in this window or another; none of windows that keep nothing.
     pub last: Option<LastSession>,
     /// Deployments yet to be opened, in order.
-    waiting: VecDeque<Waiting>,
+    pub(super) waiting: VecDeque<Waiting>,
     /// The one that is being opened.
-    restoring: Option<Waiting>,
+    pub(super) restoring: Option<Waiting>,
     /// Id of the deployment that stays shown while others are opened.
-    shown: Option<u64>,
+    pub(super) shown: Option<u64>,
     /// What the session that was just opened took the place of, until the window has it kept.
     replaced: Option<Session>,
     /// How many sessions were opened; tells the present one from those before it.
@@ -46,7 +46,7 @@ pub struct SessionState {
     reading: Vec<u64>,
     /// Requests that write a session, and which of those that were opened it is.
     writing: Vec<(u64, u64)>,
-    cache: Arc<HashCache>,
+    pub(super) cache: Arc<HashCache>,
     /// What each open deployment was read from, by its id.
     pub(super) files: BTreeMap<u64, Files>,
 }
@@ -56,16 +56,16 @@ pub struct Missing {
     pub saved: SavedDeployment,
     pub why: String,
     /// The deployment's place among the session's deployments, from 0.
-    place: usize,
+    pub(super) place: usize,
 }
 
 /// A deployment of the session that is yet to be opened.
-struct Waiting {
-    saved: SavedDeployment,
+pub(super) struct Waiting {
+    pub saved: SavedDeployment,
     /// Whether it is the one to be shown.
-    shown: bool,
+    pub shown: bool,
     /// The deployment's place among the session's deployments, from 0.
-    place: usize,
+    pub place: usize,
 }
 
 impl SessionState {
@@ -233,7 +233,7 @@ impl State {
     }
 
     /// Closes everything; it can be opened again.
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         let replaced = self.session();
         if !replaced.is_empty() {
             self.session.replaced.get_or_insert(replaced);
@@ -253,28 +253,6 @@ impl State {
         session.opened += 1;
         session.recovered = false;
         self.toasts.withdraw_offer();
-    }
-
-    /// Restores what was open when the program stopped, `when`, and offers to discard it.
-    pub fn recover(&mut self, session: Session, when: &str) {
-        let names = title_of_each(session.deployments.iter().map(|saved| &saved.source));
-        let what = match (&names[..], session.pins.len()) {
-            ([], pins) => format!("{pins} pinned results"),
-            (_, 0) => names.join(", "),
-            (_, pins) => format!("{} and {pins} pinned results", names.join(", ")),
-        };
-        let line = format!("restored what was open when resect stopped: {what}; as it was {when}");
-        self.toasts.offer(&line, ("Discard", Command::DiscardRecovered));
-        self.session.recovered = true;
-        self.restore(session);
-    }
-
-    /// Closes what was restored after a crash.
-    pub(super) fn discard_recovered(&mut self) {
-        if self.session.recovered {
-            self.clear();
-            self.toasts.done("discarded; File › Reopen what was open last brings it back");
-        }
     }
 
     /// Keeps what a session took the place of, to be opened again.
@@ -356,68 +334,6 @@ impl State {
         }
     }
 
-    /// The next deployment of the session that is being restored.
-    pub(super) fn restore_next(&mut self) {
-        if self.session.restoring.is_none()
-            && let Some(next) = self.session.waiting.pop_front()
-        {
-            let cache = Arc::clone(&self.session.cache);
-            self.read_again(&next.saved, cache);
-            self.session.restoring = Some(next);
-        } else if self.session.waiting.is_empty() && self.session.restoring.is_none() {
-            self.session.shown = None;
-        }
-    }
-
-    /// Reads the deployment that is being restored once more, with what the user answered.
-    pub(super) fn restore_with(&mut self, source: Source) {
-        let Some(restoring) = &mut self.session.restoring else { return };
-        restoring.saved.source = source;
-        let (saved, cache) = (restoring.saved.clone(), Arc::clone(&self.session.cache));
-        self.read_again(&saved, cache);
-    }
-
-    /// A deployment of the session is open: back to where the user was in it.
-    pub(super) fn restored(&mut self, deployment: Arc<Deployment>) {
-        let Some(Waiting { saved, shown, .. }) = self.session.restoring.take() else { return };
-        self.add_with(deployment, Some(saved.source), saved.settings);
-        if let Some(open) = self.open.last_mut() {
-            let timeline = &mut open.timeline;
-            if let Some(window_s) = saved.window_s {
-                timeline.show(window_s);
-            }
-            if let Some(cursor_s) = saved.cursor_s {
-                timeline.move_cursor(cursor_s);
-            }
-            timeline.select(saved.selection_s);
-            if shown {
-                self.session.shown = Some(open.id);
-            }
-        }
-        self.tell_of_reading(self.open.len() - 1);
-        let shown = self.session.shown;
-        if let Some(index) = self.open.iter().position(|open| Some(open.id) == shown) {
-            self.active = index;
-        }
-        self.restore_next();
-    }
-
-    /// A deployment of the session cannot be opened; it stays in it.
-    pub(super) fn not_restored(&mut self, why: &str) {
-        let Some(Waiting { saved, place, .. }) = self.session.restoring.take() else { return };
-        self.toasts.not_opened(&saved.source.place, &format!("{why} (it stays in the session)"));
-        self.session.missing.push(Missing { saved, why: why.to_owned(), place });
-        self.restore_next();
-    }
-
-    /// Tries those that could not be opened once more.
-    pub fn retry_missing(&mut self) {
-        let missing = std::mem::take(&mut self.session.missing);
-        let again = |Missing { saved, place, .. }| Waiting { saved, shown: false, place };
-        self.session.waiting.extend(missing.into_iter().map(again));
-        self.restore_next();
-    }
-
     /// Says what was found on the way, where that is anything.
     pub fn tell(&mut self, findings: &[Finding]) {
         for finding in findings {
@@ -426,7 +342,8 @@ impl State {
     }
 }
 
-fn title_of_each<'a>(sources: impl Iterator<Item = &'a Source>) -> Vec<String> {
+/// The names of deployments that are not open, which tell them apart.
+pub(super) fn title_of_each<'a>(sources: impl Iterator<Item = &'a Source>) -> Vec<String> {
     told_apart(&sources.map(|source| (source.title(), source.path())).collect::<Vec<_>>())
 }
 
