@@ -106,7 +106,7 @@ fn undo_shows_what_it_acts_on_and_the_menu_says_which() {
     send(&mut harness, Command::OpenSample(resect::deployment::Sample::Hd2Tunnel));
     harness.get_by_label("Edit").click();
     harness.run_steps(3);
-    harness.get_by_label("Undo τ_l 6 → 12 s in warthog (simulated)").click();
+    harness.get_by_label_contains("Undo τ_l 6 → 12 s in warthog (simulated)").click();
     settle(&mut harness);
     assert_eq!(crate::harness::shown(&harness).deployment.name, "warthog (simulated)");
     assert_eq!(settings(&harness).pipeline.thresholds.tau_l_seconds, 6.0);

@@ -12,11 +12,12 @@ impl State {
     /// Restores what was open when the program stopped, `when`, and offers to discard it.
     pub fn recover(&mut self, session: Session, when: &str) {
         let names = title_of_each(session.deployments.iter().map(|saved| &saved.source));
-        let what = match (&names[..], session.pins.len()) {
-            ([], pins) => format!("{pins} pinned results"),
-            (_, 0) => names.join(", "),
-            (_, pins) => format!("{} and {pins} pinned results", names.join(", ")),
+        let pins = match session.pins.len() {
+            0 => None,
+            1 => Some("a pinned result".to_owned()),
+            several => Some(format!("{several} pinned results")),
         };
+        let what = names.into_iter().chain(pins).collect::<Vec<_>>().join(", ");
         let line = format!("restored what was open when resect stopped: {what}; as it was {when}");
         self.toasts.offer(&line, ("Discard", Command::DiscardRecovered));
         self.session.recovered = true;
