@@ -16,7 +16,8 @@ pub fn ui(ui: &mut egui::Ui, toasts: &Toasts, commands: &mut Commands) {
     let held = ui.input(|input| input.pointer.any_down());
     let id = egui::Id::unique("toasts");
     let last: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(0.0);
-    if if held { last == 0.0 } else { toasts.shown().is_empty() } {
+    let hidden = if held { last == 0.0 } else { toasts.shown().is_empty() };
+    if hidden {
         ui.data_mut(|data| data.insert_temp(id, 0.0_f32));
         return;
     }
