@@ -29,6 +29,8 @@ pub fn ui(ui: &mut egui::Ui, toasts: &Toasts, commands: &mut Commands) {
     let shown = panel.show(ui, |ui| {
         egui::ScrollArea::vertical()
             .max_height(MOST_LINES * line)
+            // A strip that has to grow has no more room than before.
+            .min_scrolled_height(if held { 0.0 } else { MOST_LINES * line })
             .auto_shrink([false, true])
             .stick_to_bottom(true)
             .show(ui, |ui| toasts.shown().iter().for_each(|toast| show(ui, toast, commands)));
