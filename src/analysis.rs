@@ -109,7 +109,7 @@ impl Analyst {
         progress: &Progress,
     ) -> Result<Analysis, Cancelled> {
         let started = Instant::now();
-        let pipeline = self.pipeline.run(&self.deployment, &settings.pipeline);
+        let pipeline = self.pipeline.run_while(&self.deployment, &settings.pipeline, progress)?;
         let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
         let triplets = &pipeline.triplets;
         let offer = Offer::of(&self.deployment, triplets);
@@ -148,7 +148,7 @@ impl Analyst {
             return Ok(None);
         }
         let started = Instant::now();
-        let pipeline = self.pipeline.run(&self.deployment, &settings.pipeline);
+        let pipeline = self.pipeline.run_while(&self.deployment, &settings.pipeline, progress)?;
         let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
         let method = Offer::of(&self.deployment, &pipeline.triplets).published_method();
         let calibration = settings.calibration.plain(method);

@@ -7,12 +7,19 @@ use std::process::{Command, Output};
 
 use common::{of_field, sample_folder};
 use resect::analysis::Settings;
+use resect::deployment::file_mark::FileMark;
 use resect::deployment::{Finding, Sample};
 use resect::export::report::{Chapter, page};
 use resvg::usvg::roxmltree::{Document, Node};
+use sha2::Digest;
+
+/// 2026-07-14 00:00 UTC: the date of every report that is compared.
+const DATE: i64 = 1_783_987_200;
 
 fn resect(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_resect")).args(arguments).output().expect("resect starts")
+    let mut command = Command::new(env!("CARGO_BIN_EXE_resect"));
+    command.env("SOURCE_DATE_EPOCH", DATE.to_string());
+    command.args(arguments).output().expect("resect starts")
 }
 
 fn text(path: &Path) -> &str {
@@ -136,6 +143,25 @@ fn nothing_is_fetched_or_run_and_the_same_input_gives_the_same_bytes() {
 }
 
 #[test]
+fn the_page_says_when_by_what_and_from_which_files_and_numbers_its_pages() {
+    let path = sample_folder("warthog");
+    let html = report(&[text(&path)]);
+    let body = body(&html);
+    let document = Document::parse(&body).expect("well-formed");
+    let head = document.descendants().find(|node| node.has_tag_name("header")).expect("a header");
+    let said = format!("by resect {} , 2026-07-14 00:00 UTC", env!("CARGO_PKG_VERSION"));
+    let plain = |text: &str| text.split_whitespace().collect::<String>();
+    assert!(plain(&words(head)).contains(&plain(&said)), "{}", words(head));
+    let tracks = path.join("inter_prism.csv");
+    let bytes = std::fs::read(&tracks).expect("readable");
+    let hash: String = sha2::Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+    assert_eq!(row(&document, text(&tracks)), [bytes.len().to_string(), hash]);
+    assert!(html.contains("counter(page) \" / \" counter(pages)"), "numbers of pages");
+    let all = words(document.root_element());
+    assert!(all.contains("not used") && all.contains("readings that are not used"), "{all}");
+}
+
+#[test]
 fn settings_that_are_not_the_defaults_stand_out() {
     let path = sample_folder("warthog");
     let beyond = ["--method", "inter-prism", "--loss", "cauchy", "--estimate", "clocks,tilt"];
@@ -183,7 +209,9 @@ fn no_name_can_break_the_page() {
     deployment.findings.push(Finding::warning(hostile));
     let analysis = Box::new(common::analyse(&deployment, &Settings::default()));
     let unopened = Chapter::Unopened { path: hostile.to_owned(), error: hostile.to_owned() };
-    let html = page(&[Chapter::Analysed { deployment: deployment.into(), analysis }, unopened]);
+    let files = vec![FileMark { path: hostile.into(), bytes: 1, sha256: hostile.to_owned() }];
+    let chapter = Chapter::Analysed { deployment: deployment.into(), analysis, files };
+    let html = page(&[chapter, unopened], jiff::Timestamp::UNIX_EPOCH);
     assert!(!html.contains("<script"));
     let body = body(&html);
     let document = Document::parse(&body).expect("well-formed");

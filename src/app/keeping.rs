@@ -3,7 +3,7 @@
 //! Pictures and tests keep nothing: they have none of this.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use eframe::egui;
 
@@ -85,21 +85,15 @@ impl Keeping {
         }
         let mut restored = false;
         if let (Some(autosave), Some(recovered)) = (&mut self.autosave, self.recovered.take()) {
-            let since = recovered.saved.and_then(|saved| saved.elapsed().ok());
-            let when = match since.map(ago) {
-                None => String::new(),
-                Some(None) => " just now".to_owned(),
-                Some(Some(time)) => format!(" {time} ago"),
-            };
+            let when = in_words(recovered.saved);
             if restores {
-                state.toasts.done(format!("restored what was open when resect stopped{when}"));
                 let (session, found) = autosave.take_over(recovered);
                 findings.extend(found);
-                state.restore(session);
+                state.recover(session, &when);
                 restored = true;
             } else {
                 findings.push(Finding::warning(format!(
-                    "resect stopped before{when}; what was open is kept and comes back when resect is started without \
+                    "resect stopped before ({when}); what was open is kept and comes back when resect is started without \
                      a path"
                 )));
             }
@@ -163,5 +157,16 @@ impl Keeping {
             (Some(autosave), Err(_)) => autosave.leave(session),
             (None, _) => {}
         }
+    }
+}
+
+/// "3 min ago (2026-11-23 00:12 UTC)"
+fn in_words(saved: Option<SystemTime>) -> String {
+    let Some(saved) = saved else { return "at an unknown time".to_owned() };
+    let since = saved.elapsed().ok().and_then(ago);
+    let since = since.map_or("just now".to_owned(), |time| format!("{time} ago"));
+    match jiff::Timestamp::try_from(saved) {
+        Ok(at) => format!("{since} ({})", at.strftime("%Y-%m-%d %H:%M UTC")),
+        Err(_) => since,
     }
 }

@@ -5,6 +5,9 @@ use std::sync::Arc;
 
 use eframe::egui;
 
+mod shell;
+
+use self::shell::{FIRST_POINTS, LEAST_POINTS, Shell};
 use super::actions;
 use super::keeping::Keeping;
 use super::layout::Layout;
@@ -31,6 +34,7 @@ pub enum Start {
 pub struct ResectWindow {
     pub state: State,
     scene: SceneView,
+    shell: Shell,
     /// What is kept of the user's; `None` for pictures and tests.
     keeping: Option<(Keeping, egui::Context)>,
 }
@@ -68,7 +72,7 @@ impl ResectWindow {
         }
         let scene = SceneView::new(creation.wgpu_render_state.as_ref());
         let keeping = keeping.map(|keeping| (keeping, ctx.clone()));
-        Self { state, scene, keeping }
+        Self { state, scene, shell: Shell::default(), keeping }
     }
 
     pub fn layout(&self) -> &Layout {
@@ -111,6 +115,7 @@ impl eframe::App for ResectWindow {
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
         panels::time_bar::ui(ui, &self.state, &mut commands);
+        panels::toasts::ui(ui, &self.state.toasts, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
             // Panes may move the layout and the camera while they read all the rest.
@@ -125,9 +130,6 @@ impl eframe::App for ResectWindow {
             layout.ui(ui, &mut |pane, ui| panes.pane(pane, ui));
             (self.state.layout, self.state.view) = (layout, view);
         });
-        if !self.state.picturing {
-            panels::toasts::ui(&ctx, &self.state.toasts, &mut commands);
-        }
         panels::drop_hint::ui(ui, &self.state, &mut commands);
         match &self.state.overlay {
             Overlay::None => {}
@@ -157,6 +159,7 @@ impl eframe::App for ResectWindow {
             // To dim the old answer, and to turn the spinner.
             ctx.request_repaint_after(std::time::Duration::from_millis(50));
         }
+        self.shell.frame(&ctx, self.state.title());
         if let Some((keeping, _)) = &mut self.keeping {
             keeping.frame(&ctx, &mut self.state);
         }
@@ -185,7 +188,7 @@ impl Panes<'_> {
             Pane::Deployment => panels::deployment::ui(ui, self.state, self.commands),
             Pane::Pipeline => panels::pipeline::ui(ui, self.state, self.commands),
             Pane::Scene if self.state.open.is_empty() && self.state.opening.is_empty() => {
-                panels::empty_state::ui(ui, &self.state.session.recent, self.commands);
+                panels::empty_state::ui(ui, &self.state.session, self.commands);
             }
             Pane::Scene => self.scene.ui(ui, self.state, self.view, self.commands),
             Pane::Result => panels::result::ui(ui, self.state, self.commands),
@@ -216,8 +219,8 @@ pub fn open_window(start: Start) -> eframe::Result {
     let mut viewport = egui::ViewportBuilder::default()
         .with_title("resect")
         .with_app_id("resect")
-        .with_inner_size(size.unwrap_or([1600.0, 1000.0]))
-        .with_min_inner_size([900.0, 600.0])
+        .with_inner_size(size.unwrap_or(FIRST_POINTS))
+        .with_min_inner_size(LEAST_POINTS)
         .with_drag_and_drop(true);
     if let Some(icon) = icon {
         viewport = viewport.with_icon(icon);

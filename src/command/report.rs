@@ -7,6 +7,8 @@ use clap::Args;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
+use crate::deployment::Source;
+use crate::deployment::file_mark::marks_of;
 use crate::export::atomic;
 use crate::export::report::{self, Chapter};
 
@@ -28,7 +30,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let chapters: Vec<Chapter> =
         arguments.path.iter().map(|path| chapter(path, &arguments.settings, &settings)).collect();
-    atomic::write(&arguments.out, report::page(&chapters))?;
+    atomic::write(&arguments.out, report::page(&chapters, report::date_of_run()))?;
     let file = arguments.out.display();
     let errors: Vec<String> = chapters.iter().filter_map(|c| c.answer().err()).collect();
     let (all, without) = (chapters.len(), errors.len());
@@ -52,7 +54,9 @@ fn chapter(path: &Path, arguments: &AnswerArguments, settings: &Settings) -> Cha
     match load(path, arguments.extras()) {
         Ok((deployment, _)) => {
             let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));
-            Chapter::Analysed { deployment, analysis }
+            let source = Source::at(path).with(arguments.extras());
+            let files = marks_of(&source, &deployment);
+            Chapter::Analysed { deployment, analysis, files }
         }
         Err(error) => {
             Chapter::Unopened { path: path.display().to_string(), error: error.to_string() }

@@ -5,6 +5,7 @@
 
 mod control_points;
 mod drives;
+pub mod file_mark;
 mod finding;
 pub mod format;
 mod gnss;

@@ -1,5 +1,7 @@
 //! Stations, tracks and control points from above, in the frame of station 1: equal axes, in metres.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 
 use super::axis::{number, round_down};
@@ -25,10 +27,17 @@ const CORNER: f32 = 8.0;
 /// Points of a track closer than this on the picture say nothing more.
 const STEP: f32 = 1.0;
 
-/// `triplets` and control points are those that the transforms hold for. As wide as asked, as high as the scene asks.
+/// Where the prisms were.
+pub struct Tracks<'a> {
+    pub triplets: &'a Triplets,
+    /// Each station's readings that are not used, in its own frame (m).
+    pub unused_m: &'a [Vec<Vector3<f64>>; 3],
+}
+
+/// Tracks and control points are those that the transforms hold for. As wide as asked, as high as the scene asks.
 pub fn draw(
     control_points: &[ControlPointSet],
-    triplets: &Triplets,
+    Tracks { triplets, unused_m }: &Tracks<'_>,
     station1_from_station: &[RigidTransform; 3],
     width: f32,
 ) -> Drawing {
@@ -60,12 +69,19 @@ pub fn draw(
     let inside = |point: &&Vector3<f64>| {
         (x[0]..=x[1]).contains(&point.x) && (y[0]..=y[1]).contains(&point.y)
     };
+    for (station, unused_m) in unused_m.iter().enumerate() {
+        let unused_m = unused_m.iter().map(|point| station1_from_station[station].apply(point));
+        let seen: Vec<Vector3<f64>> = unused_m.filter(|point| inside(&point)).collect();
+        draw_unused(seen.iter().map(place), palette::STATIONS[station], &mut marks);
+    }
     for point in control_points.iter().filter(inside) {
         draw_cross(place(point), &mut marks);
     }
     draw_stations(&stations.each_ref().map(place), &plot, &mut marks);
     draw_scale_bar(plot_width, per_metre, [LEFT + 10.0, TOP + plot_height - 12.0], &mut marks);
-    draw_legend([control_points.iter().filter(inside).count(), control_points.len()], &mut marks);
+    let unused = unused_m.iter().any(|unused_m| !unused_m.is_empty());
+    let seen = control_points.iter().filter(inside).count();
+    draw_legend(unused, [seen, control_points.len()], &mut marks);
     let at = [LEFT + 0.5 * plot_width, height - 9.0];
     let text = "x of station 1 (m), along its azimuth 0";
     marks.push(Mark::text(at, text, LABEL, Ink::Text, Anchor::Middle));
@@ -212,7 +228,7 @@ fn draw_scale_bar(plot_width: f32, per_metre: f64, [x, y]: [f32; 2], marks: &mut
 }
 
 /// The control points that are seen, and all of them.
-fn draw_legend([seen, all]: [usize; 2], marks: &mut Vec<Mark>) {
+fn draw_legend(unused: bool, [seen, all]: [usize; 2], marks: &mut Vec<Mark>) {
     let (mut x, y) = (LEFT, 11.0);
     for (station, rgb) in palette::STATIONS.into_iter().enumerate() {
         marks.push(Mark::line([x, y], [x + 16.0, y], Ink::Rgb(rgb), 2.5));
@@ -220,6 +236,12 @@ fn draw_legend([seen, all]: [usize; 2], marks: &mut Vec<Mark>) {
         let text = format!("track of station {}", station + 1);
         marks.push(Mark::text([x, y], &*text, LABEL, Ink::Text, Anchor::Left));
         x += text_width(&text, LABEL) + 18.0;
+    }
+    if unused {
+        draw_unused([[x + 4.0, y]].into_iter(), [150, 160, 170], marks);
+        let text = "not used";
+        marks.push(Mark::text([x + 12.0, y], text, LABEL, Ink::Text, Anchor::Left));
+        x += 12.0 + text_width(text, LABEL) + 18.0;
     }
     if all > 0 {
         draw_cross([x + 4.0, y], marks);
@@ -229,6 +251,19 @@ fn draw_legend([seen, all]: [usize; 2], marks: &mut Vec<Mark>) {
             format!("control point ({} of {all} lie outside)", all - seen)
         };
         marks.push(Mark::text([x + 13.0, y], text, LABEL, Ink::Text, Anchor::Left));
+    }
+}
+
+/// Small slanted crosses; of those in one place one is drawn, so that a whole drive left out is no larger picture.
+fn draw_unused(places: impl Iterator<Item = [f32; 2]>, rgb: palette::Rgb, marks: &mut Vec<Mark>) {
+    const HALF: f32 = 2.2;
+    let mut taken = BTreeSet::new();
+    for [x, y] in places {
+        if taken.insert([x, y].map(|at| (at / (2.0 * STEP)).round() as i32)) {
+            for up in [HALF, -HALF] {
+                marks.push(Mark::line([x - HALF, y - up], [x + HALF, y + up], Ink::Rgb(rgb), 0.9));
+            }
+        }
     }
 }
 
@@ -249,7 +284,8 @@ mod tests {
             vec![0; 3],
             [points.clone(), points.clone(), points],
         );
-        draw(&[], &triplets, &[RigidTransform::IDENTITY; 3], 700.0)
+        let tracks = Tracks { triplets: &triplets, unused_m: &Default::default() };
+        draw(&[], &tracks, &[RigidTransform::IDENTITY; 3], 700.0)
     }
 
     fn tracks(drawing: &Drawing) -> Vec<Vec<[f32; 2]>> {
@@ -293,6 +329,32 @@ mod tests {
             let apart = (at[0] - other[0]).abs() >= width || (at[1] - other[1]).abs() >= LABEL;
             assert!(apart, "stations {} and {}: {names:?}", a + 1, b + 1);
         }
+    }
+
+    #[test]
+    fn what_is_not_used_is_drawn_where_it_was_and_presses_nothing_aside() {
+        let triplets = Triplets::new(
+            vec![0.0, 1.0],
+            vec![0; 2],
+            [0, 1, 2].map(|_| [0.0, 10.0].map(|x| Vector3::new(x, x, 0.0)).to_vec()),
+        );
+        let with = |unused: &[f64]| {
+            let unused_m = [0, 1, 2].map(|station| match station {
+                1 => unused.iter().map(|x| Vector3::new(*x, *x, 0.0)).collect(),
+                _ => Vec::new(),
+            });
+            let tracks = Tracks { triplets: &triplets, unused_m: &unused_m };
+            let drawing = draw(&[], &tracks, &[RigidTransform::IDENTITY; 3], 700.0);
+            let of_station_2 = |mark: &&Mark| {
+                matches!(mark, Mark::Line { ink, width, .. }
+                if *ink == Ink::Rgb(palette::STATIONS[1]) && *width == 0.9)
+            };
+            (drawing.size, drawing.marks.iter().filter(of_station_2).count())
+        };
+        let (size, none) = with(&[]);
+        assert_eq!(none, 0);
+        // One of them far off; two in one place.
+        assert_eq!(with(&[3.0, 7.0, 7.0001, 5000.0]), (size, 4));
     }
 
     #[test]

@@ -10,6 +10,7 @@ use super::{
     interpolation, interval_filter, interval_split, outlier_filter,
 };
 use crate::deployment::Deployment;
+use crate::progress::{Cancelled, Progress};
 
 /// What became of a raw reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -106,6 +107,17 @@ struct RateThresholds(f64, f64, f64);
 impl StagedPipeline {
     /// Runs the stages whose settings, or whose input, changed since the last call.
     pub fn run(&mut self, deployment: &Deployment, settings: &PipelineSettings) -> PipelineOutput {
+        self.run_while(deployment, settings, &Progress::default())
+            .expect("nobody else can cancel it")
+    }
+
+    /// Runs like [`Self::run`] until `progress` is cancelled; stages that were done by then are remembered.
+    pub fn run_while(
+        &mut self,
+        deployment: &Deployment,
+        settings: &PipelineSettings,
+        progress: &Progress,
+    ) -> Result<PipelineOutput, Cancelled> {
         let thresholds = &settings.thresholds;
         let outliers = settings.outlier_filter.then_some(thresholds);
         let key = outliers.map(
@@ -133,20 +145,28 @@ impl StagedPipeline {
             filtered.each_ref().map(|track| fates(track, &intervals, &kept_intervals))
         });
         let key = (settings.interpolation, settings.rate_hz);
-        let triplets = remember(&mut self.triplets, key, &mut stale, || {
-            let triplets = interpolation::interpolate(
-                &filtered,
-                &kept_intervals,
-                settings.interpolation,
-                settings.rate_hz,
-            );
-            Triplets {
-                readings: Arc::clone(&filtered),
-                restarts_s: deployment.restarts_s.clone(),
-                ..triplets
+        // Triplets of other readings must not be taken for those that were not finished.
+        let known = self.triplets.take_if(|(known, _)| *known == key && !stale);
+        let triplets = match known {
+            Some((_, triplets)) => triplets,
+            None => {
+                self.triplets = None;
+                let triplets = interpolation::interpolate(
+                    &filtered,
+                    &kept_intervals,
+                    settings.interpolation,
+                    settings.rate_hz,
+                    progress,
+                )?;
+                Arc::new(Triplets {
+                    readings: Arc::clone(&filtered),
+                    restarts_s: deployment.restarts_s.clone(),
+                    ..triplets
+                })
             }
-        });
-        PipelineOutput { filtered, intervals, kept_intervals, triplets, fates }
+        };
+        self.triplets = Some((key, Arc::clone(&triplets)));
+        Ok(PipelineOutput { filtered, intervals, kept_intervals, triplets, fates })
     }
 }
 
@@ -233,6 +253,22 @@ mod tests {
         let fresh = super::super::run(&deployment, &settings);
         assert_eq!(*fresh.triplets, *stricter.triplets);
         assert_eq!(*fresh.fates, *stricter.fates);
+    }
+
+    #[test]
+    fn what_was_cancelled_is_not_answered_by_what_was_before() {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let mut pipeline = StagedPipeline::default();
+        let mut settings =
+            PipelineSettings { interpolation: Interpolation::Wnoa, ..PipelineSettings::default() };
+        pipeline.run(&deployment, &settings);
+        settings.thresholds.tau_l_seconds = 20.0;
+        let progress = Progress::default();
+        progress.cancel();
+        assert!(pipeline.run_while(&deployment, &settings, &progress).is_err());
+        let again = pipeline.run(&deployment, &settings);
+        let fresh = super::super::run(&deployment, &settings);
+        assert_eq!(*again.triplets, *fresh.triplets);
     }
 
     #[test]

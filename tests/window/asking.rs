@@ -62,6 +62,40 @@ fn two_recordings_in_a_folder_are_a_question() {
 }
 
 #[test]
+fn a_session_waits_for_the_answer_to_what_its_data_leaves_open() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("drive")).expect("created");
+    copy("inter_prism.csv", &folder.path().join("drive/a.csv"));
+    copy("inter_prism.csv", &folder.path().join("drive/b.csv"));
+    let session = folder.path().join("a.resect.toml");
+    let text = "resect_session = 1\n[[deployment]]\npath = \"drive\"\n\
+                [[deployment]]\nsample = \"hd2-tunnel\"\n";
+    std::fs::write(&session, text).expect("written");
+    for answered in [true, false] {
+        let mut harness = window(LARGE, Theme::Dark);
+        send(&mut harness, Command::OpenPaths(vec![session.clone()]));
+        assert!(matches!(asked(&harness), Asked::Tracks(_)));
+        assert!(harness.state().state.session.missing.is_empty());
+        assert_eq!(harness.state().state.session().deployments.len(), 2, "it stays in the session");
+        if answered {
+            click(&mut harness, "b.csv");
+            click(&mut harness, "Open");
+            let open = &harness.state().state.open;
+            assert_eq!((open.len(), harness.state().state.session.missing.len()), (2, 0));
+            let tracks = open[0].source.as_ref().and_then(|it| it.extras.put_right.tracks.clone());
+            assert_eq!(tracks, Some(OneOrMany::One("b.csv".into())));
+        } else {
+            harness.key_press(eframe::egui::Key::Escape);
+            settle(&mut harness);
+            assert_eq!(harness.state().state.open.len(), 1, "the others are opened");
+            assert_eq!(harness.state().state.session.missing.len(), 1);
+            send(&mut harness, Command::RetryMissing);
+            assert!(matches!(asked(&harness), Asked::Tracks(_)));
+        }
+    }
+}
+
+#[test]
 fn a_question_can_be_left() {
     let folder = tempfile::tempdir().expect("a folder");
     // Its name is in the picture.

@@ -106,8 +106,8 @@ pub enum Part {
     Pane(Pane),
     /// A dialog, this large at most.
     Middle(Vec2),
-    /// Toasts.
-    LowerRight(Vec2),
+    /// Toasts: as wide as the window, this high.
+    Bottom(f32),
 }
 
 /// Compares the window with its picture in `screenshots/`.
@@ -130,7 +130,7 @@ pub fn snapshot_of(harness: &mut Window, part: Part, name: &str) {
         Part::Window => whole,
         Part::Pane(pane) => harness.state().layout().place(pane).expect("in the window"),
         Part::Middle(size) => Rect::from_center_size(whole.center(), size),
-        Part::LowerRight(size) => Rect::from_min_max(whole.max - size, whole.max),
+        Part::Bottom(height) => whole.with_min_y(whole.max.y - height),
     };
     let [left, top, right, bottom] = {
         let place = place.intersect(whole);

@@ -1,8 +1,9 @@
 //! Opening and saving in the window, driven by the names of its widgets.
 
-use eframe::egui::{Event, HoveredFile, Key, Modifiers, Theme, Vec2};
+use eframe::egui::{self, Event, HoveredFile, Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::Command;
+use resect::app::file_dialog::PromptCommand;
 use resect::deployment::Source;
 
 use crate::common::sample_folder;
@@ -150,11 +151,7 @@ fn warnings_are_told_once_and_errors_until_they_are_dismissed() {
         let done = "warthog.tum written";
         harness.state_mut().state.toasts.done(done);
         harness.run_steps(2);
-        snapshot_of(
-            &mut harness,
-            Part::LowerRight(Vec2::new(520.0, 360.0)),
-            &format!("toasts-{name}"),
-        );
+        snapshot_of(&mut harness, Part::Bottom(140.0), &format!("toasts-{name}"));
         let texts = |harness: &Window| -> Vec<String> {
             harness.state().state.toasts.shown().iter().map(|toast| toast.text.clone()).collect()
         };
@@ -209,6 +206,39 @@ fn files_that_are_added_one_after_the_other_are_all_kept() {
     click(&mut harness, "Use for warthog (simulated)");
     assert_eq!(shown(&harness).deployment.control_points.len(), before + 2);
     assert_eq!(harness.state().state.open.len(), 1);
+}
+
+#[test]
+fn a_folder_is_made_in_the_dialog_that_saves() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(SIZE, Theme::Dark);
+    send(&mut harness, Command::SaveTrajectoryDialog);
+    send(&mut harness, Command::Prompt(PromptCommand::GoTo(folder.path().to_owned())));
+    click(&mut harness, "New folder…");
+    type_and_enter_at_once(&mut harness, "results");
+    assert!(folder.path().join("results").is_dir());
+    let prompt = &harness.state().state.prompt.as_ref().expect("still asked").shown;
+    assert_eq!(prompt.folder(), folder.path().join("results"));
+    assert!(prompt.text.ends_with("warthog (simulated).tum"), "{}", prompt.text);
+    // Where one opens something there is nothing to make.
+    send(&mut harness, Command::OpenFolderDialog);
+    assert!(harness.query_by_label("New folder…").is_none());
+}
+
+#[test]
+fn the_first_window_fits_a_small_screen() {
+    let mut harness = window(SIZE, Theme::Dark);
+    let tell = |harness: &mut Window, screen: Vec2| {
+        let viewports = &mut harness.input_mut().viewports;
+        let viewport = viewports.entry(egui::ViewportId::ROOT).or_default();
+        viewport.monitor_size = Some(screen);
+        viewport.inner_rect = Some(egui::Rect::from_min_size(egui::Pos2::ZERO, screen));
+        harness.run_steps(1);
+        let told = &harness.output().viewport_output[&egui::ViewportId::ROOT].commands;
+        told.contains(&egui::ViewportCommand::Maximized(true))
+    };
+    assert!(tell(&mut harness, Vec2::new(1280.0, 720.0)));
+    assert!(!tell(&mut harness, Vec2::new(1280.0, 720.0)), "later the size is the user's");
 }
 
 #[test]

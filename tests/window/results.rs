@@ -5,11 +5,12 @@ use eframe::egui::{OutputCommand, Theme, accesskit::Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{AngleUnit, Command, LengthUnit, Pane, Picked, Units};
 use resect::calibration::{Loss, Method};
-use resect::pipeline::{OutlierReason, SampleFate};
+use resect::pipeline::{Interpolation, OutlierReason, SampleFate};
 use resect::simulation::{Preset, simulate};
 
 use crate::harness::{
-    LARGE, Part, SMALL, Window, click, open, send, set, settle, snapshot_of, window,
+    LARGE, Part, SMALL, Window, click, open, send, set, settings, settle, shown, snapshot_of,
+    window,
 };
 
 /// Clicks an entry of the Copy menu and gives what reached the clipboard.
@@ -278,4 +279,21 @@ fn every_fate_has_its_explanation_in_the_pane() {
             );
         }
     }
+}
+
+#[test]
+fn a_calibration_that_is_stopped_leaves_the_answer_and_its_settings() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let before = settings(&harness);
+    let id = shown(&harness).id;
+    let ctx = harness.ctx.clone();
+    let mut slow = before;
+    slow.pipeline.interpolation = Interpolation::Gp;
+    harness.state_mut().send(Command::Set(slow), &ctx);
+    harness.state_mut().send(Command::CancelAnalysis(id), &ctx);
+    settle(&mut harness);
+    assert_eq!(settings(&harness), before);
+    let (_, analysis) = harness.state().state.analysed().expect("the answer from before");
+    assert_eq!(analysis.settings, before);
+    assert!(!harness.state().state.is_stale() && !harness.state().state.is_busy());
 }

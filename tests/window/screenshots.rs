@@ -63,7 +63,7 @@ fn an_error_is_shown_and_what_was_open_stays() {
         assert!(text.contains("broken.csv:1") && text.contains("semicolons"), "{text}");
         assert_eq!(remedy, "save the table with commas");
         assert_eq!(triplets(&harness), before);
-        snapshot_of(&mut harness, Part::LowerRight(Vec2::new(520.0, 200.0)), name);
+        snapshot_of(&mut harness, Part::Bottom(70.0), name);
         harness.get_by_label("Dismiss").click();
         settle(&mut harness);
         assert!(harness.state().state.toasts.shown().is_empty());

@@ -101,7 +101,9 @@ fn what_was_open_comes_back_after_a_crash_and_not_after_a_clean_exit() {
     let mut harness = window(&sample, kept);
     assert_is_back(&harness, &expected, settings);
     let toasts = harness.state().state.toasts.shown();
-    assert!(toasts.iter().any(|toast| toast.text.contains("restored")), "{toasts:?}");
+    let said = toasts.iter().find(|toast| toast.text.contains("restored")).expect("said");
+    assert!(said.text.contains("figure-eight, HD2 in a tunnel"), "{}", said.text);
+    assert!(said.detail.contains("UTC"), "{}", said.detail);
     let recent = &harness.state().state.session.recent;
     assert_eq!(recent.len(), 1);
     eframe::App::on_exit(harness.state_mut());
@@ -113,6 +115,50 @@ fn what_was_open_comes_back_after_a_crash_and_not_after_a_clean_exit() {
     assert_eq!(harness.state().state.open.len(), 1, "only the sample");
     assert_eq!(harness.state().state.session.recent.len(), 1, "preferences stay");
     assert!(!harness.state().layout().holds(Pane::SideBySide), "the layout stays");
+}
+
+#[test]
+fn what_a_crash_left_can_be_discarded_and_that_taken_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let kept = Some(folder.path());
+    let path = data(folder.path(), "figure-eight");
+    let sample = Start::Sample(Sample::Warthog);
+    let mut harness = window(&sample, kept);
+    let settings = prepare(&mut harness, &path);
+    let expected = names(&harness);
+    drop(harness);
+
+    let mut harness = window(&sample, kept);
+    // It is no news that goes by itself.
+    harness.run_steps(200);
+    harness.get_by_label("Discard").click();
+    settle(&mut harness);
+    assert!(names(&harness).is_empty() && harness.state().state.results.pins.is_empty());
+    assert!(harness.query_by_label("Discard").is_none());
+    send(&mut harness, Command::ReopenLast);
+    assert_is_back(&harness, &expected, settings);
+}
+
+#[test]
+fn the_title_says_what_is_shown_in_which_session_and_whether_that_is_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(&Start::Sample(Sample::Warthog), None);
+    let title = |harness: &Harness<'_, ResectWindow>| harness.state().state.title();
+    assert_eq!(title(&harness), "warthog (simulated) – resect");
+    send(&mut harness, Command::OpenPaths(vec![data(folder.path(), "figure-eight")]));
+    assert_eq!(title(&harness), "figure-eight (simulated) – session not saved – resect");
+    harness.state_mut().state.session.path = Some(folder.path().join("a.resect.toml"));
+    send(&mut harness, Command::SaveSession);
+    let saved = "figure-eight (simulated) – a.resect.toml – resect";
+    assert_eq!(title(&harness), saved);
+    send(&mut harness, Command::StepCursor(5));
+    assert_eq!(title(&harness), saved, "looking about changes nothing");
+    let mut settings = Settings::default();
+    settings.pipeline.thresholds.tau_s_seconds = 1.5;
+    send(&mut harness, Command::Set(settings));
+    assert!(title(&harness).contains("changed since it was saved"));
+    send(&mut harness, Command::Undo);
+    assert_eq!(title(&harness), saved);
 }
 
 #[test]

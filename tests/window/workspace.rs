@@ -100,6 +100,57 @@ fn the_sheet_of_shortcuts_opens_by_its_key_and_names_them() {
 }
 
 #[test]
+fn undo_shows_what_it_acts_on_and_the_menu_says_which() {
+    let mut harness = window(LARGE, Theme::Dark);
+    set(&mut harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 12.0);
+    send(&mut harness, Command::OpenSample(resect::deployment::Sample::Hd2Tunnel));
+    harness.get_by_label("Edit").click();
+    harness.run_steps(3);
+    harness.get_by_label_contains("Undo τ_l 6 → 12 s in warthog (simulated)").click();
+    settle(&mut harness);
+    assert_eq!(crate::harness::shown(&harness).deployment.name, "warthog (simulated)");
+    assert_eq!(settings(&harness).pipeline.thresholds.tau_l_seconds, 6.0);
+}
+
+#[test]
+fn the_sheet_of_shortcuts_keeps_its_width_whatever_can_be_undone() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let width = |harness: &mut Window| {
+        send(harness, Command::ShowShortcuts);
+        let width = harness.get_by_label("Plots over time").rect().left();
+        send(harness, Command::CloseOverlay);
+        width
+    };
+    let before = width(&mut harness);
+    set(&mut harness, |settings| {
+        let thresholds = &mut settings.pipeline.thresholds;
+        (thresholds.tau_l_seconds, thresholds.tau_s_seconds) = (12.0, 2.0);
+        (thresholds.tau_r_m_per_s, thresholds.tau_a_deg_per_s) = (3.0, 4.0);
+        settings.pipeline.rate_hz = 5.0;
+    });
+    assert_eq!(width(&mut harness), before);
+}
+
+#[test]
+fn the_palette_reopens_at_its_full_size() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let lines_in_sight = |harness: &mut Window| {
+        press(harness, Modifiers::COMMAND, Key::P);
+        harness.run_steps(3);
+        let screen = harness.ctx.content_rect();
+        let lines = harness.query_all_by_label_contains("Layout");
+        let field = harness.get_by_label("Command").rect();
+        (lines.filter(|line| screen.contains_rect(line.rect())).count(), field)
+    };
+    let before = lines_in_sight(&mut harness);
+    harness.event(egui::Event::Text("method b".to_owned()));
+    harness.run_steps(6);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    harness.run_steps(3);
+    assert_eq!(lines_in_sight(&mut harness), before);
+}
+
+#[test]
 fn keys_move_through_time_unless_a_widget_has_them() {
     let mut harness = window(LARGE, Theme::Dark);
     let before = cursor_s(&harness);

@@ -5,6 +5,7 @@ use eframe::egui::{Key, Modifiers};
 use super::{Action, Menu};
 use crate::analysis::Settings;
 use crate::app::model::Command;
+use crate::app::model::undo::Step;
 use crate::app::state::{State, put_right};
 use crate::calibration::Method;
 use crate::deployment::Extras;
@@ -12,11 +13,15 @@ use crate::pipeline::Interpolation;
 
 pub fn actions(state: &State) -> Vec<Action> {
     let open = state.active().is_some();
+    let undo = of_which(state, state.undo.undo_name(), state.undo.next_undo());
+    let redo = of_which(state, state.undo.redo_name(), state.undo.next_redo());
     let mut actions = vec![
-        Action::new(Menu::Edit, "", state.undo.undo_name(), Command::Undo)
+        Action::new(Menu::Edit, "", undo, Command::Undo)
+            .in_general("Undo")
             .ctrl(Key::Z)
             .possible(state.undo.next_undo().is_some()),
-        Action::new(Menu::Edit, "", state.undo.redo_name(), Command::Redo)
+        Action::new(Menu::Edit, "", redo, Command::Redo)
+            .in_general("Redo")
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
             .possible(state.undo.next_redo().is_some()),
     ];
@@ -27,6 +32,13 @@ pub fn actions(state: &State) -> Vec<Action> {
             .hint("Later results are seen against it")
             .key(Key::P)
             .possible(answered),
+    );
+    let calibrated = state.active().filter(|open| open.analysing.is_some());
+    let stop = Command::CancelAnalysis(calibrated.map_or(0, |open| open.id));
+    actions.push(
+        Action::new(Menu::Edit, "Result", "Stop the calibration", stop)
+            .hint("Back to the settings of the answer that is shown")
+            .possible(calibrated.is_some()),
     );
     actions.extend(data(state));
     let now = state.settings();
@@ -70,6 +82,17 @@ pub fn actions(state: &State) -> Vec<Action> {
             .possible(state.open.iter().any(|open| open.settings != *now)),
     );
     actions
+}
+
+/// "Undo τ_r 2 → 1.5 m/s", and where several are open of which; what it acts on is shown.
+fn of_which(state: &State, name: String, step: Option<&Step>) -> String {
+    match step.map(|step| &step.changes[..]) {
+        Some([one]) if state.open.len() > 1 => {
+            format!("{name} in {}", state.name_of(one.id).unwrap_or_default())
+        }
+        Some(several @ [_, _, ..]) => format!("{name} in {} deployments", several.len()),
+        _ => name,
+    }
 }
 
 /// What is put right in the data.

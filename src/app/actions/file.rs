@@ -33,14 +33,20 @@ pub fn actions(state: &State) -> Vec<Action> {
                 .hint("Before another session took its place, or the last window was closed"),
         );
     }
+    if state.session.recovered {
+        actions.push(
+            file("Session", "Discard what was restored", Command::DiscardRecovered)
+                .hint("What was open when resect stopped; it can be opened again"),
+        );
+    }
     if !state.session.missing.is_empty() {
         let hint = "Those of the session that could not be opened";
         actions.push(
             file("Session", "Try missing deployments again", Command::RetryMissing).hint(hint),
         );
     }
-    for recent in &state.session.recent {
-        let name = format!("Open {}", recent.source.title());
+    for (recent, name) in state.session.recent.iter().zip(state.session.recent_names()) {
+        let name = format!("Open {name}");
         if !actions.iter().any(|action: &Action| action.name == name) {
             actions.push(file("Recent", &name, Command::OpenSource(recent.source.clone())));
         }
@@ -52,21 +58,22 @@ pub fn actions(state: &State) -> Vec<Action> {
     if let Some((active, source)) =
         state.active().and_then(|open| Some((open, open.source.as_ref()?)))
     {
-        for other in &state.open {
+        for (other, other_name) in state.open.iter().zip(state.names()) {
             let Some(path) = other.source.as_ref().and_then(Source::path) else { continue };
             if other.id != active.id {
                 let drives = vec![path.to_owned()];
                 let mut together = source.clone();
                 together.extras.add(Extras { drives, ..Extras::default() });
-                let name = format!("Solve together with {}", other.deployment.name);
+                let name = format!("Solve together with {other_name}");
                 let hint = "As drives of one set-up: stations that nobody moved, and clocks of each drive's own";
                 actions.push(file("Deployment", &name, Command::OpenSource(together)).hint(hint));
             }
         }
     }
     if let Some(open) = state.active() {
-        let name = format!("Close {}", open.deployment.name);
-        actions.push(file("Deployment", &name, Command::Close(open.id)).ctrl(Key::W));
+        let name = format!("Close {}", state.name_of(open.id).unwrap_or_default());
+        let close = file("Deployment", &name, Command::Close(open.id)).ctrl(Key::W);
+        actions.push(close.in_general("Close the deployment"));
     }
     actions
 }

@@ -45,6 +45,8 @@ pub struct Action {
     /// Heading in the menu; actions of a section follow each other.
     pub section: &'static str,
     pub name: String,
+    /// What its key does whatever is open, for the sheet of shortcuts; empty where the name says it.
+    pub in_general: &'static str,
     pub hint: &'static str,
     pub shortcut: Option<KeyboardShortcut>,
     /// Whether the action's choice or switch is on; `None` where it is neither.
@@ -61,6 +63,7 @@ impl Action {
             menu,
             section,
             name: name.into(),
+            in_general: "",
             hint: "",
             shortcut: None,
             on: None,
@@ -71,6 +74,10 @@ impl Action {
 
     fn hint(self, hint: &'static str) -> Self {
         Self { hint, ..self }
+    }
+
+    fn in_general(self, in_general: &'static str) -> Self {
+        Self { in_general, ..self }
     }
 
     /// The key that comes with Ctrl (⌘ on a Mac).
@@ -233,6 +240,11 @@ mod tests {
         assert_eq!(matching(&actions, "light")[0].name, "Theme: light");
         assert_eq!(matching(&actions, "gon")[0].name, "Angles in gon");
         assert!(matching(&actions, "no such thing").is_empty());
+        for action in actions.iter().filter(|action| action.command.is_some()) {
+            let words = format!("{} {} {}", action.menu.title(), action.name, action.hint);
+            let found = matching(&actions, &words.to_uppercase());
+            assert!(found.iter().any(|found| found.name == action.name), "{words}");
+        }
         // What cannot be done now is not offered.
         assert!(matching(&actions, "undo").is_empty());
         assert_eq!(

@@ -1,6 +1,6 @@
 //! The state of the dialog inside the window: plain data, changed by commands.
 
-use std::path::{MAIN_SEPARATOR, Path, PathBuf};
+use std::path::{Component, MAIN_SEPARATOR, Path, PathBuf};
 
 use super::{Entry, Listing, Question, Wanted};
 
@@ -17,6 +17,8 @@ pub struct PathPrompt {
     pub chosen: Option<usize>,
     /// A file that is there already, while it is asked whether to replace it.
     pub overwrite: Option<PathBuf>,
+    /// The name of a folder that is to be made, while it is typed.
+    pub new_folder: Option<String>,
     /// Why what was typed cannot be taken.
     pub complaint: Option<String>,
     /// Folders to go to at once, with their names.
@@ -37,6 +39,10 @@ pub enum PromptCommand {
     AcceptFolder,
     Replace,
     KeepFile,
+    /// A folder is to be made in the one that is shown, under this name so far.
+    NameFolder(String),
+    MakeFolder,
+    MakeNoFolder,
     Cancel,
 }
 
@@ -51,14 +57,15 @@ pub enum PromptStep {
 }
 
 impl PathPrompt {
-    /// Starts in a folder, which is to be read.
-    pub fn new(question: Question, folder: PathBuf, recent: &[PathBuf]) -> (Self, PromptStep) {
+    /// Starts in a folder, which is to be read. `recent`: places opened before, with their names.
+    pub fn new(
+        question: Question,
+        folder: PathBuf,
+        recent: Vec<(String, PathBuf)>,
+    ) -> (Self, PromptStep) {
         let mut places: Vec<(String, PathBuf)> = Vec::new();
         places.extend(home().map(|home| ("Home".to_owned(), home)));
-        for path in recent {
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-            places.push((name, path.clone()));
-        }
+        places.extend(recent);
         let mut prompt = Self {
             question,
             text: String::new(),
@@ -66,6 +73,7 @@ impl PathPrompt {
             listing: None,
             chosen: None,
             overwrite: None,
+            new_folder: None,
             complaint: None,
             places,
         };
@@ -140,8 +148,46 @@ impl PathPrompt {
                 self.overwrite = None;
                 PromptStep::Stay
             }
+            PromptCommand::NameFolder(name) => {
+                self.new_folder = Some(name);
+                PromptStep::Stay
+            }
+            PromptCommand::MakeFolder => self.make_folder(),
+            PromptCommand::MakeNoFolder => {
+                self.new_folder = None;
+                PromptStep::Stay
+            }
             PromptCommand::Cancel => PromptStep::Cancelled,
         }
+    }
+
+    /// Whether something is to be written, perhaps into a folder that is not there yet.
+    pub fn saves(&self) -> bool {
+        !matches!(self.question.wanted, Wanted::ToOpen { .. })
+    }
+
+    /// Makes the folder that was named and goes into it, or says in one line why not.
+    fn make_folder(&mut self) -> PromptStep {
+        let name = self.new_folder.clone().unwrap_or_default();
+        let path = self.folder.join(name.trim());
+        let made = match Path::new(name.trim()).components().collect::<Vec<_>>()[..] {
+            [Component::Normal(_)] => std::fs::create_dir(&path).map_err(|error| {
+                format!("{}: {error}; choose another name or place", path.display())
+            }),
+            [] => Err("Type a name for the folder.".to_owned()),
+            _ => Err(format!("{}: a name of one folder is wanted", name.trim())),
+        };
+        if let Err(complaint) = made {
+            self.complaint = Some(complaint);
+            return PromptStep::Stay;
+        }
+        self.new_folder = None;
+        let file = self.typed_name().to_owned();
+        let step = self.go_to(path);
+        if let Wanted::NewFile { .. } = self.question.wanted {
+            self.text = with_separator(&self.folder) + &file;
+        }
+        step
     }
 
     fn type_text(&mut self, text: String) -> PromptStep {
@@ -302,7 +348,7 @@ mod tests {
             std::fs::write(folder.path().join("field/notes.txt"), "rain\n").expect("writable");
             std::fs::write(folder.path().join("field/.hidden"), "").expect("writable");
             let question = Question::new("Open", wanted);
-            let (prompt, step) = PathPrompt::new(question, folder.path().join("field"), &[]);
+            let (prompt, step) = PathPrompt::new(question, folder.path().join("field"), vec![]);
             let mut desk = Self { folder, prompt };
             desk.follow(step);
             desk
@@ -383,6 +429,28 @@ mod tests {
         let nowhere = desk.path("gone/x.html").display().to_string();
         assert_eq!(desk.enter(&nowhere), PromptStep::Stay);
         assert!(desk.prompt.trouble().is_some_and(|why| why.contains("no such folder")));
+    }
+
+    #[test]
+    fn a_folder_is_made_where_something_is_saved() {
+        let mut desk = Desk::new(Wanted::NewFile { name: "run.html".to_owned() });
+        let typed = desk.path("field/other.html").display().to_string();
+        desk.handle(PromptCommand::Type(typed));
+        for (name, said) in
+            [("", "Type a name"), ("day 1", "exists"), ("a/b", "one folder"), ("..", "one")]
+        {
+            desk.handle(PromptCommand::NameFolder(name.to_owned()));
+            assert_eq!(desk.handle(PromptCommand::MakeFolder), PromptStep::Stay);
+            let complaint = desk.prompt.complaint.clone().expect("refused");
+            assert!(complaint.contains(said) && complaint.lines().count() == 1, "{complaint}");
+        }
+        let made = desk.path("field/day 2");
+        desk.handle(PromptCommand::NameFolder(" day 2 ".to_owned()));
+        assert_eq!(desk.handle(PromptCommand::MakeFolder), PromptStep::Read(made.clone()));
+        assert!(made.is_dir());
+        // The name that was typed for the file stays.
+        let chosen = PromptStep::Chosen(made.join("other.html"));
+        assert_eq!(desk.handle(PromptCommand::Accept), chosen);
     }
 
     #[test]

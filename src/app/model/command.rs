@@ -29,6 +29,8 @@ pub enum Command {
     /// Something was done in the prompt for a path.
     Prompt(PromptCommand),
     OpenSessionDialog,
+    /// Closes what was restored after a crash.
+    DiscardRecovered,
     /// What was open before a session took its place, or before the last window was closed.
     ReopenLast,
     /// Files hover over the window.
@@ -48,6 +50,8 @@ pub enum Command {
     Set(Settings),
     /// Gives every open deployment the active one's settings.
     SetAll,
+    /// Stops calibrating a deployment, by its id, and goes back to the settings of the answer that is shown.
+    CancelAnalysis(u64),
     Undo,
     Redo,
 

@@ -1,10 +1,11 @@
-//! Short messages at the lower right of the window: what was done, what was noticed, what went wrong.
+//! Short messages in a strip at the foot of the window: what was done, what was noticed, what went wrong.
 
 use std::collections::BTreeSet;
 
 use super::Command;
 use super::Pane;
-use crate::deployment::{Finding, Severity};
+use super::told::{self, new_findings};
+use crate::deployment::{Finding, Place, Severity};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToastLevel {
@@ -34,14 +35,36 @@ pub struct Toast {
     pub detail: String,
     /// A button, and what it does.
     pub action: Option<(&'static str, Command)>,
-    /// The deployment whose findings it tells, and these, numbers left out.
-    about: Option<(String, Vec<String>)>,
+    /// How often the same was said while it is shown.
+    pub count: usize,
+    about: About,
     /// Since when it is seen (s of the window's clock); `None` until the next frame.
     since_s: Option<f64>,
 }
 
-/// Most toasts that are shown: more would hide the window behind them.
+impl Toast {
+    fn life_s(&self) -> f64 {
+        if self.about == About::Offer { f64::INFINITY } else { self.level.life_s() }
+    }
+}
+
+/// What a toast tells of: it goes when that is no longer so.
+#[derive(Clone, Debug, PartialEq)]
+enum About {
+    /// What happened once, and stays so.
+    Past,
+    /// Findings about an open deployment, by its id.
+    Findings(u64, Vec<Finding>),
+    /// A place that could not be opened.
+    Place(Place),
+    /// What the user may still decide.
+    Offer,
+}
+
+/// Most toasts that tell no error: more would leave the panes no room.
 const MOST_TOASTS: usize = 4;
+/// Most toasts at all; the strip scrolls.
+const MOST_ERRORS: usize = 100;
 
 /// The toasts that are shown, the newest last.
 #[derive(Debug, Default)]
@@ -62,80 +85,123 @@ impl Toasts {
     }
 
     pub fn done(&mut self, text: impl Into<String>) {
-        self.push(ToastLevel::Done, text.into(), String::new(), None);
+        self.push(ToastLevel::Done, [text.into(), String::new()], None, About::Past);
     }
 
     /// A line of the form "what; remedy", as errors of the library are.
     pub fn error(&mut self, line: &str) {
-        self.line(ToastLevel::Error, line);
+        self.line(ToastLevel::Error, line, About::Past);
+    }
+
+    /// The same of a place that could not be opened; it holds until that place is open.
+    pub fn not_opened(&mut self, place: &Place, line: &str) {
+        self.line(ToastLevel::Error, line, About::Place(place.clone()));
     }
 
     /// Tells what was repaired or left out, in a line of the form "what; remedy".
     pub fn warning(&mut self, line: &str) {
-        self.line(ToastLevel::Warning, line);
+        self.line(ToastLevel::Warning, line, About::Past);
     }
 
-    fn line(&mut self, level: ToastLevel, line: &str) {
-        let (text, detail) = line.split_once("; ").unwrap_or((line, ""));
-        self.push(level, text.to_owned(), detail.to_owned(), None);
+    /// Tells what was done and can be undone by a button, until that is decided.
+    pub fn offer(&mut self, line: &str, action: (&'static str, Command)) {
+        self.push(ToastLevel::Warning, halves(line), Some(action), About::Offer);
     }
 
-    /// One toast on those findings about a deployment that were not told before.
+    /// It was decided otherwise.
+    pub fn withdraw_offer(&mut self) {
+        self.shown.retain(|toast| toast.about != About::Offer);
+    }
+
+    fn line(&mut self, level: ToastLevel, line: &str, about: About) {
+        self.push(level, halves(line), None, about);
+    }
+
+    /// Tells those findings about an open deployment that were not told before, in one toast with those that still hold.
     ///
     /// `told` remembers them, numbers left out: while a slider moves, the same warning comes with other numbers.
     pub fn findings<'a>(
         &mut self,
-        about: &str,
+        (id, name): (u64, &str),
         findings: impl IntoIterator<Item = &'a Finding>,
         told: &mut BTreeSet<String>,
     ) {
-        let new: Vec<&Finding> = new_findings(findings, told);
+        let new: Vec<Finding> = new_findings(findings, told).into_iter().cloned().collect();
+        if new.is_empty() {
+            return;
+        }
+        let mut all = Vec::new();
+        self.shown.retain_mut(|toast| match &mut toast.about {
+            About::Findings(of, earlier) if *of == id => {
+                all.append(earlier);
+                false
+            }
+            _ => true,
+        });
+        all.extend(new);
+        let (level, lines) = in_words(name, &all);
         let show = Some(("Show findings", Command::ShowPane(Pane::Findings)));
-        match new[..] {
-            [] => {}
-            [one] => {
-                let level = level(one.severity);
-                self.push(level, format!("{about}: {one}"), String::new(), show);
-            }
-            [first, ..] => {
-                // The worst of them speaks for all.
-                let worst = new.iter().map(|finding| finding.severity).max();
-                let spokesman = new.iter().find(|finding| Some(finding.severity) == worst);
-                let text = format!("{} warnings about {about}", new.len());
-                let detail = spokesman.unwrap_or(&first).message.clone();
-                self.push(worst.map_or(ToastLevel::Warning, level), text, detail, show);
-            }
-        }
-        if let (false, Some(toast)) = (new.is_empty(), self.shown.last_mut()) {
-            let keys = new.iter().map(|finding| without_numbers(&finding.message)).collect();
-            toast.about = Some((about.to_owned(), keys));
-        }
+        self.push(level, lines, show, About::Findings(id, all));
     }
 
-    /// Takes away what tells of a deployment nothing that still holds.
-    pub fn retire<'a>(&mut self, about: &str, now: impl Iterator<Item = &'a Finding>) {
-        let now: BTreeSet<String> = now.map(|finding| without_numbers(&finding.message)).collect();
-        self.shown.retain(|toast| match &toast.about {
-            Some((name, keys)) if name == about => keys.iter().any(|key| now.contains(key)),
-            _ => true,
+    /// Has what is told of a deployment say what holds now, with its present numbers; what holds no longer goes.
+    pub fn update<'a>(
+        &mut self,
+        (id, name): (u64, &str),
+        now: impl Iterator<Item = &'a Finding> + Clone,
+    ) {
+        self.shown.retain_mut(|toast| {
+            let About::Findings(of, findings) = &mut toast.about else { return true };
+            if *of != id {
+                return true;
+            }
+            let present = |was: &Finding| {
+                let key = told::key(&was.message);
+                now.clone().find(|finding| told::key(&finding.message) == key).cloned()
+            };
+            *findings = findings.iter().filter_map(present).collect();
+            if findings.is_empty() {
+                return false;
+            }
+            (toast.level, [toast.text, toast.detail]) = in_words(name, findings);
+            true
         });
     }
 
-    pub fn push(
+    /// A deployment was closed: nothing is told of it any more.
+    pub fn closed(&mut self, id: u64) {
+        self.shown.retain(|toast| !matches!(toast.about, About::Findings(of, _) if of == id));
+    }
+
+    /// A place was opened, or is no longer wanted.
+    pub fn settled(&mut self, place: &Place) {
+        self.shown.retain(|toast| !matches!(&toast.about, About::Place(other) if other == place));
+    }
+
+    fn push(
         &mut self,
         level: ToastLevel,
-        text: String,
-        detail: String,
+        [text, detail]: [String; 2],
         action: Option<(&'static str, Command)>,
+        about: About,
     ) {
-        // The same again is news, and takes no further room.
-        self.shown.retain(|toast| (toast.level, &toast.text) != (level, &text));
+        // The same again is counted, and takes no further room.
+        let same = |toast: &Toast| {
+            toast.level == level
+                && (&toast.text, &toast.detail, &toast.about) == (&text, &detail, &about)
+        };
+        let before = self.shown.iter().position(same).map(|index| self.shown.remove(index));
+        let count = 1 + before.map_or(0, |toast| toast.count);
         self.newest_id += 1;
-        let id = self.newest_id;
-        self.shown.push(Toast { id, level, text, detail, action, about: None, since_s: None });
-        if self.shown.len() > MOST_TOASTS {
-            let expendable = self.shown.iter().position(|toast| toast.level != ToastLevel::Error);
-            self.shown.remove(expendable.unwrap_or(0));
+        let (id, since_s) = (self.newest_id, None);
+        self.shown.push(Toast { id, level, text, detail, action, count, about, since_s });
+        let expendable = |toast: &Toast| toast.life_s().is_finite();
+        if self.shown.iter().filter(|toast| expendable(toast)).count() > MOST_TOASTS {
+            let oldest = self.shown.iter().position(expendable);
+            self.shown.remove(oldest.unwrap_or(0));
+        }
+        if self.shown.len() > MOST_ERRORS {
+            self.shown.remove(0);
         }
     }
 
@@ -154,34 +220,36 @@ impl Toasts {
     pub fn advance(&mut self, now_s: f64) -> Option<f64> {
         self.shown.retain_mut(|toast| {
             let since_s = *toast.since_s.get_or_insert(now_s);
-            now_s - since_s < toast.level.life_s()
+            now_s - since_s < toast.life_s()
         });
-        let ends = self.shown.iter().filter_map(|t| Some(t.since_s? + t.level.life_s()));
+        let ends = self.shown.iter().filter_map(|t| Some(t.since_s? + t.life_s()));
         ends.filter(|end_s| end_s.is_finite()).min_by(f64::total_cmp)
     }
 }
 
-/// Problems and warnings that were not told before; from now on they were.
-pub fn new_findings<'a>(
-    findings: impl IntoIterator<Item = &'a Finding>,
-    told: &mut BTreeSet<String>,
-) -> Vec<&'a Finding> {
-    findings
-        .into_iter()
-        .filter(|finding| finding.severity >= Severity::Warning)
-        .filter(|finding| told.insert(without_numbers(&finding.message)))
-        .collect()
+/// What, and the remedy.
+fn halves(line: &str) -> [String; 2] {
+    let (text, detail) = line.split_once("; ").unwrap_or((line, ""));
+    [text.to_owned(), detail.to_owned()]
 }
 
-fn without_numbers(message: &str) -> String {
-    message.chars().filter(|c| !c.is_ascii_digit() && !".+-−".contains(*c)).collect()
-}
-
-fn level(severity: Severity) -> ToastLevel {
-    match severity {
-        Severity::Problem => ToastLevel::Error,
-        Severity::Warning | Severity::Note => ToastLevel::Warning,
-    }
+/// What a toast says of findings about a deployment.
+fn in_words(name: &str, findings: &[Finding]) -> (ToastLevel, [String; 2]) {
+    // The worst of them speaks for all.
+    let worst = findings.iter().map(|finding| finding.severity).max();
+    let level = match worst {
+        Some(Severity::Problem) => ToastLevel::Error,
+        Some(Severity::Warning | Severity::Note) | None => ToastLevel::Warning,
+    };
+    let lines = match findings {
+        [one] => [format!("{name}: {one}"), String::new()],
+        several => {
+            let spokesman = several.iter().find(|finding| Some(finding.severity) == worst);
+            let detail = spokesman.map(|finding| finding.message.clone()).unwrap_or_default();
+            [format!("{} warnings about {name}", several.len()), detail]
+        }
+    };
+    (level, lines)
 }
 
 #[cfg(test)]
@@ -214,12 +282,30 @@ mod tests {
     fn what_no_longer_holds_is_taken_away() {
         let (mut toasts, mut told) = (Toasts::default(), BTreeSet::new());
         let late = |ms: f64| Finding::warning(format!("station 3 is {ms} ms late"));
-        toasts.findings("drive", &[late(2.7)], &mut told);
-        toasts.findings("other", &[late(1.0)], &mut BTreeSet::new());
-        toasts.retire("drive", [late(3.1)].iter());
-        assert_eq!(toasts.shown().len(), 2);
-        toasts.retire("drive", [Finding::warning("the clocks jump")].iter());
+        toasts.findings((1, "drive"), &[late(2.7)], &mut told);
+        toasts.findings((2, "other"), &[late(1.0)], &mut BTreeSet::new());
+        toasts.update((1, "drive"), [late(3.1)].iter());
+        // The number is the present one.
+        assert_eq!(texts(&toasts)[0], "drive: station 3 is 3.1 ms late");
+        toasts.update((1, "drive"), [Finding::warning("the clocks jump")].iter());
         assert_eq!(texts(&toasts), ["other: station 3 is 1 ms late"]);
+        toasts.closed(2);
+        let place = Place::Path("/day/broken.csv".into());
+        toasts.not_opened(&place, "broken.csv:1: semicolons; save the table with commas");
+        toasts.settled(&Place::Path("/day/other.csv".into()));
+        assert_eq!(toasts.errors().count(), 1);
+        toasts.settled(&place);
+        assert!(toasts.shown().is_empty());
+    }
+
+    #[test]
+    fn the_same_is_counted_and_another_remedy_is_another_thing() {
+        let mut toasts = Toasts::default();
+        toasts.error("a.csv: not readable; check its permissions");
+        toasts.error("a.csv: not readable; check its permissions");
+        toasts.error("a.csv: not readable; mount the disk");
+        let counts: Vec<usize> = toasts.shown().iter().map(|toast| toast.count).collect();
+        assert_eq!(counts, [2, 1]);
     }
 
     #[test]
@@ -241,15 +327,27 @@ mod tests {
             Finding::warning("station 2: 14 duplicate stamps"),
             Finding::problem("station 3 has no measurement"),
         ];
-        toasts.findings("day 1", &findings, &mut told);
+        toasts.findings((1, "day 1"), &findings, &mut told);
         assert_eq!(texts(&toasts), ["2 warnings about day 1"]);
         assert_eq!(toasts.shown()[0].detail, "station 3 has no measurement");
         assert_eq!(toasts.shown()[0].level, ToastLevel::Error);
         toasts.dismiss(toasts.shown()[0].id);
-        toasts.findings("day 1", &findings, &mut told);
-        toasts.findings("day 1", &[Finding::warning("station 2: 15 duplicate stamps")], &mut told);
+        toasts.findings((1, "day 1"), &findings, &mut told);
+        toasts.findings(
+            (1, "day 1"),
+            &[Finding::warning("station 2: 15 duplicate stamps")],
+            &mut told,
+        );
         assert!(toasts.shown().is_empty());
-        toasts.findings("day 1", &[Finding::warning("the drive is short")], &mut told);
+        toasts.findings(
+            (1, "day 1"),
+            &[Finding::warning("station 1: 15 duplicate stamps")],
+            &mut told,
+        );
+        assert_eq!(texts(&toasts), ["day 1: station 1: 15 duplicate stamps"]);
+        told::forget_past([].iter(), &mut told);
+        toasts.update((1, "day 1"), [].iter());
+        toasts.findings((1, "day 1"), &[Finding::warning("the drive is short")], &mut told);
         assert_eq!(texts(&toasts), ["day 1: the drive is short"]);
     }
 }

@@ -12,6 +12,8 @@ use crate::deployment::Extras;
 const SAME_STEP_S: f64 = 0.5;
 /// Nobody goes back further.
 const MOST_STEPS: usize = 500;
+/// Longest description of a step in a menu (characters).
+const LONGEST_NAME: usize = 60;
 
 /// What changed of one deployment.
 #[derive(Clone, Debug, PartialEq)]
@@ -195,7 +197,12 @@ impl Step {
 
 fn name(verb: &str, step: Option<&Step>) -> String {
     let Some(change) = step.and_then(|step| step.changes.first()) else { return verb.to_owned() };
-    format!("{verb} {}", change.what.in_words())
+    let words = change.what.in_words();
+    // Menus are no wider than a line that is read at a glance.
+    match words.char_indices().nth(LONGEST_NAME) {
+        Some((end, _)) => format!("{verb} {}…", words[..end].trim_end()),
+        None => format!("{verb} {words}"),
+    }
 }
 
 /// Whether two changes turn the same knobs.
@@ -290,5 +297,8 @@ mod tests {
         stack.redo();
         stack.forget_extras(1);
         assert_eq!(stack.undo_name(), "Undo τ_r 2 → 1 m/s");
+        let what = Changed::Extras { both: Box::default(), words: "reading left out, ".repeat(9) };
+        stack.record(vec![Change { id: 1, what }], Moment::NEVER);
+        assert!(stack.undo_name().chars().count() < 70, "{}", stack.undo_name());
     }
 }

@@ -8,6 +8,8 @@ use crate::app::state::State;
 
 const WIDTH: f32 = 520.0;
 const MOST_LINES_IN_SIGHT: f32 = 14.0;
+/// Room for the text field and the edges of the dialog (points).
+const AROUND_THE_LIST: f32 = 90.0;
 
 pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut Commands) {
     let mut edited = palette.clone();
@@ -41,10 +43,10 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
         }
         ui.add_space(4.0);
         let mut done = enter.then(|| found.get(edited.chosen)).flatten();
-        lines(ui, &found, edited.chosen, up || down, &mut done);
         if found.is_empty() {
             ui.weak("Nothing that can be done now has these words.");
         }
+        lines(ui, &found, edited.chosen, up || down, &mut done);
         done.and_then(|action| action.command.clone())
     });
     match response.inner {
@@ -64,7 +66,10 @@ fn lines<'a>(
     done: &mut Option<&'a Action>,
 ) {
     let height = MOST_LINES_IN_SIGHT * (ui.spacing().interact_size.y + ui.spacing().item_spacing.y);
-    egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
+    let height = height.min(ui.ctx().content_rect().height() - AROUND_THE_LIST);
+    // Always as high: a dialog gets no more room than it took before, and would stay small after few lines.
+    ui.set_min_height(ui.min_rect().height() + height);
+    egui::ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
         for (index, action) in found.iter().enumerate() {
             let mut text = egui::text::LayoutJob::default();
             let style = ui.style().clone();

@@ -69,10 +69,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 /// Every open deployment: a click shows it, the cross closes it.
 fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    for open in &state.open {
+    for (open, name) in state.open.iter().zip(state.names()) {
         let active = state.active().is_some_and(|active| active.id == open.id);
         ui.horizontal(|ui| {
-            let name = &open.deployment.name;
             let close = ui
                 .add(egui::Button::new("×").small().frame(false))
                 .on_hover_text(format!("Close {name}"));
@@ -82,7 +81,7 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if close.clicked() {
                 commands.push(Command::Close(open.id));
             }
-            let label = egui::Button::selectable(active, egui::RichText::new(name).strong());
+            let label = egui::Button::selectable(active, egui::RichText::new(&name).strong());
             if ui.add(label.truncate()).clicked() && !active {
                 commands.push(Command::Activate(open.id));
             }
@@ -92,9 +91,9 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 /// Lists what of the session could not be opened: it stays in the session until the user takes it out.
 fn missing(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    for (index, missing) in state.session.missing.iter().enumerate() {
+    let missing = state.session.missing.iter().zip(state.session.missing_names());
+    for (index, (missing, name)) in missing.enumerate() {
         ui.horizontal(|ui| {
-            let name = missing.saved.source.title();
             let out = format!("Take {name} out of the session");
             let button = ui.add(egui::Button::new("×").small().frame(false)).on_hover_text(&out);
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &out));

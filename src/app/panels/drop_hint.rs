@@ -20,12 +20,12 @@ pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         .layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop hint")));
     let rect = ctx.content_rect();
     painter.rect_filled(rect, 0.0, Color32::from_black_alpha(190));
-    let active = state.active().map(|open| open.deployment.name.as_str());
+    let active = state.active().and_then(|open| state.name_of(open.id));
     let hovering = &state.hovering;
     let text = match &hovering.sorted {
         // Some systems tell what it is only when it is dropped.
         _ if paths.is_empty() => GENERAL.to_owned(),
-        Some(sorted) if hovering.paths == paths => in_words(sorted, active),
+        Some(sorted) if hovering.paths == paths => in_words(sorted, active.as_deref()),
         _ => format!("{}…", names(&paths)),
     };
     if !paths.is_empty() && hovering.paths != paths {

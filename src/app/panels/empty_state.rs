@@ -3,7 +3,7 @@
 use eframe::egui::{self, RichText};
 
 use crate::app::model::{Command, Commands, Pane};
-use crate::app::persist::preferences::Recent;
+use crate::app::state::SessionState;
 use crate::deployment::Sample;
 
 const WIDTH: f32 = 460.0;
@@ -25,8 +25,7 @@ const STEPS: [(&str, &str); 3] = [
     ),
 ];
 
-/// `recent`: what was open before, the newest first.
-pub fn ui(ui: &mut egui::Ui, recent: &[Recent], commands: &mut Commands) {
+pub fn ui(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let width = WIDTH.min(ui.available_width() - 24.0);
         let margin = ((ui.available_width() - width) / 2.0).max(12.0);
@@ -39,14 +38,14 @@ pub fn ui(ui: &mut egui::Ui, recent: &[Recent], commands: &mut Commands) {
             egui::Frame::new().inner_margin(column).show(ui, |ui| {
                 ui.vertical(|ui| {
                     ui.set_width(width);
-                    content(ui, recent, commands);
+                    content(ui, session, commands);
                 });
             });
         });
     });
 }
 
-fn content(ui: &mut egui::Ui, recent: &[Recent], commands: &mut Commands) {
+fn content(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
     ui.heading("resect");
     ui.label(
         "Finds where three robotic total stations stood to each other, and says how far the answer can be trusted.",
@@ -83,14 +82,15 @@ fn content(ui: &mut egui::Ui, recent: &[Recent], commands: &mut Commands) {
             }
         }
     });
-    if recent.is_empty() {
+    if session.recent.is_empty() {
         return;
     }
     ui.add_space(10.0);
     ui.strong("Open before");
-    for Recent { source, .. } in recent.iter().take(MOST_RECENT) {
+    for (recent, name) in session.recent.iter().zip(session.recent_names()).take(MOST_RECENT) {
+        let source = &recent.source;
         let where_it_is = source.path().map_or(String::new(), |path| path.display().to_string());
-        if ui.link(source.title()).on_hover_text(where_it_is).clicked() {
+        if ui.link(name).on_hover_text(where_it_is).clicked() {
             commands.push(Command::OpenSource(source.clone()));
         }
     }

@@ -1,15 +1,104 @@
 //! Numbers as people type them.
 
-/// A number with a decimal point or comma, with or without its unit after it: `2.5`, `2,5`, `3 s`, `−0,5 mm`.
+use std::cell::RefCell;
+use std::ops::RangeInclusive;
+
+use eframe::egui::{self, Key, RichText, emath::Numeric};
+
+use crate::app::theme;
+use crate::deployment::Severity;
+
+/// A number with a decimal point or comma, with or without the field's unit after it: `2.5`, `2,5`, `3 s`, `−0,5 mm`.
 ///
-/// `None` for everything else, and for what is not finite, so that the field keeps what it had.
-pub fn parse(text: &str) -> Option<f64> {
-    let number = text.trim().trim_end_matches(|c: char| !c.is_ascii_digit() && c != '.');
+/// Everything else, what is not finite, and another unit are an error that says why in one line.
+pub fn read(text: &str, unit: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let digits_end = text.rfind(|c: char| c.is_ascii_digit() || c == '.').map_or(0, |at| at + 1);
+    let (number, behind) = text.split_at(digits_end);
+    let plain = |unit: &str| unit.replace('°', "deg").split_whitespace().collect::<String>();
     let number = number.replace('−', "-").replace([' ', '\u{a0}', '\u{202f}'], "");
     // With both, the comma parts thousands.
     let number =
         if number.contains('.') { number.replace(',', "") } else { number.replace(',', ".") };
-    number.parse().ok().filter(|value: &f64| value.is_finite())
+    match number.parse().ok().filter(|value: &f64| value.is_finite()) {
+        None => Err(format!("“{text}” is no number")),
+        Some(_) if !behind.is_empty() && plain(behind) != plain(unit) => match unit.trim() {
+            "" => Err(format!("“{text}” is no number")),
+            unit => Err(format!("“{text}” is not in {unit}")),
+        },
+        Some(value) => Ok(value),
+    }
+}
+
+/// What was typed and cannot be read, and the value that the field has meanwhile.
+#[derive(Clone)]
+struct Unread {
+    text: String,
+    value: f64,
+}
+
+/// A field for a number, which `add` adds with the parser it is given. What cannot be read stays in it, marked and with
+/// the reason, until it is mended or Escape is pressed.
+pub fn field<N: Numeric>(
+    ui: &mut egui::Ui,
+    (label, unit): (&str, &str),
+    value: &mut N,
+    range: RangeInclusive<N>,
+    add: impl FnOnce(&mut egui::Ui, &mut N, &dyn Fn(&str) -> Option<f64>) -> egui::Response,
+) -> egui::Response {
+    let id = ui.scope_id().with(("unread", label));
+    let now = value.to_f64();
+    let unread: Option<Unread> = ui.data(|data| data.get_temp(id));
+    // Set by other means since, it has a value that nobody typed over.
+    if let Some(mut unread) = unread.filter(|unread| unread.value == now) {
+        let (response, mended) = mend(ui, &mut unread.text, unit, now);
+        let escaped = ui.input(|input| input.key_pressed(Key::Escape));
+        if mended.is_some() || escaped {
+            ui.data_mut(|data| data.remove::<Unread>(id));
+        } else {
+            ui.data_mut(|data| data.insert_temp(id, unread));
+        }
+        let Some(new) = mended.filter(|_| !escaped) else { return response };
+        *value = N::from_f64(new.clamp(range.start().to_f64(), range.end().to_f64()));
+        let mut response = response;
+        response.mark_changed();
+        return response;
+    }
+    let refused = RefCell::new(None);
+    let parse = |text: &str| {
+        let read = read(text, unit).ok();
+        *refused.borrow_mut() = read.is_none().then(|| text.to_owned());
+        read
+    };
+    let response = add(ui, value, &parse);
+    // While it is typed, a number may be none yet.
+    if let Some(text) = refused.into_inner().filter(|text| !text.trim().is_empty())
+        && !response.has_focus()
+    {
+        ui.data_mut(|data| data.insert_temp(id, Unread { text, value: now }));
+    }
+    response
+}
+
+/// What was typed, to be put right; the number once it is one and is entered.
+fn mend(
+    ui: &mut egui::Ui,
+    text: &mut String,
+    unit: &str,
+    now: f64,
+) -> (egui::Response, Option<f64>) {
+    let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
+    let why = read(text, unit).err();
+    if why.is_some() {
+        ui.label(RichText::new(sign).color(colour));
+    }
+    let field = egui::TextEdit::singleline(text).desired_width(64.0).text_color(colour);
+    let response = ui.add(field);
+    let mended = read(text, unit).ok().filter(|_| response.lost_focus());
+    let why = why.map_or(String::new(), |why| format!("{why}; "));
+    let unit = unit.trim();
+    let hint = format!("{why}it is still {now} {unit}. Put it right, or press Escape");
+    (response.on_hover_text(hint), mended)
 }
 
 #[cfg(test)]
@@ -17,22 +106,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_comma_a_unit_and_a_typographic_minus_are_understood_and_no_number_is_none() {
-        let read = [
-            ("2.5", 2.5),
-            ("2,5", 2.5),
-            (" 3 s", 3.0),
-            ("−0,5 mm", -0.5),
-            ("12°", 12.0),
-            ("1e-3", 1e-3),
-            ("1,234.5 m", 1234.5),
-            ("7.", 7.0),
+    fn a_comma_a_unit_and_a_typographic_minus_are_understood() {
+        let numbers = [
+            ("2.5", "", 2.5),
+            ("2,5", " m", 2.5),
+            (" 3 s", " s", 3.0),
+            ("−0,5 mm", " mm", -0.5),
+            ("12°", " deg", 12.0),
+            ("4 °/s", " deg/s", 4.0),
+            ("1e-3", "", 1e-3),
+            ("1,234.5 m", " m", 1234.5),
+            ("7.", "", 7.0),
         ];
-        for (text, value) in read {
-            assert_eq!(parse(text), Some(value), "{text}");
+        for (text, unit, value) in numbers {
+            assert_eq!(read(text, unit), Ok(value), "{text}");
         }
-        for text in ["", "nan", "inf", "1e999", "two", "1..2", "-"] {
-            assert_eq!(parse(text), None, "{text}");
+    }
+
+    #[test]
+    fn what_is_no_number_or_in_another_unit_is_refused_with_the_reason() {
+        for text in ["", "nan", "inf", "1e999", "two", "1..2", "-", "12 apples"] {
+            assert!(read(text, "").is_err_and(|why| why.contains("no number")), "{text}");
         }
+        let why = read("5 mm", " m").expect_err("another unit");
+        assert_eq!(why, "“5 mm” is not in m");
     }
 }

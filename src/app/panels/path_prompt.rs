@@ -18,9 +18,10 @@ pub fn ui(ctx: &egui::Context, prompt: &PathPrompt, commands: &mut Commands) {
         ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 40.0));
         ui.heading(&prompt.question.title);
         ui.add_space(4.0);
-        match &prompt.overwrite {
-            Some(path) => overwrite(ui, &path.display().to_string(), &mut asked),
-            None => {
+        match (&prompt.overwrite, &prompt.new_folder) {
+            (Some(path), _) => overwrite(ui, &path.display().to_string(), &mut asked),
+            (None, Some(name)) => new_folder(ui, prompt, name, &mut asked),
+            (None, None) => {
                 let Keys { moved, enter } = keys(ui, prompt, &mut asked);
                 places(ui, prompt, &mut asked);
                 field(ui, prompt, &mut asked);
@@ -36,8 +37,11 @@ pub fn ui(ctx: &egui::Context, prompt: &PathPrompt, commands: &mut Commands) {
         }
     });
     if asked.is_empty() && response.should_close() {
-        let back = prompt.overwrite.is_some();
-        asked.push(if back { PromptCommand::KeepFile } else { PromptCommand::Cancel });
+        asked.push(match (&prompt.overwrite, &prompt.new_folder) {
+            (Some(_), _) => PromptCommand::KeepFile,
+            (None, Some(_)) => PromptCommand::MakeNoFolder,
+            (None, None) => PromptCommand::Cancel,
+        });
     }
     commands.extend(asked.into_iter().map(Command::Prompt));
 }
@@ -199,15 +203,22 @@ fn row(
     }
 }
 
-fn buttons(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>) {
+fn complaint(ui: &mut egui::Ui, prompt: &PathPrompt) {
     if let Some(complaint) = &prompt.complaint {
         let (colour, sign) =
             theme::severity(crate::deployment::Severity::Problem, ui.visuals().dark_mode);
         ui.label(RichText::new(format!("{sign} {complaint}")).color(colour));
     }
+}
+
+fn buttons(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>) {
+    complaint(ui, prompt);
     ui.horizontal(|ui| {
         if ui.button("Cancel").clicked() {
             asked.push(PromptCommand::Cancel);
+        }
+        if prompt.saves() && ui.button("New folder…").clicked() {
+            asked.push(PromptCommand::NameFolder(String::new()));
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let chosen = prompt.chosen.is_some();
@@ -226,6 +237,30 @@ fn buttons(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand
                 asked.push(PromptCommand::AcceptFolder);
             }
         });
+    });
+}
+
+/// Asks for the name of a folder that is to be made.
+fn new_folder(ui: &mut egui::Ui, prompt: &PathPrompt, name: &str, asked: &mut Vec<PromptCommand>) {
+    ui.label(format!("A new folder in {}", prompt.folder().display()));
+    let mut name = name.to_owned();
+    let enter = ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter));
+    let field = egui::TextEdit::singleline(&mut name).desired_width(f32::INFINITY);
+    let field = ui.add(field).accessible_name("Name of the folder");
+    if ui.memory(|memory| memory.focused().is_none()) {
+        field.request_focus();
+    }
+    if field.changed() {
+        asked.push(PromptCommand::NameFolder(name));
+    }
+    complaint(ui, prompt);
+    ui.add_space(6.0);
+    ui.horizontal(|ui| {
+        if ui.button("Back").clicked() {
+            asked.push(PromptCommand::MakeNoFolder);
+        } else if ui.button("Make the folder").clicked() || enter {
+            asked.push(PromptCommand::MakeFolder);
+        }
     });
 }
 

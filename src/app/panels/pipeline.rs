@@ -311,14 +311,18 @@ fn threshold(
             words::explain(ui.label(name), term)
         });
         ui.spacing_mut().slider_width = (ui.available_width() - 84.0).max(40.0);
-        let slider = egui::Slider::new(value, range)
-            .logarithmic(true)
-            .smallest_positive(0.05)
-            .max_decimals(2)
-            .clamping(egui::SliderClamping::Edits)
-            .custom_parser(super::number::parse)
-            .suffix(unit);
-        let response = ui.add(slider).labelled_by(label.inner.id);
+        let field =
+            super::number::field(ui, (name, unit), value, range.clone(), |ui, value, parse| {
+                let slider = egui::Slider::new(value, range)
+                    .logarithmic(true)
+                    .smallest_positive(0.05)
+                    .max_decimals(2)
+                    .clamping(egui::SliderClamping::Edits)
+                    .custom_parser(parse)
+                    .suffix(unit);
+                ui.add(slider)
+            });
+        let response = field.labelled_by(label.inner.id);
         if response.secondary_clicked() {
             *value = paper;
         }

@@ -1,5 +1,7 @@
 //! What takes long: how far it is, and a way to stop it.
 
+use std::time::Duration;
+
 use eframe::egui;
 
 use crate::app::model::{Command, Commands};
@@ -7,24 +9,28 @@ use crate::app::state::State;
 use crate::progress::Progress;
 
 const BAR_WIDTH: f32 = 110.0;
+/// An answer that takes less needs no bar: a slider that is dragged would make it flicker.
+const LONG_FOR_AN_ANSWER: Duration = Duration::from_secs(1);
 
 /// Work that is under way.
 struct Job<'a> {
     what: String,
     progress: &'a Progress,
+    /// Whether it counts bytes.
+    of_bytes: bool,
     stop: Command,
 }
 
-/// One bar for each opening and for a study; nothing while there is none.
+/// One bar for each opening, each calibration and a study; nothing while there is none.
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     for job in jobs(state) {
         if ui.button("Cancel").on_hover_text(format!("Stop {}", job.what)).clicked() {
-            commands.push(job.stop);
+            commands.push(job.stop.clone());
         }
         let share = job.progress.share();
         let bar = egui::ProgressBar::new(share.unwrap_or(0.0))
             .desired_width(BAR_WIDTH)
-            .text(amount(job.progress));
+            .text(amount(&job));
         // Without a total it shows that something moves, and no share.
         let bar = ui.add(if share.is_none() { bar.animate(true) } else { bar });
         bar.widget_info(|| {
@@ -42,27 +48,38 @@ fn jobs(state: &State) -> Vec<Job<'_>> {
     let mut jobs: Vec<Job<'_>> = state
         .opening
         .iter()
-        .filter(|opening| opening.since.elapsed() > super::SHORTEST_WAIT)
-        .map(|opening| Job {
-            what: format!("opening {}", opening.title),
+        .zip(state.opening_names())
+        .filter(|(opening, _)| opening.since.elapsed() > super::SHORTEST_WAIT)
+        .map(|(opening, name)| Job {
+            what: format!("opening {name}"),
             progress: &opening.progress,
+            of_bytes: true,
             stop: Command::CancelOpening(opening.number),
         })
         .collect();
     jobs.extend(state.studies.running.iter().map(|(_, progress)| Job {
         what: "running the study".to_owned(),
         progress,
+        of_bytes: false,
         stop: Command::CancelStudy,
+    }));
+    jobs.extend(state.calibrating(LONG_FOR_AN_ANSWER).map(|(open, progress)| Job {
+        what: format!("calibrating {}", state.name_of(open.id).unwrap_or_default()),
+        progress,
+        of_bytes: false,
+        stop: Command::CancelAnalysis(open.id),
     }));
     jobs
 }
 
 /// Bytes as megabytes, steps as they are.
-fn amount(progress: &Progress) -> String {
+fn amount(Job { progress, of_bytes, .. }: &Job<'_>) -> String {
     let (done, total) = (progress.done(), progress.total());
     match total {
         0 => String::new(),
-        1_000_000.. => format!("{:.0} of {:.0} MB", done as f64 / 1e6, total as f64 / 1e6),
+        1_000_000.. if *of_bytes => {
+            format!("{:.0} of {:.0} MB", done as f64 / 1e6, total as f64 / 1e6)
+        }
         _ => format!("{:.0} %", 100.0 * done as f64 / total as f64),
     }
 }

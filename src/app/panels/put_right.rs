@@ -82,14 +82,22 @@ fn name(ui: &mut egui::Ui, name: &str, as_read: Option<String>) -> bool {
 }
 
 fn number(ui: &mut egui::Ui, label: &str, value: &mut f64, decimals: usize, unit: &str) -> bool {
-    let field = egui::DragValue::new(value).fixed_decimals(decimals).suffix(unit);
-    typed(ui, label, field)
+    typed(ui, (label, unit), value, |field| field.fixed_decimals(decimals))
 }
 
 /// A field for a number that counts once it is entered, because the data is read again with it.
-fn typed(ui: &mut egui::Ui, label: &str, field: egui::DragValue<'_>) -> bool {
-    let field = field.speed(0.0).update_while_editing(false).custom_parser(super::number::parse);
-    let response = ui.add(field).accessible_name(label);
+fn typed(
+    ui: &mut egui::Ui,
+    (label, unit): (&str, &str),
+    value: &mut f64,
+    dress: impl for<'a> FnOnce(egui::DragValue<'a>) -> egui::DragValue<'a>,
+) -> bool {
+    let any = f64::NEG_INFINITY..=f64::INFINITY;
+    let field = super::number::field(ui, (label, unit), value, any, |ui, value, parse| {
+        let field = dress(egui::DragValue::new(value)).suffix(unit).speed(0.0);
+        ui.add(field.update_while_editing(false).custom_parser(parse))
+    });
+    let response = field.accessible_name(label);
     let changed = response.changed();
     response.on_hover_text(format!("{label}: click to type"));
     changed
@@ -238,11 +246,9 @@ pub fn distance_fields(
         for (pair, distance_m) in all_m.iter_mut().enumerate() {
             let label = format!("Distance of prisms {}", pair_label(pair));
             // Its name is in the field: it cannot stand at the end of a line and the number on the next.
-            let field = egui::DragValue::new(distance_m)
-                .prefix(format!("{}:  ", pair_label(pair)))
-                .fixed_decimals(4)
-                .suffix(" m");
-            entered |= typed(ui, &label, field);
+            entered |= typed(ui, (&label, " m"), distance_m, |field| {
+                field.prefix(format!("{}:  ", pair_label(pair))).fixed_decimals(4)
+            });
         }
     });
     if entered && all_m.iter().all(|m| *m > 0.0) {

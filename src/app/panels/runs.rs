@@ -24,7 +24,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.weak("None. Pin a result, and later ones are shown against it.");
         }
         for pin in &state.results.pins {
-            pinned(ui, pin, commands);
+            pinned(ui, state, pin, commands);
         }
         ui.add_space(4.0);
         heading(ui, "Runs of this session");
@@ -62,11 +62,11 @@ fn current(state: &State) -> Option<u64> {
     state.results.runs.iter().rev().find(is_it).map(|run| run.id)
 }
 
-fn pinned(ui: &mut egui::Ui, pin: &Pin, commands: &mut Commands) {
+fn pinned(ui: &mut egui::Ui, state: &State, pin: &Pin, commands: &mut Commands) {
     let Pin { id, name, summary, shown, .. } = pin;
     ui.horizontal(|ui| {
         let mut show = *shown;
-        let text = RichText::new(format!("{name}  {}", summary.deployment)).strong();
+        let text = RichText::new(format!("{name}  {}", state.name_of_result(summary))).strong();
         let switch = ui
             .add(egui::Checkbox::new(&mut show, text))
             .on_hover_text("Show its residuals behind the present ones");
@@ -100,7 +100,7 @@ fn one(
     commands: &mut Commands,
 ) {
     let changed = match state.run_change(run) {
-        None => first_in_words(run),
+        None => first_in_words(state, run),
         Some(words) if words.is_empty() => "no setting changed".to_owned(),
         Some(words) => words,
     };
@@ -144,7 +144,9 @@ fn one(
             Ok(summary) => {
                 numbers(ui, summary);
                 if several {
-                    ui.add(egui::Label::new(RichText::new(&summary.deployment).small()).truncate());
+                    let name = state.name_of(run.deployment);
+                    let name = name.unwrap_or_else(|| summary.deployment.clone());
+                    ui.add(egui::Label::new(RichText::new(name).small()).truncate());
                 }
             }
             Err(why) => {
@@ -154,10 +156,12 @@ fn one(
     });
 }
 
-fn first_in_words(run: &Run) -> String {
+fn first_in_words(state: &State, run: &Run) -> String {
     let changed = changes_in_words(&setting_changes(&Settings::default(), &run.settings));
-    let name = run.result.as_ref().map_or("opened", |summary| summary.deployment.as_str());
-    if changed.is_empty() { name.to_owned() } else { format!("{name}, {changed}") }
+    let name = run.result.as_ref().map_or("opened".to_owned(), |summary| {
+        state.name_of(run.deployment).unwrap_or_else(|| summary.deployment.clone())
+    });
+    if changed.is_empty() { name } else { format!("{name}, {changed}") }
 }
 
 /// Verdict, method and metrics, short enough for a line.

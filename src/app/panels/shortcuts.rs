@@ -63,7 +63,10 @@ pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
                             let rows: Vec<(String, &str)> = keyed
                                 .filter_map(|action| Some((action.shortcut?, action)))
                                 .map(|(keys, action)| {
-                                    (ctx.format_shortcut(&keys), action.name.as_str())
+                                    // What it acts on now is said by the menu.
+                                    let general =
+                                        Some(action.in_general).filter(|it| !it.is_empty());
+                                    (ctx.format_shortcut(&keys), general.unwrap_or(&action.name))
                                 })
                                 .collect();
                             if !rows.is_empty() {

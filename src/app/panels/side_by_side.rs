@@ -37,9 +37,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 fn rows(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     ui.label("");
-    for open in &state.open {
+    for (open, name) in state.open.iter().zip(state.names()) {
         let active = state.active().is_some_and(|active| active.id == open.id);
-        let name = RichText::new(&open.deployment.name).strong();
+        let name = RichText::new(name).strong();
         if ui.selectable_label(active, name).clicked() {
             commands.push(Command::Activate(open.id));
         }

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, RichText};
 
-use super::{finding, scrolled};
+use super::{finding, number, scrolled};
 use crate::app::model::studies::{StudyKind, StudyOptions};
 use crate::app::model::{Command, Commands};
 use crate::app::plots::chart;
@@ -60,14 +60,22 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             "Solve with a random 75 % of the data and judge by the rest; whole stretches of 5 s go to one side",
         );
         ui.add_enabled_ui(options.split, |ui| {
-            let repeats = egui::DragValue::new(&mut options.splits.repeats).range(1..=200);
-            ui.add(repeats.suffix(" repeats")).on_hover_text("Repeats");
+            let (repeats, range) = (&mut options.splits.repeats, 1..=200);
+            number::field(ui, ("Repeats", "repeats"), repeats, range, |ui, repeats, parse| {
+                let repeats = egui::DragValue::new(repeats).range(1..=200).suffix(" repeats");
+                ui.add(repeats.custom_parser(parse))
+            })
+            .on_hover_text("Repeats");
         });
     });
     if options.split {
         ui.horizontal(|ui| {
             let label = ui.label("seed");
-            ui.add(egui::DragValue::new(&mut options.splits.seed)).labelled_by(label.id);
+            let seed = &mut options.splits.seed;
+            number::field(ui, ("seed", ""), seed, 0..=u64::MAX, |ui, seed, parse| {
+                ui.add(egui::DragValue::new(seed).custom_parser(parse))
+            })
+            .labelled_by(label.id);
         });
     }
     if options != state.studies.options {
@@ -131,15 +139,19 @@ fn sweep(ui: &mut egui::Ui, sweep: &mut Sweep) {
     ui.horizontal_wrapped(|ui| {
         for (name, value) in [("from", &mut sweep.from), ("to", &mut sweep.to)] {
             let label = ui.label(name);
-            let number = egui::DragValue::new(value)
-                .speed(0.05)
-                .range(0.0..=100.0)
-                .custom_parser(super::number::parse);
-            ui.add(number.suffix(unit.as_str())).labelled_by(label.id);
+            let range = 0.0..=100.0;
+            number::field(ui, (name, &unit), value, range.clone(), |ui, value, parse| {
+                let number = egui::DragValue::new(value).speed(0.05).range(range);
+                ui.add(number.custom_parser(parse).suffix(unit.as_str()))
+            })
+            .labelled_by(label.id);
         }
         let label = ui.label("in");
-        let steps = egui::DragValue::new(&mut sweep.steps).range(2..=60);
-        ui.add(steps.suffix(" steps")).labelled_by(label.id);
+        number::field(ui, ("in", "steps"), &mut sweep.steps, 2..=60, |ui, steps, parse| {
+            let steps = egui::DragValue::new(steps).range(2..=60).suffix(" steps");
+            ui.add(steps.custom_parser(parse))
+        })
+        .labelled_by(label.id);
     });
 }
 

@@ -1,4 +1,4 @@
-//! The toasts, stacked at the lower right.
+//! The toasts, in a strip of their own above the bar of time: they cover no data and no number.
 
 use eframe::egui::{self, Color32, RichText, accesskit};
 
@@ -8,63 +8,82 @@ use crate::app::theme;
 use crate::deployment::Severity;
 use crate::palette;
 
-const WIDTH: f32 = 360.0;
-const MARGIN: f32 = 12.0;
-/// The bar of time stays in sight below them.
-const BOTTOM: f32 = 34.0;
+/// More lines than this are scrolled to.
+const MOST_LINES: f32 = 5.0;
 
-pub fn ui(ctx: &egui::Context, toasts: &Toasts, commands: &mut Commands) {
-    if toasts.shown().is_empty() {
+pub fn ui(ui: &mut egui::Ui, toasts: &Toasts, commands: &mut Commands) {
+    // What the pointer drags must not slip away under it: the strip waits until the button is up.
+    let held = ui.input(|input| input.pointer.any_down());
+    let id = egui::Id::unique("toasts");
+    let last: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(0.0);
+    let hidden = if held { last == 0.0 } else { toasts.shown().is_empty() };
+    if hidden {
+        ui.data_mut(|data| data.insert_temp(id, 0.0_f32));
         return;
     }
-    egui::Area::new(egui::Id::unique("toasts"))
-        .order(egui::Order::Middle)
-        .anchor(egui::Align2::RIGHT_BOTTOM, [-MARGIN, -BOTTOM])
-        .show(ctx, |ui| {
-            ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 2.0 * MARGIN));
-            for toast in toasts.shown() {
-                show(ui, toast, commands);
-            }
-        });
+    let line = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
+    let mut panel = egui::Panel::bottom("toasts").resizable(false);
+    if held {
+        panel = panel.exact_size(last);
+    }
+    let shown = panel.show(ui, |ui| {
+        egui::ScrollArea::vertical()
+            .max_height(MOST_LINES * line)
+            // A strip that has to grow has no more room than before.
+            .min_scrolled_height(if held { 0.0 } else { MOST_LINES * line })
+            .auto_shrink([false, true])
+            .stick_to_bottom(true)
+            .show(ui, |ui| toasts.shown().iter().for_each(|toast| show(ui, toast, commands)));
+    });
+    if !held {
+        ui.data_mut(|data| data.insert_temp(id, shown.response.rect.height()));
+    }
 }
 
 fn show(ui: &mut egui::Ui, toast: &Toast, commands: &mut Commands) {
     let (colour, sign) = colour_and_sign(toast.level, ui.visuals().dark_mode);
-    let frame = egui::Frame::popup(ui.style())
-        .stroke(egui::Stroke::new(1.0, colour))
-        .inner_margin(egui::Margin::symmetric(10, 8));
-    let shown = frame.show(ui, |ui| {
-        ui.set_width(ui.available_width());
-        ui.horizontal_top(|ui| {
+    let line = ui.with_layout(egui::Layout::right_to_left(egui::Align::TOP), |ui| {
+        if ui.button("Dismiss").clicked() {
+            commands.push(Command::DismissToast(toast.id));
+        }
+        if let Some((name, command)) = &toast.action
+            && ui.button(*name).clicked()
+        {
+            commands.extend([command.clone(), Command::DismissToast(toast.id)]);
+        }
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::TOP), |ui| {
             ui.label(RichText::new(sign).color(colour).strong());
-            ui.vertical(|ui| {
-                let text =
-                    ui.add(egui::Label::new(RichText::new(shortened(&toast.text)).strong()).wrap());
-                // Screen readers say it when it appears; errors at once.
-                let urgency = match toast.level {
-                    ToastLevel::Error => accesskit::Live::Assertive,
-                    ToastLevel::Done | ToastLevel::Warning => accesskit::Live::Polite,
-                };
-                ui.ctx().accesskit_node_builder(text.id, |node| node.set_live(urgency));
-                if !toast.detail.is_empty() {
-                    ui.add(egui::Label::new(shortened(&toast.detail)).wrap());
-                }
-                ui.horizontal(|ui| {
-                    if let Some((name, command)) = &toast.action
-                        && ui.button(*name).clicked()
-                    {
-                        commands.extend([command.clone(), Command::DismissToast(toast.id)]);
-                    }
-                    if ui.button("Dismiss").clicked() {
-                        commands.push(Command::DismissToast(toast.id));
-                    }
-                });
-            });
+            words(ui, toast);
         });
     });
-    if ui.rect_contains_pointer(shown.response.rect) {
+    if ui.rect_contains_pointer(line.response.rect) {
         commands.push(Command::HoldToast(toast.id));
     }
+}
+
+/// What happened, how often, and why or what to do about it.
+fn words(ui: &mut egui::Ui, toast: &Toast) {
+    let mut text = shortened(&toast.text);
+    if toast.count > 1 {
+        text += &format!(" ({}×)", toast.count);
+    }
+    let detail = shortened(&toast.detail);
+    let mut job = egui::text::LayoutJob::default();
+    let mut add = |text: RichText| {
+        let style = ui.style();
+        text.append_to(&mut job, style, egui::FontSelection::Default, egui::Align::Center);
+    };
+    add(RichText::new(&text).strong());
+    if !detail.is_empty() {
+        add(RichText::new(format!("   {detail}")));
+    }
+    let label = ui.add(egui::Label::new(job).wrap());
+    // Screen readers say it when it appears; errors at once.
+    let urgency = match toast.level {
+        ToastLevel::Error => accesskit::Live::Assertive,
+        ToastLevel::Done | ToastLevel::Warning => accesskit::Live::Polite,
+    };
+    ui.ctx().accesskit_node_builder(label.id, |node| node.set_live(urgency));
 }
 
 /// The sign tells the level without its colour.

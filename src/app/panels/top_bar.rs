@@ -24,7 +24,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             }
             ui.separator();
             match state.active() {
-                Some(open) => ui.label(&open.deployment.name),
+                Some(open) => ui.label(state.name_of(open.id).unwrap_or_default()),
                 None => ui.weak("nothing open: choose File, or drop a folder or bag here"),
             };
             if let Some(path) = &state.session.path {

@@ -18,7 +18,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands)
     ui.add_space(6.0);
     heading(ui, "The same set-up?");
     ui.horizontal(|ui| {
-        let text = format!("Apply {}'s calibration to the others", active.deployment.name);
+        let name = state.name_of(active.id).unwrap_or_default();
+        let text = format!("Apply {name}'s calibration to the others");
         let button = ui
             .add_enabled(state.can_validate(), egui::Button::new(text))
             .on_hover_text("Whether it holds there: the metric, and which station moved since")
@@ -33,21 +34,21 @@ pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands)
             }
         }
     });
-    for (index, found) in state.validations().enumerate() {
+    for (index, (name, found)) in state.validated().enumerate() {
         ui.add_space(4.0);
         ui.scope(|ui| {
             ui.set_max_width(width);
-            one(ui, (index, found), state.units);
+            one(ui, &name, (index, found), state.units);
         });
     }
 }
 
-fn one(ui: &mut egui::Ui, (index, found): (usize, &Validation), units: Units) {
+fn one(ui: &mut egui::Ui, name: &str, (index, found): (usize, &Validation), units: Units) {
     ui.horizontal(|ui| {
         let [ground, ink] = palette::outcome(&found.outcome).map(theme::rgb);
         let word = RichText::new(format!(" {} ", found.outcome.name()));
         ui.label(word.color(ink).background_color(ground));
-        ui.strong(format!("for {}", found.deployment));
+        ui.strong(format!("for {name}"));
     });
     ui.add(egui::Label::new(found.why()).wrap());
     if let Some(difference) = &found.difference {

@@ -1,26 +1,15 @@
 //! Hashes of input files: whether what a session was made from is still what lies there.
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
-use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
+pub use crate::deployment::file_mark::{FileMark, used_files};
 
-use crate::deployment::{Deployment, Finding, Place, Source};
-
-/// What a file was when it was read; `sha256sum` gives the same.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FileMark {
-    pub path: PathBuf,
-    pub bytes: u64,
-    pub sha256: String,
-}
+use crate::deployment::Finding;
+use crate::deployment::file_mark::sha256;
 
 /// Hashes that were computed already; a file is read again only when its size or its time of change is another.
 #[derive(Debug, Default)]
@@ -54,7 +43,8 @@ impl HashCache {
                 sha256
             }
             _ => {
-                let sha256 = self.sha256(path)?;
+                let go_on = || !self.stopped.load(Ordering::Relaxed);
+                let sha256 = sha256(path, go_on)?;
                 self.known().insert(path.to_owned(), (bytes, changed, sha256.clone()));
                 sha256
             }
@@ -86,47 +76,12 @@ impl HashCache {
             ))),
         }
     }
-
-    fn sha256(&self, path: &Path) -> std::io::Result<String> {
-        let mut file = File::open(path)?;
-        let mut hasher = Sha256::new();
-        let mut buffer = vec![0; 1 << 16];
-        loop {
-            if self.stopped.load(Ordering::Relaxed) {
-                return Err(std::io::Error::other("resect is being closed"));
-            }
-            match file.read(&mut buffer)? {
-                0 => break,
-                read => hasher.update(&buffer[..read]),
-            }
-        }
-        Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
-    }
-}
-
-/// The files that a deployment was read from; none of a sample.
-pub fn used_files(source: &Source, deployment: &Deployment) -> Vec<PathBuf> {
-    let Place::Path(path) = &source.place else { return Vec::new() };
-    let folder =
-        if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(Path::new("")) };
-    let extras = &source.extras;
-    let named: Vec<&PathBuf> = extras.rig.iter().chain(&extras.gcp).chain(&extras.gnss).collect();
-    let place = |file: &str| {
-        // What the user named is told as it was named, or from the named folder on.
-        let candidates = named.iter().map(|named| match named.is_dir() {
-            true => named.join(file),
-            false => (*named).clone(),
-        });
-        let own = folder.join(file);
-        let mut named = candidates.filter(|path| path.ends_with(file) && path.is_file());
-        if own.is_file() { Some(own) } else { named.next() }
-    };
-    let used = deployment.ingredients.iter().filter(|ingredient| ingredient.used);
-    used.filter_map(|ingredient| place(&ingredient.file)).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs::File;
+
     use super::*;
 
     #[test]

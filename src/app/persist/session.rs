@@ -140,4 +140,12 @@ impl Session {
     pub fn is_empty(&self) -> bool {
         self.deployments.is_empty() && self.pins.is_empty()
     }
+
+    /// Whether the data, its settings and what is pinned are the same, wherever one looks at the moment.
+    pub fn is_same_work(&self, other: &Self) -> bool {
+        fn of(session: &Session) -> impl Iterator<Item = (&Source, &Settings)> {
+            session.deployments.iter().map(|saved| (&saved.source, &saved.settings))
+        }
+        of(self).eq(of(other)) && self.pins == other.pins
+    }
 }

@@ -103,6 +103,11 @@ impl Analyser {
         self.requests.send(request).ok();
     }
 
+    /// How far the newest analysis of a deployment is.
+    pub fn progress(&self, id: u64) -> Option<&Progress> {
+        self.analysing.get(&id).map(Arc::as_ref)
+    }
+
     /// Lets go of what is remembered of a deployment.
     pub fn forget(&mut self, id: u64) {
         if let Some(unwanted) = self.analysing.remove(&id) {

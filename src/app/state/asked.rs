@@ -86,7 +86,7 @@ impl State {
         }
         let shown = self.active().map(|open| open.id);
         let targets: Vec<(u64, String)> =
-            self.open.iter().map(|open| (open.id, open.deployment.name.clone())).collect();
+            self.open.iter().map(|open| open.id).zip(self.names()).collect();
         let target = targets.iter().position(|(id, _)| Some(*id) == shown).unwrap_or(0);
         if targets.is_empty() && folders.is_empty() {
             let line = "these files describe a deployment, but none is open; open its tracks first";
@@ -132,7 +132,16 @@ impl State {
     }
 
     pub(super) fn cancel_asked(&mut self) {
-        self.asked.pop_front();
+        let Some(Waiting { reading, .. }) = self.asked.pop_front() else { return };
+        if let Some((source, Then::Restore)) = reading {
+            self.not_restored(&format!("{}: what was asked has no answer", source.title()));
+        }
+    }
+
+    /// What a session has opened until now is no longer wanted, nor what had to be asked for it.
+    pub(super) fn ask_nothing_of_restoring(&mut self) {
+        let of_restoring = |waiting: &Waiting| matches!(waiting.reading, Some((_, Then::Restore)));
+        self.asked.retain(|waiting| !of_restoring(waiting));
     }
 
     pub(super) fn answer_asked(&mut self, answer: AskedAnswer) {
@@ -183,7 +192,10 @@ impl State {
         }
         if let Some((mut source, then)) = reading {
             source.extras.add(Extras { put_right, ..Extras::default() });
-            self.read(source, then);
+            match then {
+                Then::Restore => self.restore_with(source),
+                then => self.read(source, then),
+            }
         }
     }
 }

@@ -25,13 +25,9 @@ impl State {
         let saves = !matches!(question.wanted, Wanted::ToOpen { .. });
         let last = if saves { &self.last_folder_saved } else { &self.last_folder_opened };
         let folder = last.clone().or_else(|| std::env::current_dir().ok());
-        let recent: Vec<PathBuf> = self
-            .session
-            .recent
-            .iter()
-            .filter_map(|it| Some(it.source.path()?.to_owned()))
-            .collect();
-        let (shown, step) = PathPrompt::new(question, folder.unwrap_or_default(), &recent);
+        let recent = self.session.recent.iter().zip(self.session.recent_names());
+        let recent = recent.filter_map(|(it, name)| Some((name, it.source.path()?.to_owned())));
+        let (shown, step) = PathPrompt::new(question, folder.unwrap_or_default(), recent.collect());
         self.prompt = Some(OpenPrompt { shown, answer });
         self.follow(step);
         Answer::OfWindow(receiver)

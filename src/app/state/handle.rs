@@ -28,13 +28,15 @@ impl State {
             Command::Prompt(command) => self.answer_prompt(command),
             Command::OpenSessionDialog => self.open_session_dialog(),
             Command::ReopenLast => self.reopen_last(),
+            Command::DiscardRecovered => self.discard_recovered(),
             Command::SaveSession => self.save_session(false),
             Command::SaveSessionAs => self.save_session(true),
             Command::HoverPaths(paths) => self.hover_paths(paths),
             Command::RetryMissing => self.retry_missing(),
             Command::ForgetMissing(index) => {
                 if index < self.session.missing.len() {
-                    self.session.missing.remove(index);
+                    let missing = self.session.missing.remove(index);
+                    self.toasts.settled(&missing.saved.source.place);
                 }
             }
             Command::Activate(id) => {
@@ -52,6 +54,7 @@ impl State {
                 let ids: Vec<u64> = self.open.iter().map(|open| open.id).collect();
                 self.change(&ids, *self.settings(), Moment::now(ctx));
             }
+            Command::CancelAnalysis(id) => self.cancel_analysis(id),
             Command::Undo => {
                 // What is not done yet is not done.
                 if self.take_back_pending() {
@@ -197,7 +200,7 @@ impl State {
     }
 
     /// Gives deployments new settings as one step that can be undone.
-    fn change(&mut self, ids: &[u64], settings: Settings, moment: Moment) {
+    pub(super) fn change(&mut self, ids: &[u64], settings: Settings, moment: Moment) {
         let changes: Vec<Change> = ids
             .iter()
             .filter_map(|&id| {
@@ -249,6 +252,7 @@ impl State {
         self.analyser.forget(id);
         self.session.files.remove(&id);
         self.undo.forget(id);
+        self.toasts.closed(id);
         // The one shown stays shown; of a closed one, its neighbour.
         if index == self.active {
             self.show(index.min(self.open.len().saturating_sub(1)));

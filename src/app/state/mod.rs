@@ -7,10 +7,12 @@ mod asking;
 mod deployment_toml;
 mod handle;
 mod hovering;
+mod naming;
 mod opening;
 mod outcomes;
 mod picture;
 pub mod put_right;
+mod restoring;
 mod results;
 mod saving;
 mod sessions;
@@ -40,6 +42,7 @@ use crate::app::model::{
     Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Playback, Results, Ruler,
     UndoStack, Units, Validations, Visibility,
 };
+use crate::progress::Progress;
 
 /// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
 const DIM_AFTER: Duration = Duration::from_millis(80);
@@ -173,6 +176,18 @@ impl State {
             || analysing
             || self.studies.running.is_some()
             || self.validations.running.is_some()
+    }
+
+    /// What is being calibrated for longer than this, and how far it is.
+    pub fn calibrating(
+        &self,
+        longer_than: Duration,
+    ) -> impl Iterator<Item = (&OpenDeployment, &Progress)> {
+        let long = move |open: &&OpenDeployment| {
+            open.analysing.is_some_and(|analysing| analysing.since.elapsed() > longer_than)
+        };
+        let long = self.open.iter().filter(long);
+        long.filter_map(move |open| Some((open, self.analyser.progress(open.id)?)))
     }
 
     /// Whether the answer shown is old enough to be dimmed.

@@ -17,7 +17,6 @@ use crate::progress::Progress;
 /// A deployment that is being read.
 pub struct Opening {
     pub number: u64,
-    pub title: String,
     pub since: Instant,
     /// How much of it is read, in bytes.
     pub progress: Arc<Progress>,
@@ -130,8 +129,8 @@ impl State {
         let progress = Arc::new(Progress::default());
         let (from, shared) = (source.clone(), Arc::clone(&progress));
         let number = self.jobs.start(move || from.open(&shared).map(Arc::new), Self::take_opened);
-        let (title, since) = (source.title(), Instant::now());
-        self.opening.push(Opening { number, title, since, progress, source, then });
+        let since = Instant::now();
+        self.opening.push(Opening { number, since, progress, source, then });
     }
 
     /// Opens a deployment of a session, and finds out which of its files changed since.
@@ -141,7 +140,7 @@ impl State {
         let number =
             self.jobs.start(move || again.open(&cache, &shared).map(Arc::new), Self::take_opened);
         let (source, since, then) = (saved.source.clone(), Instant::now(), Then::Restore);
-        self.opening.push(Opening { number, title: source.title(), since, progress, source, then });
+        self.opening.push(Opening { number, since, progress, source, then });
     }
 
     /// What a session has opened until now is no longer wanted.
@@ -151,6 +150,7 @@ impl State {
             .partition::<Vec<_>, _>(|opening| opening.then == Then::Restore);
         restoring.iter().for_each(|opening| opening.progress.cancel());
         self.opening = others;
+        self.ask_nothing_of_restoring();
     }
 
     /// A bug stopped the reading.
@@ -175,20 +175,21 @@ impl State {
                 self.not_restored(&format!("{}: reading was cancelled", source.title()));
                 return;
             }
+            Err(OpenError::Question(question)) => {
+                self.ask_and_read(*question, source, then);
+                return;
+            }
             Err(error) if then == Then::Restore => {
                 self.not_restored(&error.to_string());
                 return;
             }
             Err(OpenError::Cancelled) => return,
-            Err(OpenError::Question(question)) => {
-                self.ask_and_read(*question, source, then);
-                return;
-            }
             Err(error) => {
-                self.toasts.error(&error.to_string());
+                self.toasts.not_opened(&source.place, &error.to_string());
                 return;
             }
         };
+        self.toasts.settled(&source.place);
         match then {
             Then::Show(settings) => {
                 self.add_with(deployment, Some(source), settings);
@@ -223,9 +224,10 @@ impl State {
 
     /// What the readers noticed and the user was not told yet.
     pub(super) fn tell_of_reading(&mut self, index: usize) {
-        let Some(open) = self.open.get_mut(index) else { return };
-        let deployment = &open.deployment;
-        self.toasts.findings(&deployment.name, &deployment.findings, &mut open.told);
+        let Some(name) = self.names().into_iter().nth(index) else { return };
+        let open = &mut self.open[index];
+        let findings = &open.deployment.findings;
+        self.toasts.findings((open.id, &name), findings, &mut open.told);
     }
 
     /// Finds out what paths are, beside the worker: a folder may lie on a slow disk.

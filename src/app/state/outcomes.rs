@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::State;
 use crate::app::model::StudyResult;
-use crate::app::model::toasts::new_findings;
+use crate::app::model::told::{forget_past, new_findings};
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::analyser::Answered;
 use crate::experiment::StudyError;
@@ -75,6 +75,7 @@ impl State {
     pub(super) fn take_analysed(&mut self, answered: Answered) {
         let id = answered.id;
         let shown = self.active().map(|open| open.id);
+        let Some(name) = self.name_of(id) else { return };
         let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
         let analysis = Arc::clone(&answered.analysis);
         let (first, joint_follows) = (!open.answered, answered.joint_follows);
@@ -82,17 +83,20 @@ impl State {
         if !open.take(answered) {
             return;
         }
-        if let Ok(answer) = analysis.answer.as_ref()
-            && !joint_follows
-        {
-            let findings = &answer.calibration.findings;
-            if first {
+        if !joint_follows {
+            let of_answer = analysis.answer.as_ref().map(|answer| &answer.calibration.findings[..]);
+            let now = open.deployment.findings.iter().chain(of_answer.unwrap_or_default());
+            self.toasts.update((id, &name), now.clone());
+            match of_answer {
                 // The result's pane tells them; news is what a change of the settings brings.
-                new_findings(findings, &mut open.told);
-            } else {
-                let name = &open.deployment.name;
-                self.toasts.retire(name, open.deployment.findings.iter().chain(findings));
-                self.toasts.findings(name, findings, &mut open.told);
+                Ok(findings) if first => {
+                    new_findings(findings, &mut open.told);
+                }
+                Ok(findings) => {
+                    forget_past(now, &mut open.told);
+                    self.toasts.findings((id, &name), findings, &mut open.told);
+                }
+                Err(_) => {}
             }
         }
         let stations = |summary: &Option<Arc<ResultSummary>>| summary.as_ref().map(|s| s.stations);

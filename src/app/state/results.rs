@@ -5,8 +5,10 @@ use std::time::Instant;
 
 use super::State;
 use crate::analysis::{Analysis, Analyst, Settings, changes_in_words, setting_changes};
+use crate::app::model::undo::Moment;
 use crate::app::model::{Pin, Run};
 use crate::app::prepared::{PreparedPlots, RawReadings};
+use crate::export::summary::ResultSummary;
 
 /// Most runs that are kept: more are not looked at again; the oldest go.
 const MOST_RUNS: usize = 200;
@@ -18,6 +20,30 @@ impl State {
         let now = self.active()?.summary.as_ref()?;
         let pins = &self.results.pins;
         pins.iter().rev().find(|pin| pin.summary.has_same_data(now)).or(pins.last())
+    }
+
+    /// The name of what a result is of, which tells it from the others that are open.
+    pub fn name_of_result(&self, summary: &ResultSummary) -> String {
+        let mut of = self.open.iter().filter(|open| summary.is_of(&open.deployment));
+        let only = of.next().filter(|_| of.next().is_none());
+        only.and_then(|open| self.name_of(open.id)).unwrap_or_else(|| summary.deployment.clone())
+    }
+
+    /// Stops an analysis; the settings are again those of the answer that is shown, if there is one.
+    pub(super) fn cancel_analysis(&mut self, id: u64) {
+        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        if open.analysing.take().is_none() {
+            return;
+        }
+        if let Some(progress) = self.analyser.progress(id) {
+            progress.cancel();
+        }
+        match open.analysis.as_ref().map(|analysis| analysis.settings) {
+            Some(settings) => self.change(&[id], settings, Moment::NEVER),
+            None => self
+                .toasts
+                .warning("the calibration was stopped; change a setting to start it again"),
+        }
     }
 
     /// Remembers what an analysis led to. One drag is one run.

@@ -7,6 +7,7 @@ use super::State;
 use crate::analysis::Analysis;
 use crate::app::file_dialog::{Answer, Question, Wanted};
 use crate::deployment::Deployment;
+use crate::deployment::file_mark::marks_of;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::export;
 use crate::export::atomic;
@@ -61,9 +62,12 @@ impl State {
     }
 
     pub(super) fn save_report(&mut self) {
+        let source = self.active().and_then(|open| open.source.clone());
         self.save_of_analysis("Save the report (HTML)", "html", |path, deployment, analysis| {
             let analysis = Box::new(Analysis::clone(&analysis));
-            let page = report::page(&[Chapter::Analysed { deployment, analysis }]);
+            let files = source.map_or_else(Vec::new, |source| marks_of(&source, &deployment));
+            let chapter = Chapter::Analysed { deployment, analysis, files };
+            let page = report::page(&[chapter], report::date_of_run());
             atomic::write(path, page).map_err(|error| error.to_string())
         });
     }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::State;
 use crate::app::layout::Layout;
 use crate::app::model::OpenDeployment;
+use crate::app::model::names::told_apart;
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::last::LastSession;
 use crate::app::persist::preferences::{Recent, remember};
@@ -14,13 +15,17 @@ use crate::app::persist::session::{
     EXTENSION, Files, SavedDeployment, SavedPin, SavedView, Session, SessionError,
 };
 use crate::app::persist::session_file;
-use crate::deployment::{Deployment, Finding, Source};
+use crate::deployment::{Finding, Source};
 
 /// What belongs to the session beside what is open.
 #[derive(Default)]
 pub struct SessionState {
     /// The session's file, once it was saved or opened.
     pub path: Option<PathBuf>,
+    /// What is in that file.
+    pub(super) kept: Option<Session>,
+    /// Whether what is open was restored after a crash, and the user has not decided about it.
+    pub recovered: bool,
     /// Deployments that could not be opened; they stay in the session, whose next save keeps them.
     pub missing: Vec<Missing>,
     /// Opened before, in this window or another; the newest first.
@@ -28,11 +33,11 @@ pub struct SessionState {
     /// What was open before, in this window or another; none of windows that keep nothing.
     pub last: Option<LastSession>,
     /// Deployments yet to be opened, in order.
-    waiting: VecDeque<Waiting>,
+    pub(super) waiting: VecDeque<Waiting>,
     /// The one that is being opened.
-    restoring: Option<Waiting>,
+    pub(super) restoring: Option<Waiting>,
     /// Id of the deployment that stays shown while others are opened.
-    shown: Option<u64>,
+    pub(super) shown: Option<u64>,
     /// What the session that was just opened took the place of, until the window has it kept.
     replaced: Option<Session>,
     /// How many sessions were opened; tells the present one from those before it.
@@ -41,7 +46,7 @@ pub struct SessionState {
     reading: Vec<u64>,
     /// Requests that write a session, and which of those that were opened it is.
     writing: Vec<(u64, u64)>,
-    cache: Arc<HashCache>,
+    pub(super) cache: Arc<HashCache>,
     /// What each open deployment was read from, by its id.
     pub(super) files: BTreeMap<u64, Files>,
 }
@@ -51,16 +56,16 @@ pub struct Missing {
     pub saved: SavedDeployment,
     pub why: String,
     /// The deployment's place among the session's deployments, from 0.
-    place: usize,
+    pub(super) place: usize,
 }
 
 /// A deployment of the session that is yet to be opened.
-struct Waiting {
-    saved: SavedDeployment,
+pub(super) struct Waiting {
+    pub saved: SavedDeployment,
     /// Whether it is the one to be shown.
-    shown: bool,
+    pub shown: bool,
     /// The deployment's place among the session's deployments, from 0.
-    place: usize,
+    pub place: usize,
 }
 
 impl SessionState {
@@ -87,6 +92,16 @@ impl SessionState {
             waiting.shown = false;
             self.shown = Some(id);
         }
+    }
+
+    /// The names of what was opened before, which tell them apart.
+    pub fn recent_names(&self) -> Vec<String> {
+        title_of_each(self.recent.iter().map(|recent| &recent.source))
+    }
+
+    /// The names of what could not be opened, which tell them apart.
+    pub fn missing_names(&self) -> Vec<String> {
+        title_of_each(self.missing.iter().map(|missing| &missing.saved.source))
     }
 
     /// A deployment was opened that can be opened again.
@@ -205,30 +220,39 @@ impl State {
         self.session.done(number);
         match result {
             Ok((session, findings)) => {
-                let replaced = self.session();
-                if !replaced.is_empty() {
-                    self.session.replaced.get_or_insert(replaced);
-                }
-                let ids: Vec<u64> = self.open.iter().map(|open| open.id).collect();
-                for id in ids {
-                    self.close(id);
-                }
-                self.results.pins.clear();
-                self.results.runs.clear();
-                self.session.missing.clear();
-                self.session.waiting.clear();
-                self.session.restoring = None;
-                self.session.shown = None;
-                self.give_up_restoring();
-                self.session.opened += 1;
+                self.clear();
                 // The program's own file is not where the user saves.
                 let last = self.session.last.as_ref().and_then(LastSession::path);
                 self.session.path = (last != Some(path.as_path())).then_some(path);
+                self.session.kept = Some(session.clone());
                 self.tell(&findings);
                 self.restore(session);
             }
             Err(error) => self.toasts.error(&error.to_string()),
         }
+    }
+
+    /// Closes everything; it can be opened again.
+    pub(super) fn clear(&mut self) {
+        let replaced = self.session();
+        if !replaced.is_empty() {
+            self.session.replaced.get_or_insert(replaced);
+        }
+        let ids: Vec<u64> = self.open.iter().map(|open| open.id).collect();
+        for id in ids {
+            self.close(id);
+        }
+        self.results.pins.clear();
+        self.results.runs.clear();
+        self.give_up_restoring();
+        let session = &mut self.session;
+        session.missing.clear();
+        session.waiting.clear();
+        (session.restoring, session.shown) = (None, None);
+        (session.path, session.kept) = (None, None);
+        session.opened += 1;
+        session.recovered = false;
+        self.toasts.withdraw_offer();
     }
 
     /// Keeps what a session took the place of, to be opened again.
@@ -270,10 +294,13 @@ impl State {
     pub(super) fn write_session(&mut self, path: PathBuf, session: Session, which: u64) {
         let cache = Arc::clone(&self.session.cache);
         let to = path.clone();
-        let number = self.jobs.start(
-            move || session.save(&to, &cache).map_err(|error| error.to_string()),
-            move |state: &mut Self, number, result| state.take_session_saved(number, path, result),
-        );
+        let job = move || {
+            session.save(&to, &cache).map_err(|error| error.to_string())?;
+            Ok(session)
+        };
+        let number = self.jobs.start(job, move |state: &mut Self, number, result| {
+            state.take_session_saved(number, path, result);
+        });
         self.session.writing.push((number, which));
     }
 
@@ -281,15 +308,15 @@ impl State {
         &mut self,
         number: u64,
         path: PathBuf,
-        result: Result<(), String>,
+        result: Result<Session, String>,
     ) {
         let which = self.session.done(number);
         match result {
-            Ok(()) => {
+            Ok(session) => {
                 self.toasts.done(format!("session saved to {}", path.display()));
                 // Another may have been opened meanwhile, which has a file of its own.
                 if which == Some(self.session.opened) {
-                    self.session.path = Some(path);
+                    (self.session.path, self.session.kept) = (Some(path), Some(session));
                 }
             }
             Err(line) => self.toasts.error(&line),
@@ -307,66 +334,17 @@ impl State {
         }
     }
 
-    /// The next deployment of the session that is being restored.
-    pub(super) fn restore_next(&mut self) {
-        if self.session.restoring.is_none()
-            && let Some(next) = self.session.waiting.pop_front()
-        {
-            let cache = Arc::clone(&self.session.cache);
-            self.read_again(&next.saved, cache);
-            self.session.restoring = Some(next);
-        } else if self.session.waiting.is_empty() && self.session.restoring.is_none() {
-            self.session.shown = None;
-        }
-    }
-
-    /// A deployment of the session is open: back to where the user was in it.
-    pub(super) fn restored(&mut self, deployment: Arc<Deployment>) {
-        let Some(Waiting { saved, shown, .. }) = self.session.restoring.take() else { return };
-        self.add_with(deployment, Some(saved.source), saved.settings);
-        if let Some(open) = self.open.last_mut() {
-            let timeline = &mut open.timeline;
-            if let Some(window_s) = saved.window_s {
-                timeline.show(window_s);
-            }
-            if let Some(cursor_s) = saved.cursor_s {
-                timeline.move_cursor(cursor_s);
-            }
-            timeline.select(saved.selection_s);
-            if shown {
-                self.session.shown = Some(open.id);
-            }
-        }
-        self.tell_of_reading(self.open.len() - 1);
-        let shown = self.session.shown;
-        if let Some(index) = self.open.iter().position(|open| Some(open.id) == shown) {
-            self.active = index;
-        }
-        self.restore_next();
-    }
-
-    /// A deployment of the session cannot be opened; it stays in it.
-    pub(super) fn not_restored(&mut self, why: &str) {
-        let Some(Waiting { saved, place, .. }) = self.session.restoring.take() else { return };
-        self.toasts.error(&format!("{why} (it stays in the session)"));
-        self.session.missing.push(Missing { saved, why: why.to_owned(), place });
-        self.restore_next();
-    }
-
-    /// Tries those that could not be opened once more.
-    pub fn retry_missing(&mut self) {
-        let missing = std::mem::take(&mut self.session.missing);
-        let again = |Missing { saved, place, .. }| Waiting { saved, shown: false, place };
-        self.session.waiting.extend(missing.into_iter().map(again));
-        self.restore_next();
-    }
-
     /// Says what was found on the way, where that is anything.
     pub fn tell(&mut self, findings: &[Finding]) {
         for finding in findings {
             self.toasts.warning(&finding.message);
         }
     }
+}
+
+/// The names of deployments that are not open, which tell them apart.
+pub(super) fn title_of_each<'a>(sources: impl Iterator<Item = &'a Source>) -> Vec<String> {
+    told_apart(&sources.map(|source| (source.title(), source.path())).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

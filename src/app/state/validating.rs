@@ -13,12 +13,20 @@ use crate::validation::{Earlier, Validation, drive_alone, validate};
 impl State {
     /// What was found of the active deployment's calibration, as long as neither answer has changed since.
     pub fn validations(&self) -> impl Iterator<Item = &Validation> {
+        self.validated().map(|(_, found)| found)
+    }
+
+    /// The same with the names of the runs, which tell them apart.
+    pub fn validated(&self) -> impl Iterator<Item = (String, &Validation)> {
         let is_newest = |(id, run): AnswerOf| {
             self.open.iter().any(|open| open.id == id && open.analysis_run == run)
         };
         let of_active = self.active().map(newest) == self.validations.of;
         let found = self.validations.found.iter();
-        found.filter(move |(run, _)| of_active && is_newest(*run)).map(|(_, found)| found)
+        let found = found.filter(move |(run, _)| of_active && is_newest(*run));
+        found.map(|((id, _), found)| {
+            (self.name_of(*id).unwrap_or_else(|| found.deployment.clone()), found)
+        })
     }
 
     /// Whether there is a calibration, and another run that it can be held against.

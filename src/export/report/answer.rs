@@ -35,7 +35,7 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
         @if let Some(found) = calibration.joint() { (joint(found)) }
         (metrics(evaluation, analysis.offer.targets))
         h3 { "Plan view" }
-        (charts::plan(deployment, answer))
+        (charts::plan(deployment, analysis, answer))
         h3 { "Distance errors" }
         (charts::residuals(deployment, analysis, answer))
         h3 { "Correlation" }

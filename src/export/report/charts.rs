@@ -1,34 +1,54 @@
 //! The pictures of an answer, in the colours of the page.
 
 use maud::{Markup, PreEscaped, html};
+use nalgebra::Vector3;
 
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::Targets;
 use crate::deployment::Deployment;
 use crate::export::drawing::Drawing;
+use crate::export::plan_view::{self, Tracks};
+use crate::export::residual_chart;
 use crate::export::svg::{Colours, to_svg};
-use crate::export::{plan_view, residual_chart};
-use crate::pipeline::Triplets;
+use crate::pipeline::{SampleFate, Triplets};
 
 /// Width at which texts have their own size on the screen, and on paper nearly.
 const WIDTH: f32 = 800.0;
 
-pub fn plan(deployment: &Deployment, answer: &Answer) -> Markup {
+pub fn plan(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
     let calibration = &answer.calibration;
     let points = calibration.placing_control_points(deployment);
     let points = points.map_or(&[][..], |_| &deployment.control_points);
     let nothing = Triplets::default();
     let tracks = calibration.placing_tracks(deployment);
     let triplets = tracks.map_or(&nothing, |_| &*answer.triplets);
-    let drawing = plan_view::draw(points, triplets, &calibration.station1_from_station, WIDTH);
+    let unused_m = tracks.map_or_else(Default::default, |_| unused_m(deployment, analysis));
+    let tracks_m = Tracks { triplets, unused_m: &unused_m };
+    let drawing = plan_view::draw(points, &tracks_m, &calibration.station1_from_station, WIDTH);
+    let unused = unused_m.iter().map(Vec::len).sum::<usize>();
     let caption = html! {
         "From above, both axes to the same scale."
+        @if unused > 0 {
+            " Crosses in a station's colour: the " (unused) " readings that are not used, where they lie inside the plan; "
+            "the table of the pipeline says why."
+        }
         @if tracks.is_none() { " The tracks are in another frame than this answer, and are not drawn." }
         @if points.is_empty() && !deployment.control_points.is_empty() {
             " The control points are in another frame than the tracks, and are not drawn."
         }
     };
     figure(&drawing, "plan view", &caption)
+}
+
+/// Each station's readings that were rejected, left out or in no interval that is used, in its own frame (m).
+fn unused_m(deployment: &Deployment, analysis: &Analysis) -> [Vec<Vector3<f64>>; 3] {
+    std::array::from_fn(|station| {
+        let track = &deployment.tracks[station];
+        let fates = &analysis.pipeline.fates[station].each;
+        let unused = track.measurements.iter().zip(fates);
+        let unused = unused.filter(|(_, fate)| **fate != SampleFate::Kept);
+        unused.map(|(measurement, _)| track.position_m(measurement)).collect()
+    })
 }
 
 pub fn residuals(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {

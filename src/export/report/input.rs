@@ -5,13 +5,15 @@ use serde_json::Value;
 
 use super::findings;
 use crate::analysis::{Analysis, Settings};
+use crate::deployment::file_mark::FileMark;
 use crate::deployment::{Deployment, pair_label};
 use crate::pipeline::SampleFate;
 
-pub fn markup(deployment: &Deployment, analysis: &Analysis) -> Markup {
+pub fn markup(deployment: &Deployment, analysis: &Analysis, files: &[FileMark]) -> Markup {
     html! {
         (pipeline(deployment, analysis))
         (data(deployment))
+        (hashes(files))
         (settings(&analysis.settings))
     }
 }
@@ -80,6 +82,24 @@ fn data(deployment: &Deployment) -> Markup {
             }
         }
         (findings(&deployment.findings))
+    }
+}
+
+/// What was in the files, so that anyone can tell whether he has the same.
+fn hashes(files: &[FileMark]) -> Markup {
+    html! {
+        @if !files.is_empty() {
+            table.hashes {
+                thead { tr { th { "file" } th.number { "bytes" } th { "SHA-256" } } }
+                tbody {
+                    @for file in files { tr {
+                        td { code { (file.path.display()) } }
+                        td.number { (file.bytes) }
+                        td { code { (file.sha256) } }
+                    } }
+                }
+            }
+        }
     }
 }
 

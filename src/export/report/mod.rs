@@ -1,6 +1,6 @@
 //! A report as one HTML page, to hand to a client or to keep with a run: no scripts, nothing fetched, prints on A4.
 //!
-//! The same input gives the same bytes: neither dates nor wall times are in it.
+//! The same input gives the same bytes: the date is given, and no wall time is in it.
 
 mod answer;
 mod charts;
@@ -10,10 +10,12 @@ mod joint;
 
 use std::sync::Arc;
 
+use jiff::Timestamp;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::Calibration;
+use crate::deployment::file_mark::FileMark;
 use crate::deployment::{Deployment, Finding};
 use crate::palette;
 
@@ -24,12 +26,11 @@ pub enum Chapter {
     Analysed {
         deployment: Arc<Deployment>,
         analysis: Box<Analysis>,
+        /// The files it was read from; none of a sample.
+        files: Vec<FileMark>,
     },
     /// The path could not be opened; the error is one line.
-    Unopened {
-        path: String,
-        error: String,
-    },
+    Unopened { path: String, error: String },
 }
 
 impl Chapter {
@@ -52,8 +53,16 @@ impl Chapter {
     }
 }
 
+/// The date of this run: now, or what `SOURCE_DATE_EPOCH` says for pages that are compared byte by byte.
+///
+/// <https://reproducible-builds.org/specs/source-date-epoch/>
+pub fn date_of_run() -> Timestamp {
+    let given = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| seconds.parse().ok());
+    given.and_then(|seconds| Timestamp::from_second(seconds).ok()).unwrap_or_else(Timestamp::now)
+}
+
 /// The whole page: a section for each chapter, and above them a table of all where there are several.
-pub fn page(chapters: &[Chapter]) -> String {
+pub fn page(chapters: &[Chapter], date: Timestamp) -> String {
     let title = match chapters {
         [chapter] => format!("{}: extrinsic calibration", chapter.name()),
         _ => "Extrinsic calibration".to_owned(),
@@ -75,7 +84,8 @@ pub fn page(chapters: &[Chapter]) -> String {
                 header {
                     h1 { "Extrinsic calibration of three robotic total stations" }
                     p.weak {
-                        "by resect " (env!("CARGO_PKG_VERSION"))
+                        "by resect " (env!("CARGO_PKG_VERSION")) ", "
+                        (date.strftime("%Y-%m-%d %H:%M UTC"))
                         "; frames of stations 2 and 3 into the frame of station 1; ± is one standard deviation"
                     }
                 }
@@ -174,11 +184,11 @@ fn section(chapter: &Chapter) -> Markup {
                 (findings(&[Finding::problem(error)]))
             }
         }
-        @if let Chapter::Analysed { deployment, analysis } = chapter {
+        @if let Chapter::Analysed { deployment, analysis, files } = chapter {
             @if let Ok(answer) = &analysis.answer {
                 (answer::markup(deployment, analysis, answer))
             }
-            (input::markup(deployment, analysis))
+            (input::markup(deployment, analysis, files))
         }
     }
 }

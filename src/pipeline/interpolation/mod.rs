@@ -11,36 +11,40 @@ pub mod squared_exponential;
 mod tests;
 pub mod white_noise_on_acceleration;
 
+use std::cell::Cell;
+
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::{FilteredTrack, Interpolation, Interval, Triplets};
+use crate::progress::{Cancelled, Progress};
 
-/// Triplets on a grid of `rate_hz` from the start of each interval.
+/// Triplets on a grid of `rate_hz` from the start of each interval, unless `progress` is cancelled.
 pub fn interpolate(
     tracks: &[FilteredTrack; 3],
     intervals: &[Interval],
     method: Interpolation,
     rate_hz: f64,
-) -> Triplets {
+    progress: &Progress,
+) -> Result<Triplets, Cancelled> {
     let (time_s, interval) = grid(intervals, rate_hz);
     let model = match method {
         Interpolation::Linear => {
             let points_m = tracks.each_ref().map(|track| linear::at(track, &time_s));
-            return Triplets::new(time_s, interval, points_m);
+            return Ok(Triplets::new(time_s, interval, points_m));
         }
         Interpolation::Gp => squared_exponential::at,
         Interpolation::Wnoa => white_noise_on_acceleration::at,
     };
-    let mut estimates: Vec<Estimate> =
-        tracks.par_iter().map(|track| model(track, intervals, &time_s, &interval)).collect();
+    let of_track = |track| model(track, intervals, (&time_s, &interval), progress);
+    let mut estimates: Vec<Estimate> = tracks.par_iter().map(of_track).collect::<Result<_, _>>()?;
     let mut sigma_m = [const { Vec::new() }; 3];
     let mut points_m = [const { Vec::new() }; 3];
     for (station, estimate) in estimates.drain(..).enumerate() {
         points_m[station] = estimate.points_m;
         sigma_m[station] = estimate.sigma_m;
     }
-    Triplets { sigma_m: Some(sigma_m), ..Triplets::new(time_s, interval, points_m) }
+    Ok(Triplets { sigma_m: Some(sigma_m), ..Triplets::new(time_s, interval, points_m) })
 }
 
 /// Instants (s) and the interval each belongs to.
@@ -74,6 +78,38 @@ const FEWEST_TO_LEARN_FROM: usize = 20;
 /// likelihood finite where readings fit the model without error.
 const LEAST_NOISE_M: f64 = 1e-5;
 
+/// What a search is taken to cost, in readings looked at: how often it will look, nobody knows beforehand.
+struct Allowance<'a> {
+    progress: &'a Progress,
+    left: Cell<u64>,
+}
+
+impl<'a> Allowance<'a> {
+    /// Tells `progress` of a search through so many readings.
+    fn new(progress: &'a Progress, readings: usize) -> Self {
+        const USUAL_LOOKS: u64 = 30;
+        let left = USUAL_LOOKS * readings as u64;
+        progress.expect(left);
+        Self { progress, left: Cell::new(left) }
+    }
+
+    /// So many readings were looked at once more; whether the search shall go on.
+    fn spend(&self, readings: usize) -> bool {
+        if self.progress.is_cancelled() {
+            return false;
+        }
+        let amount = self.left.get().min(readings as u64);
+        self.left.set(self.left.get() - amount);
+        self.progress.advance(amount).is_ok()
+    }
+
+    /// The search is over, sooner than thought or not.
+    fn end(self) -> Result<(), Cancelled> {
+        self.progress.check()?;
+        self.progress.advance(self.left.get())
+    }
+}
+
 /// One station's readings for one interval.
 struct Series {
     /// Times since the interval's start (s): the stamps are Unix times, too large for arithmetic on their squares.
@@ -103,10 +139,9 @@ impl Series {
 fn by_interval(
     track: &FilteredTrack,
     intervals: &[Interval],
-    time_s: &[f64],
-    interval: &[u32],
-    mut predict: impl FnMut(usize, &Series, &[f64], &mut Estimate),
-) -> Estimate {
+    (time_s, interval): (&[f64], &[u32]),
+    mut predict: impl FnMut(usize, &Series, &[f64], &mut Estimate) -> Result<(), Cancelled>,
+) -> Result<Estimate, Cancelled> {
     let mut estimate = Estimate::default();
     let mut asked = time_s.iter();
     for same in interval.chunk_by(|a, b| a == b) {
@@ -114,7 +149,7 @@ fn by_interval(
         let start_s = intervals[index].start_s;
         let instants: Vec<f64> = asked.by_ref().take(same.len()).map(|t| t - start_s).collect();
         let series = Series::new(track, &intervals[index]);
-        predict(index, &series, &instants, &mut estimate);
+        predict(index, &series, &instants, &mut estimate)?;
     }
-    estimate
+    Ok(estimate)
 }

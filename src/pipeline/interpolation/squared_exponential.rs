@@ -11,10 +11,11 @@
 use nalgebra::{DMatrix, Vector2, Vector3};
 
 use super::{
-    AXIS_GROUPS, Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval, dense::Window,
-    minimise,
+    AXIS_GROUPS, Allowance, Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval,
+    dense::Window, minimise,
 };
 use crate::pipeline::{FilteredTrack, Interval};
+use crate::progress::{Cancelled, Progress};
 
 /// Readings in a chunk to learn from; the cost grows with the cube.
 const CHUNK: usize = 64;
@@ -45,33 +46,50 @@ impl Hyperparameters {
 const UNLEARNED: Hyperparameters =
     Hyperparameters { length_scale_s: 3.0, signal_m: 1.0, noise_m: 2e-3 };
 
-/// Positions at sorted instants (s), each in `intervals[interval[i]]`.
+/// Positions at sorted `instants`: their times (s), and which of the intervals each is in.
 pub fn at(
     track: &FilteredTrack,
     intervals: &[Interval],
-    time_s: &[f64],
-    interval: &[u32],
-) -> Estimate {
-    let learned = learn(track, intervals);
-    by_interval(track, intervals, time_s, interval, |index, series, instants_s, estimate| {
-        predict(series, &learned[index], instants_s, estimate);
+    instants: (&[f64], &[u32]),
+    progress: &Progress,
+) -> Result<Estimate, Cancelled> {
+    let learned = learn(track, intervals, progress)?;
+    by_interval(track, intervals, instants, |index, series, instants_s, estimate| {
+        predict(series, &learned[index], instants_s, (estimate, progress))
     })
 }
 
 /// Hyper-parameters of the level axes and of the vertical one, for each interval.
-pub fn learn(track: &FilteredTrack, intervals: &[Interval]) -> Vec<[Hyperparameters; 2]> {
+pub fn learn(
+    track: &FilteredTrack,
+    intervals: &[Interval],
+    progress: &Progress,
+) -> Result<Vec<[Hyperparameters; 2]>, Cancelled> {
     let series: Vec<_> = intervals.iter().map(|interval| Series::new(track, interval)).collect();
     let shared = AXIS_GROUPS
         .map(|axes| Likelihood::new(&series, axes, MOST_FOR_A_GUESS).map(|l| l.learn_afresh()));
-    let learn_own = |own: &Series, group: usize| {
-        let Some(shared) = shared[group] else { return UNLEARNED };
-        if own.len() < FEWEST_TO_LEARN_FROM {
-            return shared;
-        }
-        let likelihood = Likelihood::new(std::slice::from_ref(own), AXIS_GROUPS[group], usize::MAX);
-        likelihood.map_or(shared, |likelihood| likelihood.learn_from(&shared))
+    let learn_own = |(own, [level, vertical]): (&Series, [Allowance<'_>; 2])| {
+        let of_group = |group: usize, allowance: Allowance<'_>| {
+            let learned = match shared[group] {
+                None => UNLEARNED,
+                Some(shared) if own.len() < FEWEST_TO_LEARN_FROM => shared,
+                Some(shared) => {
+                    let own = std::slice::from_ref(own);
+                    let likelihood = Likelihood::new(own, AXIS_GROUPS[group], usize::MAX);
+                    let go_on = |readings| allowance.spend(readings);
+                    likelihood.map_or(shared, |own| own.learn_from(&shared, &go_on))
+                }
+            };
+            // What was learned until it was cancelled is worth nothing.
+            allowance.end()?;
+            Ok::<_, Cancelled>(learned)
+        };
+        Ok([of_group(0, level)?, of_group(1, vertical)?])
     };
-    series.iter().map(|own| std::array::from_fn(|group| learn_own(own, group))).collect()
+    // All is told before the first begins.
+    let allowances: Vec<_> =
+        series.iter().map(|own| [0, 1].map(|_| Allowance::new(progress, own.len()))).collect();
+    series.iter().zip(allowances).map(learn_own).collect()
 }
 
 /// Positions along some axes from a place nearby, so that rounding is that of small numbers.
@@ -80,6 +98,9 @@ fn columns_m(positions_m: &[Vector3<f64>], axes: &[usize]) -> DMatrix<f64> {
         positions_m[i][axes[j]] - positions_m[0][axes[j]]
     })
 }
+
+/// Told how many readings are looked at next; whether they shall be.
+type GoOn<'a> = dyn Fn(usize) -> bool + 'a;
 
 /// Composite likelihood of some chunks that share hyper-parameters; each has a line of its own.
 struct Likelihood {
@@ -128,20 +149,20 @@ impl Likelihood {
         let grid = [1.0, 3.0, 10.0, 30.0_f64].into_iter().flat_map(|length_scale_s| {
             [1e-8, 1e-5, 1e-2_f64].map(|ratio| Vector2::new(length_scale_s.ln(), ratio.ln()))
         });
-        let start = minimise::least(grid, |place| self.evaluate(place).0);
-        self.climb(start.unwrap_or_default())
+        let start = minimise::least(grid, |place| self.evaluate(place, &|_| true).0);
+        self.climb(start.unwrap_or_default(), &|_| true)
     }
 
-    fn learn_from(&self, start: &Hyperparameters) -> Hyperparameters {
-        self.climb(Vector2::new(start.length_scale_s.ln(), start.ratio().ln()))
+    fn learn_from(&self, start: &Hyperparameters, go_on: &GoOn<'_>) -> Hyperparameters {
+        self.climb(Vector2::new(start.length_scale_s.ln(), start.ratio().ln()), go_on)
     }
 
-    fn climb(&self, start: Vector2<f64>) -> Hyperparameters {
+    fn climb(&self, start: Vector2<f64>, go_on: &GoOn<'_>) -> Hyperparameters {
         let best = minimise::in_box(start, self.limits, 0.5 * self.freedom, |at| {
-            let (value, slope, _) = self.evaluate(at);
+            let (value, slope, _) = self.evaluate(at, go_on);
             (value, slope)
         });
-        let (_, _, signal_m2) = self.evaluate(&best);
+        let (_, _, signal_m2) = self.evaluate(&best, go_on);
         Hyperparameters {
             length_scale_s: best.x.exp(),
             signal_m: signal_m2.sqrt(),
@@ -150,14 +171,17 @@ impl Likelihood {
     }
 
     /// Minus the log-likelihood but for a constant, its gradient over `(ln ℓ, ln σ_n²/σ_f²)`, and the `σ_f²` (m²)
-    /// that is best with these.
-    fn evaluate(&self, at: &Vector2<f64>) -> (f64, Vector2<f64>, f64) {
+    /// that is best with these. Nothing of meaning where `go_on` ends it early.
+    fn evaluate(&self, at: &Vector2<f64>, go_on: &GoOn<'_>) -> (f64, Vector2<f64>, f64) {
         let (length_scale_s, ratio) = (at.x.exp(), at.y.exp());
         // Of `yᵀ P y`, and of the log-determinants.
         let least_m2 = self.freedom * LEAST_NOISE_M.powi(2) / ratio;
         let (mut energy_m2, mut energy_slope) = (least_m2, Vector2::new(0.0, -least_m2));
         let (mut volume, mut volume_slope) = (0.0, Vector2::zeros());
         for (times_s, positions_m) in &self.chunks {
+            if !go_on(times_s.len()) {
+                break;
+            }
             let window = Window::new(times_s, length_scale_s, ratio);
             let axes = positions_m.ncols() as f64;
             let [_, rest_m, weights] = window.weigh(positions_m);
@@ -189,11 +213,12 @@ fn predict(
     series: &Series,
     learned: &[Hyperparameters; 2],
     instants_s: &[f64],
-    estimate: &mut Estimate,
-) {
+    (estimate, progress): (&mut Estimate, &Progress),
+) -> Result<(), Cancelled> {
     let cores = if series.len() <= CORE + 2 * MARGIN { 1 } else { series.len().div_ceil(CORE) };
     let mut asked = 0;
     for core in 0..cores {
+        progress.check()?;
         let (from, to) = (core * series.len() / cores, (core + 1) * series.len() / cores);
         let until_s = if to < series.len() { series.time_s[to] } else { f64::INFINITY };
         let until = instants_s.partition_point(|t| *t < until_s);
@@ -213,6 +238,7 @@ fn predict(
         }
         asked = until;
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -227,11 +253,11 @@ mod tests {
             let likelihood = Likelihood::new(&series, axes, usize::MAX).expect("enough readings");
             for place in [Vector2::new(0.3, -4.0), Vector2::new(1.5, -11.0), Vector2::new(2.5, 1.0)]
             {
-                let (_, slope, _) = likelihood.evaluate(&place);
+                let (_, slope, _) = likelihood.evaluate(&place, &|_| true);
                 for i in 0..2 {
                     let step = Vector2::ith(i, 1e-4);
                     let [up, down] =
-                        [place + step, place - step].map(|p| likelihood.evaluate(&p).0);
+                        [place + step, place - step].map(|p| likelihood.evaluate(&p, &|_| true).0);
                     let by_difference = (up - down) / 2e-4;
                     assert!(
                         (slope[i] - by_difference).abs() < 1e-4 * (1.0 + by_difference.abs()),
@@ -249,7 +275,8 @@ mod tests {
         let learned = Hyperparameters { length_scale_s: 2.5, signal_m: 3.0, noise_m: 0.02 };
         let instants_s: Vec<_> = (0..60).map(|k| 0.25 * f64::from(k)).collect();
         let mut found = Estimate::default();
-        predict(&series, &[learned; 2], &instants_s, &mut found);
+        predict(&series, &[learned; 2], &instants_s, (&mut found, &Progress::default()))
+            .expect("nobody cancels it");
         let kernel = |a: f64, b: f64| {
             learned.signal_m.powi(2) * (-0.5 * ((a - b) / learned.length_scale_s).powi(2)).exp()
         };
@@ -266,7 +293,8 @@ mod tests {
         let learned = Hyperparameters { length_scale_s: 3.0, signal_m: 3.0, noise_m: 0.002 };
         let instants_s: Vec<_> = (0..1600).map(|k| 0.1 * f64::from(k)).collect();
         let mut found = Estimate::default();
-        predict(&series, &[learned; 2], &instants_s, &mut found);
+        predict(&series, &[learned; 2], &instants_s, (&mut found, &Progress::default()))
+            .expect("nobody cancels it");
         let window = Window::new(&series.time_s, learned.length_scale_s, learned.ratio());
         let (moved_m, sigma) =
             window.predict(&columns_m(&series.position_m, &[0, 1, 2]), &instants_s);
@@ -286,11 +314,12 @@ mod tests {
                 Likelihood::new(&[series_of(&track)], AXIS_GROUPS[0], usize::MAX).expect("enough");
             let found = likelihood.learn_afresh();
             let place = Vector2::new(found.length_scale_s.ln(), found.ratio().ln());
-            let (least, ..) = likelihood.evaluate(&place);
+            let (least, ..) = likelihood.evaluate(&place, &|_| true);
             for (i, j) in (0..15).flat_map(|i| (0..15).map(move |j| (i, j))) {
                 let share = Vector2::new(f64::from(i), f64::from(j)) / 14.0;
                 let (low, high) = likelihood.limits;
-                let (value, ..) = likelihood.evaluate(&(low + (high - low).component_mul(&share)));
+                let (value, ..) =
+                    likelihood.evaluate(&(low + (high - low).component_mul(&share)), &|_| true);
                 assert!(value > least - 0.1, "{value} and {least} at {share}");
             }
         }

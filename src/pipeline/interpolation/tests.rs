@@ -7,12 +7,24 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{Estimate, Series, linear, squared_exponential, white_noise_on_acceleration};
 use crate::pipeline::{FilteredTrack, Interval};
+use crate::progress::{Cancelled, Progress};
 
-type Method = fn(&FilteredTrack, &[Interval], &[f64], &[u32]) -> Estimate;
+type Method =
+    fn(&FilteredTrack, &[Interval], (&[f64], &[u32]), &Progress) -> Result<Estimate, Cancelled>;
 const BOTH: [(&str, Method); 2] = [
     ("squared exponential", squared_exponential::at),
     ("white noise on acceleration", white_noise_on_acceleration::at),
 ];
+fn positions_at(
+    method: Method,
+    track: &FilteredTrack,
+    intervals: &[Interval],
+    times_s: &[f64],
+    owners: &[u32],
+) -> Estimate {
+    method(track, intervals, (times_s, owners), &Progress::default()).expect("nobody cancels it")
+}
+
 /// Spectral density of the simulated acceleration: a few millimetres between readings, so that 2 mm of noise can be
 /// told apart.
 const DENSITY_M2_PER_S3: f64 = 1e-3;
@@ -138,7 +150,7 @@ fn instants_s(track: &FilteredTrack) -> Vec<f64> {
 
 fn estimated(track: &FilteredTrack, method: Method) -> Estimate {
     let times_s = instants_s(track);
-    method(track, &[whole(track)], &times_s, &vec![0; times_s.len()])
+    positions_at(method, track, &[whole(track)], &times_s, &vec![0; times_s.len()])
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
@@ -192,8 +204,15 @@ fn noise_is_recovered_and_errors_are_as_large_as_said() {
         let (smooth, driven) = (smooth_sample(seed), driven_sample(seed));
         let on_smooth = measured(&smooth, 500, 2e-3, seed);
         let on_driven = measured(&driven, 500, 2e-3, seed);
-        let learned = squared_exponential::learn(&on_smooth, &[whole(&on_smooth)]);
-        let learned_driven = white_noise_on_acceleration::learn(&on_driven, &[whole(&on_driven)]);
+        let learned =
+            squared_exponential::learn(&on_smooth, &[whole(&on_smooth)], &Progress::default())
+                .expect("nobody cancels it");
+        let learned_driven = white_noise_on_acceleration::learn(
+            &on_driven,
+            &[whole(&on_driven)],
+            &Progress::default(),
+        )
+        .expect("nobody cancels it");
         let [a, b] = learned[0].map(|own| own.noise_m);
         let [c, d] = learned_driven[0].map(|own| own.noise_m);
         for noise_m in [a, b, c, d] {
@@ -255,13 +274,14 @@ fn few_readings_are_enough_for_an_answer() {
         let times_s: Vec<_> =
             intervals.iter().flat_map(|i| [i.start_s, i.end_s, i.end_s]).collect();
         for (name, method) in BOTH {
-            let found = method(&track, &intervals, &times_s, &[0, 0, 0, 1, 1, 1, 2, 2, 2]);
+            let found =
+                positions_at(method, &track, &intervals, &times_s, &[0, 0, 0, 1, 1, 1, 2, 2, 2]);
             assert_eq!((found.points_m.len(), found.sigma_m.len()), (9, 9));
             let near = |p: &Vector3<f64>| (p - track.position_m[0]).norm() < 50.0;
             assert!(found.points_m.iter().all(near), "{name}, {count}: {:?}", found.points_m);
             let finite = |s: &Vector3<f64>| s.iter().all(|s| s.is_finite() && *s > 0.0);
             assert!(found.sigma_m.iter().all(finite), "{name}, {count}: {:?}", found.sigma_m);
-            assert!(method(&track, &intervals, &[], &[]).points_m.is_empty());
+            assert!(positions_at(method, &track, &intervals, &[], &[]).points_m.is_empty());
         }
     }
 }
@@ -317,11 +337,30 @@ fn one_sharp_turn_in_a_long_straight_drive_is_followed() {
     let track = FilteredTrack { time_s, position_m, ..Default::default() };
     let intervals = [Interval { start_s: 0.0, end_s: 0.4 * f64::from(count - 1) }];
     let instants: Vec<f64> = (0..1600).map(|k| 0.1 * f64::from(k)).collect();
-    let estimate = squared_exponential::at(&track, &intervals, &instants, &vec![0; instants.len()]);
+    let owners = vec![0; instants.len()];
+    let estimate = positions_at(squared_exponential::at, &track, &intervals, &instants, &owners);
     let worst_m = instants
         .iter()
         .zip(&estimate.points_m)
         .map(|(t, found)| (found - at(*t)).norm())
         .fold(0.0, f64::max);
     assert!(worst_m < 0.03, "{worst_m}");
+}
+
+#[test]
+fn a_long_interval_tells_how_far_it_is_and_stops_at_once() {
+    let track = wander(3000, 9);
+    let intervals = [whole(&track)];
+    let instants = (&track.time_s[..], &vec![0; track.time_s.len()][..]);
+    for (name, method) in BOTH {
+        let progress = Progress::default();
+        method(&track, &intervals, instants, &progress).expect("nobody cancels it");
+        let total = progress.total();
+        assert_eq!(progress.done(), total, "{name}");
+
+        let unwanted = Progress::default();
+        unwanted.cancel();
+        assert!(method(&track, &intervals, instants, &unwanted).is_err(), "{name}");
+        assert_eq!((unwanted.done(), unwanted.total()), (0, total), "{name}");
+    }
 }

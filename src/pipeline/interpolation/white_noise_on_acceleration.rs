@@ -12,8 +12,11 @@
 
 use nalgebra::{Matrix2, RowVector2, SMatrix, Vector2, Vector3};
 
-use super::{Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval, minimise};
+use super::{
+    Allowance, Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval, minimise,
+};
 use crate::pipeline::{FilteredTrack, Interval};
+use crate::progress::{Cancelled, Progress};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hyperparameters {
@@ -24,39 +27,69 @@ pub struct Hyperparameters {
 /// Hyper-parameters where no interval holds enough readings to learn from: a walking-pace robot and a good instrument.
 const UNLEARNED: Hyperparameters = Hyperparameters { density_m2_per_s3: 0.1, noise_m: 2e-3 };
 
-/// Positions at sorted instants (s), each in `intervals[interval[i]]`.
+/// Positions at sorted `instants`: their times (s), and which of the intervals each is in.
 pub fn at(
     track: &FilteredTrack,
     intervals: &[Interval],
-    time_s: &[f64],
-    interval: &[u32],
-) -> Estimate {
-    let learned = learn(track, intervals);
-    by_interval(track, intervals, time_s, interval, |index, series, instants_s, estimate| {
+    instants: (&[f64], &[u32]),
+    progress: &Progress,
+) -> Result<Estimate, Cancelled> {
+    let learned = learn(track, intervals, progress)?;
+    by_interval(track, intervals, instants, |index, series, instants_s, estimate| {
         predict(series, &learned[index], instants_s, estimate);
+        progress.check()
     })
 }
 
 /// Hyper-parameters of the level axes and of the vertical one, for each interval.
-pub fn learn(track: &FilteredTrack, intervals: &[Interval]) -> Vec<[Hyperparameters; 2]> {
+pub fn learn(
+    track: &FilteredTrack,
+    intervals: &[Interval],
+    progress: &Progress,
+) -> Result<Vec<[Hyperparameters; 2]>, Cancelled> {
     let series: Vec<_> = intervals.iter().map(|interval| Series::new(track, interval)).collect();
-    let shared = learn_together(&series).unwrap_or([UNLEARNED; 2]);
-    let alone = |own: &Series| {
-        (own.len() >= FEWEST_TO_LEARN_FROM).then(|| learn_together(std::slice::from_ref(own)))?
+    // For both groups of axes; all is told before the first begins.
+    let allow = |series: &[Series]| Allowance::new(progress, 2 * readings(series));
+    let of_all = allow(&series);
+    let of_each: Vec<_> = series.iter().map(|own| allow(std::slice::from_ref(own))).collect();
+    let shared = learn_together(&series, of_all)?.unwrap_or([UNLEARNED; 2]);
+    let alone = |(own, allowance): (&Series, Allowance<'_>)| {
+        let own = Some(own).filter(|own| own.len() >= FEWEST_TO_LEARN_FROM);
+        let own = own.map_or(&[][..], std::slice::from_ref);
+        Ok(learn_together(own, allowance)?.unwrap_or(shared))
     };
-    series.iter().map(|own| alone(own).unwrap_or(shared)).collect()
+    series.iter().zip(of_each).map(alone).collect()
+}
+
+fn readings(series: &[Series]) -> usize {
+    series.iter().map(Series::len).sum()
 }
 
 /// `None` where no series has readings to spare beyond a line.
-fn learn_together(series: &[Series]) -> Option<[Hyperparameters; 2]> {
+fn learn_together(
+    series: &[Series],
+    allowance: Allowance<'_>,
+) -> Result<Option<[Hyperparameters; 2]>, Cancelled> {
     let spare = series.iter().any(|series| series.len() > 2);
-    spare.then(|| [learn_axes(series, [0, 1]), learn_axes(series, [2])])
+    let learned = spare
+        .then(|| [learn_axes(series, [0, 1], &allowance), learn_axes(series, [2], &allowance)]);
+    // What was learned until it was cancelled is worth nothing.
+    allowance.end()?;
+    Ok(learned)
 }
 
-fn learn_axes<const A: usize>(series: &[Series], axes: [usize; A]) -> Hyperparameters {
+fn learn_axes<const A: usize>(
+    series: &[Series],
+    axes: [usize; A],
+    allowance: &Allowance<'_>,
+) -> Hyperparameters {
     // From a drift that a minute does not show to one that leaves every reading to itself.
     let (low, high) = (1e-8_f64.ln(), 1e8_f64.ln());
-    let best = minimise::on_line(low, high, 17, |ln| likelihood(series, axes, ln.exp()).0).exp();
+    let look = |ln: f64| match allowance.spend(readings(series)) {
+        true => likelihood(series, axes, ln.exp()).0,
+        false => 0.0,
+    };
+    let best = minimise::on_line(low, high, 17, look).exp();
     let (_, noise_m2) = likelihood(series, axes, best);
     Hyperparameters { density_m2_per_s3: best * noise_m2, noise_m: noise_m2.sqrt() }
 }

@@ -4,6 +4,7 @@ use eframe::egui::{self, RichText};
 
 use super::trouble;
 use crate::app::model::{Asked, AskedColumns, Command, Commands, TableHead};
+use crate::app::panels::number;
 use crate::app::theme;
 use crate::deployment::format::column_mapping::{
     TableAngle, TableLength, TimeFormat, VerticalAngle,
@@ -161,12 +162,13 @@ fn meanings(ui: &mut egui::Ui, edited: &mut AskedColumns) {
         pick(ui, "Time is", &mut mapping.time_format, &TIMES);
         if matches!(mapping.time_format, TimeFormat::Calendar | TimeFormat::TimeOfDay) {
             ui.label("Zone, where none is written");
-            let field = egui::DragValue::new(&mut mapping.utc_offset_hours)
-                .range(-14.0..=14.0)
-                .speed(0.25)
-                .prefix("UTC ")
-                .suffix(" h");
-            ui.add(field).accessible_name("Hours ahead of UTC");
+            let (hours, range) = (&mut mapping.utc_offset_hours, -14.0..=14.0);
+            let name = "Hours ahead of UTC";
+            number::field(ui, (name, " h"), hours, range.clone(), |ui, hours, parse| {
+                let field = egui::DragValue::new(hours).range(range).speed(0.25);
+                ui.add(field.prefix("UTC ").suffix(" h").custom_parser(parse))
+            })
+            .accessible_name(name);
             ui.end_row();
         }
         ui.label("Prism constant");

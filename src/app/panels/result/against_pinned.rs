@@ -32,7 +32,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
         let (colour, sign) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
         let text = format!(
             "{sign} {} is other data: its stations may have stood elsewhere.",
-            pin.summary.deployment
+            state.name_of_result(&pin.summary)
         );
         ui.label(RichText::new(text).color(colour));
     }

@@ -1,0 +1,96 @@
+//! A session's deployments, opened one after the other; what cannot be opened stays in it.
+
+use std::sync::Arc;
+
+use super::State;
+use super::sessions::{Missing, Waiting, title_of_each};
+use crate::app::model::Command;
+use crate::app::persist::session::Session;
+use crate::deployment::{Deployment, Source};
+
+impl State {
+    /// Restores what was open when the program stopped, `when`, and offers to discard it.
+    pub fn recover(&mut self, session: Session, when: &str) {
+        let names = title_of_each(session.deployments.iter().map(|saved| &saved.source));
+        let pins = match session.pins.len() {
+            0 => None,
+            1 => Some("a pinned result".to_owned()),
+            several => Some(format!("{several} pinned results")),
+        };
+        let what = names.into_iter().chain(pins).collect::<Vec<_>>().join(", ");
+        let line = format!("restored what was open when resect stopped: {what}; as it was {when}");
+        self.toasts.offer(&line, ("Discard", Command::DiscardRecovered));
+        self.session.recovered = true;
+        self.restore(session);
+    }
+
+    /// Closes what was restored after a crash.
+    pub(super) fn discard_recovered(&mut self) {
+        if self.session.recovered {
+            self.clear();
+            self.toasts.done("discarded; File › Reopen what was open last brings it back");
+        }
+    }
+
+    /// The next deployment of the session that is being restored.
+    pub(super) fn restore_next(&mut self) {
+        if self.session.restoring.is_none()
+            && let Some(next) = self.session.waiting.pop_front()
+        {
+            let cache = Arc::clone(&self.session.cache);
+            self.read_again(&next.saved, cache);
+            self.session.restoring = Some(next);
+        } else if self.session.waiting.is_empty() && self.session.restoring.is_none() {
+            self.session.shown = None;
+        }
+    }
+
+    /// Reads the deployment that is being restored once more, with what the user answered.
+    pub(super) fn restore_with(&mut self, source: Source) {
+        let Some(restoring) = &mut self.session.restoring else { return };
+        restoring.saved.source = source;
+        let (saved, cache) = (restoring.saved.clone(), Arc::clone(&self.session.cache));
+        self.read_again(&saved, cache);
+    }
+
+    /// A deployment of the session is open: back to where the user was in it.
+    pub(super) fn restored(&mut self, deployment: Arc<Deployment>) {
+        let Some(Waiting { saved, shown, .. }) = self.session.restoring.take() else { return };
+        self.add_with(deployment, Some(saved.source), saved.settings);
+        if let Some(open) = self.open.last_mut() {
+            let timeline = &mut open.timeline;
+            if let Some(window_s) = saved.window_s {
+                timeline.show(window_s);
+            }
+            if let Some(cursor_s) = saved.cursor_s {
+                timeline.move_cursor(cursor_s);
+            }
+            timeline.select(saved.selection_s);
+            if shown {
+                self.session.shown = Some(open.id);
+            }
+        }
+        self.tell_of_reading(self.open.len() - 1);
+        let shown = self.session.shown;
+        if let Some(index) = self.open.iter().position(|open| Some(open.id) == shown) {
+            self.active = index;
+        }
+        self.restore_next();
+    }
+
+    /// A deployment of the session cannot be opened; it stays in it.
+    pub(super) fn not_restored(&mut self, why: &str) {
+        let Some(Waiting { saved, place, .. }) = self.session.restoring.take() else { return };
+        self.toasts.not_opened(&saved.source.place, &format!("{why} (it stays in the session)"));
+        self.session.missing.push(Missing { saved, why: why.to_owned(), place });
+        self.restore_next();
+    }
+
+    /// Tries those that could not be opened once more.
+    pub fn retry_missing(&mut self) {
+        let missing = std::mem::take(&mut self.session.missing);
+        let again = |Missing { saved, place, .. }| Waiting { saved, shown: false, place };
+        self.session.waiting.extend(missing.into_iter().map(again));
+        self.restore_next();
+    }
+}

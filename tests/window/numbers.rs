@@ -1,0 +1,46 @@
+//! What is typed into a field for a number and is none stays there, and says why.
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Event, Key, Theme};
+use egui_kittest::kittest::Queryable;
+
+use crate::harness::{LARGE, Window, press, settings, settle, type_and_enter_at_once, window};
+
+fn type_garbage(harness: &mut Window) {
+    harness.get_by_role_and_label(Role::SpinButton, "τ_l  length").click();
+    harness.run_steps(2);
+    harness.event(Event::Text("soon".to_owned()));
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    settle(harness);
+}
+
+fn left_in_the_field(harness: &Window) -> Option<String> {
+    harness.query_by_role_and_label(Role::TextInput, "τ_l  length")?.value()
+}
+
+#[test]
+fn garbage_stays_in_its_field_until_it_is_mended() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let before = settings(&harness);
+    type_garbage(&mut harness);
+    assert_eq!(settings(&harness), before);
+    assert_eq!(left_in_the_field(&harness).as_deref(), Some("soon"));
+    harness.get_by_role_and_label(Role::TextInput, "τ_l  length").hover();
+    harness.run_steps(60);
+    harness.get_by_label_contains("“soon” is no number; it is still 6 s");
+    harness.get_by_role_and_label(Role::TextInput, "τ_l  length").focus();
+    harness.run_steps(2);
+    type_and_enter_at_once(&mut harness, "20 s");
+    assert_eq!(settings(&harness).pipeline.thresholds.tau_l_seconds, 20.0);
+    assert_eq!(left_in_the_field(&harness), None);
+}
+
+#[test]
+fn escape_gives_garbage_up() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let before = settings(&harness);
+    type_garbage(&mut harness);
+    press(&mut harness, eframe::egui::Modifiers::NONE, Key::Escape);
+    assert_eq!((settings(&harness), left_in_the_field(&harness)), (before, None));
+}
