@@ -3,8 +3,10 @@
 use eframe::egui::{self, Key};
 
 use super::{Action, Menu};
+use crate::app::model::time_scale::tells_time_of_day;
 use crate::app::model::{
-    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Ruler, Units, ViewPreset,
+    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Ruler, TimeUnit, Units,
+    ViewPreset,
 };
 use crate::app::state::State;
 
@@ -65,6 +67,19 @@ pub fn actions(state: &State) -> Vec<Action> {
         let name = format!("Angles in {}", angle.name());
         let units = Units { angle, ..state.units };
         actions.push(view("Angles", &name, Command::SetUnits(units)).one_of(state.units == units));
+    }
+    for time in TimeUnit::ALL {
+        let name = format!("Times in {}", time.name());
+        let units = Units { time, ..state.units };
+        let tells = state.active().is_none_or(|open| tells_time_of_day(open.start_s()));
+        let action = view("Times", &name, Command::SetUnits(units)).one_of(state.units == units);
+        actions.push(match time {
+            TimeUnit::Utc if !tells => {
+                action.hint("This deployment's stamps do not tell the time of day").possible(false)
+            }
+            TimeUnit::Utc => action.hint("The time of day, by the stations' stamps"),
+            _ => action.hint("Since the first measurement"),
+        });
     }
     actions
 }

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
 
-use crate::app::model::{Command, Commands, OpenDeployment, Playback, Timeline};
+use crate::app::model::{Command, Commands, OpenDeployment, Playback, TimeScale, Timeline};
 use crate::app::state::State;
 use crate::app::theme;
 
@@ -13,8 +13,12 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             transport(ui, state, commands);
             let [start_s, end_s] = open.timeline.whole_s;
             let at_s = open.timeline.cursor_s.unwrap_or(start_s) - start_s;
-            ui.monospace(format!("{at_s:7.1} / {:.1} s", end_s - start_s))
-                .on_hover_text("The time cursor, since the first measurement");
+            let scale = TimeScale::new(state.units.time, start_s);
+            let (at, end) = (scale.number(at_s, 1), scale.text(end_s - start_s, 1));
+            let hint = format!("The time cursor: {}", scale.text_and_seconds(at_s, 1));
+            // As wide for every time: the strip beside it must not move.
+            let width = end.len();
+            ui.monospace(format!("{at:>width$} / {end}")).on_hover_text(hint);
             strip(ui, state, open, commands);
         });
     });
@@ -150,7 +154,7 @@ fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut
     } else if let Some(at) = response.hover_pos() {
         let time_s = time_at(at);
         commands.push(Command::Hover(time_s));
-        let text = format!("{:.1} s", time_s - start_s);
+        let text = TimeScale::new(state.units.time, start_s).text(time_s - start_s, 1);
         let align = if at.x > rect.center().x { Align2::RIGHT_CENTER } else { Align2::LEFT_CENTER };
         let offset = if align == Align2::RIGHT_CENTER { -6.0 } else { 6.0 };
         let place = Pos2::new(at.x + offset, rect.center().y);

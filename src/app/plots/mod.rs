@@ -12,6 +12,7 @@ mod navigation;
 pub mod prior_search;
 pub mod rates;
 pub mod residuals;
+mod strips;
 mod threshold;
 mod time_plot;
 mod times;

@@ -10,8 +10,10 @@ pub mod placing;
 pub mod plots;
 mod pyramid;
 pub mod raw_readings;
+mod running;
 
 pub use cloud::{Cloud, CloudMaker, Clouds, nearest_triplets, time_origin_s};
 pub use pick::TimedPoint;
 pub use plots::PreparedPlots;
 pub use raw_readings::{Quantity, RawReadings, StationReadings};
+pub use running::Piece;

@@ -28,7 +28,7 @@ pub fn ui(
     let [tau_s, tau_l] = &thresholds.0;
     let height = (ui.available_height() / 2.0 - TITLE - 4.0).max(40.0);
     let longer = gaps.outages.each_ref().map(|outages| outages.len().to_string()).join(" / ");
-    title(ui, &format!("silences > τ_s: {longer}"));
+    title(ui, &format!("silences > {}: {longer}", tau_s.label()));
     let stations: Vec<(&LogHistogram, Color32)> = (0..3)
         .filter(|station| state.visibility.stations[*station])
         .map(|station| (&gaps.lengths[station], theme::rgb(palette::STATIONS[station])))
@@ -39,7 +39,7 @@ pub fn ui(
         tau_s.vertical_line(ui, frame, x(&transform, tau_s.value), |x| at(&transform, x));
 
     let (short, all) = (gaps.short.len(), gaps.short.len() + gaps.kept.len());
-    title(ui, &format!("intervals ≤ τ_l: {short} of {all}"));
+    title(ui, &format!("intervals ≤ {}: {short} of {all}", tau_l.label()));
     let kept = theme::rgb(palette::fate(SampleFate::Kept));
     let series = [(&gaps.interval_lengths, kept)];
     let intervals = Distribution { name: "intervals", threshold: tau_l.value, series: &series };
