@@ -19,6 +19,8 @@ pub enum Pane {
     Intervals,
     /// What the stations' own clocks said, and what the calibration estimates of them.
     Clocks,
+    /// Any channel over time, or against another.
+    Channels,
     /// The picked reading, explained.
     Reading,
     /// Earlier runs and pinned results.
@@ -27,7 +29,7 @@ pub enum Pane {
 
 impl Pane {
     /// All panes in the order of the menu.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -39,6 +41,7 @@ impl Pane {
         Self::Rates,
         Self::Intervals,
         Self::Clocks,
+        Self::Channels,
         Self::Histogram,
         Self::Findings,
         Self::Reading,
@@ -60,6 +63,7 @@ impl Pane {
             Self::Rates => "Rates",
             Self::Intervals => "Intervals",
             Self::Clocks => "Clocks",
+            Self::Channels => "Channels",
             Self::Reading => "Reading",
             Self::Runs => "Runs",
         }
@@ -81,6 +85,7 @@ impl Pane {
             Self::Rates => "rates",
             Self::Intervals => "intervals",
             Self::Clocks => "clocks",
+            Self::Channels => "channels",
             Self::Reading => "reading",
             Self::Runs => "runs",
         }

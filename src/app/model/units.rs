@@ -71,7 +71,7 @@ impl LengthUnit {
         }
     }
 
-    fn per_metre(self) -> f64 {
+    pub fn per_metre(self) -> f64 {
         match self {
             Self::Metre => 1.0,
             Self::Millimetre => 1e3,
@@ -108,7 +108,7 @@ impl AngleUnit {
         }
     }
 
-    fn per_radian(self) -> f64 {
+    pub fn per_radian(self) -> f64 {
         match self {
             Self::Radian => 1.0,
             Self::Degree => 1_f64.to_degrees(),

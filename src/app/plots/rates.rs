@@ -144,7 +144,7 @@ impl RatePlot<'_> {
             // The first reading has no rate.
             let part = part.start.max(1)..part.end.max(1);
             let series = &own.rates[self.quantity as usize];
-            for index in series.pyramid.visible(part, runs) {
+            for index in series.values.pyramid.visible(part, runs) {
                 dots.push(Dot {
                     picked: Picked { station, index },
                     at: self.place(own, index, bounds),
@@ -158,7 +158,7 @@ impl RatePlot<'_> {
     /// Where a reading's dot is; readings too slow for the axis stand at its lower end.
     fn place(&self, own: &StationReadings, index: usize, bounds: [f64; 2]) -> PlotPoint {
         let margin = 0.01 * (bounds[1] - bounds[0]);
-        let rate = own.rates[self.quantity as usize].values[index];
+        let rate = own.rates[self.quantity as usize].values.values[index];
         PlotPoint::new(own.time_s[index], rate.log10().max(bounds[0] + margin))
     }
 
@@ -180,7 +180,7 @@ impl RatePlot<'_> {
         let mut hint =
             format!("The size of the {} ({}).", self.quantity.name(), self.quantity.unit());
         if let Some([what, count, all]) = self.counts(pipeline) {
-            lines.push(RichText::new(format!("{what} {count} of {all}")));
+            lines.push(RichText::new(format!("{what} {count} of\n{all}")));
             hint += &format!(
                 "\nStations 1 / 2 / 3: {what} {count} of {all}.\nRates are from one raw reading to the next. A reading \
                  beyond several thresholds counts for the first: range, azimuth, zenith."

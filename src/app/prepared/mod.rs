@@ -2,6 +2,7 @@
 //! the trees that find the point under the pointer.
 
 pub mod analyser;
+pub mod channels;
 mod clock_series;
 mod cloud;
 pub mod gaps;
@@ -11,6 +12,8 @@ pub mod plots;
 mod pyramid;
 pub mod raw_readings;
 mod running;
+pub mod series;
+mod track_series;
 
 pub use cloud::{Cloud, CloudMaker, Clouds, nearest_triplets, time_origin_s};
 pub use pick::TimedPoint;

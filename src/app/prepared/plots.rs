@@ -9,7 +9,9 @@ use super::gaps::Gaps;
 use super::pyramid::Pyramid;
 use super::raw_readings::RawReadings;
 use super::running::Running;
+use super::track_series::TrackSeries;
 use crate::analysis::{Analysis, Answer};
+use crate::deployment::Deployment;
 use crate::evaluation::Spread;
 use crate::evaluation::vehicle::distance_sigma_m;
 use crate::export::residual_chart::{histogram, range_mm};
@@ -32,6 +34,8 @@ pub struct PreparedPlots {
     /// How the errors are distributed over the range.
     pub distributions: Distributions,
     pub gaps: Gaps,
+    /// Where the prisms were, and how fast.
+    pub track: TrackSeries,
     /// What is plotted of the raw readings, the same for every answer.
     pub readings: Arc<RawReadings>,
 }
@@ -74,10 +78,11 @@ const LEAST_STRETCH: usize = 10;
 
 impl PreparedPlots {
     /// The plots of an analysis; without an answer there are no errors.
-    pub fn of(analysis: &Analysis, readings: &Arc<RawReadings>) -> Self {
+    pub fn of(deployment: &Deployment, analysis: &Analysis, readings: &Arc<RawReadings>) -> Self {
         let (gaps, readings) = (Gaps::of(analysis, readings), Arc::clone(readings));
+        let track = TrackSeries::of(deployment, analysis, readings.start_s);
         let Ok(answer) = &analysis.answer else {
-            return Self { gaps, readings, ..Self::default() };
+            return Self { gaps, track, readings, ..Self::default() };
         };
         let start_s = readings.start_s;
         let errors = &answer.evaluation.distance_errors_mm;
@@ -99,6 +104,7 @@ impl PreparedPlots {
             bands: bands(analysis, answer, start_s),
             distributions: Distributions::of(errors, range_mm),
             gaps,
+            track,
             readings,
         }
     }
@@ -207,8 +213,8 @@ mod tests {
     fn errors_outside_a_range_are_counted_as_by_brute_force() {
         let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
         let readings = Arc::new(RawReadings::of(&deployment));
-        let analysis = Analyst::new(deployment).run(&Settings::default());
-        let plots = PreparedPlots::of(&analysis, &readings);
+        let analysis = Analyst::new(Arc::clone(&deployment)).run(&Settings::default());
+        let plots = PreparedPlots::of(&deployment, &analysis, &readings);
         let answer = analysis.answer.as_ref().expect("an answer");
         let errors = || answer.evaluation.distance_errors_mm.iter().flatten();
         for range_mm in [plots.range_mm, [-1.0, 2.0], plots.all_mm(), [0.0, 0.0]] {
@@ -222,8 +228,8 @@ mod tests {
     fn the_distribution_of_a_span_is_that_of_its_errors_alone() {
         let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
         let readings = Arc::new(RawReadings::of(&deployment));
-        let analysis = Analyst::new(deployment).run(&Settings::default());
-        let plots = PreparedPlots::of(&analysis, &readings);
+        let analysis = Analyst::new(Arc::clone(&deployment)).run(&Settings::default());
+        let plots = PreparedPlots::of(&deployment, &analysis, &readings);
         let answer = analysis.answer.as_ref().expect("an answer");
         // All of the drive is what the result states.
         let whole = plots.distributions_within([f64::MIN, f64::MAX]);
