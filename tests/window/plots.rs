@@ -393,7 +393,7 @@ fn what_is_selected_is_counted_beside_all() {
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     let all = analysis.answer.as_ref().expect("an answer").evaluation.inter_prism_mm;
     let all = all.expect("a rig").n;
-    assert!(harness.query_by_label_contains(&format!("n {all}")).is_some());
+    assert!(harness.query_by_label_contains(&format!("n\u{a0}{all}")).is_some());
     send(&mut harness, Command::Select(None));
     assert!(harness.query_by_label_contains("selected: median").is_none());
 }

@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
 
+use crate::app::model::time_scale::decimals;
 use crate::app::model::{Command, Commands, OpenDeployment, Playback, TimeScale, Timeline};
 use crate::app::state::State;
 use crate::app::theme;
@@ -94,10 +95,36 @@ fn paint_icon(ui: &egui::Ui, centre: Pos2, icon: Icon) {
     }
 }
 
+/// Height of the numbers below the strip, and how far apart they are at least (points).
+const TIMES: f32 = 13.0;
+const TIMES_APART: f32 = 90.0;
+
+/// Round times of the whole drive, as on the axes of the plots.
+fn times(ui: &egui::Ui, place: Rect, scale: &TimeScale, timeline: &Timeline) {
+    let length_s = timeline.whole_s[1] - timeline.whole_s[0];
+    let s_per_point = length_s / f64::from(place.width().max(1.0));
+    let times = scale.round_times([0.0, length_s], f64::from(TIMES_APART) * s_per_point);
+    let step_s = times.iter().map(|time| time.step_s).fold(0.0, f64::max);
+    let colour = theme::faint(ui.visuals().dark_mode);
+    for time in times.iter().filter(|time| time.step_s == step_s) {
+        let x = place.left() + (time.since_s / s_per_point) as f32;
+        ui.painter().vline(x, place.top()..=place.top() + 3.0, Stroke::new(1.0, colour));
+        let text = scale.number(time.since_s, decimals(step_s));
+        let galley = ui.painter().layout_no_wrap(text, FontId::proportional(10.0), colour);
+        let half = 0.5 * galley.size().x;
+        // Whole, also at the ends.
+        let left = (x - half).clamp(place.left(), (place.right() - 2.0 * half).max(place.left()));
+        ui.painter().galley(Pos2::new(left, place.top() + 1.0), galley, colour);
+    }
+}
+
 /// The whole drive: kept intervals, what the plots show, the selection, and the cursor that a drag moves.
 fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
-    let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
-    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let height = ui.spacing().interact_size.y;
+    let size = Vec2::new(ui.available_width(), height + TIMES);
+    let (whole, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let (rect, below) = whole.split_top_bottom_at_y(whole.top() + height);
+    times(ui, below, &TimeScale::new(state.units.time, open.start_s()), &open.timeline);
     let Timeline { whole_s, window_s, cursor_s, selection_s, .. } = open.timeline;
     let [start_s, end_s] = whole_s;
     response.widget_info(|| {

@@ -9,7 +9,7 @@ use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, Pl
 use super::strips::strips;
 use super::time_plot::{self, TimePlot};
 use super::times::Times;
-use super::{round_marks, station_switches};
+use super::{close_marks, station_switches};
 use crate::analysis::Analysis;
 use crate::app::model::{Commands, OpenDeployment};
 use crate::app::state::State;
@@ -38,7 +38,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         time_plot::hint(ui, "");
     });
     let scale = times.scale;
-    let plot = Plot::new(("clocks", open.id)).y_grid_spacer(round_marks).label_formatter(
+    let plot = Plot::new(("clocks", open.id)).y_grid_spacer(close_marks).label_formatter(
         move |position| match position {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
                 let time = scale.text_and_seconds(position.x, 1);

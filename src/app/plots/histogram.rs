@@ -6,7 +6,7 @@ use eframe::egui::{self, Color32, FontId, RichText};
 use egui_plot::{AxisHints, Line, Plot, PlotPoints, VLine};
 
 use super::time_plot::still;
-use super::{LABELS, answer, pair_name, round_marks};
+use super::{LABELS, answer, close_marks, pair_name, round_marks};
 use crate::app::model::OpenDeployment;
 use crate::app::prepared::plots::Distributions;
 use crate::app::state::State;
@@ -34,6 +34,12 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
     if state.is_stale() {
         ui.multiply_opacity(0.45);
     }
+    // The name of an axis reaches a little beyond it.
+    let margin = egui::Margin { left: 4, right: 6, ..Default::default() };
+    egui::Frame::new().inner_margin(margin).show(ui, |ui| strips(ui, state, open));
+}
+
+fn strips(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
     let (all, selected) = (&open.plots.distributions, selected(ui, open));
     ui.spacing_mut().item_spacing.y = 1.0;
     let two_lines = selected.is_some() && ui.available_width() < NARROW;
@@ -85,7 +91,7 @@ fn pair_plot(
         .custom_x_axes(if lowest { vec![x_axis] } else { vec![] })
         .custom_y_axes(vec![y_axis])
         .x_grid_spacer(round_marks)
-        .y_grid_spacer(round_marks)
+        .y_grid_spacer(close_marks)
         .label_formatter(|_| None)
         .show(ui, |plot_ui| {
             plot_ui.set_plot_bounds_x(low..=high);
@@ -140,7 +146,9 @@ fn words(
 pub fn in_words(spread: Option<Spread>) -> String {
     spread.map_or_else(
         || "no triplets".to_owned(),
-        |Spread { median, iqr, n, .. }| format!("median |e| {median:.2} mm, IQR {iqr:.2}, n {n}"),
+        |Spread { median, iqr, n, .. }| {
+            format!("median |e| {median:.2}\u{a0}mm, IQR\u{a0}{iqr:.2}, n\u{a0}{n}")
+        },
     )
 }
 

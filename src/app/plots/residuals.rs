@@ -11,7 +11,7 @@ use super::navigation::Moved;
 use super::strips::{Strip, strips};
 use super::time_plot::{self, Shown, TimePlot};
 use super::times::Times;
-use super::{answer, histogram, pair_name, pair_switches, round_marks};
+use super::{answer, close_marks, histogram, pair_name, pair_switches};
 use crate::analysis::{Analysis, Answer};
 use crate::app::model::{Commands, OpenDeployment, Pin};
 use crate::app::prepared::plots::{Band, Distributions};
@@ -83,7 +83,7 @@ impl PairPlot<'_> {
         let (times, plots) = (self.times, &self.open.plots);
         let scale = times.scale;
         let plot = Plot::new(("residuals", self.open.id, self.pair))
-            .y_grid_spacer(round_marks)
+            .y_grid_spacer(close_marks)
             .label_formatter(move |position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
                     let time = scale.text_and_seconds(position.x, 1);
@@ -116,7 +116,7 @@ impl PairPlot<'_> {
             let name = format!("prisms {}", pair_label(self.pair));
             plot_ui.points(
                 Points::new(name, PlotPoints::Owned(dots))
-                    .color(self.colour().gamma_multiply(0.42))
+                    .color(self.colour().gamma_multiply(0.34))
                     .radius(1.2),
             );
             let most = (strip.plot.width() / CORNER) as usize;
@@ -137,7 +137,7 @@ impl PairPlot<'_> {
     fn add_usual(&self, plot_ui: &mut PlotUi<'_>, piece: &Piece, dark: bool) {
         let Piece { times_s, q25, median, q75 } = piece;
         let band = FilledArea::new("", times_s, q25, q75);
-        let fill = self.colour().gamma_multiply(0.42);
+        let fill = self.colour().gamma_multiply(0.5);
         plot_ui.add(band.fill_color(fill).allow_hover(false));
         let line = times_s.iter().zip(median).map(|(time_s, mm)| PlotPoint::new(*time_s, *mm));
         let line = Line::new("", PlotPoints::Owned(line.collect())).allow_hover(false);

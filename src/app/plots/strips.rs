@@ -28,8 +28,12 @@ pub const NARROW: f32 = 430.0;
 const LINE: f32 = 15.0;
 /// Plots narrower than this have no room for a sentence below them.
 const SENTENCE: f32 = 360.0;
-/// Plots lower than this have room for a unit at their axis, and not for a name.
-const LOW: f32 = 72.0;
+/// Length of a letter along an axis: where a name does not fit, there is only its unit.
+const LETTER: f32 = 6.0;
+/// The name of an axis reaches so far beyond it.
+const BEYOND: f32 = 4.0;
+/// From a plot to the words beside it: handles of thresholds are there.
+const ASIDE: f32 = 11.0;
 /// Strong lines of the time axis are so far apart at least, and have their number from this distance on.
 const TIMES_APART: f32 = 60.0;
 const NUMBERED: std::ops::RangeInclusive<f32> = 52.0..=56.0;
@@ -65,10 +69,11 @@ pub fn in_rect(whole: Rect, count: usize) -> Vec<Strip> {
         .map(|index| {
             let top = whole.top() + index as f32 * (height + GAP);
             let lowest = index + 1 == count;
-            let row = Rect::from_x_y_ranges(whole.x_range(), top..=top + height);
+            let row =
+                Rect::from_x_y_ranges(whole.left() + BEYOND..=whole.right(), top..=top + height);
             let (mut plot, mut words) =
                 row.split_left_right_at_x(row.right() - beside(whole.width()));
-            if whole.width() < NARROW {
+            if beside(whole.width()) <= MARGIN {
                 words = row.with_max_y(top + LINE).with_min_x(row.left() + GUTTER);
                 plot.min.y = words.max.y;
             }
@@ -86,20 +91,19 @@ impl Strip {
         self.plot.height() - if self.lowest { TIME_AXIS } else { 0.0 }
     }
 
-    /// An axis of values with its name and unit, of low plots with the unit alone.
+    /// An axis of values with its name and unit, or where that has no room with the unit alone.
     pub fn value_axis<'a>(&self, name: &str, unit: &str) -> AxisHints<'a> {
-        let text = if self.height() < LOW { unit.to_owned() } else { format!("{name} ({unit})") };
+        let whole = format!("{name} ({unit})");
+        let fits = whole.chars().count() as f32 * LETTER < self.height();
+        let text = if fits { whole } else { unit.to_owned() };
         bare_axis().label(RichText::new(text).small())
     }
 
     /// Words about the plot, where they cover no data; all of them are under the pointer, too.
     pub fn words(&self, ui: &mut egui::Ui, lines: Vec<RichText>, hint: &str) {
         let narrow = self.words.height() <= LINE;
-        let place = if narrow {
-            self.words
-        } else {
-            self.words.shrink2(Vec2::new(7.0, 0.0)).with_min_y(self.words.top() + 1.0)
-        };
+        let place =
+            if narrow { self.words } else { self.words.with_min_x(self.words.left() + ASIDE) };
         let layout = if narrow {
             egui::Layout::left_to_right(egui::Align::Center)
         } else {

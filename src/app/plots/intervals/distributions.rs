@@ -13,8 +13,9 @@ use crate::app::theme;
 use crate::palette;
 use crate::pipeline::SampleFate;
 
-/// Height of the line above each (points).
-const TITLE: f32 = 16.0;
+/// Height of the line above each, and of its text: below that are handles (points).
+const TITLE: f32 = 21.0;
+const TEXT: f32 = 13.0;
 
 /// The values of τ_s and τ_l that the user wants.
 pub fn ui(
@@ -54,7 +55,9 @@ pub fn ui(
 fn title(ui: &mut egui::Ui, text: &str) {
     let (rect, _) =
         ui.allocate_exact_size(egui::vec2(ui.available_width(), TITLE), egui::Sense::hover());
-    ui.put(rect, egui::Label::new(RichText::new(text).small()).truncate());
+    let builder = egui::UiBuilder::new().max_rect(rect.with_max_y(rect.top() + TEXT));
+    let mut line = ui.new_child(builder);
+    line.add(egui::Label::new(RichText::new(text).small()).truncate());
 }
 
 /// Where a length is on the screen, also one that no axis shows.
@@ -95,14 +98,17 @@ impl Distribution<'_> {
             .height(height)
             .custom_x_axes(vec![
                 AxisHints::new_x()
+                    .tick_label_font(egui::FontId::proportional(11.0))
                     .formatter(|mark, _| format!("{} s", log_axis::number(mark.value)))
                     .label_spacing(LABELS),
             ])
             .custom_y_axes(vec![
                 AxisHints::new_y()
+                    .label(RichText::new("how many").small())
+                    .tick_label_font(egui::FontId::proportional(11.0))
                     .formatter(|mark, _| format!("{:.0}", 10_f64.powf(mark.value) - 1.0))
                     .label_spacing(8.0..=14.0)
-                    .min_thickness(28.0),
+                    .min_thickness(40.0),
             ])
             .x_grid_spacer(log_axis::many_decades)
             .y_grid_spacer(counts)

@@ -42,12 +42,14 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut strip = strips::in_rect(below, 1)[0];
     if whole.width() < strips::NARROW {
         // Where the distributions stand, numbers and lengths are seen; words above the chart are not needed.
-        strip.plot = below.with_max_x(below.right() - SHARE * below.width());
+        strip.plot =
+            below.with_min_x(strip.plot.left()).with_max_x(below.right() - SHARE * below.width());
     }
-    let left = above.with_max_x(strip.plot.right()).with_min_x(above.left() + strips::GUTTER);
+    let left = above.with_max_x(strip.plot.right()).with_min_x(strip.plot.left() + strips::GUTTER);
     let bars = bars(ui, left, &times, &thresholds);
     chart::ui(ui, &strip, (open, analysis), state, &times, commands);
-    let right = whole.with_min_x(strip.plot.right() + 6.0);
+    let right =
+        Rect::from_x_y_ranges(strip.plot.right() + 8.0..=whole.right() - 10.0, whole.y_range());
     let mut side = ui.new_child(egui::UiBuilder::new().id_salt("side").max_rect(right));
     let lines = distributions::ui(&mut side, open, state, &thresholds);
     for (wanted, (bar, line)) in wanted.iter_mut().zip(bars.into_iter().zip(lines)) {
