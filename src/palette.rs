@@ -4,7 +4,7 @@
 
 use crate::calibration::Verdict;
 use crate::calibration::inter_prism::observability::Hold;
-use crate::pipeline::{OutlierReason, SampleFate};
+use crate::pipeline::{Interpolation, OutlierReason, SampleFate};
 use crate::validation::Outcome;
 
 /// Red, green, blue, sRGB.
@@ -13,11 +13,30 @@ pub type Rgb = [u8; 3];
 /// Stations (and their prisms) 1, 2, 3: blue, orange, green.
 pub const STATIONS: [Rgb; 3] = [[86, 160, 233], [230, 159, 0], [0, 178, 130]];
 
-/// Pairs 12, 13, 23: cyan, vermilion, purple, none of them a station's.
-pub const PAIRS: [Rgb; 3] = [[70, 190, 205], [224, 100, 30], [176, 120, 214]];
+/// Pairs 12, 13, 23: violet, raspberry, olive, none of them near a station's.
+pub const PAIRS: [Rgb; 3] = [[172, 128, 248], [205, 55, 115], [150, 140, 50]];
 
-/// Series of a study: blue, vermilion, green.
-pub const SERIES: [Rgb; 3] = [[60, 130, 200], [213, 94, 0], [0, 150, 110]];
+/// The metrics of a study: of control points blue, of inter-prism distances vermilion.
+pub const METRICS: [Rgb; 2] = [[60, 130, 200], [213, 94, 0]];
+
+/// The two steps of the paper's search of the prior: steel, and rust.
+pub const STEPS: [Rgb; 2] = [[110, 150, 190], [190, 110, 70]];
+
+/// How positions are interpolated, the same in every study: linear slate, the Gaussian process plum, the motion model
+/// ochre.
+pub fn interpolation(interpolation: Interpolation) -> Rgb {
+    match interpolation {
+        Interpolation::Linear => [112, 128, 150],
+        Interpolation::Gp => [150, 70, 150],
+        Interpolation::Wnoa => [185, 130, 30],
+    }
+}
+
+/// Correlated errors: vermilion where two numbers are too large together, blue where one is too large as the other is too
+/// small.
+pub fn correlation(value: f64) -> Rgb {
+    if value > 0.0 { [213, 94, 0] } else { [60, 130, 200] }
+}
 
 /// What became of a raw reading.
 pub fn fate(fate: SampleFate) -> Rgb {
@@ -105,4 +124,47 @@ pub fn continuous(share: f32) -> Rgb {
         (low + part * (high - low)).round() as u8
     };
     [mix(0), mix(1), mix(2)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How different two colours look (Ottosson 2020, "A perceptual color space for image processing": OKLab).
+    fn difference(a: Rgb, b: Rgb) -> f64 {
+        let lab = |rgb: Rgb| {
+            let [r, g, b] = rgb.map(|c| {
+                let c = f64::from(c) / 255.0;
+                if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+            });
+            let l = (0.412_22 * r + 0.536_33 * g + 0.051_45 * b).cbrt();
+            let m = (0.211_90 * r + 0.680_70 * g + 0.107_40 * b).cbrt();
+            let s = (0.088_30 * r + 0.281_72 * g + 0.629_98 * b).cbrt();
+            [
+                0.210_45 * l + 0.793_62 * m - 0.004_07 * s,
+                1.978_00 * l - 2.428_59 * m + 0.450_59 * s,
+                0.025_90 * l + 0.782_77 * m - 0.808_68 * s,
+            ]
+        };
+        let (a, b) = (lab(a), lab(b));
+        (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    #[test]
+    fn a_pair_of_prisms_is_not_taken_for_a_station() {
+        for (index, pair) in PAIRS.into_iter().enumerate() {
+            for station in STATIONS {
+                assert!(difference(pair, station) > 0.12, "{pair:?} {station:?}");
+            }
+            for other in &PAIRS[..index] {
+                assert!(difference(pair, *other) > 0.2, "{pair:?} {other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn interpolations_are_told_apart() {
+        let [a, b, c] = Interpolation::ALL.map(interpolation);
+        assert!([difference(a, b), difference(a, c), difference(b, c)].iter().all(|d| *d > 0.12));
+    }
 }

@@ -39,9 +39,11 @@ mod words;
 pub use layout::Layout;
 pub use model::{
     AngleUnit, Asked, AskedAnswer, Colouring, Command, LayoutDescription, LayoutPreset, LengthUnit,
-    OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, Playback, Results, Ruler, RulerEnd, Run,
-    StudyKind, StudyOptions, StudyResult, Timeline, Units, ViewPreset, Visibility, toasts,
+    OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, Playback, Plotted, Results, Ruler,
+    RulerEnd, Run, StudyKind, StudyOptions, StudyResult, TimeUnit, Timeline, Units, ViewPreset,
+    Visibility, toasts,
 };
+pub use prepared::channels::Channel;
 pub use scene::SceneView;
 pub use state::State;
 pub use window::{ResectWindow, Start, offscreen_renderer, open_window, picture};

@@ -196,6 +196,7 @@ impl Panes<'_> {
             Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),
             Pane::Rates => plots::rates::ui(ui, self.state, self.commands),
             Pane::Clocks => plots::clocks::ui(ui, self.state, self.commands),
+            Pane::Channels => plots::channels::ui(ui, self.state, self.commands),
             Pane::Intervals => plots::intervals::ui(ui, self.state, self.commands),
             Pane::Histogram => plots::histogram::ui(ui, self.state),
             Pane::PriorSearch => plots::prior_search::ui(ui, self.state, self.commands),

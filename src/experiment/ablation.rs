@@ -78,8 +78,10 @@ pub fn ablate(
         group_label: "optional modules that run".to_owned(),
         series: Interpolation::ALL
             .into_iter()
-            .zip(palette::SERIES)
-            .map(|(interpolation, rgb)| Series { name: interpolation.title().to_owned(), rgb })
+            .map(|interpolation| Series {
+                name: interpolation.title().to_owned(),
+                rgb: palette::interpolation(interpolation),
+            })
             .collect(),
         groups,
         levels: Vec::new(),

@@ -97,7 +97,7 @@ pub fn compare(
         group_label: "calibration".to_owned(),
         series: ["control points", "inter-prism distances"]
             .into_iter()
-            .zip(palette::SERIES)
+            .zip(palette::METRICS)
             .map(|(name, rgb)| Series { name: name.to_owned(), rgb })
             .collect(),
         groups,

@@ -162,7 +162,7 @@ pub fn sweep(
         ),
         series: vec![Series {
             name: settings.pipeline.interpolation.title().to_owned(),
-            rgb: palette::SERIES[0],
+            rgb: palette::interpolation(settings.pipeline.interpolation),
         }],
         groups,
         levels: Vec::new(),

@@ -5,6 +5,7 @@
 mod common;
 
 mod asking;
+mod channels;
 mod clocks;
 mod drives;
 mod guide;

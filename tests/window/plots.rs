@@ -4,7 +4,7 @@ use eframe::egui::{
     self, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Theme, TouchPhase, Vec2,
 };
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Pane};
+use resect::app::{Command, Pane, TimeUnit, Units};
 use resect::pipeline::{OutlierReason, SampleFate, Thresholds};
 
 use crate::harness::{LARGE, Window, send, settle, shown, triplets};
@@ -162,7 +162,7 @@ fn zoom_in_one_plot_is_zoom_in_all() {
     let zoomed = window_s(&harness);
     for (pane, name) in [
         (Pane::Intervals, "readings, silences and intervals over time"),
-        (Pane::Residuals, "distance errors over time"),
+        (Pane::Residuals, "distance errors 1–2 over time"),
     ] {
         send(&mut harness, Command::ShowPane(pane));
         let frame = rect(&harness, name);
@@ -173,7 +173,7 @@ fn zoom_in_one_plot_is_zoom_in_all() {
         let middle = (zoomed[0] + zoomed[1]) / 2.0;
         assert!((cursor_s - middle).abs() < 0.5, "{name}: {cursor_s} {middle}");
     }
-    let pos = rect(&harness, "distance errors over time").center();
+    let pos = rect(&harness, "distance errors 1–2 over time").center();
     // In one frame: the harness lets too much time pass between frames for a double click.
     let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
     let press = |pressed| Event::PointerButton { pos, button, pressed, modifiers };
@@ -186,7 +186,7 @@ fn zoom_in_one_plot_is_zoom_in_all() {
 fn dragging_selects_and_the_selection_can_be_zoomed_to_and_cleared() {
     let mut harness = window(LARGE, Theme::Dark, Pane::Residuals);
     let [from, to] = window_s(&harness);
-    let frame = rect(&harness, "distance errors over time");
+    let frame = rect(&harness, "distance errors 1–2 over time");
     let at = |share: f32| frame.left_top() + Vec2::new(share * frame.width(), 30.0);
     // From right to left, beyond the edge.
     drag(&mut harness, at(0.5), at(-0.3), PointerButton::Primary);
@@ -291,7 +291,7 @@ fn pinned_results_stand_behind_the_present_one() {
     let mut settings = *harness.state().state.settings();
     settings.pipeline.thresholds.tau_l_seconds = 40.0;
     send(&mut harness, Command::Set(settings));
-    let frame = rect(&harness, "distance errors over time");
+    let frame = rect(&harness, "distance errors 1–2 over time");
     let coloured = |harness: &mut Window| {
         let picture = harness.render().expect("a picture");
         let inside = |x: u32, y: u32| frame.contains(Pos2::new(x as f32, y as f32));
@@ -306,4 +306,95 @@ fn pinned_results_stand_behind_the_present_one() {
     assert!(harness.query_by_label(&format!("○ {}", pin.name)).is_none());
     let without = coloured(&mut harness);
     assert!(with > without + 200, "{with} {without}");
+}
+
+#[test]
+fn each_pair_has_a_strip_of_its_own_and_all_have_one_time_axis() {
+    let mut harness = window(LARGE, Theme::Dark, Pane::Residuals);
+    let strips = |harness: &Window| -> Vec<Rect> {
+        let names = ["1–2", "1–3", "2–3"].map(|pair| format!("distance errors {pair} over time"));
+        let found = names.iter().filter_map(|name| harness.query_by_label(name));
+        found.map(|strip| strip.rect()).collect()
+    };
+    let all = strips(&harness);
+    assert_eq!(all.len(), 3);
+    for pair in all.windows(2) {
+        assert!(pair[0].bottom() < pair[1].top(), "{pair:?}");
+        assert_eq!(pair[0].x_range(), pair[1].x_range());
+        assert!((pair[0].height() - pair[1].height()).abs() < 1.0, "{pair:?}");
+    }
+    // A pair that is hidden leaves its room to the others.
+    let mut visibility = harness.state().state.visibility;
+    visibility.pairs = [true, false, true];
+    send(&mut harness, Command::Show(visibility));
+    let two = strips(&harness);
+    assert_eq!(two.len(), 2);
+    assert!(two[0].height() > 1.3 * all[0].height());
+}
+
+#[test]
+fn one_time_is_at_one_place_in_all_panes_of_a_width() {
+    let mut harness = window(LARGE, Theme::Dark, Pane::Rates);
+    let first = rect(&harness, "range rate over time");
+    for (pane, name) in [
+        (Pane::Intervals, "readings, silences and intervals over time"),
+        (Pane::Residuals, "distance errors 2–3 over time"),
+        (Pane::Clocks, "clocks over time"),
+    ] {
+        send(&mut harness, Command::ShowPane(pane));
+        let other = rect(&harness, name);
+        assert_eq!(other.x_range(), first.x_range(), "{name}");
+    }
+}
+
+#[test]
+fn times_are_read_as_the_user_chooses() {
+    let mut harness = window(LARGE, Theme::Dark, Pane::Residuals);
+    let open = shown(&harness);
+    let [start_s, end_s] = open.timeline.whole_s;
+    let seconds = format!("{:.1} s", end_s - start_s);
+    let minutes = ((end_s - start_s) / 60.0) as u32;
+    harness.get_by_label_contains(&format!("/ 0:{minutes:02}:"));
+    assert!(harness.query_by_label_contains(&format!("/ {seconds}")).is_none());
+    let units = harness.state().state.units;
+    send(&mut harness, Command::SetUnits(Units { time: TimeUnit::Seconds, ..units }));
+    harness.get_by_label_contains(&format!("/ {seconds}"));
+    // The sample's stamps are of the Unix epoch.
+    let day_s = 86_400.0;
+    let utc = |time_s: f64| ((time_s % day_s) / 3600.0) as u32;
+    send(&mut harness, Command::SetUnits(Units { time: TimeUnit::Utc, ..units }));
+    harness.get_by_label_contains(&format!("/ {:02}:", utc(end_s)));
+    // Stamps that begin at zero tell no time of day: the menu says so, and a choice made before counts from the start.
+    let mut deployment = (*shown(&harness).deployment).clone();
+    for track in &mut deployment.tracks {
+        track.measurements.iter_mut().for_each(|reading| reading.time_s -= start_s);
+    }
+    crate::harness::open(&mut harness, deployment);
+    harness.get_by_label_contains(&format!("/ 0:{minutes:02}:"));
+    send(&mut harness, Command::SetUnits(Units { time: TimeUnit::Seconds, ..units }));
+    harness.get_by_label("View").click();
+    harness.run_steps(3);
+    harness.get_by_label("Times in UTC").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().state.units.time, TimeUnit::Seconds);
+    harness.get_by_label("Times in h:m:s").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().state.units.time, TimeUnit::Elapsed);
+}
+
+#[test]
+fn what_is_selected_is_counted_beside_all() {
+    let mut harness = window(LARGE, Theme::Dark, Pane::Histogram);
+    assert!(harness.query_by_label_contains("selected: median").is_none());
+    let [from_s, to_s] = shown(&harness).timeline.whole_s;
+    send(&mut harness, Command::Select(Some([from_s, (from_s + to_s) / 2.0])));
+    let first = harness.get_all_by_label_contains("selected: median").count();
+    // All pairs and each, in the histogram and, but for all, beside the errors over time.
+    assert_eq!(first, 7);
+    let (_, analysis) = harness.state().state.analysed().expect("an answer");
+    let all = analysis.answer.as_ref().expect("an answer").evaluation.inter_prism_mm;
+    let all = all.expect("a rig").n;
+    assert!(harness.query_by_label_contains(&format!("n\u{a0}{all}")).is_some());
+    send(&mut harness, Command::Select(None));
+    assert!(harness.query_by_label_contains("selected: median").is_none());
 }

@@ -138,7 +138,7 @@ fn the_joint_estimate_is_said_to_follow() {
 fn the_result_follows_the_units() {
     let mut harness = window(LARGE, Theme::Dark);
     assert!(harness.query_by_label("yaw (rad)").is_some());
-    let units = Units { length: LengthUnit::Millimetre, angle: AngleUnit::Gon };
+    let units = Units { length: LengthUnit::Millimetre, angle: AngleUnit::Gon, ..Units::default() };
     send(&mut harness, Command::SetUnits(units));
     assert!(harness.query_by_label("yaw (rad)").is_none());
     assert!(harness.query_by_label("yaw (gon)").is_some());

@@ -102,6 +102,8 @@ pub fn exports(state: &State) -> Vec<Action> {
             .hint("Verdict, transforms, residuals and data as one page"),
         export("Files", "Trajectory (TUM)…", Command::SaveTrajectoryDialog)
             .hint("The vehicle's poses in six degrees of freedom"),
+        export("Files", "Plotted channels (CSV)…", Command::SaveChannelsDialog)
+            .hint("Every value of what the pane Channels shows"),
         export("Rerun", "Open in Rerun", Command::OpenInRerun),
         export("Rerun", "Recording for Rerun (.rrd)…", Command::SaveRecordingDialog),
     ];

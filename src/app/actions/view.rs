@@ -3,9 +3,13 @@
 use eframe::egui::{self, Key};
 
 use super::{Action, Menu};
+use crate::app::model::plotted::APART;
+use crate::app::model::time_scale::tells_time_of_day;
 use crate::app::model::{
-    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Ruler, Units, ViewPreset,
+    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Plotted, Ruler, TimeUnit, Units,
+    ViewPreset,
 };
+use crate::app::prepared::channels::Channel;
 use crate::app::state::State;
 
 pub fn actions(state: &State) -> Vec<Action> {
@@ -40,6 +44,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     actions.extend(
         Pane::ALL.into_iter().map(|pane| view("Panes", pane.title(), Command::ShowPane(pane))),
     );
+    actions.extend(channels(state));
     for (preset, key) in LayoutPreset::ALL.into_iter().zip([Key::Num1, Key::Num2, Key::Num3]) {
         let name = format!("Layout: {}", preset.title());
         actions
@@ -66,5 +71,42 @@ pub fn actions(state: &State) -> Vec<Action> {
         let units = Units { angle, ..state.units };
         actions.push(view("Angles", &name, Command::SetUnits(units)).one_of(state.units == units));
     }
+    for time in TimeUnit::ALL {
+        let name = format!("Times in {}", time.name());
+        let units = Units { time, ..state.units };
+        let tells = state.active().is_none_or(|open| tells_time_of_day(open.start_s()));
+        let action = view("Times", &name, Command::SetUnits(units)).one_of(state.units == units);
+        actions.push(match time {
+            TimeUnit::Utc if !tells => {
+                action.hint("This deployment's stamps do not tell the time of day").possible(false)
+            }
+            TimeUnit::Utc => action.hint("The time of day, by the stations' stamps"),
+            _ => action.hint("Since the first measurement"),
+        });
+    }
+    actions
+}
+
+/// What the pane of channels plots, and against what.
+fn channels(state: &State) -> Vec<Action> {
+    let plotted = state.plotted;
+    let action = |section, name: String, to: Plotted| {
+        Action::new(Menu::View, section, name, Command::Plot(to)).on(plotted == to)
+    };
+    let mut actions: Vec<Action> = (Channel::ALL.into_iter())
+        .map(|channel| {
+            let name = format!("Plot the {}", channel.name());
+            let action = action("Channel", name, plotted.with_channel(channel));
+            action.on(plotted.channel == channel).hint(channel.hint())
+        })
+        .collect();
+    let over_time = Plotted { against: None, ..plotted };
+    actions.push(action("Channel against", "Plot it against time".to_owned(), over_time));
+    actions.extend(Channel::ALL.into_iter().map(|other| {
+        let name = format!("Plot it against the {}", other.name());
+        let action = action("Channel against", name, Plotted { against: Some(other), ..plotted });
+        let possible = plotted.channel.goes_with(other);
+        action.hint(if possible { other.hint() } else { APART }).possible(possible)
+    }));
     actions
 }

@@ -6,7 +6,7 @@ use eframe::egui;
 
 use super::Units;
 use super::studies::StudyOptions;
-use super::{Asked, AskedAnswer, Lookup, Palette, Picked, Visibility};
+use super::{Asked, AskedAnswer, Lookup, Palette, Picked, Plotted, Visibility};
 use super::{Colouring, Ruler, ViewPreset};
 use super::{LayoutPreset, Pane};
 use crate::analysis::Settings;
@@ -94,6 +94,8 @@ pub enum Command {
     PickInPlot(Picked),
     Unpick,
 
+    /// Plots a channel in the pane of channels.
+    Plot(Plotted),
     Show(Visibility),
     Colour(Colouring),
     Measure(Ruler),
@@ -109,6 +111,8 @@ pub enum Command {
     SaveRecordingDialog,
     SaveTrajectoryDialog,
     SaveReportDialog,
+    /// Every value of what the pane of channels shows.
+    SaveChannelsDialog,
 
     /// Holds the active deployment's calibration against the others that are open.
     ValidateOthers,

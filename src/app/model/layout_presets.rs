@@ -2,7 +2,8 @@
 
 use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
-    Clocks, Deployment, Findings, Guide, Histogram, Intervals, Pipeline, PriorSearch, Rates,
+    Channels, Clocks, Deployment, Findings, Guide, Histogram, Intervals, Pipeline, PriorSearch,
+    Rates,
     Reading, Residuals, Result, Runs, Scene, SideBySide, Studies,
 };
 
@@ -96,7 +97,7 @@ pub fn first() -> Node {
                 (
                     0.32,
                     row([
-                        (0.66, tabs(&[Residuals, Rates, Intervals, Clocks, PriorSearch])),
+                        (0.66, tabs(&[Residuals, Rates, Intervals, Clocks, Channels, PriorSearch])),
                         (0.34, tabs(&[Histogram, Findings, Reading])),
                     ]),
                 ),

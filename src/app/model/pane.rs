@@ -19,6 +19,8 @@ pub enum Pane {
     Intervals,
     /// What the stations' own clocks said, and what the calibration estimates of them.
     Clocks,
+    /// Any channel over time, or against another.
+    Channels,
     /// The picked reading, explained.
     Reading,
     /// Earlier runs and pinned results.
@@ -41,6 +43,7 @@ impl Pane {
         Self::Rates,
         Self::Intervals,
         Self::Clocks,
+        Self::Channels,
         Self::Histogram,
         Self::Findings,
         Self::Reading,
@@ -63,6 +66,7 @@ impl Pane {
             Self::Rates => "Rates",
             Self::Intervals => "Intervals",
             Self::Clocks => "Clocks",
+            Self::Channels => "Channels",
             Self::Reading => "Reading",
             Self::Runs => "Runs",
             Self::Guide => "Guide",
@@ -85,6 +89,7 @@ impl Pane {
             Self::Rates => "rates",
             Self::Intervals => "intervals",
             Self::Clocks => "clocks",
+            Self::Channels => "channels",
             Self::Reading => "reading",
             Self::Runs => "runs",
             Self::Guide => "guide",

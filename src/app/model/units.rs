@@ -25,12 +25,39 @@ pub enum AngleUnit {
     Gon,
 }
 
-/// What the user reads lengths and angles in.
+/// What the user reads times in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TimeUnit {
+    /// Hours, minutes and seconds since the first measurement.
+    #[default]
+    Elapsed,
+    /// Seconds since the first measurement.
+    Seconds,
+    /// The time of day, where the stamps tell it.
+    Utc,
+}
+
+impl TimeUnit {
+    pub const ALL: [Self; 3] = [Self::Elapsed, Self::Seconds, Self::Utc];
+
+    /// The unit as it stands on an axis.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Elapsed => "h:m:s",
+            Self::Seconds => "s",
+            Self::Utc => "UTC",
+        }
+    }
+}
+
+/// What the user reads lengths, angles and times in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Units {
     pub length: LengthUnit,
     pub angle: AngleUnit,
+    pub time: TimeUnit,
 }
 
 impl LengthUnit {
@@ -44,7 +71,7 @@ impl LengthUnit {
         }
     }
 
-    fn per_metre(self) -> f64 {
+    pub fn per_metre(self) -> f64 {
         match self {
             Self::Metre => 1.0,
             Self::Millimetre => 1e3,
@@ -81,7 +108,7 @@ impl AngleUnit {
         }
     }
 
-    fn per_radian(self) -> f64 {
+    pub fn per_radian(self) -> f64 {
         match self {
             Self::Radian => 1.0,
             Self::Degree => 1_f64.to_degrees(),

@@ -42,15 +42,15 @@ pub fn ui(ui: &mut egui::Ui, correlation: &SMatrix<f64, 8, 8>) {
             }
         }
         ui.small(
-            "At the stations: x, y, z and yaw ψ of T12 and T13. Near ±1, the one cannot be told without the other.",
+            "At the stations: x, y, z and yaw ψ of T12 and T13. Near ±1, the one cannot be told without the other. \
+             Vermilion: both are too large together; blue: one as the other is too small.",
         );
     });
     words::explain(shown.header_response, &glossary::CORRELATION);
 }
 
-/// Vermilion for what errs the same way, blue for the opposite, the ground for nothing.
+/// The stronger the more two numbers err together, the ground for nothing.
 fn shade(value: f64, dark: bool) -> Color32 {
-    let [opposite, same, _] = palette::SERIES;
-    let colour = theme::rgb(if value > 0.0 { same } else { opposite });
+    let colour = theme::rgb(palette::correlation(value));
     theme::scene_background(dark).lerp_to_gamma(colour, 0.7 * value.abs() as f32)
 }

@@ -2,7 +2,8 @@
 
 use eframe::egui::{self, Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
 
-use crate::app::model::{Command, Commands, OpenDeployment, Playback, Timeline};
+use crate::app::model::time_scale::decimals;
+use crate::app::model::{Command, Commands, OpenDeployment, Playback, TimeScale, Timeline};
 use crate::app::state::State;
 use crate::app::theme;
 
@@ -13,8 +14,12 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             transport(ui, state, commands);
             let [start_s, end_s] = open.timeline.whole_s;
             let at_s = open.timeline.cursor_s.unwrap_or(start_s) - start_s;
-            ui.monospace(format!("{at_s:7.1} / {:.1} s", end_s - start_s))
-                .on_hover_text("The time cursor, since the first measurement");
+            let scale = TimeScale::new(state.units.time, start_s);
+            let (at, end) = (scale.number(at_s, 1), scale.text(end_s - start_s, 1));
+            let hint = format!("The time cursor: {}", scale.text_and_seconds(at_s, 1));
+            // As wide for every time: the strip beside it must not move.
+            let width = end.len();
+            ui.monospace(format!("{at:>width$} / {end}")).on_hover_text(hint);
             strip(ui, state, open, commands);
         });
     });
@@ -90,10 +95,36 @@ fn paint_icon(ui: &egui::Ui, centre: Pos2, icon: Icon) {
     }
 }
 
+/// Height of the numbers below the strip, and how far apart they are at least (points).
+const TIMES: f32 = 13.0;
+const TIMES_APART: f32 = 90.0;
+
+/// Round times of the whole drive, as on the axes of the plots.
+fn times(ui: &egui::Ui, place: Rect, scale: &TimeScale, timeline: &Timeline) {
+    let length_s = timeline.whole_s[1] - timeline.whole_s[0];
+    let s_per_point = length_s / f64::from(place.width().max(1.0));
+    let times = scale.round_times([0.0, length_s], f64::from(TIMES_APART) * s_per_point);
+    let step_s = times.iter().map(|time| time.step_s).fold(0.0, f64::max);
+    let colour = theme::faint(ui.visuals().dark_mode);
+    for time in times.iter().filter(|time| time.step_s == step_s) {
+        let x = place.left() + (time.since_s / s_per_point) as f32;
+        ui.painter().vline(x, place.top()..=place.top() + 3.0, Stroke::new(1.0, colour));
+        let text = scale.number(time.since_s, decimals(step_s));
+        let galley = ui.painter().layout_no_wrap(text, FontId::proportional(10.0), colour);
+        let half = 0.5 * galley.size().x;
+        // Whole, also at the ends.
+        let left = (x - half).clamp(place.left(), (place.right() - 2.0 * half).max(place.left()));
+        ui.painter().galley(Pos2::new(left, place.top() + 1.0), galley, colour);
+    }
+}
+
 /// The whole drive: kept intervals, what the plots show, the selection, and the cursor that a drag moves.
 fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
-    let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
-    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let height = ui.spacing().interact_size.y;
+    let size = Vec2::new(ui.available_width(), height + TIMES);
+    let (whole, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let (rect, below) = whole.split_top_bottom_at_y(whole.top() + height);
+    times(ui, below, &TimeScale::new(state.units.time, open.start_s()), &open.timeline);
     let Timeline { whole_s, window_s, cursor_s, selection_s, .. } = open.timeline;
     let [start_s, end_s] = whole_s;
     response.widget_info(|| {
@@ -150,7 +181,7 @@ fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut
     } else if let Some(at) = response.hover_pos() {
         let time_s = time_at(at);
         commands.push(Command::Hover(time_s));
-        let text = format!("{:.1} s", time_s - start_s);
+        let text = TimeScale::new(state.units.time, start_s).text(time_s - start_s, 1);
         let align = if at.x > rect.center().x { Align2::RIGHT_CENTER } else { Align2::LEFT_CENTER };
         let offset = if align == Align2::RIGHT_CENTER { -6.0 } else { 6.0 };
         let place = Pos2::new(at.x + offset, rect.center().y);

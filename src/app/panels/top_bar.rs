@@ -97,12 +97,19 @@ fn row(ui: &mut egui::Ui, section: &[&Action], commands: &mut Commands) {
         ui.label(section[0].section);
         for action in section {
             let word = action.name.rsplit(' ').next().unwrap_or_default();
-            let radio = ui.radio(action.on == Some(true), word);
+            let possible = action.command.is_some();
+            let radio =
+                ui.add_enabled(possible, egui::RadioButton::new(action.on == Some(true), word));
             let name = &action.name;
+            let radio = if action.hint.is_empty() {
+                radio
+            } else {
+                radio.on_hover_text(action.hint).on_disabled_hover_text(action.hint)
+            };
             radio.widget_info(|| {
                 egui::WidgetInfo::selected(
                     egui::Role::RadioButton,
-                    true,
+                    possible,
                     action.on == Some(true),
                     name,
                 )

@@ -224,13 +224,17 @@ mod tests {
     use super::*;
     use crate::app::layout::Layout;
     use crate::app::model::LayoutPreset;
-    use crate::app::model::LengthUnit;
+    use crate::app::model::{LengthUnit, TimeUnit};
     use crate::deployment::Sample;
 
     fn changed() -> Preferences {
         let mut preferences = Preferences {
             theme: Theme::Light,
-            units: Units { length: LengthUnit::Millimetre, ..Units::default() },
+            units: Units {
+                length: LengthUnit::Millimetre,
+                time: TimeUnit::Utc,
+                ..Units::default()
+            },
             layout: Some(Layout::from(LayoutPreset::Tune).describe()),
             window_points: Some([1200.0, 800.0]),
             recent: Vec::new(),

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::hashes::{FileMark, HashCache, used_files};
 use crate::analysis::Settings;
-use crate::app::model::{Colouring, LayoutDescription, Units, Visibility};
+use crate::app::model::{Colouring, LayoutDescription, Plotted, Units, Visibility};
 use crate::deployment::{Deployment, OpenError, Source};
 use crate::export::atomic::WriteError;
 use crate::export::summary::ResultSummary;
@@ -118,6 +118,7 @@ impl SavedDeployment {
 pub struct SavedView {
     pub colouring: Colouring,
     pub units: Units,
+    pub plotted: Plotted,
     pub visibility: Visibility,
 }
 

@@ -8,8 +8,10 @@ use crate::analysis::Settings;
 use crate::app::layout::Layout;
 use crate::app::model::Colouring;
 use crate::app::model::LayoutPreset;
+use crate::app::model::Plotted;
 use crate::app::persist::hashes::used_files;
 use crate::app::persist::session::{SavedDeployment, SavedPin, SavedView};
+use crate::app::prepared::channels::Channel;
 use crate::deployment::Source;
 use crate::deployment::{Extras, Sample};
 use crate::export::summary::ResultSummary;
@@ -44,7 +46,11 @@ fn session(folder: &Path) -> Session {
     Session {
         deployments: vec![below, sample],
         active: 1,
-        view: SavedView { colouring: Colouring::Speed, ..SavedView::default() },
+        view: SavedView {
+            colouring: Colouring::Speed,
+            plotted: Plotted { channel: Channel::Height, against: Some(Channel::Speed) },
+            ..SavedView::default()
+        },
         layout: Some(Layout::from(LayoutPreset::Compare).describe()),
         pins: vec![SavedPin { name: "A".to_owned(), shown: false, result }],
     }

@@ -6,25 +6,19 @@ use std::fmt::Write;
 use eframe::egui::{self, RichText};
 use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
-use super::time_plot::{self, time_axis};
+use super::strips::strips;
+use super::time_plot::{self, TimePlot};
 use super::times::Times;
-use super::{round_marks, station_switches};
+use super::{close_marks, station_switches};
 use crate::analysis::Analysis;
 use crate::app::model::{Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::app::words;
 use crate::calibration::Estimate;
-use crate::glossary::{self, Term};
 use crate::palette;
 
-/// What the numbers above the plot are of.
-const WORDS: &[&Term] = &[&glossary::OWN_CLOCK, &glossary::CLOCK_OFFSET, &glossary::CLOCK_DRIFT];
 /// The least height of the plot (ms): less is noise of the drawing.
 const LEAST_MS: f64 = 1.0;
-/// Least height of a pane whose numbers have lines of their own; in a lower one they share a line, so that the plot has
-/// the rest (points).
-const ROOM_FOR_WORDS: f32 = 200.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, analysis)) = state.analysed() else {
@@ -43,49 +37,44 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         time_plot::selection(ui, &times, commands);
         time_plot::hint(ui, "");
     });
-    let caption = caption(open, state, estimated.as_ref());
-    let label = egui::Label::new(RichText::new(&caption).small());
-    if ui.available_height() < ROOM_FOR_WORDS {
-        let label = ui.add(label.truncate()).on_hover_text(caption.replace("  ·  ", "\n"));
-        words::mark(&label, WORDS);
-    } else {
-        words::explain_all(ui.add(label.wrap()), WORDS);
-    }
-    let plot = Plot::new(("clocks", open.id))
-        .custom_x_axes(vec![time_axis(ui.available_width())])
-        .y_axis_label("clock (ms)")
-        .y_grid_spacer(round_marks)
-        .label_formatter(|position| match position {
+    let scale = times.scale;
+    let plot = Plot::new(("clocks", open.id)).y_grid_spacer(close_marks).label_formatter(
+        move |position| match position {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
-                Some(format!("{plot_name}\n{:.1} s\n{:+.3} ms", position.x, position.y))
+                let time = scale.text_and_seconds(position.x, 1);
+                Some(format!("{plot_name}\n{time}\n{:+.3} ms", position.y))
             }
             HoverPosition::Elsewhere { .. } => None,
-        });
+        },
+    );
+    let strip = strips(ui, 1)[0];
+    strip.words(ui, caption(open, state, estimated.as_ref(), ui.visuals().dark_mode), "");
     let bounds_ms = bounds_ms(open, state, estimated.as_ref());
-    let columns = ui.available_width() as usize;
+    let columns = strip.plot.width() as usize;
     let (readings, stations) = (&open.plots.readings, state.visibility.stations);
-    let shown =
-        time_plot::show(ui, "clocks over time", &times, plot, bounds_ms, commands, |plot_ui| {
-            for station in (0..3).filter(|station| stations[*station]) {
-                let clock = &readings.clocks[station];
-                let colour = theme::rgb(palette::STATIONS[station]);
-                let name = |what: &str| format!("station {}, {what}", station + 1);
-                let dots = clock.readings.visible(times.window_s, columns);
-                let own = Points::new(name("own clock"), PlotPoints::Owned(dots));
-                plot_ui.points(own.color(colour).radius(1.4));
-                let dots = clock.corrections.visible(times.window_s, columns);
-                let told = Points::new(name("correction told"), PlotPoints::Owned(dots));
-                plot_ui.points(
-                    told.color(colour).shape(MarkerShape::Diamond).filled(false).radius(3.0),
-                );
-                let slot = station.checked_sub(1);
-                if let Some((estimated, slot)) = estimated.as_ref().zip(slot) {
-                    let line = PlotPoints::Owned(estimated.ends(slot, readings.start_s).to_vec());
-                    let line = Line::new(name("estimated, against station 1"), line);
-                    plot_ui.line(line.color(colour).width(2.0).style(LineStyle::dashed_loose()));
-                }
+    let time_plot =
+        TimePlot { strip: &strip, name: "clocks over time", times: &times, y_bounds: bounds_ms };
+    let axis = strip.value_axis("clock", "ms");
+    let shown = time_plot.show(ui, plot, axis, commands, |plot_ui| {
+        for station in (0..3).filter(|station| stations[*station]) {
+            let clock = &readings.clocks[station];
+            let colour = theme::rgb(palette::STATIONS[station]);
+            let name = |what: &str| format!("station {}, {what}", station + 1);
+            let dots = clock.readings.visible(times.window_s, columns);
+            let own = Points::new(name("own clock"), PlotPoints::Owned(dots));
+            plot_ui.points(own.color(colour).radius(1.4));
+            let dots = clock.corrections.visible(times.window_s, columns);
+            let told = Points::new(name("correction told"), PlotPoints::Owned(dots));
+            plot_ui
+                .points(told.color(colour).shape(MarkerShape::Diamond).filled(false).radius(3.0));
+            let slot = station.checked_sub(1);
+            if let Some((estimated, slot)) = estimated.as_ref().zip(slot) {
+                let line = PlotPoints::Owned(estimated.ends(slot, readings.start_s).to_vec());
+                let line = Line::new(name("estimated, against station 1"), line);
+                plot_ui.line(line.color(colour).width(2.0).style(LineStyle::dashed_loose()));
             }
-        });
+        }
+    });
     shown.paint_times(ui, &times);
     shown.on_click(&times, commands, |_| None);
 }
@@ -153,8 +142,16 @@ fn bounds_ms(open: &OpenDeployment, state: &State, estimated: Option<&Estimated>
 }
 
 /// Medians that were taken off, and what was estimated.
-fn caption(open: &OpenDeployment, state: &State, estimated: Option<&Estimated>) -> String {
-    let mut parts = Vec::new();
+fn caption(
+    open: &OpenDeployment,
+    state: &State,
+    estimated: Option<&Estimated>,
+    dark: bool,
+) -> Vec<RichText> {
+    let mut lines = Vec::new();
+    let in_colour = |station: usize, text: String| {
+        RichText::new(text).color(theme::readable(palette::STATIONS[station], dark))
+    };
     let stations = || (0..3).filter(|station| state.visibility.stations[*station]);
     for station in stations() {
         let clock = &open.plots.readings.clocks[station];
@@ -168,20 +165,19 @@ fn caption(open: &OpenDeployment, state: &State, estimated: Option<&Estimated>) 
                 count => _ = write!(text, ", {count} jumps"),
             }
         }
-        parts.push(text);
+        lines.push(in_colour(station, text));
     }
-    if parts.is_empty() {
-        parts.push("no file tells the stations' own clocks".to_owned());
+    if lines.is_empty() {
+        lines.push(RichText::new("no file tells the stations' own clocks"));
     }
-    let estimates = estimated.map(|estimated| {
-        stations().filter_map(|station| station.checked_sub(1)).map(move |slot| {
-            let Estimate { value, sigma } = estimated.offsets_s[slot];
-            let (late, sigma) = (value * 1e3, sigma * 1e3);
-            format!("{}: estimated {late:+.1} ± {sigma:.1} ms against 1 (dashed)", slot + 2)
-        })
-    });
-    parts.extend(estimates.into_iter().flatten());
-    parts.join("  ·  ")
+    for station in stations() {
+        let Some((estimated, slot)) = estimated.zip(station.checked_sub(1)) else { continue };
+        let Estimate { value, sigma } = estimated.offsets_s[slot];
+        let (late, sigma) = (value * 1e3, sigma * 1e3);
+        let text = format!("{}: estimated {late:+.1} ± {sigma:.1} ms against 1 (dashed)", slot + 2);
+        lines.push(in_colour(station, text));
+    }
+    lines
 }
 
 /// A time with as many decimals as its size asks for: "+0.3012 s", "+3600.301 s".

@@ -1,13 +1,30 @@
-//! How the distance errors are distributed, one outline a pair.
+//! How the distance errors are distributed, a strip a pair: all of them, and over them those of the selected times.
 
-use eframe::egui;
+use std::sync::Arc;
+
+use eframe::egui::{self, Color32, FontId, RichText};
 use egui_plot::{AxisHints, Line, Plot, PlotPoints, VLine};
 
-use super::{LABELS, answer, pair_name, round_marks};
+use super::time_plot::still;
+use super::{LABELS, answer, close_marks, pair_name, round_marks};
+use crate::app::model::OpenDeployment;
+use crate::app::prepared::plots::Distributions;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::deployment::pair_label;
+use crate::evaluation::Spread;
 use crate::palette;
+
+/// Height of the axis at the bottom (points).
+const AXIS: f32 = 34.0;
+/// Width of the numbers at the left.
+const NUMBERS: f32 = 46.0;
+const LEAST: f32 = 24.0;
+/// Height of a line of words.
+const LINE: f32 = 15.0;
+/// Panes narrower than this have a line of its own for what is selected.
+const NARROW: f32 = 420.0;
+/// Plots lower than this have room for a unit at their axis only.
+const LOW: f32 = 90.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State) {
     let Some((open, ..)) = answer(state) else {
@@ -17,43 +34,135 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
     if state.is_stale() {
         ui.multiply_opacity(0.45);
     }
-    let plots = &open.plots;
-    let ([low, high], width) = (plots.range_mm, plots.bin_width_mm);
-    ui.horizontal(|ui| {
-        ui.add_space(6.0);
-        ui.label("prisms");
-        for pair in (0..3).filter(|pair| state.visibility.pairs[*pair]) {
-            ui.label(pair_name(pair, ui.visuals().dark_mode));
-        }
-    });
-    // The highest number of the axis reaches above it.
-    ui.add_space(4.0);
-    let zero_colour = theme::faint(ui.visuals().dark_mode);
-    Plot::new(("histogram", open.id, open.analysis_run))
-        .custom_x_axes(vec![AxisHints::new_x().label("error (mm)").label_spacing(LABELS)])
+    // The name of an axis reaches a little beyond it.
+    let margin = egui::Margin { left: 4, right: 6, ..Default::default() };
+    egui::Frame::new().inner_margin(margin).show(ui, |ui| strips(ui, state, open));
+}
+
+fn strips(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
+    let (all, selected) = (&open.plots.distributions, selected(ui, open));
+    ui.spacing_mut().item_spacing.y = 1.0;
+    let two_lines = selected.is_some() && ui.available_width() < NARROW;
+    let of_selected = |of: fn(&Distributions) -> Option<Spread>| selected.as_deref().map(of);
+    words(ui, RichText::new("all").strong(), all.all_mm, of_selected(|it| it.all_mm), two_lines);
+    let pairs: Vec<usize> = (0..3).filter(|pair| state.visibility.pairs[*pair]).collect();
+    let lines = if two_lines { 2.0 } else { 1.0 } * LINE;
+    let rows = pairs.len().max(1) as f32;
+    let height = ((ui.available_height() - AXIS - rows * (lines + 3.0)) / rows).max(LEAST);
+    for (row, pair) in pairs.iter().copied().enumerate() {
+        let name = pair_name(pair, ui.visuals().dark_mode);
+        let part = selected.as_deref().map(|it| it.by_pair_mm[pair]);
+        words(ui, name, all.by_pair_mm[pair], part, two_lines);
+        let lowest = row + 1 == pairs.len();
+        pair_plot(ui, open, (all, selected.as_deref()), pair, height, lowest);
+    }
+}
+
+/// One pair's errors: an outline of all, and in full those of the selected times, where there are any.
+fn pair_plot(
+    ui: &mut egui::Ui,
+    open: &OpenDeployment,
+    (all, selected): (&Distributions, Option<&Distributions>),
+    pair: usize,
+    height: f32,
+    lowest: bool,
+) {
+    let small = || FontId::proportional(11.0);
+    let unit = match height < LOW {
+        true => "%".to_owned(),
+        false => format!("% per {:.2} mm", all.bin_width_mm),
+    };
+    let y_axis = AxisHints::new_y()
+        .label(RichText::new(unit).small())
+        .label_spacing(9.0..=16.0)
+        .tick_label_font(small())
+        .min_thickness(NUMBERS);
+    let x_axis = AxisHints::new_x()
+        .label(RichText::new("error (mm)").small())
+        .label_spacing(LABELS)
+        .tick_label_font(small())
+        .min_thickness(AXIS);
+    let highest = selected.map_or(0.0, |it| it.highest_percent).max(all.highest_percent);
+    let [low, high] = open.plots.range_mm;
+    let zero = theme::faint(ui.visuals().dark_mode);
+    let colour = theme::rgb(palette::PAIRS[pair]);
+    still(Plot::new(("histogram", open.id, pair)))
+        .height(height + if lowest { AXIS } else { 0.0 })
+        .custom_x_axes(if lowest { vec![x_axis] } else { vec![] })
+        .custom_y_axes(vec![y_axis])
         .x_grid_spacer(round_marks)
-        .y_grid_spacer(round_marks)
-        .y_axis_label(format!("triplets per {width:.2} mm"))
-        .default_x_bounds(low, high)
-        .default_y_bounds(0.0, plots.highest_count as f64 * 1.08)
-        .allow_scroll(false)
+        .y_grid_spacer(close_marks)
+        .label_formatter(|_| None)
         .show(ui, |plot_ui| {
-            plot_ui.vline(VLine::new("", 0.0).color(zero_colour).width(0.8));
-            for (pair, outline) in plots.outlines.iter().enumerate() {
-                if !state.visibility.pairs[pair] {
-                    continue;
+            plot_ui.set_plot_bounds_x(low..=high);
+            plot_ui.set_plot_bounds_y(0.0..=1.08 * highest.max(1.0));
+            plot_ui.vline(VLine::new("", 0.0).color(zero).width(0.8));
+            let outline = |of: &Distributions, ink: Color32, fill: f32| {
+                let corners = PlotPoints::Owned(of.outlines[pair].clone());
+                Line::new("", corners).color(ink).width(1.2).fill(0.0).fill_alpha(fill)
+            };
+            match selected {
+                Some(selected) => {
+                    plot_ui.line(outline(selected, colour, 0.45));
+                    plot_ui.line(outline(all, zero, 0.0));
                 }
-                plot_ui.line(
-                    Line::new(
-                        format!("prisms {}", pair_label(pair)),
-                        PlotPoints::Borrowed(outline),
-                    )
-                    .color(theme::rgb(palette::PAIRS[pair]))
-                    .width(1.2)
-                    .allow_band(false)
-                    .fill(0.0)
-                    .fill_alpha(0.12),
-                );
+                None => plot_ui.line(outline(all, colour, 0.3)),
             }
         });
+}
+
+/// "1–2  median |e| 0.95 mm, IQR 1.43, n 3041", and the same of what is selected.
+fn words(
+    ui: &mut egui::Ui,
+    name: RichText,
+    all: Option<Spread>,
+    selected: Option<Option<Spread>>,
+    two_lines: bool,
+) {
+    let hint = "|e|: the size of the error, apparent minus known distance. IQR: from its lower quartile to the upper.";
+    let part = selected.map(|spread| format!("selected: {}", in_words(spread)));
+    let label = |ui: &mut egui::Ui, text: RichText| {
+        ui.add(egui::Label::new(text.small()).truncate()).on_hover_text(hint);
+    };
+    ui.horizontal(|ui| {
+        ui.set_height(LINE);
+        ui.add_space(6.0);
+        label(ui, name);
+        label(ui, RichText::new(in_words(all)));
+        if let Some(part) = part.as_ref().filter(|_| !two_lines) {
+            label(ui, RichText::new(part).strong());
+        }
+    });
+    if let Some(part) = part.filter(|_| two_lines) {
+        ui.horizontal(|ui| {
+            ui.set_height(LINE);
+            ui.add_space(6.0);
+            label(ui, RichText::new(part).strong());
+        });
+    }
+}
+
+/// "median |e| 0.95 mm, IQR 1.43, n 3041".
+pub fn in_words(spread: Option<Spread>) -> String {
+    spread.map_or_else(
+        || "no triplets".to_owned(),
+        |Spread { median, iqr, n, .. }| {
+            format!("median |e| {median:.2}\u{a0}mm, IQR\u{a0}{iqr:.2}, n\u{a0}{n}")
+        },
+    )
+}
+
+/// How the errors of the selected times are distributed; found once, and again when another time is selected.
+pub fn selected(ui: &egui::Ui, open: &OpenDeployment) -> Option<Arc<Distributions>> {
+    let span_s = open.timeline.selection_s?.map(|time_s| time_s - open.start_s());
+    let key = (open.id, open.analysis_run, span_s.map(f64::to_bits));
+    let id = egui::Id::unique("distributions of the selected times");
+    type Known = ((u64, u64, [u64; 2]), Arc<Distributions>);
+    let known: Option<Known> = ui.data(|data| data.get_temp(id));
+    if let Some((_, distributions)) = known.filter(|(known, _)| *known == key) {
+        return Some(distributions);
+    }
+    let distributions = Arc::new(open.plots.distributions_within(span_s));
+    ui.data_mut(|data| data.insert_temp(id, (key, Arc::clone(&distributions))));
+    Some(distributions)
 }

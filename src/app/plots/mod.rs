@@ -1,8 +1,10 @@
-//! Plots: over time ([`residuals`], [`rates`], [`intervals`], [`clocks`], all through [`time_plot`]), and others.
+//! Plots: over time ([`residuals`], [`rates`], [`intervals`], [`clocks`], [`channels`], all through [`time_plot`]), and others.
 //!
 //! What no frame should compute is in [`PreparedPlots`] and [`RawReadings`], made by the worker; of long series a frame
 //! draws what its [`pyramid`] says.
 
+mod channel_units;
+pub mod channels;
 pub mod chart;
 pub mod clocks;
 pub mod histogram;
@@ -12,6 +14,7 @@ mod navigation;
 pub mod prior_search;
 pub mod rates;
 pub mod residuals;
+mod strips;
 mod threshold;
 mod time_plot;
 mod times;
@@ -79,8 +82,19 @@ const LABELS: std::ops::RangeInclusive<f32> = 20.0..=34.0;
 /// ones between.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 fn round_marks(input: GridInput) -> Vec<GridMark> {
+    marks_apart(&input, 40.0)
+}
+
+/// The same along y, where a number is not wide.
+#[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
+fn close_marks(input: GridInput) -> Vec<GridMark> {
+    marks_apart(&input, 20.0)
+}
+
+/// Round marks, the strong ones at least so far apart (points).
+fn marks_apart(input: &GridInput, points: f64) -> Vec<GridMark> {
     // egui_plot's least step is eight points wide.
-    let least = 5.0 * input.base_step_size;
+    let least = points / 8.0 * input.base_step_size;
     let decade = 10_f64.powf(least.log10().floor());
     let (times, parts) = [(1.0, 5), (2.0, 4), (5.0, 5), (10.0, 5)]
         .into_iter()

@@ -53,7 +53,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         })
         .show(ui, |plot_ui| {
             for (step, runs) in search.steps.iter().enumerate() {
-                let colour = theme::rgb(palette::SERIES[step]);
+                let colour = theme::rgb(palette::STEPS[step]);
                 let name = |what: &str| format!("{}: {what}", STEPS[step]);
                 let median = |run: &SearchRun| run.metric_m;
                 plot_ui.line(
@@ -110,7 +110,7 @@ fn caption(ui: &mut egui::Ui, search: &PriorSearch) {
                 format!("chose τ_v {:.2} m/s, {:.2} mm", run.tau_v_m_per_s, run.metric_m * 1e3)
             });
             let text = format!("{}: {best}, {counted} of {} runs count", STEPS[index], runs.len());
-            let colour = theme::readable(palette::SERIES[index], dark);
+            let colour = theme::readable(palette::STEPS[index], dark);
             ui.label(egui::RichText::new(text).small().color(colour)).on_hover_text(
                 "A run counts when at least three others end within 5 cm and 0.5° of it",
             );

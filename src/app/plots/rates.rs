@@ -5,11 +5,12 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{self, Rect, RichText, Stroke};
-use egui_plot::{AxisHints, HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
+use eframe::egui::{self, RichText, Stroke};
+use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
+use super::strips::{Strip, strips};
 use super::threshold::{self, Threshold};
-use super::time_plot::{self, Shown, time_axis};
+use super::time_plot::{self, Shown, TimePlot};
 use super::times::Times;
 use super::{log_axis, station_switches};
 use crate::app::model::{Command, Commands, OpenDeployment, Picked};
@@ -20,12 +21,6 @@ use crate::palette;
 use crate::pipeline::outlier_filter::too_fast;
 use crate::pipeline::{PipelineSettings, SampleFate, Thresholds};
 
-/// Space for the numbers at the left, so that the three plots stand under each other.
-const NUMBERS: f32 = 44.0;
-/// Height of the time axis at the bottom.
-const TIME_AXIS: f32 = 34.0;
-/// Plots narrower than this have no room for how many readings there are (points).
-const NARROW: f32 = 420.0;
 /// A click this near to a dot is meant for it (points).
 const NEAR: f32 = 8.0;
 
@@ -36,12 +31,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     };
     let times = Times::of(open, state);
     head(ui, state, &times, commands);
-    let gap = 2.0;
-    ui.spacing_mut().item_spacing.y = gap;
-    let height = ((ui.available_height() - TIME_AXIS - 2.0 * gap) / 3.0).max(30.0);
-    for quantity in Quantity::ALL {
-        let axis = if quantity == Quantity::Zenith { TIME_AXIS } else { 0.0 };
-        RatePlot { open, state, times, quantity }.show(ui, height + axis, commands);
+    for (strip, quantity) in strips(ui, Quantity::ALL.len()).iter().zip(Quantity::ALL) {
+        RatePlot { open, state, times, quantity }.show(ui, strip, commands);
     }
 }
 
@@ -87,43 +78,37 @@ struct Dot {
 }
 
 impl RatePlot<'_> {
-    fn show(&self, ui: &mut egui::Ui, height: f32, commands: &mut Commands) {
+    fn show(&self, ui: &mut egui::Ui, strip: &Strip, commands: &mut Commands) {
         let pipeline = self.state.settings().pipeline;
         let bounds = self.bounds(&pipeline.thresholds);
         // Of each run a plot draws three dots.
-        let runs = (0.5 * ui.available_width()) as usize;
+        let runs = (0.5 * strip.plot.width()) as usize;
         let dots = self.dots(&pipeline, bounds, runs);
-        let unit = self.quantity.unit();
-        let lowest = self.quantity == Quantity::Zenith;
-        let x_axes = if lowest { vec![time_axis(ui.available_width())] } else { vec![] };
+        let (unit, scale) = (self.quantity.unit(), self.times.scale);
+        let axis = strip
+            .value_axis(self.quantity.name(), unit)
+            .formatter(|mark, range| number_inside(mark.value, range));
         let plot = Plot::new(("rates", self.open.id, self.quantity.symbol()))
-            .height(height)
-            .custom_x_axes(x_axes)
-            .custom_y_axes(vec![
-                AxisHints::new_y()
-                    .formatter(|mark, range| number_inside(mark.value, range))
-                    .label_spacing(8.0..=16.0)
-                    .min_thickness(NUMBERS),
-            ])
             .y_grid_spacer(log_axis::many_decades)
             .label_formatter(move |position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
                     let rate = threshold::short(10_f64.powf(position.y));
-                    Some(format!("{plot_name}\n{:.2} s\n{rate} {unit}", position.x))
+                    let time = scale.text_and_seconds(position.x, 2);
+                    Some(format!("{plot_name}\n{time}\n{rate} {unit}"))
                 }
                 HoverPosition::Elsewhere { .. } => None,
             });
         let name = format!("{} over time", self.quantity.name());
         let series = series(&dots, self.quantity);
-        let shown =
-            time_plot::show(ui, &name, &self.times, plot, bounds, commands, move |plot_ui| {
-                for points in series {
-                    plot_ui.points(points);
-                }
-            });
+        let time_plot = TimePlot { strip, name: &name, times: &self.times, y_bounds: bounds };
+        let shown = time_plot.show(ui, plot, axis, commands, move |plot_ui| {
+            for points in series {
+                plot_ui.points(points);
+            }
+        });
         self.ring(ui, &shown, &pipeline);
         shown.paint_times(ui, &self.times);
-        self.title(ui, &shown, &pipeline);
+        self.words(ui, strip, &pipeline);
         self.line(ui, &shown, commands);
         shown.on_click(&self.times, commands, |at| {
             let far = |dot: &Dot| shown.transform.position_from_point(&dot.at).distance(at);
@@ -159,7 +144,7 @@ impl RatePlot<'_> {
             // The first reading has no rate.
             let part = part.start.max(1)..part.end.max(1);
             let series = &own.rates[self.quantity as usize];
-            for index in series.pyramid.visible(part, runs) {
+            for index in series.values.pyramid.visible(part, runs) {
                 dots.push(Dot {
                     picked: Picked { station, index },
                     at: self.place(own, index, bounds),
@@ -173,7 +158,7 @@ impl RatePlot<'_> {
     /// Where a reading's dot is; readings too slow for the axis stand at its lower end.
     fn place(&self, own: &StationReadings, index: usize, bounds: [f64; 2]) -> PlotPoint {
         let margin = 0.01 * (bounds[1] - bounds[0]);
-        let rate = own.rates[self.quantity as usize].values[index];
+        let rate = own.rates[self.quantity as usize].values.values[index];
         PlotPoint::new(own.time_s[index], rate.log10().max(bounds[0] + margin))
     }
 
@@ -189,38 +174,19 @@ impl RatePlot<'_> {
         shown.painter(ui).circle_stroke(shown.transform.position_from_point(&at), 6.0, stroke);
     }
 
-    /// What is plotted, and what the line rejects: that is what it is tuned by.
-    fn title(&self, ui: &mut egui::Ui, shown: &Shown, pipeline: &PipelineSettings) {
-        let frame = shown.frame();
-        let (name, unit) = (self.quantity.name(), self.quantity.unit());
-        let counts = self.counts(pipeline);
-        let text = match &counts {
-            Some([what, count, all]) if frame.width() > NARROW => {
-                format!("|{name}| ({unit})   {what} {count} of {all}")
-            }
-            Some([what, count, _]) => format!("{name} ({unit}): {what} {count}"),
-            None => format!("|{name}| ({unit})"),
-        };
-        let [what, count, all] = counts.unwrap_or_default();
-        let hint = format!(
-            "Stations 1 / 2 / 3: {what} {count} of {all}.\nRates are from one raw reading to the next. A reading \
-             beyond several thresholds counts for the first: range, azimuth, zenith."
-        );
-        let rich = RichText::new(&text).small();
-        let galley = egui::WidgetText::from(rich.clone()).into_galley(
-            ui,
-            Some(egui::TextWrapMode::Truncate),
-            frame.width() - 8.0,
-            egui::TextStyle::Small,
-        );
-        // At the bottom, where the slowest readings are: nobody looks for those.
-        let corner = frame.left_bottom() + egui::vec2(4.0, -3.0 - galley.size().y);
-        let rect = Rect::from_min_size(corner, galley.size());
-        let ground = ui.visuals().extreme_bg_color.gamma_multiply(0.85);
-        ui.painter().rect_filled(rect.expand(2.0), 2.0, ground);
-        // In a place of its own: the plots stand under each other as if it were not there.
-        let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(rect));
-        inside.add(egui::Label::new(rich).truncate()).on_hover_text(hint);
+    /// What the line is, and what it rejects: that is what it is tuned by.
+    fn words(&self, ui: &mut egui::Ui, strip: &Strip, pipeline: &PipelineSettings) {
+        let mut lines = vec![RichText::new(self.threshold(pipeline).label()).strong()];
+        let mut hint =
+            format!("The size of the {} ({}).", self.quantity.name(), self.quantity.unit());
+        if let Some([what, count, all]) = self.counts(pipeline) {
+            lines.push(RichText::new(format!("{what} {count} of\n{all}")));
+            hint += &format!(
+                "\nStations 1 / 2 / 3: {what} {count} of {all}.\nRates are from one raw reading to the next. A reading \
+                 beyond several thresholds counts for the first: range, azimuth, zenith."
+            );
+        }
+        strip.words(ui, lines, &hint);
     }
 
     /// "rejects", "12 / 30 / 9", "4321 / 4400 / 4391"; while the answer is awaited only how many are above the line.
@@ -240,17 +206,21 @@ impl RatePlot<'_> {
         Some([what.to_owned(), in_a_row(counts), in_a_row(all)])
     }
 
-    fn line(&self, ui: &mut egui::Ui, shown: &Shown, commands: &mut Commands) {
-        let mut settings = *self.state.settings();
+    fn threshold(&self, pipeline: &PipelineSettings) -> Threshold<'static> {
         let mut paper = Thresholds::default();
-        let threshold = Threshold {
+        Threshold {
             symbol: self.quantity.symbol(),
-            value: self.threshold_value(&settings.pipeline.thresholds),
+            value: self.threshold_value(&pipeline.thresholds),
             paper: *self.quantity.threshold(&mut paper),
             unit: self.quantity.unit(),
             range: 0.01..=100.0,
-            enabled: settings.pipeline.outlier_filter,
-        };
+            enabled: pipeline.outlier_filter,
+        }
+    }
+
+    fn line(&self, ui: &mut egui::Ui, shown: &Shown, commands: &mut Commands) {
+        let mut settings = *self.state.settings();
+        let threshold = self.threshold(&settings.pipeline);
         let y = shown.transform.position_from_point_y(threshold.value.log10());
         let rate_at =
             |y: f32| 10_f64.powf(shown.transform.value_from_position(egui::pos2(0.0, y)).y);

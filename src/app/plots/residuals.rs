@@ -1,16 +1,21 @@
-//! Distance errors over time, one colour a pair, with the kept intervals behind and the time cursor.
+//! Distance errors over time, a strip a pair: dots under their running median and quartiles, with the kept intervals behind
+//! and the time cursor.
 
-use eframe::egui;
-use egui_plot::{FilledArea, HoverPosition, MarkerShape, Plot, PlotPoints, PlotUi, Points, Span};
+use eframe::egui::{self, RichText};
+use egui_plot::{
+    FilledArea, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi,
+};
+use egui_plot::{Points, Span};
 
 use super::navigation::Moved;
-use super::time_plot::{self, time_axis};
+use super::strips::{Strip, strips};
+use super::time_plot::{self, Shown, TimePlot};
 use super::times::Times;
-use super::{answer, pair_switches, round_marks};
+use super::{answer, close_marks, histogram, pair_name, pair_switches};
 use crate::analysis::{Analysis, Answer};
-use crate::app::model::{Commands, OpenDeployment, Pin, Visibility};
-use crate::app::prepared::gaps;
-use crate::app::prepared::plots::{Band, PreparedPlots};
+use crate::app::model::{Commands, OpenDeployment, Pin};
+use crate::app::prepared::plots::{Band, Distributions};
+use crate::app::prepared::{Piece, gaps};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
@@ -20,6 +25,8 @@ use crate::palette;
 
 /// Three times as many dots a pair are all drawn, also where the plot is narrow: of a cloud the eye wants more than the edges.
 const LEAST_RUNS: usize = 1050;
+/// Width of what one corner of the running median sums up (points).
+const CORNER: f32 = 7.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, analysis, answer)) = answer(state) else {
@@ -41,40 +48,21 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.small(text).on_hover_text("A pinned result, behind the present one");
         }
         time_plot::selection(ui, &times, commands);
-        let text = caption(open, analysis, answer, shown_mm);
-        let label = egui::Label::new(egui::RichText::new(text).small()).truncate();
+        let text = caption(open, analysis, &times, shown_mm);
+        let label = egui::Label::new(RichText::new(text).small()).truncate();
         words::explain(ui.add(label), &glossary::INTER_PRISM_METRIC);
         time_plot::hint(ui, " · ctrl+scroll: zoom in mm");
     });
-    let plot = Plot::new(("residuals", open.id))
-        .custom_x_axes(vec![time_axis(ui.available_width())])
-        .y_axis_label("distance error (mm)")
-        .y_grid_spacer(round_marks)
-        .label_formatter(|position| match position {
-            HoverPosition::NearDataPoint { plot_name, position, .. } => {
-                Some(format!("{plot_name}\n{:.1} s\n{:+.2} mm", position.x, position.y))
-            }
-            HoverPosition::Elsewhere { .. } => None,
-        });
-    let (plots, visibility) = (&open.plots, &state.visibility);
-    let columns = ui.available_width() as usize;
-    let shade = ui_shade(ui.visuals().dark_mode);
-    let pinned = pinned(open, state);
-    let name = "distance errors over time";
-    let shown = time_plot::show(ui, name, &times, plot, shown_mm, commands, |plot_ui| {
-        let s_per_column = (times.window_s[1] - times.window_s[0]) / columns.max(1) as f64;
-        for seen in gaps::visible(&plots.gaps.kept, times.window_s, s_per_column) {
-            plot_ui.span(Span::new("", seen.span.start_s..=seen.span.end_s).fill(shade));
-        }
-        add_bands(plot_ui, plots, visibility);
-        for (pin, shape) in pinned {
-            add_pinned(plot_ui, pin, shape, visibility, &times, columns);
-        }
-        add_dots(plot_ui, plots, visibility, &times, columns);
-    });
-    shown.paint_times(ui, &times);
-    shown.on_click(&times, commands, |_| None);
-    let chosen_mm = match (shown.moved_y, chosen_mm) {
+    let pairs: Vec<usize> = (0..3).filter(|pair| state.visibility.pairs[*pair]).collect();
+    let selected = histogram::selected(ui, open);
+    let mut moved = None;
+    for (strip, pair) in strips(ui, pairs.len()).iter().zip(pairs) {
+        let plot = PairPlot { open, state, times: &times, pair, shown_mm };
+        let shown = plot.show(ui, strip, commands);
+        plot.words(ui, strip, analysis, answer, selected.as_deref());
+        moved = moved.or(shown.moved_y);
+    }
+    let chosen_mm = match (moved, chosen_mm) {
         (None, chosen_mm) => chosen_mm,
         (Some(Moved::To(range_mm)), _) => Some(range_mm),
         // From what the plot shows by itself to everything, and from anything else back.
@@ -84,32 +72,129 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     ui.data_mut(|data| data.insert_temp(chosen_id, chosen_mm));
 }
 
-fn add_bands<'a>(plot_ui: &mut PlotUi<'a>, plots: &'a PreparedPlots, visibility: &Visibility) {
-    let pairs = (0..3).filter(|pair| visibility.uncertainty && visibility.pairs[*pair]);
-    for pair in pairs {
-        let fill = theme::rgb(palette::PAIRS[pair]).gamma_multiply(0.16);
-        for Band { times_s, half_widths_mm } in &plots.bands[pair] {
-            let lower: Vec<f64> = half_widths_mm.iter().map(|w| -w).collect();
-            let area = FilledArea::new("", times_s, &lower, half_widths_mm);
-            plot_ui.add(area.fill_color(fill).allow_hover(false));
+/// The strip of one pair of prisms.
+struct PairPlot<'a> {
+    open: &'a OpenDeployment,
+    state: &'a State,
+    times: &'a Times,
+    pair: usize,
+    shown_mm: [f64; 2],
+}
+
+impl PairPlot<'_> {
+    fn show(&self, ui: &mut egui::Ui, strip: &Strip, commands: &mut Commands) -> Shown {
+        let (times, plots) = (self.times, &self.open.plots);
+        let scale = times.scale;
+        let plot = Plot::new(("residuals", self.open.id, self.pair))
+            .y_grid_spacer(close_marks)
+            .label_formatter(move |position| match position {
+                HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                    let time = scale.text_and_seconds(position.x, 1);
+                    Some(format!("{plot_name}\n{time}\n{:+.2} mm", position.y))
+                }
+                HoverPosition::Elsewhere { .. } => None,
+            });
+        let name = format!("distance errors {} over time", pair_label(self.pair));
+        let axis = strip.value_axis(&pair_label(self.pair), "mm");
+        let columns = strip.plot.width() as usize;
+        let dark = ui.visuals().dark_mode;
+        let zero = theme::faint(dark).gamma_multiply(0.8);
+        let pinned = pinned(self.open, self.state);
+        let time_plot = TimePlot { strip, name: &name, times, y_bounds: self.shown_mm };
+        let shown = time_plot.show(ui, plot, axis, commands, |plot_ui| {
+            let s_per_column = (times.window_s[1] - times.window_s[0]) / columns.max(1) as f64;
+            for seen in gaps::visible(&plots.gaps.kept, times.window_s, s_per_column) {
+                let span = seen.span.start_s..=seen.span.end_s;
+                plot_ui.span(Span::new("", span).fill(interval_shade(dark)));
+            }
+            if self.state.visibility.uncertainty {
+                add_bands(plot_ui, &plots.bands[self.pair], theme::faint(dark));
+            }
+            plot_ui.hline(egui_plot::HLine::new("", 0.0).color(zero).width(0.8));
+            for (pin, shape) in pinned {
+                self.add_pinned(plot_ui, pin, shape, columns);
+            }
+            let runs = columns.max(LEAST_RUNS);
+            let dots = plots.residuals[self.pair].visible(times.window_s, runs);
+            let name = format!("prisms {}", pair_label(self.pair));
+            plot_ui.points(
+                Points::new(name, PlotPoints::Owned(dots))
+                    .color(self.colour().gamma_multiply(0.34))
+                    .radius(1.2),
+            );
+            let most = (strip.plot.width() / CORNER) as usize;
+            for piece in plots.residuals[self.pair].running.visible(times.window_s, most) {
+                self.add_usual(plot_ui, &piece, dark);
+            }
+        });
+        shown.paint_times(ui, times);
+        shown.on_click(times, commands, |_| None);
+        shown
+    }
+
+    fn colour(&self) -> egui::Color32 {
+        theme::rgb(palette::PAIRS[self.pair])
+    }
+
+    /// The running median over a band from quartile to quartile.
+    fn add_usual(&self, plot_ui: &mut PlotUi<'_>, piece: &Piece, dark: bool) {
+        let Piece { times_s, q25, median, q75 } = piece;
+        let band = FilledArea::new("", times_s, q25, q75);
+        let fill = self.colour().gamma_multiply(0.5);
+        plot_ui.add(band.fill_color(fill).allow_hover(false));
+        let line = times_s.iter().zip(median).map(|(time_s, mm)| PlotPoint::new(*time_s, *mm));
+        let line = Line::new("", PlotPoints::Owned(line.collect())).allow_hover(false);
+        let strong = theme::rgb(palette::PAIRS[self.pair])
+            .lerp_to_gamma(if dark { egui::Color32::WHITE } else { egui::Color32::BLACK }, 0.45);
+        plot_ui.line(line.color(strong).width(1.8));
+    }
+
+    /// Adds the residuals of a pinned result, hollow and faint.
+    fn add_pinned(&self, plot_ui: &mut PlotUi<'_>, pin: &Pin, shape: MarkerShape, columns: usize) {
+        let Some(plots) = &pin.plots else { return };
+        let dots = plots.residuals[self.pair].visible(self.times.window_s, columns);
+        let name = format!("prisms {}, {} (pinned)", pair_label(self.pair), pin.name);
+        plot_ui.points(
+            Points::new(name, PlotPoints::Owned(dots))
+                .color(self.colour().gamma_multiply(0.5))
+                .shape(shape)
+                .filled(false)
+                .radius(2.6),
+        );
+    }
+
+    /// What the pair's errors are as a whole, and at the cursor.
+    fn words(
+        &self,
+        ui: &mut egui::Ui,
+        strip: &Strip,
+        analysis: &Analysis,
+        answer: &Answer,
+        selected: Option<&Distributions>,
+    ) {
+        let evaluation = &answer.evaluation;
+        let all = histogram::in_words(evaluation.inter_prism_by_pair_mm[self.pair]);
+        let mut lines = vec![pair_name(self.pair, ui.visuals().dark_mode), RichText::new(all)];
+        if let Some(selected) = selected {
+            let text = histogram::in_words(selected.by_pair_mm[self.pair]);
+            lines.push(RichText::new(format!("selected: {text}")).strong());
         }
+        let at = self.open.timeline.cursor_s.and_then(|t| analysis.triplets().nearest(t));
+        if let Some(error) = at.and_then(|at| evaluation.distance_errors_mm[self.pair].get(at)) {
+            lines.push(RichText::new(format!("at the cursor {error:+.1} mm")));
+        }
+        let hint = "Dots: the error of each triplet, apparent minus known distance. Line and band: running median, and \
+                    from the lower quartile to the upper.";
+        strip.words(ui, lines, hint);
     }
 }
 
-fn add_dots(
-    plot_ui: &mut PlotUi<'_>,
-    plots: &PreparedPlots,
-    visibility: &Visibility,
-    times: &Times,
-    columns: usize,
-) {
-    for pair in (0..3).filter(|pair| visibility.pairs[*pair]) {
-        let dots = plots.residuals[pair].visible(times.window_s, columns.max(LEAST_RUNS));
-        plot_ui.points(
-            Points::new(format!("prisms {}", pair_label(pair)), PlotPoints::Owned(dots))
-                .color(theme::rgb(palette::PAIRS[pair]))
-                .radius(1.4),
-        );
+/// What the interpolation states, about zero.
+fn add_bands(plot_ui: &mut PlotUi<'_>, bands: &[Band], ink: egui::Color32) {
+    for Band { times_s, half_widths_mm } in bands {
+        let lower: Vec<f64> = half_widths_mm.iter().map(|w| -w).collect();
+        let area = FilledArea::new("", times_s, &lower, half_widths_mm);
+        plot_ui.add(area.fill_color(ink.gamma_multiply(0.28)).allow_hover(false));
     }
 }
 
@@ -134,57 +219,30 @@ fn pinned<'a>(open: &OpenDeployment, state: &'a State) -> Vec<(&'a Pin, MarkerSh
     same.zip(SHAPES.into_iter().cycle()).collect()
 }
 
-/// Adds the residuals of a pinned result, hollow and faint.
-fn add_pinned(
-    plot_ui: &mut PlotUi<'_>,
-    pin: &Pin,
-    shape: MarkerShape,
-    visibility: &Visibility,
-    times: &Times,
-    columns: usize,
-) {
-    let Some(plots) = &pin.plots else { return };
-    for pair in (0..3).filter(|pair| visibility.pairs[*pair]) {
-        let dots = plots.residuals[pair].visible(times.window_s, columns);
-        let name = format!("prisms {}, {} (pinned)", pair_label(pair), pin.name);
-        plot_ui.points(
-            Points::new(name, PlotPoints::Owned(dots))
-                .color(theme::rgb(palette::PAIRS[pair]).gamma_multiply(0.5))
-                .shape(shape)
-                .filled(false)
-                .radius(2.6),
-        );
-    }
-}
-
-fn ui_shade(dark: bool) -> egui::Color32 {
+fn interval_shade(dark: bool) -> egui::Color32 {
     if dark { egui::Color32::from_white_alpha(7) } else { egui::Color32::from_black_alpha(9) }
 }
 
-/// The errors at the cursor, and how many lie outside what is shown: nothing is hidden without a word.
+/// Where the cursor is, and how many errors lie outside what is shown: nothing is hidden without a word.
 fn caption(
     open: &OpenDeployment,
     analysis: &Analysis,
-    answer: &Answer,
+    times: &Times,
     shown_mm: [f64; 2],
 ) -> String {
     let mut parts = Vec::new();
-    if let Some(cursor_s) = open.timeline.cursor_s {
-        let at = cursor_s - open.start_s();
-        parts.push(match analysis.triplets().nearest(cursor_s) {
-            Some(index) => {
-                let [a, b, c] = answer.evaluation.distance_errors_mm.each_ref().map(|e| e[index]);
-                format!("at {at:.1} s  {a:+.1}, {b:+.1}, {c:+.1} mm")
-            }
-            None => format!("at {at:.1} s  in no interval"),
-        });
-    }
-    if open.plots.bands.iter().any(|bands| !bands.is_empty()) {
-        parts.push("bands: ±2σ that the interpolation states".to_owned());
+    if let Some(cursor_s) = open.timeline.cursor_s
+        && analysis.triplets().nearest(cursor_s).is_none()
+    {
+        let at = times.scale.text(cursor_s - open.start_s(), 1);
+        parts.push(format!("{at}: in no interval"));
     }
     let [outside, all] = open.plots.outside(shown_mm);
     if outside > 0 {
         parts.push(format!("{outside} of {all} beyond the range (double-click: all)"));
+    }
+    if open.plots.bands.iter().any(|bands| !bands.is_empty()) {
+        parts.push("grey band: ±2σ that the interpolation states".to_owned());
     }
     parts.join("  ·  ")
 }

@@ -54,7 +54,7 @@ impl Threshold<'_> {
             frame,
             [frame.left_center(), frame.right_center()].map(|p| egui::pos2(p.x, y)),
         );
-        ink.tag(ui, frame, place, &self.label());
+        ink.handle(ui, frame, place, Vec2::X, &self.label());
         wanted
     }
 
@@ -77,7 +77,7 @@ impl Threshold<'_> {
             frame,
             [frame.center_top(), frame.center_bottom()].map(|p| egui::pos2(x, p.y)),
         );
-        ink.tag(ui, frame, place, &self.label());
+        ink.handle(ui, frame, place, -Vec2::Y, &self.label());
         wanted
     }
 
@@ -208,6 +208,7 @@ impl Threshold<'_> {
 struct Ink {
     stroke: Stroke,
     enabled: bool,
+    held: bool,
 }
 
 impl Ink {
@@ -219,7 +220,7 @@ impl Ink {
             (true, false) => ui.visuals().text_color(),
             (true, true) => ui.visuals().strong_text_color(),
         };
-        Self { stroke: Stroke::new(if held { 2.5 } else { 1.5 }, colour), enabled }
+        Self { stroke: Stroke::new(if held { 2.5 } else { 1.5 }, colour), enabled, held }
     }
 
     fn line(&self, ui: &egui::Ui, frame: Rect, ends: [Pos2; 2]) {
@@ -231,7 +232,18 @@ impl Ink {
         }
     }
 
-    /// A handle with the value, inside the frame beside `place`.
+    /// A handle at the end of a line, outside the frame in the direction `out`; with the value only while it is held,
+    /// because it covers data.
+    fn handle(&self, ui: &egui::Ui, frame: Rect, place: Pos2, out: Vec2, text: &str) {
+        if self.held {
+            return self.tag(ui, frame, place, text);
+        }
+        let corners = [Vec2::ZERO, 7.0 * out + 4.0 * out.rot90(), 7.0 * out - 4.0 * out.rot90()];
+        let corners = corners.map(|corner| place + corner).to_vec();
+        ui.painter().add(egui::Shape::convex_polygon(corners, self.stroke.color, Stroke::NONE));
+    }
+
+    /// The value, inside the frame beside `place`.
     fn tag(&self, ui: &egui::Ui, frame: Rect, place: Pos2, text: &str) {
         let font = egui::TextStyle::Small.resolve(ui.style());
         let painter = ui.painter().with_clip_rect(frame);

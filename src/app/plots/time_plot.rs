@@ -1,11 +1,11 @@
 //! What all plots over time share: one window of time, one cursor, one selection, and one way to move about.
 
 use eframe::egui::{self, Pos2, Rect, Stroke};
-use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform, PlotUi};
+use egui_plot::{AxisHints, Plot, PlotTransform, PlotUi};
 
 use super::navigation::{self, Moved};
+use super::strips::{Strip, time_axis, time_marks};
 use super::times::Times;
-use super::{LABELS, round_marks};
 use crate::app::model::{Command, Commands};
 use crate::app::theme;
 
@@ -17,39 +17,55 @@ pub struct Shown {
     pub moved_y: Option<Moved>,
 }
 
-/// Shows a plot whose y axis is set up, with what `add` puts on it, and carries out what the user does in it. `name`
-/// is for screen readers. The caller paints what else it has and ends with [`Shown::paint_times`].
-pub fn show<'a>(
-    ui: &mut egui::Ui,
-    name: &str,
-    times: &Times,
-    plot: Plot<'a>,
-    y_bounds: [f64; 2],
-    commands: &mut Commands,
-    add: impl FnOnce(&mut PlotUi<'a>) + 'a,
-) -> Shown {
-    let [from_s, to_s] = times.window_s;
-    // Moving about is the same in all plots over time, and not egui_plot's.
-    let shown = still(plot).x_grid_spacer(time_marks).show(ui, move |plot_ui| {
-        plot_ui.set_plot_bounds_x(from_s..=to_s);
-        plot_ui.set_plot_bounds_y(y_bounds[0]..=y_bounds[1]);
-        add(plot_ui);
-    });
-    let response = shown.response;
-    response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, ui.is_enabled(), name)
-    });
-    if response.has_focus() {
-        let frame = shown.transform.frame().shrink(1.0);
-        let stroke = ui.visuals().selection.stroke;
-        ui.painter().rect_stroke(frame, 2.0, stroke, egui::StrokeKind::Inside);
-    }
-    let moved_y = navigation::navigate(ui, &response, &shown.transform, times, commands);
-    Shown { response, transform: shown.transform, moved_y }
+/// A plot over time: where it is, how screen readers know it, and what it shows.
+pub struct TimePlot<'t> {
+    pub strip: &'t Strip,
+    pub name: &'t str,
+    pub times: &'t Times,
+    pub y_bounds: [f64; 2],
 }
 
-/// Plots narrower than this have no room for a sentence (points).
-const NARROW: f32 = 320.0;
+impl TimePlot<'_> {
+    /// Shows it with what `add` puts on it, and carries out what the user does in it. The caller paints what else it has
+    /// and ends with [`Shown::paint_times`].
+    pub fn show<'a>(
+        &self,
+        ui: &mut egui::Ui,
+        plot: Plot<'a>,
+        y_axis: AxisHints<'a>,
+        commands: &mut Commands,
+        add: impl FnOnce(&mut PlotUi<'a>) + 'a,
+    ) -> Shown {
+        let Self { strip, name, times, y_bounds } = *self;
+        let (scale, [from_s, to_s]) = (times.scale, times.window_s);
+        let x_axes = if strip.lowest { vec![time_axis(times, strip.plot.width())] } else { vec![] };
+        // Moving about is the same in all plots over time, and not egui_plot's.
+        let plot = still(plot)
+            .width(strip.plot.width())
+            .height(strip.plot.height())
+            .custom_x_axes(x_axes)
+            .custom_y_axes(vec![y_axis])
+            .x_grid_spacer(move |input| time_marks(&scale, &input));
+        let builder = egui::UiBuilder::new().id_salt(name).max_rect(strip.plot);
+        let ui = &mut ui.new_child(builder);
+        let shown = plot.show(ui, move |plot_ui| {
+            plot_ui.set_plot_bounds_x(from_s..=to_s);
+            plot_ui.set_plot_bounds_y(y_bounds[0]..=y_bounds[1]);
+            add(plot_ui);
+        });
+        let response = shown.response;
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, ui.is_enabled(), name)
+        });
+        if response.has_focus() {
+            let frame = shown.transform.frame().shrink(1.0);
+            let stroke = ui.visuals().selection.stroke;
+            ui.painter().rect_stroke(frame, 2.0, stroke, egui::StrokeKind::Inside);
+        }
+        let moved_y = navigation::navigate(ui, &response, &shown.transform, times, commands);
+        Shown { response, transform: shown.transform, moved_y }
+    }
+}
 
 /// A plot that the mouse does not move.
 pub fn still(plot: Plot<'_>) -> Plot<'_> {
@@ -60,19 +76,6 @@ pub fn still(plot: Plot<'_>) -> Plot<'_> {
         .allow_axis_zoom_drag(false)
         .allow_double_click_reset(false)
         .show_crosshair(false)
-}
-
-/// The axis that plots over time have at the bottom; of several above each other only the lowest.
-pub fn time_axis<'a>(width: f32) -> AxisHints<'a> {
-    let text = if width < NARROW { "time (s)" } else { "time since the first measurement (s)" };
-    AxisHints::new_x().label(text).label_spacing(LABELS)
-}
-
-/// Round times, further apart where their numbers are long.
-#[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
-fn time_marks(input: GridInput) -> Vec<GridMark> {
-    let wider = if input.bounds.1 < 1e4 { 1.0 } else { 1.6 };
-    round_marks(GridInput { base_step_size: wider * input.base_step_size, ..input })
 }
 
 impl Shown {
@@ -154,7 +157,8 @@ const HINT: &str =
 /// Shows, in the line above a plot, how much is selected and what can be done with it.
 pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
     let Some([from_s, to_s]) = times.selection_s else { return };
-    ui.small(format!("{:.1} s selected", to_s - from_s));
+    ui.small(format!("{:.1} s selected", to_s - from_s))
+        .on_hover_text([from_s, to_s].map(|t| times.scale.text_and_seconds(t, 1)).join(" to "));
     for (text, name, command) in [
         ("zoom", "Zoom to the selection", Command::ZoomToSelection),
         ("clear", "Clear the selection", Command::Select(None)),

@@ -1,6 +1,6 @@
 //! Where in time the plots are.
 
-use crate::app::model::OpenDeployment;
+use crate::app::model::{OpenDeployment, TimeScale};
 use crate::app::state::State;
 
 /// Where in time the panes are; seconds since the first measurement, as the plots count.
@@ -13,6 +13,8 @@ pub struct Times {
     /// The time under the pointer, in whichever pane (s).
     pub hover_s: Option<f64>,
     pub selection_s: Option<[f64; 2]>,
+    /// How times are written.
+    pub scale: TimeScale,
 }
 
 impl Times {
@@ -26,6 +28,7 @@ impl Times {
             cursor_s: timeline.cursor_s.map(since),
             hover_s: state.hover_s.map(since),
             selection_s: timeline.selection_s.map(|span_s| span_s.map(since)),
+            scale: TimeScale::new(state.units.time, start_s),
         }
     }
 }

@@ -202,7 +202,8 @@ fn answer(
             // Then the pipeline's stages were remembered.
             analysis.pipeline_ms += published_after_ms.unwrap_or(0.0);
             let clouds = known.clouds.make(known.analyst.deployment(), &analysis);
-            let plots = Arc::new(PreparedPlots::of(&analysis, &known.readings));
+            let plots =
+                Arc::new(PreparedPlots::of(known.analyst.deployment(), &analysis, &known.readings));
             let analysis = Arc::new(analysis);
             (Some(Answered { number, id, analysis, plots, clouds, joint_follows }), rest)
         }

@@ -67,6 +67,10 @@ impl Dots {
         Self { pyramid: Pyramid::of(&values), all, range_ms }
     }
 
+    pub fn pyramid(&self) -> &Pyramid {
+        &self.pyramid
+    }
+
     /// Dots that stand for those within a window (s since the first measurement).
     pub fn visible(&self, [from_s, to_s]: [f64; 2], runs: usize) -> Vec<PlotPoint> {
         let from = self.all.partition_point(|dot| dot.x < from_s);

@@ -2,6 +2,7 @@
 //! the trees that find the point under the pointer.
 
 pub mod analyser;
+pub mod channels;
 mod clock_series;
 mod cloud;
 pub mod gaps;
@@ -10,8 +11,12 @@ pub mod placing;
 pub mod plots;
 mod pyramid;
 pub mod raw_readings;
+mod running;
+pub mod series;
+mod track_series;
 
 pub use cloud::{Cloud, CloudMaker, Clouds, nearest_triplets, time_origin_s};
 pub use pick::TimedPoint;
 pub use plots::PreparedPlots;
 pub use raw_readings::{Quantity, RawReadings, StationReadings};
+pub use running::Piece;

@@ -1,5 +1,6 @@
 //! What the plots draw, made once for each answer by the worker: no frame goes through all residuals.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use egui_plot::PlotPoint;
@@ -7,7 +8,11 @@ use egui_plot::PlotPoint;
 use super::gaps::Gaps;
 use super::pyramid::Pyramid;
 use super::raw_readings::RawReadings;
+use super::running::Running;
+use super::track_series::TrackSeries;
 use crate::analysis::{Analysis, Answer};
+use crate::deployment::Deployment;
+use crate::evaluation::Spread;
 use crate::evaluation::vehicle::distance_sigma_m;
 use crate::export::residual_chart::{histogram, range_mm};
 
@@ -26,11 +31,11 @@ pub struct PreparedPlots {
     /// Twice the standard deviation that the interpolation states for each pair's distance, one band an interval;
     /// empty where it states none.
     pub bands: [Vec<Band>; 3],
-    /// Outline of each pair's histogram over the range.
-    pub outlines: [Vec<PlotPoint>; 3],
-    pub bin_width_mm: f64,
-    pub highest_count: usize,
+    /// How the errors are distributed over the range.
+    pub distributions: Distributions,
     pub gaps: Gaps,
+    /// Where the prisms were, and how fast.
+    pub track: TrackSeries,
     /// What is plotted of the raw readings, the same for every answer.
     pub readings: Arc<RawReadings>,
 }
@@ -41,6 +46,21 @@ pub struct Residuals {
     /// The errors in order of time.
     pub dots: Vec<PlotPoint>,
     pub pyramid: Pyramid,
+    /// Their running median and quartiles (mm).
+    pub running: Running,
+}
+
+/// How the errors of each pair are distributed.
+#[derive(Clone, Debug, Default)]
+pub struct Distributions {
+    /// Outline of each pair's histogram: errors (mm), and the share of the pair's errors in each bin (%).
+    pub outlines: [Vec<PlotPoint>; 3],
+    /// The highest bin of all (%).
+    pub highest_percent: f64,
+    pub bin_width_mm: f64,
+    /// |error| of each pair (mm), and of all together.
+    pub by_pair_mm: [Option<Spread>; 3],
+    pub all_mm: Option<Spread>,
 }
 
 /// A band about zero.
@@ -58,35 +78,43 @@ const LEAST_STRETCH: usize = 10;
 
 impl PreparedPlots {
     /// The plots of an analysis; without an answer there are no errors.
-    pub fn of(analysis: &Analysis, readings: &Arc<RawReadings>) -> Self {
+    pub fn of(deployment: &Deployment, analysis: &Analysis, readings: &Arc<RawReadings>) -> Self {
         let (gaps, readings) = (Gaps::of(analysis, readings), Arc::clone(readings));
+        let track = TrackSeries::of(deployment, analysis, readings.start_s);
         let Ok(answer) = &analysis.answer else {
-            return Self { gaps, readings, ..Self::default() };
+            return Self { gaps, track, readings, ..Self::default() };
         };
         let start_s = readings.start_s;
         let errors = &answer.evaluation.distance_errors_mm;
-        let time_s = &analysis.triplets().time_s;
+        let triplets = analysis.triplets();
+        let since_s: Vec<f64> = triplets.time_s.iter().map(|time_s| time_s - start_s).collect();
         let range_mm = range_mm(errors);
-        let bin_width_mm = (range_mm[1] - range_mm[0]) / BINS as f64;
-        let counts = errors.each_ref().map(|errors| histogram(errors, range_mm, BINS));
         let mut sorted_mm: Vec<f64> = errors.iter().flatten().copied().collect();
         sorted_mm.sort_unstable_by(f64::total_cmp);
         Self {
             range_mm,
             residuals: errors.each_ref().map(|errors| Residuals {
-                dots: (time_s.iter().zip(errors))
-                    .map(|(time_s, error_mm)| PlotPoint::new(time_s - start_s, *error_mm))
+                dots: (since_s.iter().zip(errors))
+                    .map(|(since_s, error_mm)| PlotPoint::new(*since_s, *error_mm))
                     .collect(),
                 pyramid: Pyramid::of(errors),
+                running: Running::of(&since_s, errors, &triplets.interval),
             }),
             sorted_mm,
             bands: bands(analysis, answer, start_s),
-            outlines: counts.each_ref().map(|counts| outline(counts, range_mm[0], bin_width_mm)),
-            bin_width_mm,
-            highest_count: counts.iter().flatten().copied().max().unwrap_or(0),
+            distributions: Distributions::of(errors, range_mm),
             gaps,
+            track,
             readings,
         }
+    }
+
+    /// How the errors of a span of time (s since the first measurement) are distributed.
+    pub fn distributions_within(&self, span_s: [f64; 2]) -> Distributions {
+        let errors = self.residuals.each_ref().map(|residuals| {
+            residuals.dots[residuals.within(span_s)].iter().map(|dot| dot.y).collect()
+        });
+        Distributions::of(&errors, self.range_mm)
     }
 
     /// How many of the errors of all pairs are outside a range (mm), and how many there are.
@@ -107,11 +135,31 @@ impl PreparedPlots {
 
 impl Residuals {
     /// Dots that stand for those within a window (s since the first measurement).
-    pub fn visible(&self, [from_s, to_s]: [f64; 2], runs: usize) -> Vec<PlotPoint> {
-        let from = self.dots.partition_point(|dot| dot.x < from_s);
-        let to = self.dots.partition_point(|dot| dot.x <= to_s).max(from);
-        let indices = self.pyramid.visible(from..to, runs);
+    pub fn visible(&self, window_s: [f64; 2], runs: usize) -> Vec<PlotPoint> {
+        let indices = self.pyramid.visible(self.within(window_s), runs);
         indices.into_iter().map(|index| self.dots[index]).collect()
+    }
+
+    fn within(&self, [from_s, to_s]: [f64; 2]) -> Range<usize> {
+        let from = self.dots.partition_point(|dot| dot.x < from_s);
+        from..self.dots.partition_point(|dot| dot.x <= to_s).max(from)
+    }
+}
+
+impl Distributions {
+    fn of(errors_mm: &[Vec<f64>; 3], range_mm: [f64; 2]) -> Self {
+        let bin_width_mm = (range_mm[1] - range_mm[0]) / BINS as f64;
+        let outlines = errors_mm.each_ref().map(|errors| {
+            let counts = histogram(errors, range_mm, BINS);
+            outline(&counts, 100.0 / errors.len().max(1) as f64, range_mm[0], bin_width_mm)
+        });
+        Self {
+            highest_percent: outlines.iter().flatten().map(|corner| corner.y).fold(0.0, f64::max),
+            outlines,
+            bin_width_mm,
+            by_pair_mm: errors_mm.each_ref().map(|errors| Spread::of(errors.iter().copied())),
+            all_mm: Spread::of(errors_mm.iter().flatten().copied()),
+        }
     }
 }
 
@@ -144,13 +192,13 @@ fn bands(analysis: &Analysis, answer: &Answer, start_s: f64) -> [Vec<Band>; 3] {
     bands
 }
 
-fn outline(counts: &[usize], low: f64, width: f64) -> Vec<PlotPoint> {
+fn outline(counts: &[usize], percent: f64, low: f64, width: f64) -> Vec<PlotPoint> {
     counts
         .iter()
         .enumerate()
         .flat_map(|(bin, count)| {
             let left = low + bin as f64 * width;
-            [left, left + width].map(|x| PlotPoint::new(x, *count as f64))
+            [left, left + width].map(|x| PlotPoint::new(x, *count as f64 * percent))
         })
         .collect()
 }
@@ -165,8 +213,8 @@ mod tests {
     fn errors_outside_a_range_are_counted_as_by_brute_force() {
         let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
         let readings = Arc::new(RawReadings::of(&deployment));
-        let analysis = Analyst::new(deployment).run(&Settings::default());
-        let plots = PreparedPlots::of(&analysis, &readings);
+        let analysis = Analyst::new(Arc::clone(&deployment)).run(&Settings::default());
+        let plots = PreparedPlots::of(&deployment, &analysis, &readings);
         let answer = analysis.answer.as_ref().expect("an answer");
         let errors = || answer.evaluation.distance_errors_mm.iter().flatten();
         for range_mm in [plots.range_mm, [-1.0, 2.0], plots.all_mm(), [0.0, 0.0]] {
@@ -174,5 +222,29 @@ mod tests {
             assert_eq!(plots.outside(range_mm), [outside, errors().count()]);
         }
         assert_eq!(plots.outside(plots.all_mm())[0], 0);
+    }
+
+    #[test]
+    fn the_distribution_of_a_span_is_that_of_its_errors_alone() {
+        let deployment = Arc::new(Sample::Warthog.open().expect("built in"));
+        let readings = Arc::new(RawReadings::of(&deployment));
+        let analysis = Analyst::new(Arc::clone(&deployment)).run(&Settings::default());
+        let plots = PreparedPlots::of(&deployment, &analysis, &readings);
+        let answer = analysis.answer.as_ref().expect("an answer");
+        // All of the drive is what the result states.
+        let whole = plots.distributions_within([f64::MIN, f64::MAX]);
+        assert_eq!(whole.all_mm, answer.evaluation.inter_prism_mm);
+        assert_eq!(whole.by_pair_mm, answer.evaluation.inter_prism_by_pair_mm);
+        let part = plots.distributions_within([100.0, 200.0]);
+        let n = part.by_pair_mm[1].expect("some").n;
+        let since_s = analysis.triplets().time_s.iter().map(|t| t - readings.start_s);
+        assert_eq!(n, since_s.filter(|t| (100.0..=200.0).contains(t)).count());
+        assert!(n > 100 && part.all_mm.expect("some").n == 3 * n);
+        // Every bin has two corners; what is beyond the range is counted, and in no bin.
+        for outline in &part.outlines {
+            let sum: f64 = outline.iter().map(|corner| corner.y / 2.0).sum();
+            assert!((90.0..=100.0 + 1e-9).contains(&sum), "{sum}");
+        }
+        assert_eq!(plots.distributions_within([-9.0, -8.0]).all_mm, None);
     }
 }

@@ -82,6 +82,19 @@ impl Pyramid {
     }
 }
 
+/// Values in order of time with their pyramid.
+#[derive(Clone, Debug, Default)]
+pub struct Values {
+    pub values: Vec<f64>,
+    pub pyramid: Pyramid,
+}
+
+impl Values {
+    pub fn of(values: Vec<f64>) -> Self {
+        Self { pyramid: Pyramid::of(&values), values }
+    }
+}
+
 /// Values of a run of a level above 0.
 fn run_length(level: usize) -> usize {
     SHORTEST_RUN << (level - 1)

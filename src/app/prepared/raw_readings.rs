@@ -1,7 +1,7 @@
 //! How fast the raw readings change, made once for each deployment by the worker: no setting changes it.
 
 use super::clock_series::ClockSeries;
-use super::pyramid::Pyramid;
+use super::pyramid::Values;
 use crate::deployment::{Deployment, Measurement, Track};
 use crate::pipeline::outlier_filter::{Rates, rates};
 use crate::pipeline::{OutlierReason, Thresholds};
@@ -88,6 +88,8 @@ pub struct StationReadings {
     pub time_s: Vec<f64>,
     /// Whether each reading was left out by the user, as in [`Track::left_out`].
     pub left_out: Vec<bool>,
+    /// Range (m), azimuth and zenith angle (rad) of each raw reading, as measured.
+    pub measured: [Values; 3],
     /// The rates of each quantity.
     pub rates: [RateSeries; 3],
 }
@@ -96,8 +98,7 @@ pub struct StationReadings {
 /// left out has none, and none is since it.
 #[derive(Clone, Debug, Default)]
 pub struct RateSeries {
-    pub values: Vec<f64>,
-    pub pyramid: Pyramid,
+    pub values: Values,
     sorted: Vec<f64>,
 }
 
@@ -152,8 +153,11 @@ impl StationReadings {
                 |rates: &Option<Rates>| rates.as_ref().map_or(0.0, |r| quantity.of(r).abs());
             RateSeries::of(all.iter().map(value).collect())
         };
+        let measured: [fn(&Measurement) -> f64; 3] =
+            [|m| m.range_m, |m| m.azimuth_rad, |m| m.zenith_rad];
         Self {
             time_s: readings.iter().map(|m| m.time_s - start_s).collect(),
+            measured: measured.map(|of| Values::of(readings.iter().map(of).collect())),
             left_out: track.left_out.clone(),
             rates: Quantity::ALL.map(series),
         }
@@ -162,7 +166,7 @@ impl StationReadings {
     /// Rates of a reading, without signs.
     pub fn rates_at(&self, index: usize) -> Rates {
         let [range_m_per_s, azimuth_deg_per_s, zenith_deg_per_s] =
-            self.rates.each_ref().map(|series| series.values[index]);
+            self.rates.each_ref().map(|series| series.values.values[index]);
         Rates { range_m_per_s, azimuth_deg_per_s, zenith_deg_per_s }
     }
 
@@ -181,7 +185,7 @@ impl RateSeries {
     fn of(values: Vec<f64>) -> Self {
         let mut sorted: Vec<f64> = values.iter().skip(1).copied().collect();
         sorted.sort_unstable_by(f64::total_cmp);
-        Self { pyramid: Pyramid::of(&values), values, sorted }
+        Self { values: Values::of(values), sorted }
     }
 
     /// How many are above a threshold.

@@ -122,6 +122,10 @@ impl State {
             }
             Command::Unpick => self.with_timeline(|timeline, _| timeline.picked = None),
 
+            Command::Plot(plotted) => {
+                self.plotted = plotted;
+                self.layout.show(Pane::Channels);
+            }
             Command::Show(visibility) => self.visibility = visibility,
             Command::Colour(colouring) => self.colouring = colouring,
             Command::Measure(ruler) => self.ruler = ruler,
@@ -168,6 +172,7 @@ impl State {
             Command::SaveRecordingDialog => self.save_recording(),
             Command::SaveTrajectoryDialog => self.save_trajectory(),
             Command::SaveReportDialog => self.save_report(),
+            Command::SaveChannelsDialog => self.save_channels(),
 
             Command::ValidateOthers => self.validate_others(),
 

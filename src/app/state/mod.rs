@@ -4,6 +4,7 @@
 
 mod asked;
 mod asking;
+mod channels_csv;
 mod deployment_toml;
 mod handle;
 mod hovering;
@@ -39,8 +40,8 @@ use crate::analysis::{Analysis, Settings};
 use crate::app::model::studies::Studies;
 use crate::app::model::toasts::Toasts;
 use crate::app::model::{
-    Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Playback, Results, Ruler,
-    UndoStack, Units, Validations, Visibility,
+    Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Playback, Plotted, Results,
+    Ruler, UndoStack, Units, Validations, Visibility,
 };
 use crate::progress::Progress;
 
@@ -68,6 +69,8 @@ pub struct State {
     pub undo: UndoStack,
     pub results: Results,
     pub units: Units,
+    /// What the pane of channels plots.
+    pub plotted: Plotted,
     pub theme: egui::ThemePreference,
     pub overlay: Overlay,
     pub studies: Studies,
@@ -124,6 +127,7 @@ impl State {
             undo: UndoStack::default(),
             results: Results::default(),
             units: Units::default(),
+            plotted: Plotted::default(),
             theme,
             overlay: Overlay::None,
             studies: Studies::default(),

@@ -119,7 +119,8 @@ impl State {
                 let mut analyst = Analyst::new(deployment);
                 for (id, settings) in wanted {
                     let analysis = analyst.run(&settings);
-                    let plots = Arc::new(PreparedPlots::of(&analysis, &readings));
+                    let plots =
+                        Arc::new(PreparedPlots::of(analyst.deployment(), &analysis, &readings));
                     outbox.put(move |state: &mut Self| state.take_drawn_pin(id, plots));
                 }
                 None

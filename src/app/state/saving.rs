@@ -132,7 +132,7 @@ impl State {
     }
 
     /// Runs something beside the window, and tells the user what came of it.
-    fn tell_when_done(&self, job: impl FnOnce() -> Told + Send + 'static) {
+    pub(super) fn tell_when_done(&self, job: impl FnOnce() -> Told + Send + 'static) {
         self.jobs.start_unnumbered(job, |state: &mut Self, told| match told {
             Ok(line) => state.toasts.done(line),
             Err(line) => state.toasts.error(&line),

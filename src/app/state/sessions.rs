@@ -149,6 +149,7 @@ impl State {
             view: SavedView {
                 colouring: self.colouring,
                 units: self.units,
+                plotted: self.plotted,
                 visibility: self.visibility,
             },
             layout: Some(self.layout.describe()),
@@ -173,6 +174,7 @@ impl State {
         self.visibility = session.view.visibility;
         self.colouring = session.view.colouring;
         self.units = session.view.units;
+        self.plotted = session.view.plotted;
         if let Some(description) = &session.layout {
             let (layout, findings) = Layout::of_description(description);
             self.layout = layout;

@@ -3,14 +3,13 @@
 use maud::{Markup, html};
 use nalgebra::SMatrix;
 
-use crate::palette::SERIES;
+use crate::palette;
 
 const NAMES: [&str; 4] = ["x", "y", "z", "yaw"];
 /// Ground of a correlation of 1; less where it would swallow the number.
 const STRONGEST: f64 = 0.6;
 
-/// A shaded table: one colour where two numbers are too large together, another where one is too large as the other
-/// is too small.
+/// A shaded table, in the colours of the window's.
 pub fn table(covariance: &SMatrix<f64, 8, 8>) -> Markup {
     let name = |place: usize| format!("{} T1{}", NAMES[place % 4], place / 4 + 2);
     html! {
@@ -34,6 +33,9 @@ pub fn table(covariance: &SMatrix<f64, 8, 8>) -> Markup {
                 } }
             }
         } }
+        p.weak {
+            "Near ±1, the one cannot be told without the other. Vermilion: both are too large together; blue: one as the              other is too small."
+        }
     }
 }
 
@@ -44,7 +46,7 @@ fn correlation(covariance: &SMatrix<f64, 8, 8>, row: usize, column: usize) -> Op
 }
 
 fn ground(correlation: f64) -> String {
-    let [r, g, b] = if correlation > 0.0 { SERIES[0] } else { SERIES[1] };
+    let [r, g, b] = palette::correlation(correlation);
     format!("background:rgba({r},{g},{b},{:.2})", STRONGEST * correlation.abs().min(1.0))
 }
 
@@ -60,6 +62,6 @@ mod tests {
         assert_eq!(correlation(&covariance, 0, 0), Some(1.0));
         assert_eq!(correlation(&covariance, 1, 2), Some(-0.75));
         assert_eq!(correlation(&covariance, 7, 0), None);
-        assert!(table(&covariance).into_string().contains("rgba(213,94,0,0.45)\">-0.75<"));
+        assert!(table(&covariance).into_string().contains("rgba(60,130,200,0.45)\">-0.75<"));
     }
 }

@@ -1,9 +1,10 @@
 //! One row a station with its readings and silences, and one with the spans that all three have in common.
 
 use eframe::egui::{self, Align2, Color32, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2};
-use egui_plot::{AxisHints, GridMark, Plot};
+use egui_plot::{GridMark, Plot};
 
-use super::super::time_plot::{self, Shown, time_axis};
+use super::super::strips::{Strip, bare_axis};
+use super::super::time_plot::{Shown, TimePlot};
 use super::super::times::Times;
 use crate::analysis::Analysis;
 use crate::app::model::{Command, Commands, OpenDeployment, Picked};
@@ -13,8 +14,6 @@ use crate::app::theme;
 use crate::palette;
 use crate::pipeline::{FilteredTrack, Interval, OutlierReason, SampleFate};
 
-/// Charts narrower than this have room for the stations' numbers only (points).
-const NARROW: f32 = 320.0;
 /// Rows from the top: stations 1 to 3, and all three.
 const ROWS: usize = 4;
 /// Ticks further apart than this stand alone (points); closer ones are drawn as density, in columns this wide.
@@ -25,21 +24,15 @@ const NEAR: f32 = 6.0;
 
 pub fn ui(
     ui: &mut egui::Ui,
-    open: &OpenDeployment,
-    analysis: &Analysis,
+    strip: &Strip,
+    (open, analysis): (&OpenDeployment, &Analysis),
     state: &State,
     times: &Times,
     commands: &mut Commands,
 ) {
-    let width = ui.available_width();
+    let axis =
+        bare_axis().formatter(|mark, _| name(ROWS as f64 - mark.value)).label_spacing(8.0..=14.0);
     let plot = Plot::new(("intervals", open.id))
-        .custom_x_axes(vec![time_axis(width)])
-        .custom_y_axes(vec![
-            AxisHints::new_y()
-                .formatter(move |mark, _| name(ROWS as f64 - mark.value, width))
-                .label_spacing(8.0..=14.0)
-                .min_thickness(names_width(width)),
-        ])
         .y_grid_spacer(|_| {
             let middle = |row| GridMark { value: f64::from(row) + 0.5, step_size: 1.0 };
             (0..ROWS as i32).map(middle).collect()
@@ -47,8 +40,8 @@ pub fn ui(
         .show_grid([true, false])
         .label_formatter(|_| None);
     let name = "readings, silences and intervals over time";
-    let bounds = [0.0, ROWS as f64];
-    let shown = time_plot::show(ui, name, times, plot, bounds, commands, |_| {});
+    let time_plot = TimePlot { strip, name, times, y_bounds: [0.0, ROWS as f64] };
+    let shown = time_plot.show(ui, plot, axis, commands, |_| {});
     let filtered = analysis.pipeline.filtered.as_ref();
     let chart = Chart { open, state, times, filtered, shown };
     for station in (0..3).filter(|station| state.visibility.stations[*station]) {
@@ -60,17 +53,10 @@ pub fn ui(
     chart.shown.on_click(times, commands, |at| chart.reading_at(at).map(Command::PickInPlot));
 }
 
-/// Space for the rows' names in a chart of this width (points).
-pub fn names_width(width: f32) -> f32 {
-    if width < NARROW { 26.0 } else { 66.0 }
-}
-
-fn name(row: f64, width: f32) -> String {
-    match (row as usize, width < NARROW) {
-        (station @ 0..3, true) => (station + 1).to_string(),
-        (station @ 0..3, false) => format!("station {}", station + 1),
-        (_, true) => "all".to_owned(),
-        (_, false) => "all three".to_owned(),
+fn name(row: f64) -> String {
+    match row as usize {
+        station @ 0..3 => format!("station {}", station + 1),
+        _ => "all three".to_owned(),
     }
 }
 
@@ -221,15 +207,16 @@ impl Chart<'_> {
         let gaps = &self.open.plots.gaps;
         let silences = |station: usize| {
             let silent = under(&gaps.outages[station], time_s)?;
-            Some(format!("station {} silent for {}", station + 1, length_and_span(silent)))
+            let span = self.length_and_span(silent);
+            Some(format!("station {} silent for {span}", station + 1))
         };
         let text = if row < 3 {
             silences(row)
         } else if let Some(kept) = under(&gaps.kept, time_s) {
-            Some(format!("kept interval: {}", length_and_span(kept)))
+            Some(format!("kept interval: {}", self.length_and_span(kept)))
         } else if let Some(short) = under(&gaps.short, time_s) {
             let tau_l = self.state.settings().pipeline.thresholds.tau_l_seconds;
-            Some(format!("too short (τ_l {tau_l} s): {}", length_and_span(short)))
+            Some(format!("too short (τ_l {tau_l} s): {}", self.length_and_span(short)))
         } else {
             let silent: Vec<String> = (0..3).filter_map(silences).collect();
             (!silent.is_empty()).then(|| format!("no interval\n{}", silent.join("\n")))
@@ -237,6 +224,12 @@ impl Chart<'_> {
         if let Some(text) = text {
             self.shown.response.clone().on_hover_text_at_pointer(text);
         }
+    }
+
+    fn length_and_span(&self, span: &Interval) -> String {
+        let [from, to] =
+            [span.start_s, span.end_s].map(|t| self.times.scale.text_and_seconds(t, 1));
+        format!("{} s\n{from} to {to}", length(span))
     }
 
     /// The reading whose tick is near.
@@ -267,10 +260,6 @@ fn first_from(times_s: &[f64], from: usize, time_s: f64) -> usize {
 fn under(spans: &[Interval], time_s: f64) -> Option<&Interval> {
     let span = spans.get(spans.partition_point(|span| span.end_s < time_s))?;
     (span.start_s <= time_s).then_some(span)
-}
-
-fn length_and_span(span: &Interval) -> String {
-    format!("{} s ({:.1}–{:.1} s)", length(span), span.start_s, span.end_s)
 }
 
 fn length(span: &Interval) -> String {

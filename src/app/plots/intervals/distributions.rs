@@ -13,8 +13,9 @@ use crate::app::theme;
 use crate::palette;
 use crate::pipeline::SampleFate;
 
-/// Height of the line above each (points).
-const TITLE: f32 = 16.0;
+/// Height of the line above each, and of its text: below that are handles (points).
+const TITLE: f32 = 21.0;
+const TEXT: f32 = 13.0;
 
 /// The values of τ_s and τ_l that the user wants.
 pub fn ui(
@@ -28,7 +29,7 @@ pub fn ui(
     let [tau_s, tau_l] = &thresholds.0;
     let height = (ui.available_height() / 2.0 - TITLE - 4.0).max(40.0);
     let longer = gaps.outages.each_ref().map(|outages| outages.len().to_string()).join(" / ");
-    title(ui, &format!("silences > τ_s: {longer}"));
+    title(ui, &format!("silences > {}: {longer}", tau_s.label()));
     let stations: Vec<(&LogHistogram, Color32)> = (0..3)
         .filter(|station| state.visibility.stations[*station])
         .map(|station| (&gaps.lengths[station], theme::rgb(palette::STATIONS[station])))
@@ -39,7 +40,7 @@ pub fn ui(
         tau_s.vertical_line(ui, frame, x(&transform, tau_s.value), |x| at(&transform, x));
 
     let (short, all) = (gaps.short.len(), gaps.short.len() + gaps.kept.len());
-    title(ui, &format!("intervals ≤ τ_l: {short} of {all}"));
+    title(ui, &format!("intervals ≤ {}: {short} of {all}", tau_l.label()));
     let kept = theme::rgb(palette::fate(SampleFate::Kept));
     let series = [(&gaps.interval_lengths, kept)];
     let intervals = Distribution { name: "intervals", threshold: tau_l.value, series: &series };
@@ -54,7 +55,9 @@ pub fn ui(
 fn title(ui: &mut egui::Ui, text: &str) {
     let (rect, _) =
         ui.allocate_exact_size(egui::vec2(ui.available_width(), TITLE), egui::Sense::hover());
-    ui.put(rect, egui::Label::new(RichText::new(text).small()).truncate());
+    let builder = egui::UiBuilder::new().max_rect(rect.with_max_y(rect.top() + TEXT));
+    let mut line = ui.new_child(builder);
+    line.add(egui::Label::new(RichText::new(text).small()).truncate());
 }
 
 /// Where a length is on the screen, also one that no axis shows.
@@ -95,14 +98,17 @@ impl Distribution<'_> {
             .height(height)
             .custom_x_axes(vec![
                 AxisHints::new_x()
+                    .tick_label_font(egui::FontId::proportional(11.0))
                     .formatter(|mark, _| format!("{} s", log_axis::number(mark.value)))
                     .label_spacing(LABELS),
             ])
             .custom_y_axes(vec![
                 AxisHints::new_y()
+                    .label(RichText::new("how many").small())
+                    .tick_label_font(egui::FontId::proportional(11.0))
                     .formatter(|mark, _| format!("{:.0}", 10_f64.powf(mark.value) - 1.0))
                     .label_spacing(8.0..=14.0)
-                    .min_thickness(28.0),
+                    .min_thickness(40.0),
             ])
             .x_grid_spacer(log_axis::many_decades)
             .y_grid_spacer(counts)

@@ -4,21 +4,21 @@
 mod chart;
 mod distributions;
 
-use eframe::egui::{self, Sense, Vec2};
+use eframe::egui::{self, Rect};
 
-use super::station_switches;
 use super::threshold::Threshold;
 use super::time_plot;
 use super::times::Times;
+use super::{station_switches, strips};
 use crate::analysis::Settings;
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::pipeline::{Interval, Thresholds};
 
-/// The distributions' part of the width, and their least and greatest (points).
-const SHARE: f32 = 0.28;
-const NARROWEST: f32 = 150.0;
-const WIDEST: f32 = 300.0;
+/// The distributions' part of the width of a pane that has no room beside its plots.
+const SHARE: f32 = 0.4;
+/// Height of the bars above the chart (points).
+const BARS: f32 = 14.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, analysis)) = state.analysed() else {
@@ -35,19 +35,26 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         time_plot::hint(ui, "");
     });
     let whole = ui.available_rect_before_wrap();
-    let right = (SHARE * whole.width()).clamp(NARROWEST, WIDEST).min(0.5 * whole.width());
-    let (left, right) = whole.split_left_right_at_x(whole.right() - right);
+    ui.advance_cursor_after_rect(whole);
     let thresholds = GapThresholds::of(state.settings());
     let mut wanted = [None; 2];
-    let mut chart = ui.new_child(egui::UiBuilder::new().id_salt("chart").max_rect(left));
-    let bars = bars(&mut chart, &times, &thresholds);
-    chart::ui(&mut chart, open, analysis, state, &times, commands);
+    let (above, below) = whole.split_top_bottom_at_y(whole.top() + BARS);
+    let mut strip = strips::in_rect(below, 1)[0];
+    if whole.width() < strips::NARROW {
+        // Where the distributions stand, numbers and lengths are seen; words above the chart are not needed.
+        strip.plot =
+            below.with_min_x(strip.plot.left()).with_max_x(below.right() - SHARE * below.width());
+    }
+    let left = above.with_max_x(strip.plot.right()).with_min_x(strip.plot.left() + strips::GUTTER);
+    let bars = bars(ui, left, &times, &thresholds);
+    chart::ui(ui, &strip, (open, analysis), state, &times, commands);
+    let right =
+        Rect::from_x_y_ranges(strip.plot.right() + 8.0..=whole.right() - 10.0, whole.y_range());
     let mut side = ui.new_child(egui::UiBuilder::new().id_salt("side").max_rect(right));
     let lines = distributions::ui(&mut side, open, state, &thresholds);
     for (wanted, (bar, line)) in wanted.iter_mut().zip(bars.into_iter().zip(lines)) {
         *wanted = bar.or(line);
     }
-    ui.advance_cursor_after_rect(whole);
     if wanted != [None; 2] {
         let mut settings = *state.settings();
         let set = &mut settings.pipeline.thresholds;
@@ -86,11 +93,13 @@ impl GapThresholds {
 }
 
 /// Bars above the chart, as long in its seconds as the thresholds.
-fn bars(ui: &mut egui::Ui, times: &Times, thresholds: &GapThresholds) -> [Option<f64>; 2] {
-    let size = Vec2::new(ui.available_width(), 14.0);
-    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+fn bars(
+    ui: &mut egui::Ui,
+    rect: Rect,
+    times: &Times,
+    thresholds: &GapThresholds,
+) -> [Option<f64>; 2] {
     let width_s = (times.window_s[1] - times.window_s[0]) as f32;
-    let rect = rect.with_min_x(rect.left() + chart::names_width(rect.width()));
     let points_per_s = rect.width() / width_s;
     // Each in its half.
     let (first, second) = rect.split_left_right_at_fraction(0.5);

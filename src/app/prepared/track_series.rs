@@ -1,0 +1,39 @@
+//! Where the prisms were and how fast, by an answer, ready to be plotted.
+
+use super::placing::placed_tracks;
+use super::pyramid::Values;
+use crate::analysis::Analysis;
+use crate::deployment::Deployment;
+
+/// Where the prisms were at each triplet, and how fast; lists are empty where nothing tells.
+#[derive(Clone, Debug, Default)]
+pub struct TrackSeries {
+    /// Since the first measurement (s).
+    pub since_s: Vec<f64>,
+    /// x, y and z of each prism (m, in station 1's frame).
+    pub places_m: [[Values; 3]; 3],
+    /// How fast prism 1 moves.
+    pub speed_m_per_s: Values,
+}
+
+impl TrackSeries {
+    pub fn of(deployment: &Deployment, analysis: &Analysis, start_s: f64) -> Self {
+        let triplets = analysis.triplets();
+        let placed = placed_tracks(deployment, analysis);
+        Self {
+            since_s: triplets.time_s.iter().map(|time_s| time_s - start_s).collect(),
+            places_m: std::array::from_fn(|station| {
+                let Some(placed) = &placed[station] else { return Default::default() };
+                let mut places_m: [Vec<f64>; 3] = Default::default();
+                for point_m in &triplets.points_m[station] {
+                    let place_m = placed.apply(point_m);
+                    for (axis, values) in places_m.iter_mut().enumerate() {
+                        values.push(place_m[axis]);
+                    }
+                }
+                places_m.map(Values::of)
+            }),
+            speed_m_per_s: Values::of(triplets.speed_m_per_s.clone()),
+        }
+    }
+}
