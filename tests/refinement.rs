@@ -286,7 +286,9 @@ fn an_analysis_that_nobody_wants_any_more_stops() {
         let progress = Progress::default();
         let result = std::thread::scope(|scope| {
             let running = scope.spawn(|| analyst.run_while(&settings, &progress));
-            std::thread::sleep(std::time::Duration::from_secs_f64(whole_seconds / f64::from(1 << attempt)));
+            std::thread::sleep(std::time::Duration::from_secs_f64(
+                whole_seconds / f64::from(1 << attempt),
+            ));
             progress.cancel();
             running.join().expect("no panic")
         });

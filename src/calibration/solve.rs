@@ -79,7 +79,8 @@ fn jointly_beside_published(
     match published {
         Ok(published) => joint.published = Some(Box::new(published)),
         Err(why) => joint.findings.push(Finding::warning(format!(
-            "the paper's answer is not there to compare with: {published_method} has none ({why})"
+            "the paper's answer is not there to compare with: {published_method} has none ({})",
+            why.finding().message
         ))),
     }
     joint.solve_ms = started.elapsed().as_secs_f64() * 1e3 - joint.prior_ms;

@@ -146,7 +146,7 @@ pub fn json(study: &Study) -> Value {
         "settings": study.settings,
         "groups": groups,
         "levels": study.levels.iter().map(|l| json!({ "label": l.label, "mm": l.value })).collect::<Vec<_>>(),
-        "findings": study.findings.iter().map(|f| &f.message).collect::<Vec<_>>(),
+        "findings": study.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
     })
 }
 

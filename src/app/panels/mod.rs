@@ -27,6 +27,9 @@ pub mod validation;
 
 use eframe::egui;
 
+use crate::app::actions::remedies;
+use crate::app::model::Commands;
+use crate::app::state::State;
 use crate::app::theme;
 use crate::deployment::Finding;
 
@@ -43,8 +46,8 @@ fn scrolled(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     });
 }
 
-/// A finding with its sign; the text wraps beside it.
-fn finding(ui: &mut egui::Ui, finding: &Finding) {
+/// A finding with its sign; beside it the text wraps, and under that are buttons that do what it advises.
+fn finding(ui: &mut egui::Ui, state: &State, finding: &Finding, commands: &mut Commands) {
     let (colour, sign) = theme::severity(finding.severity, ui.visuals().dark_mode);
     ui.horizontal_top(|ui| {
         // Signs differ in width; the texts beside them should line up.
@@ -52,8 +55,30 @@ fn finding(ui: &mut egui::Ui, finding: &Finding) {
         let (place, _) = ui.allocate_exact_size(egui::vec2(width, 16.0), egui::Sense::hover());
         let font = egui::TextStyle::Body.resolve(ui.style());
         ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, sign, font, colour);
-        ui.add(egui::Label::new(&finding.message).wrap());
+        ui.vertical(|ui| {
+            ui.add(egui::Label::new(&finding.message).wrap());
+            if !finding.remedies.is_empty() {
+                ui.horizontal_wrapped(|ui| {
+                    for remedy in &finding.remedies {
+                        advised(ui, remedies::offer(remedy, state), commands);
+                    }
+                });
+            }
+        });
     });
+}
+
+/// A button that does what is advised, or says why it cannot.
+fn advised(ui: &mut egui::Ui, offer: remedies::Offer, commands: &mut Commands) {
+    let remedies::Offer { name, command } = offer;
+    let button = ui.add_enabled(command.is_ok(), egui::Button::new(name).small());
+    match command {
+        Ok(command) if button.clicked() => commands.push(command),
+        Ok(_) => {}
+        Err(why) => {
+            button.on_disabled_hover_text(why);
+        }
+    }
 }
 
 /// A heading inside a pane.

@@ -129,7 +129,7 @@ fn row(
 
 fn newest(open: &OpenDeployment) -> Option<Result<&Answer, String>> {
     let answer = &open.analysis.as_ref()?.answer;
-    Some(answer.as_deref().map_err(ToString::to_string))
+    Some(answer.as_deref().map_err(|error| error.finding().message))
 }
 
 fn spread(ui: &mut egui::Ui, spread: Option<&Spread>) -> egui::Response {

@@ -25,7 +25,7 @@ impl State {
         let Some(open) = self.open.iter().find(|open| open.id == deployment) else { return };
         let result = match (&analysis.answer, &open.summary) {
             (Ok(_), Some(summary)) => Ok(Arc::clone(summary)),
-            (Err(error), _) => Err(error.to_string()),
+            (Err(error), _) => Err(error.finding().message),
             (Ok(_), None) => return,
         };
         let step = self.undo.begun();

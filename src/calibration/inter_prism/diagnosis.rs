@@ -10,7 +10,7 @@ use crate::calibration::checks::{
     FREE_SIGMA_M, POOR_FIT_M, WEAK_SIGMA_M, control_points_contradict,
 };
 use crate::calibration::{ResolvedBy, TransformSigma, Verdict};
-use crate::deployment::{Deployment, Finding, Severity};
+use crate::deployment::{Deployment, Finding, Remedy, Severity};
 use crate::geometry::RigidTransform;
 use crate::statistics::median;
 
@@ -182,5 +182,6 @@ fn poor_fit(evidence: &Evidence<'_>) -> Option<Finding> {
             "the distances fit poorly (median {:.1} mm): check the order of the prisms, the distances, the clocks and the filters",
             median_m * 1e3
         ))
+        .with(Remedy::PutRight)
     })
 }

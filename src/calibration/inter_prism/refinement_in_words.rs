@@ -5,7 +5,7 @@ use crate::calibration::clocks_in_words::{clocks, implausible_drifts};
 use crate::calibration::estimate::sigmas_in_words;
 use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use crate::calibration::{CalibrationSettings, Verdict};
-use crate::deployment::{Finding, pair_label};
+use crate::deployment::{Finding, Remedy, pair_label};
 
 /// An inter-prism distance this many millimetres from its measurement asks for a new one.
 const NOTABLE_DISTANCE_M: f64 = 0.003;
@@ -32,7 +32,7 @@ pub fn findings(refined: &Refinement, inter_prism_m: &[f64; 3]) -> Vec<Finding> 
             sigmas_in_words(distance.sigmas_from(inter_prism_m[pair])),
         );
         findings.push(if off_m.abs() > NOTABLE_DISTANCE_M {
-            Finding::warning(format!("{line}; measure the rig again"))
+            Finding::warning(format!("{line}; measure the rig again")).with(Remedy::PutRight)
         } else {
             Finding::note(line)
         });
@@ -70,40 +70,41 @@ pub fn doubts(
         return Vec::new();
     }
     let mut doubts = Vec::new();
+    let check = |line: String| Finding::warning(line).with(Remedy::PutRight);
     let distance_sigma_m = settings.inter_prism_sigma_m.max(LEAST_DISTANCE_SIGMA_M);
     for (pair, distance) in refined.distances_m.iter().flatten().enumerate() {
         let off_m = distance.value - inter_prism_m[pair];
         if off_m.abs() > MOST_PRIOR_SIGMAS * distance_sigma_m {
-            doubts.push(format!(
+            doubts.push(check(format!(
                 "prisms {} would be {:+.1} mm from their measured distance, which is known to {:.1} mm (1 σ): the rig, its \
                  units or the stations' numbers are wrong",
                 pair_label(pair),
                 off_m * 1e3,
                 distance_sigma_m * 1e3
-            ));
+            )));
         }
     }
     for (slot, tilts) in refined.tilts_rad.iter().flatten().enumerate() {
         let leans_rad = tilts.map(|tilt| tilt.value.abs()).into_iter().fold(0.0, f64::max);
         if leans_rad > MOST_PRIOR_SIGMAS * TILT_SIGMA_RAD {
-            doubts.push(format!(
+            doubts.push(Finding::warning(format!(
                 "station {} would lean by {:.0}″, which its compensator does not leave (1″, 1 σ): it was knocked, or \
                  something else bends the answer",
                 slot + 2,
                 leans_rad * 1e3 / MILLIRADIAN_PER_ARCSECOND
-            ));
+            )));
         }
     }
     if let Some(constant) = refined.prism_constant_error_m
         && constant.value.abs() > MOST_PRIOR_SIGMAS * PRISM_CONSTANT_SIGMA_M
     {
-        doubts.push(format!(
+        doubts.push(check(format!(
             "ranges would be {:+.1} mm too long, where the prism constant is known to {:.1} mm (1 σ): check it",
             constant.value * 1e3,
             PRISM_CONSTANT_SIGMA_M * 1e3
-        ));
+        )));
     }
-    doubts.into_iter().map(|line| (Verdict::Weak, Finding::warning(line))).collect()
+    doubts.into_iter().map(|finding| (Verdict::Weak, finding)).collect()
 }
 
 fn support_in_words(support: &Support) -> Finding {

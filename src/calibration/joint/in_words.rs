@@ -4,7 +4,7 @@ use super::unknowns::{COLLIMATIONS, DISTANCES, INDICES, LATENCIES, LEANS, OFFSET
 use super::{JointEstimate, Step, Stepped};
 use crate::calibration::Verdict;
 use crate::calibration::{Estimate, clocks_in_words};
-use crate::deployment::{Finding, pair_label};
+use crate::deployment::{Finding, Remedy, pair_label};
 
 /// How far one estimate may be from its prior by chance (σ): once in forty thousand, by some of thirty.
 const MOST_STRAIN: f64 = 4.2;
@@ -17,6 +17,8 @@ const MOST_WANDER_M: f64 = 0.005;
 /// An instrument's error is told where it is this many of its σ, and the data narrowed what was known by this share.
 const TOLD_SIGMAS: f64 = 2.5;
 const TOLD_NARROWED: f64 = 0.8;
+/// What is looked at before and after a step (s): its moment is known to about six seconds.
+const AROUND_A_STEP_S: f64 = 20.0;
 
 pub fn findings(found: &JointEstimate) -> Vec<Finding> {
     let mut findings = vec![noise(found)];
@@ -37,57 +39,58 @@ pub fn findings(found: &JointEstimate) -> Vec<Finding> {
 /// What speaks against the estimate itself, each with the verdict that it allows at most.
 pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
     let mut doubts = Vec::new();
-    let mut doubt = |line: String| doubts.push((Verdict::Weak, Finding::warning(line)));
+    let mut doubt = |finding: Finding| doubts.push((Verdict::Weak, finding));
     let strain = &found.strain;
     let mut strained = false;
     for error in instruments(found) {
         let sigmas = strain.of[error.place].abs();
         if sigmas > MOST_STRAIN {
             strained = true;
-            doubt(format!(
+            doubt(Finding::warning(format!(
                 "{}, where instruments in order have {:.1} {} (1 σ): {sigmas:.1} σ beyond chance, so something is wrong that \
                  this estimate takes for it",
                 error.in_words(),
                 error.known * error.scale,
                 error.unit
-            ));
+            )));
         }
     }
     for pair in 0..3 {
         let sigmas = strain.of[DISTANCES + pair].abs();
         if found.distances_m.is_some() && sigmas > MOST_STRAIN {
             strained = true;
-            doubt(format!(
+            let line = format!(
                 "prisms {} would be {:+.1} mm from their measured distance, which is known to {:.1} mm (1 σ), {sigmas:.1} σ \
                  beyond chance: the rig, its units or the stations' numbers are wrong",
                 pair_label(pair),
                 strain.moved[DISTANCES + pair] * 1e3,
                 found.sizes.inter_prism_m * 1e3
-            ));
+            );
+            doubt(Finding::warning(line).with(Remedy::PutRight));
         }
     }
     for (station, sigmas) in strain.of_stations.into_iter().enumerate() {
         if sigmas > MOST_STRAIN_OF_STATION {
             strained = true;
-            doubt(format!(
+            doubt(Finding::warning(format!(
                 "what is wrong with station {}'s ranges, angles and lean is {sigmas:.1} σ beyond what instruments in order \
                  have, taken together: it was knocked, or something else bends the answer",
                 station + 1
-            ));
+            )));
         }
     }
     if !strained && strain.of_all > MOST_STRAIN_OF_ALL {
-        doubt(format!(
+        doubt(Finding::warning(format!(
             "what is wrong with all stations and distances is {:.1} σ beyond what instruments in order have, taken together: \
              something that this estimate does not know bends the answer",
             strain.of_all
-        ));
+        )));
     }
     if found.wander.sigma_m > MOST_WANDER_M {
-        doubt(format!(
+        doubt(Finding::warning(format!(
             "ranges wander by {:.0} mm, more than any prism makes them: find out what else does",
             found.wander.sigma_m * 1e3
-        ));
+        )));
     }
     doubts.extend(found.stepped.iter().map(|step| stepped(step, found)));
     doubts.extend(
@@ -135,7 +138,11 @@ fn stepped(step: &Step, found: &JointEstimate) -> (Verdict, Finding) {
     let line = format!(
         "{line}; the estimate allows for it, but no one answer holds for the whole drive: {remedy}"
     );
-    (Verdict::Weak, Finding::warning(line))
+    let seen = (!step.slowly).then(|| {
+        let at_s = found.at_s(step);
+        Remedy::ShowTimes([at_s - AROUND_A_STEP_S, at_s + AROUND_A_STEP_S])
+    });
+    (Verdict::Weak, seen.into_iter().fold(Finding::warning(line), Finding::with))
 }
 
 /// An error of an instrument that was estimated.

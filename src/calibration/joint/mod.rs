@@ -112,13 +112,17 @@ impl JointEstimate {
         is_usual(step, &self.sizes)
     }
 
+    /// Time of a step (s, in the stations' clock).
+    pub fn at_s(&self, step: &Step) -> f64 {
+        self.drives.first().map_or(0.0, |drive| drive.span_s[0]) + step.after_s
+    }
+
     /// "about 200 s into the drive".
     pub fn when(&self, step: &Step) -> String {
         if step.slowly {
             return "over the whole drive".to_owned();
         }
-        let first_s = self.drives.first().map_or(0.0, |drive| drive.span_s[0]);
-        let at_s = first_s + step.after_s;
+        let at_s = self.at_s(step);
         let begun = self.drives.iter().filter(|drive| drive.span_s[0] <= at_s).count();
         match (self.drives.get(begun.saturating_sub(1)), begun) {
             (Some(drive), _) if at_s > drive.span_s[1] => {

@@ -36,7 +36,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if state.is_stale() {
                 ui.multiply_opacity(0.45);
             }
-            head(ui, open, answer, analysis.offer.targets);
+            head(ui, state, (open, answer, analysis.offer.targets), commands);
             ui.separator();
         });
     }
@@ -52,7 +52,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             Ok(answer) => show(ui, state, (open, analysis, answer), commands),
             Err(error) => {
                 ui.heading("No result");
-                finding(ui, &Finding::problem(error.to_string()));
+                finding(ui, state, &error.finding(), commands);
                 missing_rig(ui, state, open, commands);
             }
         }
@@ -82,7 +82,7 @@ fn show(
 ) {
     let calibration = &answer.calibration;
     let units = state.units;
-    reasons(ui, &calibration.findings);
+    reasons(ui, state, &calibration.findings, commands);
     heading(ui, "Transforms into station 1");
     transforms::table(ui, calibration, units);
     ui.horizontal(|ui| {
@@ -128,14 +128,19 @@ fn pin(
 
 /// What stays in sight while the rest scrolls, or a slider moves: the verdict, what speaks against the answer first, and how
 /// well it fits.
-fn head(ui: &mut egui::Ui, open: &OpenDeployment, answer: &Answer, targets: Targets) {
+fn head(
+    ui: &mut egui::Ui,
+    state: &State,
+    (open, answer, targets): (&OpenDeployment, &Answer, Targets),
+    commands: &mut Commands,
+) {
     let calibration = &answer.calibration;
     verdict(ui, calibration);
     if open.joint_follows() {
         ui.weak("the joint estimate follows…");
     }
     if let Some(first) = doubts(&calibration.findings).first() {
-        finding(ui, first);
+        finding(ui, state, first, commands);
     }
     if let Some(spread) = &answer.evaluation.inter_prism_mm {
         let what = metrics::name(targets);
@@ -153,8 +158,9 @@ fn doubts(findings: &[Finding]) -> Vec<&Finding> {
 
 /// What else limits the answer than the first that the head tells, and the first notes; the others on request, so that the
 /// numbers stay in sight.
-fn reasons(ui: &mut egui::Ui, findings: &[Finding]) {
+fn reasons(ui: &mut egui::Ui, state: &State, findings: &[Finding], commands: &mut Commands) {
     const NOTES_IN_SIGHT: usize = 4;
+    let mut finding = |ui: &mut egui::Ui, one: &Finding| finding(ui, state, one, commands);
     doubts(findings).into_iter().skip(1).for_each(|one| finding(ui, one));
     let notes: Vec<&Finding> =
         findings.iter().filter(|finding| finding.severity == Severity::Note).collect();
