@@ -172,7 +172,8 @@ pub fn solve(
         findings.extend(uneven);
         // The joint estimate has its own.
         if settings.method != Some(Method::Joint) {
-            findings.extend(clocks_in_words::clocks(&found.offsets_s, &found.drifts));
+            let clocks = clocks_in_words::clocks(&found.offsets_s, &found.drifts);
+            findings.extend(clocks.into_iter().map(Finding::tabled));
         }
     }
     let station1_from_station = transforms(&aligned);

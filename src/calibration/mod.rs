@@ -11,6 +11,7 @@ mod disagreement;
 pub mod dynamic_gcp;
 mod error;
 mod estimate;
+mod extras;
 pub mod instrument;
 pub mod inter_prism;
 pub mod joint;
@@ -31,7 +32,8 @@ mod witness;
 
 pub use disagreement::{Disagreement, disagreements, moved_m};
 pub use error::CalibrationError;
-pub use estimate::Estimate;
+pub use estimate::{Estimate, Quantity};
+pub use extras::Extra;
 pub use instrument::ErrorSizes;
 pub use method::{Method, Offer};
 pub use misfits::distance_errors_m;

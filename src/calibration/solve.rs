@@ -190,6 +190,6 @@ fn hold_against_control_points(
     }
     for disagreement in disagreements {
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
-        calibration.findings.push(Finding::warning(disagreement.in_words()));
+        calibration.findings.push(disagreement.finding());
     }
 }

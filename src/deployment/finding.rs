@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::Remedy;
+use super::{Remedy, ToldAngle};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -39,11 +39,22 @@ pub struct Finding {
     pub doubt: bool,
     /// What can be done about it, the best first.
     pub remedies: Vec<Remedy>,
+    /// The angles that the message tells, in their order.
+    pub angles: Vec<ToldAngle>,
+    /// Whether a table beside the answer says the same.
+    pub is_tabled: bool,
 }
 
 impl Finding {
     fn new(severity: Severity, message: impl Into<String>) -> Self {
-        Self { severity, message: message.into(), doubt: false, remedies: Vec::new() }
+        Self {
+            severity,
+            message: message.into(),
+            doubt: false,
+            remedies: Vec::new(),
+            angles: Vec::new(),
+            is_tabled: false,
+        }
     }
 
     pub fn note(message: impl Into<String>) -> Self {
@@ -68,6 +79,31 @@ impl Finding {
     pub fn with(mut self, remedy: Remedy) -> Self {
         self.remedies.push(remedy);
         self
+    }
+
+    /// The same with the angles that its message tells, so that they can be told in another unit.
+    #[must_use]
+    pub fn telling(mut self, angles: impl IntoIterator<Item = ToldAngle>) -> Self {
+        self.angles.extend(angles);
+        self
+    }
+
+    /// The same as what a table beside the answer says.
+    #[must_use]
+    pub fn tabled(self) -> Self {
+        Self { is_tabled: true, ..self }
+    }
+
+    /// The message with its angles in other words.
+    pub fn with_angles(&self, words: impl Fn(&ToldAngle) -> String) -> String {
+        let (mut text, mut rest) = (String::new(), self.message.as_str());
+        for angle in &self.angles {
+            let own = angle.to_string();
+            let Some((before, after)) = rest.split_once(&own) else { continue };
+            text = text + before + &words(angle);
+            rest = after;
+        }
+        text + rest
     }
 }
 

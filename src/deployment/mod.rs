@@ -18,6 +18,7 @@ mod rig;
 mod sample;
 mod source;
 pub mod station_clocks;
+mod told_angle;
 mod track;
 mod what_is;
 
@@ -33,6 +34,7 @@ pub use remedy::Remedy;
 pub use rig::{Rig, pairwise_distances};
 pub use sample::Sample;
 pub use source::{Extras, Place, Source};
+pub use told_angle::{ToldAngle, ToldIn};
 pub use track::{Measurement, TimeCorrection, Track};
 pub use what_is::{Dropped, SESSION_KEY, Sorted, sort, what_is};
 

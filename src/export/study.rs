@@ -188,7 +188,7 @@ pub fn comparison_json(comparison: &Comparison) -> Value {
                         "largest_sigmas": d.largest_sigmas,
                         "moved_m": d.moved_m,
                         "range_m": d.range_m,
-                        "in_words": d.in_words(),
+                        "in_words": d.finding().message,
                     })
                 })
                 .collect();

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod advice;
 mod asking;
 mod clocks;
 mod drives;
@@ -17,5 +18,6 @@ mod results;
 mod scene;
 mod screenshots;
 mod sessions;
+mod side_by_side;
 mod validation;
 mod workspace;

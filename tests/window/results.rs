@@ -136,14 +136,22 @@ fn the_joint_estimate_is_said_to_follow() {
 #[test]
 fn the_result_follows_the_units() {
     let mut harness = window(LARGE, Theme::Dark);
-    assert!(harness.query_by_label("yaw (rad)").is_some());
+    let has = |harness: &Window, text: &str| harness.query_by_label_contains(text).is_some();
+    let yaw = |harness: &Window, unit: &str| {
+        harness
+            .query_all_by_label_contains(" ± ")
+            .any(|node| node.accesskit_node().label().is_some_and(|text| text.ends_with(unit)))
+    };
+    assert!(yaw(&harness, " rad") && !yaw(&harness, " gon"));
     let units = Units { length: LengthUnit::Millimetre, angle: AngleUnit::Gon };
     send(&mut harness, Command::SetUnits(units));
-    assert!(harness.query_by_label("yaw (rad)").is_none());
-    assert!(harness.query_by_label("yaw (gon)").is_some());
+    assert!(yaw(&harness, " gon") && !yaw(&harness, " rad"));
     let summary = harness.state().state.active().and_then(|o| o.summary.clone()).expect("one");
-    let x = format!("{:>9.1}", summary.stations[0].translation_m[0] * 1e3);
-    assert!(harness.query_all_by_label(&x).next().is_some(), "{x}");
+    // As many decimals as σ has, which has two digits.
+    let sigma_mm = summary.stations[0].sigma.expect("held")[0] * 1e3;
+    assert!((0.995..9.95).contains(&sigma_mm), "{sigma_mm}");
+    let x = format!("{:.1} ", summary.stations[0].translation_m[0] * 1e3);
+    assert!(has(&harness, &x) && has(&harness, &format!(" ± {sigma_mm:.1}")), "{x}");
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
     send(&mut harness, Command::ShowPane(Pane::Result));
     snapshot_of(&mut harness, Part::Pane(Pane::Result), "gon");
@@ -278,4 +286,22 @@ fn every_fate_has_its_explanation_in_the_pane() {
             );
         }
     }
+}
+
+#[test]
+fn what_was_estimated_besides_stands_in_a_table_and_not_in_sentences() {
+    let mut harness = window(LARGE, Theme::Dark);
+    assert!(harness.query_by_label_contains("stamps are").is_none());
+    harness.get_by_label_contains("Estimated besides").click_accesskit();
+    settle(&mut harness);
+    for row in ["station 3", "prisms 1–2", "  clock offset", "  range offset", "  lean about x"] {
+        assert!(harness.query_all_by_label(row).next().is_some(), "{row}");
+    }
+    harness.get_by_label("What σ comes from").click_accesskit();
+    settle(&mut harness);
+    assert!(harness.query_by_label("σ of T13").is_some());
+    snapshot_of(&mut harness, Part::Pane(Pane::Result), "extras-dark");
+    // The pane of findings tells all in words.
+    send(&mut harness, Command::ShowPane(Pane::Findings));
+    assert!(harness.query_all_by_label_contains("stamps are").next().is_some());
 }

@@ -71,6 +71,8 @@ pub enum Command {
     Unpin(u64),
     /// Shows or hides the residuals of a pinned result.
     ShowPin(u64, bool),
+    /// Gives the active deployment the settings of a pinned result, by its id.
+    UsePinned(u64),
     /// Gives the active deployment the settings of a run, by its id.
     RestoreRun(u64),
 

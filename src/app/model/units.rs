@@ -44,7 +44,7 @@ impl LengthUnit {
         }
     }
 
-    fn per_metre(self) -> f64 {
+    pub(super) fn per_metre(self) -> f64 {
         match self {
             Self::Metre => 1.0,
             Self::Millimetre => 1e3,
@@ -52,7 +52,7 @@ impl LengthUnit {
     }
 
     /// Decimals that show 0.1 mm.
-    fn decimals(self) -> usize {
+    pub(super) fn decimals(self) -> usize {
         match self {
             Self::Metre => 4,
             Self::Millimetre => 1,
@@ -81,7 +81,7 @@ impl AngleUnit {
         }
     }
 
-    fn per_radian(self) -> f64 {
+    pub(super) fn per_radian(self) -> f64 {
         match self {
             Self::Radian => 1.0,
             Self::Degree => 1_f64.to_degrees(),
@@ -89,7 +89,7 @@ impl AngleUnit {
         }
     }
 
-    fn small_per_radian(self) -> f64 {
+    pub(super) fn small_per_radian(self) -> f64 {
         match self {
             Self::Radian | Self::Gon => 1e3 * self.per_radian(),
             Self::Degree => 3600.0 * self.per_radian(),
@@ -97,7 +97,7 @@ impl AngleUnit {
     }
 
     /// Decimals that show about 1 µrad.
-    fn decimals(self) -> usize {
+    pub(super) fn decimals(self) -> usize {
         match self {
             Self::Radian => 6,
             Self::Degree | Self::Gon => 4,

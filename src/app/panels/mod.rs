@@ -28,7 +28,7 @@ pub mod validation;
 use eframe::egui;
 
 use crate::app::actions::remedies;
-use crate::app::model::Commands;
+use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::deployment::Finding;
@@ -56,7 +56,7 @@ fn finding(ui: &mut egui::Ui, state: &State, finding: &Finding, commands: &mut C
         let font = egui::TextStyle::Body.resolve(ui.style());
         ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, sign, font, colour);
         ui.vertical(|ui| {
-            ui.add(egui::Label::new(&finding.message).wrap());
+            ui.add(egui::Label::new(state.units.message(finding)).wrap());
             if !finding.remedies.is_empty() {
                 ui.horizontal_wrapped(|ui| {
                     for remedy in &finding.remedies {
@@ -78,6 +78,22 @@ fn advised(ui: &mut egui::Ui, offer: remedies::Offer, commands: &mut Commands) {
         Err(why) => {
             button.on_disabled_hover_text(why);
         }
+    }
+}
+
+/// A button that gives the active deployment the settings of a pinned result.
+fn use_pinned(ui: &mut egui::Ui, state: &State, id: u64, commands: &mut Commands) {
+    let Some(settings) = state.settings_of_pin(id) else { return };
+    let possible = settings != *state.settings();
+    let button = ui
+        .add_enabled(possible, egui::Button::new("Use these settings").small())
+        .on_hover_text("Calibrate with the settings of the pinned result; Undo takes it back")
+        .on_disabled_hover_text("They are the settings now");
+    let pin = state.results.pins.iter().find(|pin| pin.id == id);
+    let name = format!("Use the settings of {}", pin.map_or("", |pin| pin.name.as_str()));
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, possible, &name));
+    if button.clicked() {
+        commands.push(Command::UsePinned(id));
     }
 }
 

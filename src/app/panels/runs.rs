@@ -3,7 +3,7 @@
 use eframe::egui::{self, RichText, WidgetInfo};
 
 use super::result::badge;
-use super::{heading, scrolled};
+use super::{heading, scrolled, use_pinned};
 use crate::analysis::{Settings, changes_in_words, setting_changes};
 use crate::app::model::ago::ago;
 use crate::app::model::{Command, Commands, Pin, Run};
@@ -24,7 +24,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.weak("None. Pin a result, and later ones are shown against it.");
         }
         for pin in &state.results.pins {
-            pinned(ui, pin, commands);
+            pinned(ui, state, pin, commands);
         }
         ui.add_space(4.0);
         heading(ui, "Runs of this session");
@@ -62,7 +62,7 @@ fn current(state: &State) -> Option<u64> {
     state.results.runs.iter().rev().find(is_it).map(|run| run.id)
 }
 
-fn pinned(ui: &mut egui::Ui, pin: &Pin, commands: &mut Commands) {
+fn pinned(ui: &mut egui::Ui, state: &State, pin: &Pin, commands: &mut Commands) {
     let Pin { id, name, summary, shown, .. } = pin;
     ui.horizontal(|ui| {
         let mut show = *shown;
@@ -87,7 +87,10 @@ fn pinned(ui: &mut egui::Ui, pin: &Pin, commands: &mut Commands) {
     let words = if changed.is_empty() { "the default settings".to_owned() } else { changed };
     ui.horizontal(|ui| {
         ui.add_space(INDENT);
-        ui.add(egui::Label::new(RichText::new(words).small()).wrap());
+        ui.vertical(|ui| {
+            ui.add(egui::Label::new(RichText::new(words).small()).wrap());
+            use_pinned(ui, state, *id, commands);
+        });
     });
 }
 

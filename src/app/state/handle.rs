@@ -84,6 +84,11 @@ impl State {
                     pin.shown = shown;
                 }
             }
+            Command::UsePinned(id) => {
+                if let Some(settings) = self.settings_of_pin(id) {
+                    self.change_active(settings, Moment::now(ctx));
+                }
+            }
             Command::RestoreRun(id) => {
                 if let Some(settings) = self.results.run(id).map(|run| run.settings) {
                     self.change_active(settings, Moment::now(ctx));

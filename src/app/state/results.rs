@@ -7,6 +7,7 @@ use super::State;
 use crate::analysis::{Analysis, Analyst, Settings, changes_in_words, setting_changes};
 use crate::app::model::{Pin, Run};
 use crate::app::prepared::{PreparedPlots, RawReadings};
+use crate::calibration::Method;
 
 /// Most runs that are kept: more are not looked at again; the oldest go.
 const MOST_RUNS: usize = 200;
@@ -18,6 +19,16 @@ impl State {
         let now = self.active()?.summary.as_ref()?;
         let pins = &self.results.pins;
         pins.iter().rev().find(|pin| pin.summary.has_same_data(now)).or(pins.last())
+    }
+
+    /// The settings that lead to a pinned result.
+    pub fn settings_of_pin(&self, id: u64) -> Option<Settings> {
+        let summary = &self.results.pins.iter().find(|pin| pin.id == id)?.summary;
+        let mut settings = summary.settings;
+        // What no named method means may have been another when it was pinned.
+        let method = summary.method;
+        settings.calibration.method = (method != Method::default()).then_some(method);
+        Some(settings)
     }
 
     /// Remembers what an analysis led to. One drag is one run.

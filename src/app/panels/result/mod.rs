@@ -3,6 +3,7 @@
 
 mod against_pinned;
 mod copy_menu;
+mod extras;
 mod methods;
 mod metrics;
 mod published;
@@ -24,7 +25,7 @@ use crate::export::text;
 use crate::palette;
 
 /// Beyond this many σ a choice moves the answer more than it should.
-const NOTABLE_SIGMAS: f64 = 3.0;
+pub const NOTABLE_SIGMAS: f64 = 3.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if let Some((open, analysis)) = state.analysed()
@@ -97,6 +98,7 @@ fn show(
         }
     });
     transforms::matrices(ui, calibration);
+    extras::ui(ui, (open, analysis), calibration, units);
     published::ui(ui, state, calibration, commands);
     against_pinned::ui(ui, state, open, commands);
     methods::ui(ui, &calibration.details, units);
@@ -163,7 +165,7 @@ fn reasons(ui: &mut egui::Ui, state: &State, findings: &[Finding], commands: &mu
     let mut finding = |ui: &mut egui::Ui, one: &Finding| finding(ui, state, one, commands);
     doubts(findings).into_iter().skip(1).for_each(|one| finding(ui, one));
     let notes: Vec<&Finding> =
-        findings.iter().filter(|finding| finding.severity == Severity::Note).collect();
+        findings.iter().filter(|one| one.severity == Severity::Note && !one.is_tabled).collect();
     let (shown, folded) = notes.split_at(notes.len().min(NOTES_IN_SIGHT));
     shown.iter().for_each(|one| finding(ui, one));
     if !folded.is_empty() {
