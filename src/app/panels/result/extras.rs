@@ -39,7 +39,7 @@ pub fn ui(
 fn table(ui: &mut egui::Ui, extras: &[Extra], units: Units) {
     let shown: Vec<_> =
         extras.iter().map(|extra| units.extra(extra.quantity, extra.estimate)).collect();
-    egui::Grid::new("extras").num_columns(3).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+    egui::Grid::new("extras").num_columns(3).spacing([6.0, 2.0]).striped(true).show(ui, |ui| {
         for name in ["", "value ± 1 σ", "known before"] {
             ui.weak(name);
         }
@@ -52,11 +52,11 @@ fn table(ui: &mut egui::Ui, extras: &[Extra], units: Units) {
                 ui.end_row();
             }
             ui.label(format!("  {}", extra.name));
-            let cell = RichText::new(cell).monospace();
+            let cell = RichText::new(cell).monospace().size(11.0);
             ui.label(if extra.notable { cell.strong() } else { cell });
             let prior =
                 extra.prior.map_or("–".to_owned(), |sigma| units.prior(extra.quantity, sigma));
-            ui.weak(format!("± {prior}"));
+            ui.small(format!("± {prior}"));
             ui.end_row();
         }
     });

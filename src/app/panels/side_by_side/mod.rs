@@ -19,6 +19,10 @@ use crate::export::summary::ResultSummary;
 const NAMES: f32 = 110.0;
 const NUMBER: f32 = 185.0;
 const DIFFERENCE: f32 = 140.0;
+/// Size of the numbers where there is little room.
+const NARROW_TEXT: f32 = 11.0;
+/// More σ than this say nothing more.
+const MOST_SIGMAS: f64 = 999.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if state.open.is_empty() {
@@ -34,7 +38,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let table = Table { columns, reference, beside: width > wanted };
             egui::Grid::new(("side by side", table.beside))
                 .num_columns(2 * table.columns.len())
-                .spacing([12.0, 4.0])
+                .spacing([if table.beside { 12.0 } else { 6.0 }, 4.0])
                 .striped(true)
                 .show(ui, |ui| table.rows(ui, state, commands));
             ui.set_max_width(width);
@@ -87,7 +91,7 @@ impl Table<'_> {
                 self.numbers(ui, &format!("{name} of {transform}"), cell);
             }
         }
-        ui.strong("median / IQR (mm)");
+        ui.strong("metrics (mm)").on_hover_text("Median / IQR");
         ui.end_row();
         let inter_prism = columns::inter_prism(&self.columns, self.reference);
         self.numbers(ui, "inter-prism", |column| &inter_prism[column]);
@@ -149,7 +153,8 @@ impl Table<'_> {
             } else {
                 ui.vertical(|ui| {
                     ui.spacing_mut().item_spacing.y = 0.0;
-                    ui.monospace(&cell.text);
+                    let text = RichText::new(&cell.text).monospace().size(NARROW_TEXT);
+                    ui.add(egui::Label::new(text).extend());
                     difference(ui, cell);
                 });
             }
@@ -164,13 +169,15 @@ fn difference(ui: &mut egui::Ui, cell: &Cell) {
         return;
     };
     let text = match difference.sigmas {
+        Some(sigmas) if sigmas > MOST_SIGMAS => format!("{} (> {MOST_SIGMAS} σ)", difference.text),
         Some(sigmas) => format!("{} ({sigmas:.1} σ)", difference.text),
         None => difference.text.clone(),
     };
     let text = RichText::new(text).small();
     let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
     let large = difference.sigmas.is_some_and(|sigmas| sigmas > NOTABLE_SIGMAS);
-    ui.label(if large { text.color(notable).strong() } else { text.weak() });
+    let text = if large { text.color(notable).strong() } else { text.weak() };
+    ui.add(egui::Label::new(text).extend());
 }
 
 fn title(ui: &mut egui::Ui, state: &State, column: &Column<'_>, commands: &mut Commands) {
