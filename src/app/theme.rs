@@ -12,6 +12,10 @@ pub fn apply(ctx: &egui::Context) {
     let inter = egui::FontData::from_static(crate::font::INTER);
     fonts.font_data.insert("Inter".to_owned(), std::sync::Arc::new(inter));
     fonts.families.entry(FontFamily::Proportional).or_default().insert(0, "Inter".to_owned());
+    // In tables the slashed zero of egui's own monospaced font smears.
+    let figures = egui::FontData::from_static(crate::font::FIGURES);
+    fonts.font_data.insert("Figures".to_owned(), std::sync::Arc::new(figures));
+    fonts.families.entry(FontFamily::Monospace).or_default().insert(0, "Figures".to_owned());
     ctx.set_fonts(fonts);
     ctx.all_styles_mut(|style| {
         style.text_styles = [

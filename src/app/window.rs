@@ -192,7 +192,7 @@ impl Panes<'_> {
             }
             Pane::Scene => self.scene.ui(ui, self.state, self.view, self.commands),
             Pane::Result => panels::result::ui(ui, self.state, self.commands),
-            Pane::Findings => panels::findings::ui(ui, self.state),
+            Pane::Findings => panels::findings::ui(ui, self.state, self.commands),
             Pane::Residuals => plots::residuals::ui(ui, self.state, self.commands),
             Pane::Rates => plots::rates::ui(ui, self.state, self.commands),
             Pane::Clocks => plots::clocks::ui(ui, self.state, self.commands),

@@ -4,7 +4,9 @@
 use super::{Calibration, Method, TransformSigma, Verdict, Witness};
 use crate::calibration::distance_errors_m;
 use crate::calibration::misfits::control_points_apart_m;
-use crate::deployment::{ControlPointSet, Deployment, Finding, Rig, TrackFrame};
+use crate::deployment::{
+    ControlPoint, ControlPointSet, Deployment, Finding, Remedy, Rig, TrackFrame,
+};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
@@ -97,22 +99,36 @@ pub fn control_points_contradict(
     station1_from_station: &[RigidTransform; 3],
     sigma: &[TransformSigma; 2],
 ) -> Option<Finding> {
-    let mut worst: Option<(f64, f64, &str)> = None;
+    let mut worst: Option<(f64, f64, &ControlPointSet)> = None;
     for set in deployment.comparable_control_points().iter().filter(|set| !set.pillars) {
         let Some(median_m) = median(set.disagreements_m(station1_from_station)) else { continue };
         let expected_m = expected_m(sigma, middle_range_m(set), CONTROL_POINT_SIGMA_M);
         if median_m > CONTRADICTION * expected_m && worst.is_none_or(|(known, ..)| median_m > known)
         {
-            worst = Some((median_m, expected_m, &set.file));
+            worst = Some((median_m, expected_m, set));
         }
     }
-    let (median_m, expected_m, file) = worst?;
-    Some(Finding::warning(format!(
+    let (median_m, expected_m, worst_set) = worst?;
+    let file = &worst_set.file;
+    let finding = Finding::warning(format!(
         "control points contradict this answer: {:.0} mm apart in {file} (median) where about {:.0} mm are expected; \
          a station moved between the two, or a bias is not modelled",
         median_m * 1e3,
         expected_m * 1e3
-    )))
+    ));
+    let remedy = furthest_apart(&worst_set.points, station1_from_station)
+        .map(|marker| Remedy::ShowPoint { file: worst_set.file.clone(), marker });
+    Some(remedy.into_iter().fold(finding, Finding::with))
+}
+
+/// Marker of the point that two stations put furthest apart.
+fn furthest_apart(
+    points: &[ControlPoint],
+    station1_from_station: &[RigidTransform; 3],
+) -> Option<i64> {
+    let worst_m =
+        |point: &ControlPoint| point.disagreements_m(station1_from_station).fold(0.0, f64::max);
+    points.iter().max_by(|a, b| worst_m(a).total_cmp(&worst_m(b))).map(|point| point.marker)
 }
 
 /// Inter-prism distances of the drive that the answer misses by more than any good one does, whatever its own σ allows:

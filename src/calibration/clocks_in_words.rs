@@ -2,7 +2,7 @@
 
 use super::Estimate;
 use super::estimate::{SUPPORTED_SIGMAS, sigmas_in_words};
-use crate::deployment::Finding;
+use crate::deployment::{Finding, Remedy};
 
 /// A clock that is off by more than both is worth a warning where it is not estimated (s).
 const SUSPICIOUS_SIGMAS: f64 = 3.5;
@@ -58,6 +58,7 @@ pub fn suspected_jumps(jumps_s: &[Estimate; 2]) -> Vec<Finding> {
                 jump.value * 1e3,
                 jump.sigma * 1e3,
             ))
+            .with(Remedy::JointEstimate)
         })
         .collect()
 }
@@ -102,6 +103,7 @@ pub fn suspicions(clocks: &[Estimate; 2]) -> Vec<Finding> {
                 clock.value.abs() * 1e3,
                 clock.sigma * 1e3,
             ))
+            .with(Remedy::JointEstimate)
         })
         .collect()
 }

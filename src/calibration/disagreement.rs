@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{Calibration, Method, TransformSigma};
-use crate::deployment::{Deployment, TrackFrame};
+use crate::deployment::{Deployment, Finding, ToldAngle, ToldIn, TrackFrame};
 use crate::geometry::{RigidTransform, wrap_to_pi};
 
 /// Answers this many standard deviations apart disagree.
@@ -30,8 +30,13 @@ pub struct Disagreement {
 }
 
 impl Disagreement {
-    /// "B and D disagree about the yaw of station 2 by 0.87 mrad …".
-    pub fn in_words(&self) -> String {
+    /// "B and D disagree about the yaw of station 2: +0.87 mrad …".
+    pub fn finding(&self) -> Finding {
+        let yaw = ToldAngle::signed(self.yaw_rad, ToldIn::Milliradians, 2);
+        Finding::warning(self.in_words(&yaw)).telling([yaw])
+    }
+
+    fn in_words(&self, yaw: &ToldAngle) -> String {
         let [first, second] = self
             .methods
             .map(|method| method.letter().map_or_else(|| method.to_string(), String::from));
@@ -43,11 +48,8 @@ impl Disagreement {
         );
         match self.yaw_sigmas {
             Some(sigmas) if sigmas > DISAGREEMENT_SIGMAS => format!(
-                "{first} and {second} disagree about the yaw of station {}: {:+.2} mrad ({:+.3}°), {sigmas:.0} σ apart, \
-                 {moved}",
+                "{first} and {second} disagree about the yaw of station {}: {yaw}, {sigmas:.0} σ apart, {moved}",
                 self.station,
-                self.yaw_rad * 1e3,
-                self.yaw_rad.to_degrees(),
             ),
             _ => format!(
                 "{first} and {second} disagree about the position of station {}: {:+.1}, {:+.1}, {:+.1} mm in x, y, z, \

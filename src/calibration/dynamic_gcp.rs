@@ -14,7 +14,7 @@ use super::{
     Verdict, checks, common_errors, time_blocks,
 };
 use super::{clocks_in_words, with_clocks};
-use crate::deployment::{Deployment, Finding};
+use crate::deployment::{Deployment, Finding, Overrides, Remedy};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
@@ -108,51 +108,54 @@ pub fn solve(
         blocks.len()
     ))];
     let mut verdict = Verdict::Good;
-    let mut lower = |to: Verdict, line: String| {
+    let mut lower = |to: Verdict, finding: Finding| {
         verdict = verdict.max(to);
-        findings.push(Finding::warning(line));
+        findings.push(finding);
     };
     if offer.targets == Targets::Undecided {
+        let line = "the drive hardly turns, so one prism cannot be told from three; if it was one, say `prisms = 1` in \
+                    deployment.toml";
+        let one_prism = Overrides { prisms: Some(1), ..Overrides::default() };
         lower(
             Verdict::Ambiguous,
-            "the drive hardly turns, so one prism cannot be told from three; if it was one, say `prisms = 1` in \
-             deployment.toml"
-                .to_owned(),
+            Finding::warning(line).with(Remedy::ReadWith(Box::new(one_prism))),
         );
     }
     if pulled_m > NOTABLE_PULL_M {
         let pulled_mm = pulled_m * 1e3;
         lower(
             Verdict::Weak,
-            format!(
+            Finding::warning(format!(
                 "{wild} triplets that cannot be right pull this answer by {pulled_mm:.0} mm; the joint estimate leaves them out"
-            ),
+            ))
+            .with(Remedy::JointEstimate),
         );
     }
     if rms_m > checks::HOPELESS_FIT_M {
         lower(
             Verdict::Degenerate,
-            format!(
+            Finding::warning(format!(
                 "the tracks lie {:.2} m apart (rms): the stations did not follow one prism, or their clocks are far off",
                 rms_m
-            ),
+            ))
+            .with(Remedy::PutRight),
         );
     } else if rms_m > checks::POOR_POINT_FIT_M {
         lower(
             Verdict::Weak,
-            format!(
+            Finding::warning(format!(
                 "the tracks fit poorly ({:.1} mm rms): check the clocks and the filters",
                 rms_m * 1e3
-            ),
+            )),
         );
     }
     if blocks.len() < FEWEST_BLOCKS {
         lower(
             Verdict::Weak,
-            format!(
+            Finding::warning(format!(
                 "only {} stretches of independent time; σ is rough below {FEWEST_BLOCKS}: record longer",
                 blocks.len()
-            ),
+            )),
         );
     }
     if let Some(found) = &clocks {
@@ -169,7 +172,8 @@ pub fn solve(
         findings.extend(uneven);
         // The joint estimate has its own.
         if settings.method != Some(Method::Joint) {
-            findings.extend(clocks_in_words::clocks(&found.offsets_s, &found.drifts));
+            let clocks = clocks_in_words::clocks(&found.offsets_s, &found.drifts);
+            findings.extend(clocks.into_iter().map(Finding::tabled));
         }
     }
     let station1_from_station = transforms(&aligned);

@@ -14,6 +14,31 @@ impl Estimate {
     }
 }
 
+/// What kind of number an estimate is; each is in SI units (m, rad, s, shares).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    Length,
+    Angle,
+    Time,
+    /// Seconds a second.
+    Drift,
+    /// A share of a range.
+    Share,
+}
+
+impl Quantity {
+    /// Factor to the unit in which errors are told, and that unit.
+    pub fn told(self) -> (f64, &'static str) {
+        match self {
+            Self::Length => (1e3, "mm"),
+            Self::Angle => (3600.0_f64.to_degrees(), "″"),
+            Self::Time => (1e3, "ms"),
+            Self::Drift => (1e6, "µs/s"),
+            Self::Share => (1e6, "ppm"),
+        }
+    }
+}
+
 /// Smaller than this many σ, an estimate is not told from what was assumed.
 pub const SUPPORTED_SIGMAS: f64 = 2.0;
 

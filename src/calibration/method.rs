@@ -176,7 +176,7 @@ fn lack(
             if targets == Targets::OnePrism {
                 Some("three prisms; here all three stations follow one".to_owned())
             } else if deployment.rig.is_none() {
-                Some("the inter-prism distances (calibration_results.csv, or --rig)".to_owned())
+                Some("the inter-prism distances (calibration_results.csv, or another file of the rig)".to_owned())
             } else if triplets.is_empty() {
                 no_triplets()
             } else {

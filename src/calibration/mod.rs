@@ -9,7 +9,9 @@ mod clocks_in_words;
 mod common_errors;
 mod disagreement;
 pub mod dynamic_gcp;
+mod error;
 mod estimate;
+mod extras;
 pub mod instrument;
 pub mod inter_prism;
 pub mod joint;
@@ -29,7 +31,9 @@ mod verdict;
 mod witness;
 
 pub use disagreement::{Disagreement, disagreements, moved_m};
-pub use estimate::Estimate;
+pub use error::CalibrationError;
+pub use estimate::{Estimate, Quantity};
+pub use extras::Extra;
 pub use instrument::ErrorSizes;
 pub use method::{Method, Offer};
 pub use misfits::distance_errors_m;
@@ -45,50 +49,6 @@ use nalgebra::{SMatrix, Vector3};
 use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
-use crate::progress::Cancelled;
-
-/// Why there is no answer at all.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CalibrationError {
-    #[error("{deployment}: no triplets: {why}")]
-    NoTriplets { deployment: String, why: String },
-    #[error(
-        "{deployment}: only {found} triplets, {needed} needed for 8 unknowns; record longer, or relax the filters"
-    )]
-    TooFewTriplets { deployment: String, found: usize, needed: usize },
-    #[error(
-        "{deployment}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, set \
-         inter_prism_m in deployment.toml, or give --rig"
-    )]
-    NoRig { deployment: String },
-    #[error("{deployment}: {method} ({}) needs {lack}", .method.name())]
-    Lacking { deployment: String, method: Method, lack: String },
-    #[error(
-        "{deployment}: the points of {method} ({}) lie in one place or on a line, which holds no rigid transform; \
-         use a level alignment, or more points",
-        .method.name()
-    )]
-    PointsOnALine { deployment: String, method: Method },
-    #[error("{why}; {published} has an answer: choose it ({})", .published.name())]
-    NoJointEstimate { why: Box<CalibrationError>, published: Method },
-    /// The calibration was cancelled by who asked for it: not to be shown as an error.
-    #[error("cancelled")]
-    Cancelled,
-}
-
-impl From<Cancelled> for CalibrationError {
-    fn from(_: Cancelled) -> Self {
-        Self::Cancelled
-    }
-}
-
-impl CalibrationError {
-    /// A method that the data does not allow.
-    fn lacking(deployment: &Deployment, method: Method, offer: &Offer) -> Self {
-        let lack = offer.lack(method).unwrap_or("points that hold a transform").to_owned();
-        Self::Lacking { deployment: deployment.name.clone(), method, lack }
-    }
-}
 
 /// One standard deviation of each number of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -79,7 +79,8 @@ fn jointly_beside_published(
     match published {
         Ok(published) => joint.published = Some(Box::new(published)),
         Err(why) => joint.findings.push(Finding::warning(format!(
-            "the paper's answer is not there to compare with: {published_method} has none ({why})"
+            "the paper's answer is not there to compare with: {published_method} has none ({})",
+            why.finding().message
         ))),
     }
     joint.solve_ms = started.elapsed().as_secs_f64() * 1e3 - joint.prior_ms;
@@ -189,6 +190,6 @@ fn hold_against_control_points(
     }
     for disagreement in disagreements {
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
-        calibration.findings.push(Finding::warning(disagreement.in_words()));
+        calibration.findings.push(disagreement.finding());
     }
 }

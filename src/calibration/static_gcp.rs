@@ -11,7 +11,7 @@ use super::point_to_point::{self, Errors, Matches};
 use super::{
     Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict, checks,
 };
-use crate::deployment::{ControlPoint, Deployment, Finding};
+use crate::deployment::{ControlPoint, Deployment, Finding, Remedy};
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
@@ -107,11 +107,12 @@ pub fn solve(
             "the control points fit poorly ({:.1} mm rms): check markers, coordinates, prism constant and whether a station moved",
             rms_m * 1e3
         );
-        findings.push(if rms_m > checks::HOPELESS_FIT_M {
+        let finding = if rms_m > checks::HOPELESS_FIT_M {
             Finding::problem(line)
         } else {
             Finding::warning(line)
-        });
+        };
+        findings.push(finding.with(Remedy::PutRight));
     }
     for finding in blunders(deployment, &matches, &aligned.residuals_m) {
         verdict = verdict.max(Verdict::Weak);
@@ -177,6 +178,7 @@ fn blunders(
                 size * 1e3,
                 typical_m * 1e3
             ))
+            .with(Remedy::ShowPoint { file: (*file).to_owned(), marker: point.marker })
         })
         .collect()
 }

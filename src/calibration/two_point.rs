@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use super::checks;
 use super::point_to_point::{self, Errors, Matches};
 use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer, Verdict};
-use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS};
+use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS, Remedy};
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::{median, quantile_of_sorted};
@@ -253,6 +253,7 @@ impl Misplaced {
             self.file,
             self.off_m * 1e3
         ))
+        .with(Remedy::ShowPoint { file: self.file.clone(), marker: self.marker })
     }
 }
 
@@ -305,7 +306,8 @@ fn findings(pairs: &[PairResection], chosen: usize) -> Vec<Finding> {
                 longest.markers[0],
                 longest.markers[1],
                 error_m * 1e3
-            )));
+            ))
+            .with(Remedy::PutRight));
         }
     }
     findings

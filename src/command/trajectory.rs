@@ -7,7 +7,7 @@ use clap::Args;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
-use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
+use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, NoTrajectory, vehicle_trajectory};
 use crate::export::{atomic, tum};
 
 #[derive(Args)]
@@ -40,7 +40,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         analysis.offer.targets,
         answer.calibration.placing_tracks(&deployment),
         arguments.max_error / 1e3,
-    )?;
+    )
+    .map_err(|why| match why {
+        NoTrajectory::NoRig(_) => anyhow::anyhow!("{why} (--rig)"),
+        _ => why.into(),
+    })?;
     if trajectory.poses.is_empty() {
         return Err(Failure::Input(anyhow::anyhow!(
             "{}: no pose: all {} epochs have an inter-prism error above {} mm; check the distances, or raise --max-error",

@@ -19,6 +19,19 @@ impl ControlPoint {
     pub fn serves_resection(&self) -> bool {
         self.known_m.is_some() && self.readings.iter().all(Option::is_some)
     }
+
+    /// Distances (m) between what pairs of stations make of it in station 1's frame: three, fewer where a station did not
+    /// measure it.
+    pub fn disagreements_m(
+        &self,
+        station1_from_station: &[RigidTransform; 3],
+    ) -> impl Iterator<Item = f64> {
+        let placed: [Option<Vector3<f64>>; 3] = std::array::from_fn(|station| {
+            self.readings[station]
+                .map(|polar| station1_from_station[station].apply(&polar.to_cartesian()))
+        });
+        super::PAIRS.into_iter().filter_map(move |(a, b)| Some((placed[a]? - placed[b]?).norm()))
+    }
 }
 
 /// The control points of one file.
@@ -37,18 +50,6 @@ impl ControlPointSet {
     /// The control-point metric of the paper is the median of these: up to three per point, fewer where
     /// a station did not measure it. `station1_from_station[0]` is the identity.
     pub fn disagreements_m(&self, station1_from_station: &[RigidTransform; 3]) -> Vec<f64> {
-        let mut distances = Vec::with_capacity(3 * self.points.len());
-        for point in &self.points {
-            let placed: [Option<Vector3<f64>>; 3] = std::array::from_fn(|station| {
-                point.readings[station]
-                    .map(|polar| station1_from_station[station].apply(&polar.to_cartesian()))
-            });
-            for (a, b) in super::PAIRS {
-                if let (Some(a), Some(b)) = (placed[a], placed[b]) {
-                    distances.push((a - b).norm());
-                }
-            }
-        }
-        distances
+        self.points.iter().flat_map(|point| point.disagreements_m(station1_from_station)).collect()
     }
 }

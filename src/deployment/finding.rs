@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::{Remedy, ToldAngle};
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -27,22 +29,40 @@ impl Severity {
 }
 
 /// One line for the user. Shown in the window, printed by the commands, and part of the JSON.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     pub severity: Severity,
+    /// What was noticed and what to do about it, without the flags that do it: the window has none. Where there is a
+    /// command line, [`Finding::to_string`] is the whole line.
     pub message: String,
     /// Whether no answer from this data can be better than weak.
-    #[serde(skip)]
     pub doubt: bool,
+    /// What can be done about it, the best first.
+    pub remedies: Vec<Remedy>,
+    /// The angles that the message tells, in their order.
+    pub angles: Vec<ToldAngle>,
+    /// Whether a table beside the answer says the same.
+    pub is_tabled: bool,
 }
 
 impl Finding {
+    fn new(severity: Severity, message: impl Into<String>) -> Self {
+        Self {
+            severity,
+            message: message.into(),
+            doubt: false,
+            remedies: Vec::new(),
+            angles: Vec::new(),
+            is_tabled: false,
+        }
+    }
+
     pub fn note(message: impl Into<String>) -> Self {
-        Self { severity: Severity::Note, message: message.into(), doubt: false }
+        Self::new(Severity::Note, message)
     }
 
     pub fn warning(message: impl Into<String>) -> Self {
-        Self { severity: Severity::Warning, message: message.into(), doubt: false }
+        Self::new(Severity::Warning, message)
     }
 
     /// A warning that no answer from this data can be better than weak.
@@ -51,12 +71,63 @@ impl Finding {
     }
 
     pub fn problem(message: impl Into<String>) -> Self {
-        Self { severity: Severity::Problem, message: message.into(), doubt: false }
+        Self::new(Severity::Problem, message)
+    }
+
+    /// The same with something that can be done about it, after what it has already.
+    #[must_use]
+    pub fn with(mut self, remedy: Remedy) -> Self {
+        self.remedies.push(remedy);
+        self
+    }
+
+    /// The same with the angles that its message tells, so that they can be told in another unit.
+    #[must_use]
+    pub fn telling(mut self, angles: impl IntoIterator<Item = ToldAngle>) -> Self {
+        self.angles.extend(angles);
+        self
+    }
+
+    /// The same as what a table beside the answer says.
+    #[must_use]
+    pub fn tabled(self) -> Self {
+        Self { is_tabled: true, ..self }
+    }
+
+    /// The message with its angles in other words.
+    pub fn with_angles(&self, words: impl Fn(&ToldAngle) -> String) -> String {
+        let (mut text, mut rest) = (String::new(), self.message.as_str());
+        for angle in &self.angles {
+            let own = angle.to_string();
+            let Some((before, after)) = rest.split_once(&own) else { continue };
+            text = text + before + &words(angle);
+            rest = after;
+        }
+        text + rest
     }
 }
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
+        f.write_str(&self.message)?;
+        for (index, flag) in self.remedies.iter().filter_map(Remedy::flag).enumerate() {
+            write!(f, "{} {flag}", if index == 0 { "; use" } else { " or" })?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_whole_line_has_the_flags_and_the_message_has_none() {
+        let finding = Finding::warning("the twins cannot be told apart")
+            .with(Remedy::GiveControlPoints)
+            .with(Remedy::ShowTimes([1.0, 2.0]))
+            .with(Remedy::GiveRig);
+        assert_eq!(finding.message, "the twins cannot be told apart");
+        assert_eq!(finding.to_string(), "the twins cannot be told apart; use --gcp or --rig");
     }
 }

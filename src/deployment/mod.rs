@@ -14,10 +14,12 @@ mod overrides;
 mod putting_right;
 mod reading_sense;
 mod recording;
+mod remedy;
 mod rig;
 mod sample;
 mod source;
 pub mod station_clocks;
+mod told_angle;
 mod track;
 mod what_is;
 
@@ -29,9 +31,11 @@ pub use open::{Ingredient, open, open_files};
 pub use overrides::{AzimuthSense, MaskedReading, OneOrMany, Overrides, PrismConstants};
 pub use putting_right::{AS_NUMBERED, OverrideChange, extras_changes, override_changes};
 pub use recording::{RawRecord, Recording};
+pub use remedy::Remedy;
 pub use rig::{Rig, pairwise_distances};
 pub use sample::Sample;
 pub use source::{Extras, Place, Source};
+pub use told_angle::{ToldAngle, ToldIn};
 pub use track::{Measurement, TimeCorrection, Track};
 pub use what_is::{Dropped, SESSION_KEY, Sorted, sort, what_is};
 

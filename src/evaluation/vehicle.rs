@@ -18,7 +18,8 @@ pub enum NoTrajectory {
     #[error("{0}: all stations follow one prism, which has a position but no orientation")]
     OnePrism(String),
     #[error(
-        "{0}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, or give --rig"
+        "{0}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, or name a file of \
+         the rig"
     )]
     NoRig(String),
     #[error("{0}: the three prisms lie on a line, which has no orientation")]

@@ -66,7 +66,8 @@ pub fn compare(
         for disagreement in &compared.disagreements {
             let prefix =
                 if each.len() > 1 { format!("{}: ", compared.deployment) } else { String::new() };
-            findings.push(Finding::warning(prefix + &disagreement.in_words()));
+            let own = disagreement.finding();
+            findings.push(Finding { message: prefix + &own.message, ..own });
         }
     }
     let groups = Method::ALL

@@ -34,13 +34,13 @@ pub fn calibration(
         // Doubts stand among the answer's own.
         .filter(|finding| !finding.doubt)
         .chain(&calibration.findings)
-        .map(|finding| finding.message.clone())
+        .map(ToString::to_string)
         .collect();
-    let doubts: Vec<&String> = calibration
+    let doubts: Vec<String> = calibration
         .findings
         .iter()
         .filter(|finding| finding.severity > Severity::Note)
-        .map(|finding| &finding.message)
+        .map(ToString::to_string)
         .collect();
     json!({
         "schema": SCHEMA,
@@ -116,7 +116,7 @@ fn published(joint: &Calibration) -> Option<Value> {
         "method": published.method.name(),
         "verdict": published.verdict,
         "independently_checked": published.is_independently_checked(),
-        "findings": published.findings.iter().map(|finding| &finding.message).collect::<Vec<_>>(),
+        "findings": published.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "transforms": [transform(published, 1), transform(published, 2)],
         "covariance": published.covariance.map(|covariance| rows(&covariance)),
         // The joint estimate minus this, in m, rad and σ of the joint estimate.

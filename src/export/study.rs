@@ -146,7 +146,7 @@ pub fn json(study: &Study) -> Value {
         "settings": study.settings,
         "groups": groups,
         "levels": study.levels.iter().map(|l| json!({ "label": l.label, "mm": l.value })).collect::<Vec<_>>(),
-        "findings": study.findings.iter().map(|f| &f.message).collect::<Vec<_>>(),
+        "findings": study.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
     })
 }
 
@@ -188,7 +188,7 @@ pub fn comparison_json(comparison: &Comparison) -> Value {
                         "largest_sigmas": d.largest_sigmas,
                         "moved_m": d.moved_m,
                         "range_m": d.range_m,
-                        "in_words": d.in_words(),
+                        "in_words": d.finding().message,
                     })
                 })
                 .collect();

@@ -58,7 +58,7 @@ impl ResultSummary {
             method: calibration.method,
             verdict: calibration.verdict,
             independently_checked: calibration.is_independently_checked(),
-            doubts: doubts.map(|finding| finding.message.clone()).collect(),
+            doubts: doubts.map(ToString::to_string).collect(),
             triplets: analysis.pipeline.triplets.len(),
             one_prism: analysis.offer.targets == Targets::OnePrism,
             stations: std::array::from_fn(|k| {

@@ -101,7 +101,7 @@ pub fn json(found: &Validation) -> Value {
             "allowed_mm": metric.allowed_m * 1e3,
             "worse": metric.is_worse(),
         })),
-        "findings": found.caveats.iter().map(|finding| &finding.message).collect::<Vec<_>>(),
+        "findings": found.caveats.iter().map(ToString::to_string).collect::<Vec<_>>(),
     })
 }
 

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod advice;
 mod asking;
 mod channels;
 mod clocks;
@@ -21,5 +22,6 @@ mod results;
 mod scene;
 mod screenshots;
 mod sessions;
+mod side_by_side;
 mod validation;
 mod workspace;

@@ -137,14 +137,18 @@ fn the_joint_estimate_is_said_to_follow() {
 #[test]
 fn the_result_follows_the_units() {
     let mut harness = window(LARGE, Theme::Dark);
-    assert!(harness.query_by_label("yaw (rad)").is_some());
+    let has =
+        |harness: &Window, text: &str| harness.query_all_by_label_contains(text).next().is_some();
+    assert!(has(&harness, " rad") && !has(&harness, " gon"));
     let units = Units { length: LengthUnit::Millimetre, angle: AngleUnit::Gon, ..Units::default() };
     send(&mut harness, Command::SetUnits(units));
-    assert!(harness.query_by_label("yaw (rad)").is_none());
-    assert!(harness.query_by_label("yaw (gon)").is_some());
+    assert!(has(&harness, " gon") && !has(&harness, " rad"));
     let summary = harness.state().state.active().and_then(|o| o.summary.clone()).expect("one");
-    let x = format!("{:>9.1}", summary.stations[0].translation_m[0] * 1e3);
-    assert!(harness.query_all_by_label(&x).next().is_some(), "{x}");
+    // As many decimals as σ has, which has two digits.
+    let sigma_mm = summary.stations[0].sigma.expect("held")[0] * 1e3;
+    assert!((0.995..9.95).contains(&sigma_mm), "{sigma_mm}");
+    let x = format!("{:.1} ", summary.stations[0].translation_m[0] * 1e3);
+    assert!(has(&harness, &x) && has(&harness, &format!(" ± {sigma_mm:.1}")), "{x}");
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
     send(&mut harness, Command::ShowPane(Pane::Result));
     snapshot_of(&mut harness, Part::Pane(Pane::Result), "gon");
@@ -296,4 +300,22 @@ fn a_calibration_that_is_stopped_leaves_the_answer_and_its_settings() {
     let (_, analysis) = harness.state().state.analysed().expect("the answer from before");
     assert_eq!(analysis.settings, before);
     assert!(!harness.state().state.is_stale() && !harness.state().state.is_busy());
+}
+
+#[test]
+fn what_was_estimated_besides_stands_in_a_table_and_not_in_sentences() {
+    let mut harness = window(LARGE, Theme::Dark);
+    assert!(harness.query_by_label_contains("stamps are").is_none());
+    harness.get_by_label_contains("Estimated besides").click_accesskit();
+    settle(&mut harness);
+    for row in ["station 3", "prisms 1–2", "  clock offset", "  range offset", "  lean about x"] {
+        assert!(harness.query_all_by_label(row).next().is_some(), "{row}");
+    }
+    harness.get_by_label("What σ comes from").click_accesskit();
+    settle(&mut harness);
+    assert!(harness.query_by_label("σ of T13").is_some());
+    snapshot_of(&mut harness, Part::Pane(Pane::Result), "extras-dark");
+    // The pane of findings tells all in words.
+    send(&mut harness, Command::ShowPane(Pane::Findings));
+    assert!(harness.query_all_by_label_contains("stamps are").next().is_some());
 }

@@ -271,7 +271,8 @@ fn each_open_deployment_keeps_its_settings() {
         let settings = *harness.state().state.settings();
         assert_eq!(settings.calibration.method, Some(Method::StaticGcp));
         assert_eq!(settings.pipeline.thresholds.tau_l_seconds, 6.0);
-        harness.get_by_label("Give all the active one's settings").click();
+        // Wherever it has been scrolled to.
+        harness.get_by_label("Give all the active one's settings").click_accesskit();
         settle(&mut harness);
         assert!(harness.state().state.open.iter().all(|open| open.settings == settings));
     }

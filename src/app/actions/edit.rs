@@ -40,6 +40,24 @@ pub fn actions(state: &State) -> Vec<Action> {
             .hint("Back to the settings of the answer that is shown")
             .possible(calibrated.is_some()),
     );
+    for pin in &state.results.pins {
+        let settings = state.settings_of_pin(pin.id);
+        let name = format!("Use the settings of pinned {}", pin.name);
+        actions.push(
+            Action::new(Menu::Edit, "Result", name, Command::UsePinned(pin.id))
+                .possible(open && settings.is_some_and(|settings| settings != *state.settings())),
+        );
+    }
+    actions.push(
+        Action::new(
+            Menu::Edit,
+            "Result",
+            "Apply the calibration to the others",
+            Command::ValidateOthers,
+        )
+        .hint("Whether it holds for the other deployments that are open")
+        .possible(state.can_validate()),
+    );
     actions.extend(data(state));
     let now = state.settings();
     let setting = |section, name: &str, on: bool, change: &dyn Fn(&mut Settings)| {

@@ -3,6 +3,7 @@
 
 mod edit;
 mod file;
+pub mod remedies;
 mod time;
 mod view;
 
@@ -111,6 +112,7 @@ impl Action {
 pub fn all(state: &State) -> Vec<Action> {
     let mut actions = file::actions(state);
     actions.extend(edit::actions(state));
+    actions.extend(remedies::actions(state));
     actions.extend(time::actions(state));
     actions.extend(view::actions(state));
     actions.extend(file::exports(state));

@@ -57,6 +57,8 @@ pub enum Command {
 
     /// Reads the active deployment again with these beside its tracks, as a step that can be undone.
     PutRight(Extras),
+    /// Unfolds what can be put right, in its pane.
+    ShowPutRight,
     ChooseRigDialog,
     AddControlPointsDialog,
     /// Asks whether what is put right goes into the folder's `deployment.toml`.
@@ -73,6 +75,8 @@ pub enum Command {
     Unpin(u64),
     /// Shows or hides the residuals of a pinned result.
     ShowPin(u64, bool),
+    /// Gives the active deployment the settings of a pinned result, by its id.
+    UsePinned(u64),
     /// Gives the active deployment the settings of a run, by its id.
     RestoreRun(u64),
 
@@ -93,6 +97,13 @@ pub enum Command {
     /// A reading was picked in a plot or a list: the camera flies to it.
     PickInPlot(Picked),
     Unpick,
+    /// Selects a span of time (s, in the stations' clock) and shows it in the plots and the scene.
+    LookAtTimes([f64; 2]),
+    /// Brings a control point before the camera.
+    LookAtPoint {
+        file: String,
+        marker: i64,
+    },
 
     /// Plots a channel in the pane of channels.
     Plot(Plotted),

@@ -7,6 +7,7 @@ mod asked;
 mod camera;
 mod colouring;
 mod command;
+pub mod estimates;
 pub mod flight;
 pub mod layout_description;
 pub mod layout_presets;

@@ -79,7 +79,7 @@ impl LengthUnit {
     }
 
     /// Decimals that show 0.1 mm.
-    fn decimals(self) -> usize {
+    pub(super) fn decimals(self) -> usize {
         match self {
             Self::Metre => 4,
             Self::Millimetre => 1,
@@ -116,7 +116,7 @@ impl AngleUnit {
         }
     }
 
-    fn small_per_radian(self) -> f64 {
+    pub(super) fn small_per_radian(self) -> f64 {
         match self {
             Self::Radian | Self::Gon => 1e3 * self.per_radian(),
             Self::Degree => 3600.0 * self.per_radian(),
@@ -124,7 +124,7 @@ impl AngleUnit {
     }
 
     /// Decimals that show about 1 µrad.
-    fn decimals(self) -> usize {
+    pub(super) fn decimals(self) -> usize {
         match self {
             Self::Radian => 6,
             Self::Degree | Self::Gon => 4,

@@ -62,7 +62,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.small("Struck out: not used; hover for the reason.");
         }
         for one in deployment.findings.iter().filter(|f| f.severity > Severity::Note) {
-            finding(ui, one);
+            finding(ui, state, one, commands);
         }
     });
 }

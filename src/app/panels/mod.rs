@@ -29,6 +29,9 @@ pub mod validation;
 
 use eframe::egui;
 
+use crate::app::actions::remedies;
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use crate::deployment::Finding;
@@ -46,8 +49,8 @@ fn scrolled(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     });
 }
 
-/// A finding with its sign; the text wraps beside it.
-fn finding(ui: &mut egui::Ui, finding: &Finding) {
+/// A finding with its sign; beside it the text wraps, and under that are buttons that do what it advises.
+fn finding(ui: &mut egui::Ui, state: &State, finding: &Finding, commands: &mut Commands) {
     let (colour, sign) = theme::severity(finding.severity, ui.visuals().dark_mode);
     ui.horizontal_top(|ui| {
         // Signs differ in width; the texts beside them should line up.
@@ -55,9 +58,48 @@ fn finding(ui: &mut egui::Ui, finding: &Finding) {
         let (place, _) = ui.allocate_exact_size(egui::vec2(width, 16.0), egui::Sense::hover());
         let font = egui::TextStyle::Body.resolve(ui.style());
         ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, sign, font, colour);
-        let label = ui.add(egui::Label::new(&finding.message).wrap());
-        words::explain_text(label, &finding.message);
+        ui.vertical(|ui| {
+            let message = state.units.message(finding);
+            let label = ui.add(egui::Label::new(&message).wrap());
+            words::explain_text(label, &message);
+            if !finding.remedies.is_empty() {
+                ui.horizontal_wrapped(|ui| {
+                    for remedy in &finding.remedies {
+                        advised(ui, remedies::offer(remedy, state), commands);
+                    }
+                });
+            }
+        });
     });
+}
+
+/// A button that does what is advised, or says why it cannot.
+fn advised(ui: &mut egui::Ui, offer: remedies::Offer, commands: &mut Commands) {
+    let remedies::Offer { name, command } = offer;
+    let button = ui.add_enabled(command.is_ok(), egui::Button::new(name).small());
+    match command {
+        Ok(command) if button.clicked() => commands.push(command),
+        Ok(_) => {}
+        Err(why) => {
+            button.on_disabled_hover_text(why);
+        }
+    }
+}
+
+/// A button that gives the active deployment the settings of a pinned result.
+fn use_pinned(ui: &mut egui::Ui, state: &State, id: u64, commands: &mut Commands) {
+    let Some(settings) = state.settings_of_pin(id) else { return };
+    let possible = settings != *state.settings();
+    let button = ui
+        .add_enabled(possible, egui::Button::new("Use these settings").small())
+        .on_hover_text("Calibrate with the settings of the pinned result; Undo takes it back")
+        .on_disabled_hover_text("They are the settings now");
+    let pin = state.results.pins.iter().find(|pin| pin.id == id);
+    let name = format!("Use the settings of {}", pin.map_or("", |pin| pin.name.as_str()));
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, possible, &name));
+    if button.clicked() {
+        commands.push(Command::UsePinned(id));
+    }
 }
 
 /// A heading inside a pane.

@@ -8,7 +8,7 @@ use eframe::egui::{self, RichText};
 
 use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
-use crate::app::state::put_right::{effective, exchanged};
+use crate::app::state::put_right::{effective, exchanged, take_unfold};
 use crate::app::theme;
 use crate::app::words;
 use crate::deployment::{
@@ -23,7 +23,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
     let dark = ui.visuals().dark_mode;
     let title = RichText::new(title).strong();
     let title = if count == 0 { title } else { title.color(mark_colour(dark)) };
-    let header = egui::CollapsingHeader::new(title).id_salt("put right").show(ui, |ui| {
+    let unfold = take_unfold(ui.ctx());
+    let header =
+        egui::CollapsingHeader::new(title).id_salt("put right").open(unfold.then_some(true));
+    let header = header.show(ui, |ui| {
         let mut changed = extras.clone();
         let shown = Shown { open, extras, now: effective(extras, &open.deployment) };
         shown.constants(ui, &mut changed);
@@ -39,6 +42,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
             commands.push(Command::PutRight(changed));
         }
     });
+    if unfold {
+        header.header_response.scroll_to_me(Some(egui::Align::TOP));
+    }
     header.header_response.on_hover_text(
         "Prism constant, inter-prism distances, station numbers, sense of azimuth, times, files: what the files say \
          wrongly, or do not say",

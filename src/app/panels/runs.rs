@@ -3,7 +3,7 @@
 use eframe::egui::{self, RichText, WidgetInfo};
 
 use super::result::badge;
-use super::{heading, scrolled};
+use super::{heading, scrolled, use_pinned};
 use crate::analysis::{Settings, changes_in_words, setting_changes};
 use crate::app::model::ago::ago;
 use crate::app::model::{Command, Commands, Pin, Run};
@@ -87,7 +87,10 @@ fn pinned(ui: &mut egui::Ui, state: &State, pin: &Pin, commands: &mut Commands) 
     let words = if changed.is_empty() { "the default settings".to_owned() } else { changed };
     ui.horizontal(|ui| {
         ui.add_space(INDENT);
-        ui.add(egui::Label::new(RichText::new(words).small()).wrap());
+        ui.vertical(|ui| {
+            ui.add(egui::Label::new(RichText::new(words).small()).wrap());
+            use_pinned(ui, state, *id, commands);
+        });
     });
 }
 

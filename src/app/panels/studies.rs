@@ -84,7 +84,7 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if let Some(result) = &state.studies.result {
         ui.separator();
         for one in &result.study().findings {
-            finding(ui, one);
+            finding(ui, state, one, commands);
         }
     }
 }

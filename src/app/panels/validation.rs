@@ -38,12 +38,18 @@ pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands)
         ui.add_space(4.0);
         ui.scope(|ui| {
             ui.set_max_width(width);
-            one(ui, &name, (index, found), state.units);
+            one(ui, state, &name, (index, found), commands);
         });
     }
 }
 
-fn one(ui: &mut egui::Ui, name: &str, (index, found): (usize, &Validation), units: Units) {
+fn one(
+    ui: &mut egui::Ui,
+    state: &State,
+    name: &str,
+    (index, found): (usize, &Validation),
+    commands: &mut Commands,
+) {
     ui.horizontal(|ui| {
         let [ground, ink] = palette::outcome(&found.outcome).map(theme::rgb);
         let word = RichText::new(format!(" {} ", found.outcome.name()));
@@ -52,7 +58,7 @@ fn one(ui: &mut egui::Ui, name: &str, (index, found): (usize, &Validation), unit
     });
     ui.add(egui::Label::new(found.why()).wrap());
     if let Some(difference) = &found.difference {
-        stations(ui, (index, difference), units);
+        stations(ui, (index, difference), state.units);
     }
     if let Some(metric) = &found.metric {
         ui.monospace(format!(
@@ -63,7 +69,7 @@ fn one(ui: &mut egui::Ui, name: &str, (index, found): (usize, &Validation), unit
             metric.own_mm.iqr
         ));
     }
-    found.caveats.iter().for_each(|caveat| finding(ui, caveat));
+    found.caveats.iter().for_each(|caveat| finding(ui, state, caveat, commands));
 }
 
 /// What each station would have done, were it the only one that moved.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::egui;
 
 use super::State;
-use super::put_right::Extra;
+use super::put_right::{self, Extra};
 use crate::analysis::Settings;
 use crate::app::layout::Layout;
 use crate::app::model::undo::{Change, Changed, Moment};
@@ -69,6 +69,10 @@ impl State {
             }
 
             Command::PutRight(extras) => self.put_right(extras),
+            Command::ShowPutRight => {
+                self.layout.show(Pane::Deployment);
+                put_right::unfold(ctx);
+            }
             Command::ChooseRigDialog => self.choose_extra_dialog(Extra::Rig),
             Command::AddControlPointsDialog => self.choose_extra_dialog(Extra::ControlPoints),
             Command::WriteDeploymentToml => self.propose_deployment_toml(),
@@ -82,6 +86,11 @@ impl State {
             Command::ShowPin(id, shown) => {
                 if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
                     pin.shown = shown;
+                }
+            }
+            Command::UsePinned(id) => {
+                if let Some(settings) = self.settings_of_pin(id) {
+                    self.change_active(settings, Moment::now(ctx));
                 }
             }
             Command::RestoreRun(id) => {
@@ -120,6 +129,8 @@ impl State {
                 self.fly_to(picked);
                 self.pick(picked);
             }
+            Command::LookAtTimes(span_s) => self.look_at_times(span_s),
+            Command::LookAtPoint { file, marker } => self.look_at_point(&file, marker),
             Command::Unpick => self.with_timeline(|timeline, _| timeline.picked = None),
 
             Command::Plot(plotted) => {
@@ -266,14 +277,14 @@ impl State {
         }
     }
 
-    fn with_timeline(&mut self, change: impl FnOnce(&mut Timeline, &Deployment)) {
+    pub(super) fn with_timeline(&mut self, change: impl FnOnce(&mut Timeline, &Deployment)) {
         if let Some(open) = self.open.get_mut(self.active) {
             change(&mut open.timeline, &open.deployment);
         }
     }
 
     /// The camera glides to a reading of the active deployment, if it has a place.
-    fn fly_to(&mut self, picked: Picked) {
+    pub(super) fn fly_to(&mut self, picked: Picked) {
         let Some((open, analysis)) = self.analysed() else { return };
         if let Some(position_m) = picked.place_m(&open.deployment, analysis) {
             self.view.fly_to(&position_m);

@@ -2,6 +2,7 @@
 //!
 //! Panes get the state to read and a list to put [`Command`]s on; [`State::handle`] carries them out between frames.
 
+mod advice;
 mod asked;
 mod asking;
 mod channels_csv;

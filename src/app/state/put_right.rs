@@ -3,6 +3,8 @@
 
 use std::path::PathBuf;
 
+use eframe::egui;
+
 use super::State;
 use crate::app::file_dialog::{Question, Wanted};
 use crate::app::model::undo::{Change, Changed, Moment};
@@ -99,6 +101,20 @@ impl State {
         }
         self.read_with(id, extras, true);
     }
+}
+
+/// Has the lines of what can be put right unfolded where they are drawn next.
+pub fn unfold(ctx: &egui::Context) {
+    ctx.data_mut(|data| data.insert_temp(unfold_id(), true));
+}
+
+/// Whether they are to be unfolded, once.
+pub fn take_unfold(ctx: &egui::Context) -> bool {
+    ctx.data_mut(|data| data.remove_temp(unfold_id())).unwrap_or(false)
+}
+
+fn unfold_id() -> egui::Id {
+    egui::Id::unique("unfold what can be put right")
 }
 
 /// The rig is that of this file, and not what was said of it before.

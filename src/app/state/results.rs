@@ -8,6 +8,7 @@ use crate::analysis::{Analysis, Analyst, Settings, changes_in_words, setting_cha
 use crate::app::model::undo::Moment;
 use crate::app::model::{Pin, Run};
 use crate::app::prepared::{PreparedPlots, RawReadings};
+use crate::calibration::Method;
 use crate::export::summary::ResultSummary;
 
 /// Most runs that are kept: more are not looked at again; the oldest go.
@@ -46,12 +47,22 @@ impl State {
         }
     }
 
+    /// The settings that lead to a pinned result.
+    pub fn settings_of_pin(&self, id: u64) -> Option<Settings> {
+        let summary = &self.results.pins.iter().find(|pin| pin.id == id)?.summary;
+        let mut settings = summary.settings;
+        // What no named method means may have been another when it was pinned.
+        let method = summary.method;
+        settings.calibration.method = (method != Method::default()).then_some(method);
+        Some(settings)
+    }
+
     /// Remembers what an analysis led to. One drag is one run.
     pub(super) fn remember_run(&mut self, deployment: u64, analysis: &Analysis) {
         let Some(open) = self.open.iter().find(|open| open.id == deployment) else { return };
         let result = match (&analysis.answer, &open.summary) {
             (Ok(_), Some(summary)) => Ok(Arc::clone(summary)),
-            (Err(error), _) => Err(error.to_string()),
+            (Err(error), _) => Err(error.finding().message),
             (Ok(_), None) => return,
         };
         let step = self.undo.begun();

@@ -10,7 +10,7 @@ use crate::calibration::checks::{
     FREE_SIGMA_M, POOR_FIT_M, WEAK_SIGMA_M, control_points_contradict,
 };
 use crate::calibration::{ResolvedBy, TransformSigma, Verdict};
-use crate::deployment::{Deployment, Finding, Severity};
+use crate::deployment::{Deployment, Finding, Remedy, Severity, ToldAngle, ToldIn};
 use crate::geometry::RigidTransform;
 use crate::statistics::median;
 
@@ -94,6 +94,8 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
 /// A drive whose shape leaves something free or weak, as what it is.
 fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
     let Evidence { observability, rival, .. } = *evidence;
+    let mut angle = None;
+    let mut told = |rad: f64| *angle.insert(ToldAngle::size(rad, ToldIn::Degrees, 0));
     let shape = match observability.drive.plan {
         Plan::Winding => return None,
         Plan::Standing => "the vehicle hardly moved".to_owned(),
@@ -105,8 +107,8 @@ fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
             format!("the drive goes round one circle, one way (radius {radius_m:.1} m)")
         }
         Plan::Circle { radius_m, driven_rad, .. } => format!(
-            "the drive is an arc of one circle ({:.0}° of radius {radius_m:.1} m)",
-            driven_rad.to_degrees()
+            "the drive is an arc of one circle ({} of radius {radius_m:.1} m)",
+            told(driven_rad)
         ),
         Plan::TwoLegs { corner_m, turn_rad } => {
             let rival = rival.map_or_else(String::new, |(_, cost_ratio)| {
@@ -115,9 +117,9 @@ fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
                 )
             });
             format!(
-                "the drive is an L, two straight legs with one corner of {:.0}° at ({:.1}, {:.1}) m: everything rests on \
+                "the drive is an L, two straight legs with one corner of {} at ({:.1}, {:.1}) m: everything rests on \
                  that corner{rival}",
-                turn_rad.to_degrees(),
+                told(turn_rad),
                 corner_m.x,
                 corner_m.y
             )
@@ -133,7 +135,8 @@ fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
         (0, weak) => (Severity::Warning, of_all(weak, "weakly held")),
         (free, _) => (Severity::Problem, of_all(free, "free")),
     };
-    Some(Finding { severity, ..Finding::note(format!("{shape}; {holds}")) })
+    let finding = Finding::note(format!("{shape}; {holds}")).telling(angle);
+    Some(Finding { severity, ..finding })
 }
 
 /// Ground on which nothing but the rig or control points tells the mirror twin.
@@ -143,10 +146,11 @@ fn flat(evidence: &Evidence<'_>) -> Option<Finding> {
     if !drive.is_flat() || mirror.twin.is_none() {
         return None;
     }
+    let tilt = ToldAngle::size(drive.tilt_rad, ToldIn::Degrees, 2);
     let ground = if drive.is_floor() {
         format!("the floor is flat (heights vary by {:.0} mm)", drive.relief_m * 1e3)
     } else {
-        format!("the rig never pitches or rolls (by {:.2}° at most)", drive.tilt_rad.to_degrees())
+        format!("the rig never pitches or rolls (by {tilt} at most)")
     };
     let message = format!(
         "{ground}: heights have a mirror twin that only the rig or control points can tell from the answer"
@@ -155,6 +159,7 @@ fn flat(evidence: &Evidence<'_>) -> Option<Finding> {
         ResolvedBy::Nothing => Finding::warning(message),
         _ => Finding::note(message),
     })
+    .map(|finding| finding.telling((!drive.is_floor()).then_some(tilt)))
 }
 
 /// Another minimum, not the mirror twin, that the data cannot tell from the answer.
@@ -182,5 +187,6 @@ fn poor_fit(evidence: &Evidence<'_>) -> Option<Finding> {
             "the distances fit poorly (median {:.1} mm): check the order of the prisms, the distances, the clocks and the filters",
             median_m * 1e3
         ))
+        .with(Remedy::PutRight)
     })
 }

@@ -4,7 +4,7 @@
 use super::{CentredTriplets, Minimum, NormalEquations};
 use crate::calibration::distance_errors_m;
 use crate::calibration::{TransformSigma, Verdict};
-use crate::deployment::Finding;
+use crate::deployment::{Finding, Remedy};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 use crate::statistics::median;
@@ -73,7 +73,8 @@ pub fn left_out(time_s: &[f64], kept_s: &[f64]) -> Vec<(Verdict, Finding)> {
             from_s - time_s[0],
             to_s - time_s[0]
         );
-        doubts.push((Verdict::Weak, Finding::warning(line)));
+        let finding = Finding::warning(line).with(Remedy::ShowTimes([from_s, to_s]));
+        doubts.push((Verdict::Weak, finding));
     }
     doubts
 }
@@ -151,6 +152,7 @@ pub fn pull(
             wild.len(),
             pull_m * 1e3
         ))
+        .with(Remedy::JointEstimate)
     })
 }
 

@@ -7,7 +7,7 @@
 
 use crate::calibration::misfits::control_points_apart_m;
 use crate::calibration::{Basin, Mirror, ResolvedBy};
-use crate::deployment::{ControlPointSet, Finding, Rig};
+use crate::deployment::{ControlPointSet, Finding, Remedy, Rig};
 use crate::geometry::RigidTransform;
 
 /// The twin must cost this much more before the cost alone decides: a clock offset or a wrong distance
@@ -91,12 +91,13 @@ pub fn choose(
         findings.push(Finding::warning(format!(
             "the {} says one solution, the cost clearly the other; check the order of the prisms",
             witness.name().unwrap_or("witness")
-        )));
+        ))
+        .with(Remedy::PutRight));
     } else if ambiguous {
-        findings.push(Finding::warning(
-            "to tell the twins apart, add calibration_raw.csv (heights of the prisms) or control points, or \
-             drive over uneven ground",
-        ));
+        let line = "to tell the twins apart, add calibration_raw.csv (heights of the prisms) or control points, or \
+                    drive over uneven ground";
+        let finding = Finding::warning(line);
+        findings.push(finding.with(Remedy::GiveRig).with(Remedy::GiveControlPoints));
     }
     let mirror = Mirror { twin: Some(other), cost_ratio: Some(cost_ratio), resolved_by: witness };
     Choice { answer, twin_is_real, mirror, findings, ambiguous }

@@ -9,7 +9,7 @@ use super::{
     prior_search, same_solution,
 };
 use crate::calibration::{Basin, PriorMethod};
-use crate::deployment::{ControlPointSet, Finding, Rig};
+use crate::deployment::{ControlPointSet, Finding, Remedy, Rig};
 use crate::pipeline::Triplets;
 
 /// What the published method finds on some triplets.
@@ -45,10 +45,9 @@ pub fn solve(
         PriorMethod::Search => {
             let search = prior_search::search(triplets, inter_prism_m);
             if !search.agreed {
-                findings.push(Finding::warning(
-                    "the search of the prior found no optimum that three other runs agree with; \
-                     compare with --prior closed-form",
-                ));
+                let line = "the search of the prior found no optimum that three other runs agree with; compare with the \
+                            closed form";
+                findings.push(Finding::warning(line).with(Remedy::ClosedFormPrior));
             }
             let mut priors = vec![data.parameters(&search.chosen)];
             // A search that went astray must not decide alone.

@@ -1,10 +1,11 @@
 //! What the joint estimate found, in words: instruments, what did not stay as it was, and what its σ are made of.
 
-use super::unknowns::{COLLIMATIONS, DISTANCES, INDICES, LATENCIES, LEANS, OFFSETS, SCALES};
-use super::{JointEstimate, Step, Stepped};
+use super::instruments::{InstrumentError, instruments};
+use super::unknowns::DISTANCES;
+use super::{Dominant, JointEstimate, Step, Stepped};
 use crate::calibration::Verdict;
 use crate::calibration::{Estimate, clocks_in_words};
-use crate::deployment::{Finding, pair_label};
+use crate::deployment::{Finding, Remedy, ToldAngle, ToldIn, pair_label};
 
 /// How far one estimate may be from its prior by chance (σ): once in forty thousand, by some of thirty.
 const MOST_STRAIN: f64 = 4.2;
@@ -14,9 +15,8 @@ const MOST_STRAIN_OF_STATION: f64 = 3.0;
 const MOST_STRAIN_OF_ALL: f64 = 3.3;
 /// The largest errors of ranges to prisms that turn are 5 mm (Lackner & Lienhart 2016).
 const MOST_WANDER_M: f64 = 0.005;
-/// An instrument's error is told where it is this many of its σ, and the data narrowed what was known by this share.
-const TOLD_SIGMAS: f64 = 2.5;
-const TOLD_NARROWED: f64 = 0.8;
+/// What is looked at before and after a step (s): its moment is known to about six seconds.
+const AROUND_A_STEP_S: f64 = 20.0;
 
 pub fn findings(found: &JointEstimate) -> Vec<Finding> {
     let mut findings = vec![noise(found)];
@@ -29,65 +29,63 @@ pub fn findings(found: &JointEstimate) -> Vec<Finding> {
             ..finding
         }));
     }
-    findings.extend(instruments(found).into_iter().filter_map(|error| error.told()));
+    findings.extend(instruments(found).iter().filter(|error| error.is_told()).map(|error| {
+        let (line, angle) = error.in_words();
+        Finding::note(line).telling(angle)
+    }));
     findings.extend(dominant(found));
-    findings
+    findings.into_iter().map(Finding::tabled).collect()
 }
 
 /// What speaks against the estimate itself, each with the verdict that it allows at most.
 pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
     let mut doubts = Vec::new();
-    let mut doubt = |line: String| doubts.push((Verdict::Weak, Finding::warning(line)));
+    let mut doubt = |finding: Finding| doubts.push((Verdict::Weak, finding));
     let strain = &found.strain;
     let mut strained = false;
     for error in instruments(found) {
         let sigmas = strain.of[error.place].abs();
         if sigmas > MOST_STRAIN {
             strained = true;
-            doubt(format!(
-                "{}, where instruments in order have {:.1} {} (1 σ): {sigmas:.1} σ beyond chance, so something is wrong that \
-                 this estimate takes for it",
-                error.in_words(),
-                error.known * error.scale,
-                error.unit
-            ));
+            doubt(strained_in_words(&error, sigmas));
         }
     }
     for pair in 0..3 {
         let sigmas = strain.of[DISTANCES + pair].abs();
         if found.distances_m.is_some() && sigmas > MOST_STRAIN {
             strained = true;
-            doubt(format!(
+            let line = format!(
                 "prisms {} would be {:+.1} mm from their measured distance, which is known to {:.1} mm (1 σ), {sigmas:.1} σ \
                  beyond chance: the rig, its units or the stations' numbers are wrong",
                 pair_label(pair),
                 strain.moved[DISTANCES + pair] * 1e3,
                 found.sizes.inter_prism_m * 1e3
-            ));
+            );
+            doubt(Finding::warning(line).with(Remedy::PutRight));
         }
     }
     for (station, sigmas) in strain.of_stations.into_iter().enumerate() {
         if sigmas > MOST_STRAIN_OF_STATION {
             strained = true;
-            doubt(format!(
+            doubt(Finding::warning(format!(
                 "what is wrong with station {}'s ranges, angles and lean is {sigmas:.1} σ beyond what instruments in order \
                  have, taken together: it was knocked, or something else bends the answer",
                 station + 1
-            ));
+            )));
         }
     }
     if !strained && strain.of_all > MOST_STRAIN_OF_ALL {
-        doubt(format!(
+        doubt(Finding::warning(format!(
             "what is wrong with all stations and distances is {:.1} σ beyond what instruments in order have, taken together: \
              something that this estimate does not know bends the answer",
             strain.of_all
-        ));
+        )));
     }
     if found.wander.sigma_m > MOST_WANDER_M {
-        doubt(format!(
+        doubt(Finding::warning(format!(
             "ranges wander by {:.0} mm, more than any prism makes them: find out what else does",
             found.wander.sigma_m * 1e3
-        ));
+        )));
     }
     doubts.extend(found.stepped.iter().map(|step| stepped(step, found)));
     doubts.extend(
@@ -96,6 +94,16 @@ pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
             .map(|finding| (Verdict::Weak, finding)),
     );
     doubts
+}
+
+/// An error that is larger than instruments in order have.
+fn strained_in_words(error: &InstrumentError, sigmas: f64) -> Finding {
+    let ((line, angle), (known, known_angle)) = (error.in_words(), error.known_in_words());
+    Finding::warning(format!(
+        "{line}, where instruments in order have {known} (1 σ): {sigmas:.1} σ beyond chance, so something is wrong that this \
+         estimate takes for it"
+    ))
+    .telling(angle.into_iter().chain(known_angle))
 }
 
 /// Whether the clocks of stations 2 and 3 jump.
@@ -110,125 +118,73 @@ fn jumping(found: &JointEstimate) -> [bool; 2] {
 fn stepped(step: &Step, found: &JointEstimate) -> (Verdict, Finding) {
     let station = step.station + 1;
     let when = found.when(step);
-    let line = match &step.what {
-        Stepped::Clock(by_s) => format!(
-            "station {station}'s stamps jump by {:+.1} ± {:.1} ms {when}, which no offset puts right",
-            by_s.value * 1e3,
-            by_s.sigma * 1e3,
+    let (line, angle) = match &step.what {
+        Stepped::Clock(by_s) => (
+            format!(
+                "station {station}'s stamps jump by {:+.1} ± {:.1} ms {when}, which no offset puts right",
+                by_s.value * 1e3,
+                by_s.sigma * 1e3,
+            ),
+            None,
         ),
         Stepped::Station { turned_rad, .. } => {
             let moved = step.moved_m().unwrap_or(Estimate { value: 0.0, sigma: 0.0 });
-            format!(
-                "station {station} turned by {:+.3} ± {:.3} mrad and moved by {:.1} ± {:.1} mm {when}",
-                turned_rad.value * 1e3,
-                turned_rad.sigma * 1e3,
+            let turned = ToldAngle::signed(turned_rad.value, ToldIn::Milliradians, 3)
+                .sigma(turned_rad.sigma);
+            let line = format!(
+                "station {station} turned by {turned} and moved by {:.1} ± {:.1} mm {when}",
                 moved.value * 1e3,
                 moved.sigma * 1e3,
-            )
+            );
+            (line, Some(turned))
         }
     };
     if found.is_usual(step) {
         let line = format!("{line}; no more than σ allows for");
-        return (Verdict::Good, Finding::note(line));
+        return (Verdict::Good, Finding::note(line).telling(angle));
     }
     let remedy = if step.slowly { "find out why" } else { "cut the recording there" };
     let line = format!(
         "{line}; the estimate allows for it, but no one answer holds for the whole drive: {remedy}"
     );
-    (Verdict::Weak, Finding::warning(line))
+    let seen = (!step.slowly).then(|| {
+        let at_s = found.at_s(step);
+        Remedy::ShowTimes([at_s - AROUND_A_STEP_S, at_s + AROUND_A_STEP_S])
+    });
+    let finding = Finding::warning(line).telling(angle);
+    (Verdict::Weak, seen.into_iter().fold(finding, Finding::with))
 }
 
-/// An error of an instrument that was estimated.
-struct InstrumentError {
-    what: String,
-    place: usize,
-    /// The error about zero, or about what geometry says.
-    estimate: Estimate,
-    /// What was known of it beforehand (1 σ).
-    known: f64,
-    /// Factor from the estimate's unit to the one that is shown.
-    scale: f64,
-    unit: &'static str,
-}
-
-impl InstrumentError {
-    fn in_words(&self) -> String {
-        format!(
-            "{} {:+.1} ± {:.1} {}",
-            self.what,
-            self.estimate.value * self.scale,
-            self.estimate.sigma * self.scale,
-            self.unit
-        )
-    }
-
-    fn told(&self) -> Option<Finding> {
-        let told = self.estimate.sigmas_from(0.0).abs() > TOLD_SIGMAS
-            && self.estimate.sigma < TOLD_NARROWED * self.known;
-        told.then(|| Finding::note(self.in_words()))
-    }
-}
-
-fn instruments(found: &JointEstimate) -> Vec<InstrumentError> {
-    let (sizes, arcseconds) = (&found.sizes, 3600.0_f64.to_degrees());
-    let mut errors = Vec::new();
-    let mut add = |what: String, place, estimate, known, scale, unit| {
-        errors.push(InstrumentError { what, place, estimate, known, scale, unit });
-    };
-    for station in 0..3 {
-        let own = format!("station {}'s", station + 1);
-        let ranges = || format!("{own} ranges are off by");
-        let offset = found.range_offsets_m[station];
-        add(ranges(), OFFSETS + station, offset, sizes.range_offset_m, 1e3, "mm");
-        let scale = found.range_scales[station];
-        add(ranges(), SCALES + station, scale, sizes.range_scale, 1e6, "ppm");
-        let index = found.indices_rad[station];
-        let what = format!("{own} zenith angles are off by");
-        add(what, INDICES + station, index, sizes.index_rad, arcseconds, "″");
-        let sight = found.collimations_rad[station];
-        let what = format!("{own} line of sight is off by");
-        add(what, COLLIMATIONS + station, sight, sizes.collimation_rad, arcseconds, "″");
-        let latency = found.latencies_s[station];
-        let what = format!("{own} angles are older than its ranges by");
-        add(what, LATENCIES + station, latency, sizes.latency_s, 1e3, "ms");
-        for (axis, lean) in found.leans_rad[station].into_iter().enumerate() {
-            let what = format!("station {} leans about {} by", station + 1, ["x", "y"][axis]);
-            let place = LEANS + 2 * station + axis;
-            add(what, place, lean, sizes.lean_rad, arcseconds, "″");
-        }
-    }
-    errors
-}
-
-/// "what makes σ of station 2: in x settling 0.6 of 0.9 mm, …".
+/// "what dominates σ of station 2: x settling (0.6 of 0.9 mm), …".
 fn dominant(found: &JointEstimate) -> Vec<Finding> {
     let line = |slot: usize| {
-        let part = |axis: usize| {
-            let place = 4 * slot + axis;
-            let largest = found.budget.iter().max_by(|a, b| a.1[place].total_cmp(&b.1[place]));
-            let (what, variance) = largest.map_or(("", 0.0), |(what, all)| (*what, all[place]));
-            let (scale, unit) = if axis == 3 { (1e3, "mrad") } else { (1e3, "mm") };
-            let digits = if axis == 3 { 3 } else { 1 };
-            format!(
-                "{} {what} ({:.digits$} of {:.digits$} {unit})",
-                ["x", "y", "z", "yaw"][axis],
-                variance.sqrt() * scale,
-                found.covariance[(place, place)].sqrt() * scale,
-            )
+        let mut angles = Vec::new();
+        let mut part = |axis: usize| {
+            let Dominant { what, part, whole } = found.dominant(4 * slot + axis);
+            let axis_name = ["x", "y", "z", "yaw"][axis];
+            if axis < 3 {
+                return format!("{axis_name} {what} ({:.1} of {:.1} mm)", part * 1e3, whole * 1e3);
+            }
+            let [part, whole] =
+                [part, whole].map(|rad| ToldAngle::size(rad, ToldIn::Milliradians, 3));
+            angles.extend([part, whole]);
+            format!("{axis_name} {what} ({part} of {whole})")
         };
-        let parts: Vec<String> = (0..4).map(part).collect();
-        format!("what dominates σ of station {}: {}", slot + 2, parts.join(", "))
+        let parts: Vec<String> = (0..4).map(&mut part).collect();
+        let line = format!("what dominates σ of station {}: {}", slot + 2, parts.join(", "));
+        Finding::note(line).telling(angles)
     };
-    [0, 1].map(line).into_iter().map(Finding::note).collect()
+    [0, 1].map(line).into()
 }
 
 fn noise(found: &JointEstimate) -> Finding {
     let levels = &found.levels;
+    let angle = ToldAngle::size(levels.angle_rad, ToldIn::Arcseconds, 1);
     Finding::note(format!(
-        "readings scatter about the motion by {:.1} mm in range, {:.1}″ in angle and {:.1} ms in time; ranges wander by {:.1} mm",
+        "readings scatter about the motion by {:.1} mm in range, {angle} in angle and {:.1} ms in time; ranges wander by {:.1} mm",
         levels.range_m() * 1e3,
-        levels.angle_rad.to_degrees() * 3600.0,
         levels.jitter_s * 1e3,
         found.wander.sigma_m * 1e3,
     ))
+    .telling([angle])
 }

@@ -17,6 +17,7 @@ mod corrected;
 mod drive;
 mod equations;
 pub mod in_words;
+pub mod instruments;
 mod motion;
 mod noise;
 mod pass;
@@ -109,10 +110,32 @@ pub struct DriveClocks {
     pub late_s: [Estimate; 2],
 }
 
+/// The largest part of one of the σ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dominant {
+    pub what: &'static str,
+    /// The part's σ, and the whole (m, or rad).
+    pub part: f64,
+    pub whole: f64,
+}
+
 impl JointEstimate {
+    /// What most of a σ comes from; `place` counts (x, y, z, yaw) of station 2, then of station 3.
+    pub fn dominant(&self, place: usize) -> Dominant {
+        let largest = self.budget.iter().max_by(|a, b| a.1[place].total_cmp(&b.1[place]));
+        let (what, variance) = largest.map_or(("", 0.0), |(what, all)| (*what, all[place]));
+        let whole = self.covariance[(place, place)].sqrt();
+        Dominant { what, part: variance.sqrt(), whole }
+    }
+
     /// Whether a step is one that instruments in the field are expected to make.
     pub fn is_usual(&self, step: &Step) -> bool {
         is_usual(step, &self.sizes)
+    }
+
+    /// Time of a step (s, in the stations' clock).
+    pub fn at_s(&self, step: &Step) -> f64 {
+        self.drives.first().map_or(0.0, |drive| drive.span_s[0]) + step.after_s
     }
 
     /// "about 200 s into the drive".
@@ -120,8 +143,7 @@ impl JointEstimate {
         if step.slowly {
             return "over the whole drive".to_owned();
         }
-        let first_s = self.drives.first().map_or(0.0, |drive| drive.span_s[0]);
-        let at_s = first_s + step.after_s;
+        let at_s = self.at_s(step);
         let begun = self.drives.iter().filter(|drive| drive.span_s[0] <= at_s).count();
         match (self.drives.get(begun.saturating_sub(1)), begun) {
             (Some(drive), _) if at_s > drive.span_s[1] => {

@@ -10,7 +10,7 @@ use crate::calibration::TransformSigma;
 use crate::calibration::checks::{POOR_FIT_M, WEAK_SIGMA_M};
 use crate::calibration::inter_prism::Twins;
 use crate::calibration::misfits::control_points_apart_m;
-use crate::deployment::{ControlPointSet, Deployment, Finding, Rig, Track};
+use crate::deployment::{ControlPointSet, Deployment, Finding, Remedy, Rig, Track};
 use crate::geometry::RigidTransform;
 use crate::pipeline::{self, PipelineSettings, Triplets};
 use crate::progress::{Cancelled, Progress};
@@ -278,7 +278,13 @@ impl Case<'_> {
         let named = found.len().min(MOST_NAMED);
         let lines = found[..named].iter().enumerate().map(|(index, one)| {
             let or = if index > 0 { "or else " } else { "" };
-            Finding::warning(format!("{or}{}", self.explanation_in_words(one, deployment)))
+            let line = format!("{or}{}", self.explanation_in_words(one, deployment));
+            let put_right = match one.scope {
+                Scope::Tracks => one.misreading.read_with(deployment),
+                Scope::ControlPoints | Scope::Both => None,
+            };
+            let remedy = put_right.map(|with| Remedy::ReadWith(Box::new(with)));
+            remedy.into_iter().fold(Finding::warning(line), Finding::with)
         });
         lines.collect()
     }

@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::deployment::{AzimuthSense, ControlPointSet, Deployment, Measurement};
+use crate::deployment::{
+    AS_NUMBERED, AzimuthSense, ControlPointSet, Deployment, Measurement, Overrides,
+};
 use crate::pipeline::Triplets;
 
 /// The international foot (m). The US survey foot is 2 ppm longer, which no drive tells.
@@ -139,22 +141,32 @@ impl Misreading {
 
     /// What puts it right in the tracks, as a key of `deployment.toml`; `None` where that has none.
     pub fn remedy(self, deployment: &Deployment) -> Option<String> {
-        let overrides = &deployment.overrides;
+        if self == Self::Feet(None) {
+            return Some("length_unit = \"feet\" in [columns]".to_owned());
+        }
+        let Overrides { azimuth, stations, .. } = self.read_with(deployment)?;
+        azimuth
+            .map(|sense| format!("azimuth = \"{}\"", sense.title()))
+            .or(stations.map(|[a, b, c]| format!("stations = [{a}, {b}, {c}]")))
+    }
+
+    /// What puts it right in the tracks by being said over the files, where that is all there is to say.
+    pub fn read_with(self, deployment: &Deployment) -> Option<Overrides> {
+        let Overrides { azimuth, stations, .. } = &deployment.overrides;
         match self {
             Self::Azimuth(None) => {
-                let sense = match overrides.azimuth {
-                    Some(AzimuthSense::CounterClockwise) => "clockwise",
-                    _ => "counter-clockwise",
+                let sense = match azimuth {
+                    Some(AzimuthSense::CounterClockwise) => AzimuthSense::Clockwise,
+                    _ => AzimuthSense::CounterClockwise,
                 };
-                Some(format!("azimuth = \"{sense}\""))
+                Some(Overrides { azimuth: Some(sense), ..Overrides::default() })
             }
-            Self::Feet(None) => Some("length_unit = \"feet\" in [columns]".to_owned()),
             Self::Numbers(numbers) => {
-                let own = overrides.stations.unwrap_or([1, 2, 3]);
-                let [a, b, c] = numbers.map(|number| own[number]);
-                Some(format!("stations = [{a}, {b}, {c}]"))
+                let own = stations.unwrap_or(AS_NUMBERED);
+                let stations = Some(numbers.map(|number| own[number]));
+                Some(Overrides { stations, ..Overrides::default() })
             }
-            Self::Azimuth(Some(_)) | Self::Feet(Some(_)) => None,
+            Self::Azimuth(Some(_)) | Self::Feet(_) => None,
         }
     }
 }

@@ -13,7 +13,7 @@ pub use explanation::{Tried, explain_no_triplets};
 
 use self::shown::{Agreement, Shown, Witnesses};
 use super::{Calibration, Method, Offer, Targets, Verdict, Witness};
-use crate::deployment::{Deployment, Finding};
+use crate::deployment::{Deployment, Finding, Remedy};
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
@@ -51,7 +51,7 @@ pub fn check(
     ];
     for line in contradictions.into_iter().flatten() {
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
-        calibration.findings.push(Finding::warning(line));
+        calibration.findings.push(Finding::warning(line).with(Remedy::PutRight));
     }
     // Heights alone tell no sense, and a thin rig has none.
     if area == Some(Agreement::Agrees) && heights != Some(Agreement::Contradicts) {

@@ -13,7 +13,9 @@ use crate::deployment::format::applied_transforms::{self, AppliedTransforms};
 use crate::deployment::format::cartesian_tracks::{self, Position, own_from_theirs};
 use crate::deployment::format::{Format, OpenError, Question};
 use crate::deployment::recording::station_index;
-use crate::deployment::{Finding, Measurement, PAIRS, RawRecord, Recording, TrackFrame};
+use crate::deployment::{
+    Finding, Measurement, PAIRS, RawRecord, Recording, ToldAngle, ToldIn, TrackFrame,
+};
 use crate::geometry::{Polar, RigidTransform};
 use crate::progress::Progress;
 use crate::statistics::quantiles;
@@ -254,12 +256,13 @@ fn applied<'a>(
     for (index, transform) in set.common_from_station.iter().enumerate() {
         let tilt_rad = transform.rotate(&Vector3::z()).cross(&level).norm().asin();
         if tilt_rad > COMPENSATOR_RAD {
-            findings.push(Finding::warning(format!(
-                "{file} tilts station {} by {:.0}″, more than a compensator leaves; whoever uses the tracks as published \
+            let tilt = ToldAngle::size(tilt_rad, ToldIn::Arcseconds, 0);
+            let line = format!(
+                "{file} tilts station {} by {tilt}, more than a compensator leaves; whoever uses the tracks as published \
                  has that in them",
                 index + 1,
-                tilt_rad.to_degrees() * 3600.0
-            )));
+            );
+            findings.push(Finding::warning(line).telling([tilt]));
         }
     }
     Ok(Some((file, set)))

@@ -7,7 +7,7 @@ use super::found::{FoundFile, Standing};
 use super::surveys::Surveys;
 use crate::deployment::format::{self, Format, OpenError};
 use crate::deployment::rig::pairwise_distances;
-use crate::deployment::{Finding, OneOrMany, Rig};
+use crate::deployment::{Finding, OneOrMany, Remedy, Rig};
 
 /// Distances of one rig in two files may differ by this much (m) before it is worth a word.
 const RIG_TOLERANCE_M: f64 = 0.005;
@@ -99,10 +99,9 @@ pub fn read_rig<'a>(
     let Some(inter_prism_m) = inter_prism_m else {
         // One prism has no distances.
         if overrides.prisms != Some(1) {
-            findings.push(Finding::warning(
-                "the inter-prism distances, which method D needs, are not known; put calibration_results.csv beside the \
-                 tracks, set inter_prism_m in deployment.toml, or give --rig",
-            ));
+            let line = "the inter-prism distances, which method D needs, are not known; put calibration_results.csv beside \
+                        the tracks, set inter_prism_m in deployment.toml, or name a file of the rig";
+            findings.push(Finding::warning(line).with(Remedy::GiveRig));
         }
         return Ok(None);
     };

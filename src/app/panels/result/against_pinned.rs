@@ -4,7 +4,7 @@ use eframe::egui::{self, RichText};
 
 use super::difference_row;
 use crate::app::model::{Command, Commands, OpenDeployment, Pin, Units};
-use crate::app::panels::heading;
+use crate::app::panels::{heading, use_pinned};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::calibration::moved_m;
@@ -22,6 +22,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
         if ui.small_button(format!("Unpin {}", pin.name)).clicked() {
             commands.push(Command::Unpin(pin.id));
         }
+        use_pinned(ui, state, pin.id, commands);
     });
     if *pin.summary == **now {
         ui.weak("This is the pinned result.");

@@ -3,6 +3,7 @@
 
 mod against_pinned;
 mod copy_menu;
+mod extras;
 mod methods;
 mod metrics;
 mod published;
@@ -26,7 +27,7 @@ use crate::glossary;
 use crate::palette;
 
 /// Beyond this many σ a choice moves the answer more than it should.
-const NOTABLE_SIGMAS: f64 = 3.0;
+pub const NOTABLE_SIGMAS: f64 = 3.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if let Some((open, analysis)) = state.analysed()
@@ -38,7 +39,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if state.is_stale() {
                 ui.multiply_opacity(0.45);
             }
-            head(ui, open, answer, analysis.offer.targets);
+            head(ui, state, (open, answer, analysis.offer.targets), commands);
             ui.separator();
         });
     }
@@ -54,7 +55,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             Ok(answer) => show(ui, state, (open, analysis, answer), commands),
             Err(error) => {
                 ui.heading("No result");
-                finding(ui, &Finding::problem(error.to_string()));
+                finding(ui, state, &error.finding(), commands);
                 missing_rig(ui, state, open, commands);
             }
         }
@@ -84,7 +85,7 @@ fn show(
 ) {
     let calibration = &answer.calibration;
     let units = state.units;
-    reasons(ui, &calibration.findings);
+    reasons(ui, state, &calibration.findings, commands);
     heading(ui, "Transforms into station 1");
     transforms::table(ui, calibration, units);
     ui.horizontal(|ui| {
@@ -99,6 +100,7 @@ fn show(
         }
     });
     transforms::matrices(ui, calibration);
+    extras::ui(ui, (open, analysis), calibration, units);
     published::ui(ui, state, calibration, commands);
     against_pinned::ui(ui, state, open, commands);
     methods::ui(ui, &calibration.details, units);
@@ -130,14 +132,19 @@ fn pin(
 
 /// What stays in sight while the rest scrolls, or a slider moves: the verdict, what speaks against the answer first, and how
 /// well it fits.
-fn head(ui: &mut egui::Ui, open: &OpenDeployment, answer: &Answer, targets: Targets) {
+fn head(
+    ui: &mut egui::Ui,
+    state: &State,
+    (open, answer, targets): (&OpenDeployment, &Answer, Targets),
+    commands: &mut Commands,
+) {
     let calibration = &answer.calibration;
     verdict(ui, calibration);
     if open.joint_follows() {
         ui.weak("the joint estimate follows…");
     }
     if let Some(first) = doubts(&calibration.findings).first() {
-        finding(ui, first);
+        finding(ui, state, first, commands);
     }
     if let Some(spread) = &answer.evaluation.inter_prism_mm {
         let what = metrics::name(targets);
@@ -156,11 +163,12 @@ pub fn doubts(findings: &[Finding]) -> Vec<&Finding> {
 
 /// What else limits the answer than the first that the head tells, and the first notes; the others on request, so that the
 /// numbers stay in sight.
-fn reasons(ui: &mut egui::Ui, findings: &[Finding]) {
+fn reasons(ui: &mut egui::Ui, state: &State, findings: &[Finding], commands: &mut Commands) {
     const NOTES_IN_SIGHT: usize = 4;
+    let mut finding = |ui: &mut egui::Ui, one: &Finding| finding(ui, state, one, commands);
     doubts(findings).into_iter().skip(1).for_each(|one| finding(ui, one));
     let notes: Vec<&Finding> =
-        findings.iter().filter(|finding| finding.severity == Severity::Note).collect();
+        findings.iter().filter(|one| one.severity == Severity::Note && !one.is_tabled).collect();
     let (shown, folded) = notes.split_at(notes.len().min(NOTES_IN_SIGHT));
     shown.iter().for_each(|one| finding(ui, one));
     if !folded.is_empty() {

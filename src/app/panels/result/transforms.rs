@@ -2,45 +2,58 @@
 
 use eframe::egui::{self, RichText};
 
+use crate::app::model::estimates::{Shown, column};
 use crate::app::model::{AngleUnit, Units};
 use crate::app::words;
 use crate::calibration::Calibration;
 use crate::export::text;
 use crate::glossary;
 
-/// A column for each transform: value ± σ.
+/// The rows of both transforms, each number with its σ in the same unit.
 pub fn table(ui: &mut egui::Ui, calibration: &Calibration, units: Units) {
-    let [length, angle] = [units.length.name(), units.angle.name()];
-    egui::Grid::new("transforms").num_columns(5).spacing([7.0, 3.0]).striped(true).show(ui, |ui| {
-        ui.label("");
-        for (station, term) in [(1, &glossary::T12), (2, &glossary::T13)] {
-            words::explain(ui.strong(format!("T1{}", station + 1)), term);
-            words::explain(ui.weak("± 1 σ"), &glossary::SIGMA);
-        }
-        ui.end_row();
-        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            ui.label(format!("{name} ({length})"));
+    let cells = cells(calibration, units);
+    egui::Grid::new("transforms").num_columns(2).spacing([10.0, 3.0]).striped(true).show(
+        ui,
+        |ui| {
             for station in 1..3 {
-                let value = calibration.station1_from_station[station].translation_m[axis];
-                let sigma = calibration.sigma.map(|s| s[station - 1].translation_m[axis]);
-                ui.monospace(format!("{:>9}", units.length(value)));
-                ui.monospace(format!("± {}", units.length_sigma(sigma)));
+                let term = [&glossary::T12, &glossary::T13][station - 1];
+                words::explain(ui.strong(term.name), term);
+                if station == 1 {
+                    words::explain(ui.weak("value ± 1 σ"), &glossary::SIGMA);
+                }
+                ui.end_row();
+                for (axis, name) in ["x", "y", "z", "yaw"].into_iter().enumerate() {
+                    let label = ui.label(format!("{name} of T1{}", station + 1));
+                    if axis == 3 {
+                        words::explain(label, &glossary::YAW);
+                    }
+                    let cell = ui.monospace(&cells[4 * (station - 1) + axis]);
+                    if axis == 3 {
+                        let yaw_rad = calibration.station1_from_station[station].yaw_rad();
+                        cell.on_hover_text(all_units(yaw_rad));
+                    }
+                    ui.end_row();
+                }
             }
-            ui.end_row();
-        }
-        words::explain(ui.label(format!("yaw ({angle})")), &glossary::YAW);
-        for station in 1..3 {
-            let value = calibration.station1_from_station[station].yaw_rad();
-            let sigma = calibration.sigma.map(|s| s[station - 1].yaw_rad);
-            ui.monospace(format!("{:>9}", units.angle(value))).on_hover_text(all_units(value));
-            ui.monospace(format!("± {}", units.angle_sigma(sigma)));
-        }
-        ui.end_row();
-    });
-    ui.small(format!(
-        "± one standard deviation: mm for lengths, {} for the yaw",
-        units.angle.small_name()
-    ));
+        },
+    );
+}
+
+/// (x, y, z, yaw) of station 2, then of station 3, as a column.
+fn cells(calibration: &Calibration, units: Units) -> Vec<String> {
+    let of = |station: usize| {
+        let transform = &calibration.station1_from_station[station];
+        let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
+        let mut numbers: Vec<Shown> = (0..3)
+            .map(|axis| {
+                let sigma_m = sigma.map(|sigma| sigma.translation_m[axis]);
+                units.length_estimate(transform.translation_m[axis], sigma_m)
+            })
+            .collect();
+        numbers.push(units.angle_estimate(transform.yaw_rad(), sigma.map(|s| s.yaw_rad)));
+        numbers
+    };
+    column(&(1..3).flat_map(of).collect::<Vec<_>>())
 }
 
 fn all_units(radians: f64) -> String {

@@ -1,0 +1,178 @@
+//! Numbers with their σ, in one unit and to the same decimals, of which σ has two significant digits.
+
+use super::units::{AngleUnit, Units, without_negative_zero};
+use crate::calibration::{Estimate, Quantity};
+use crate::deployment::{Finding, ToldAngle, ToldIn};
+
+/// A number as it is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    value: String,
+    sigma: String,
+    unit: &'static str,
+}
+
+impl Shown {
+    /// A number with its σ, both in the unit; `decimals` count where there is no σ.
+    pub fn new(value: f64, sigma: Option<f64>, unit: &'static str, decimals: usize) -> Self {
+        let told = sigma.and_then(|sigma| Some((sigma, decimals_of(sigma)?)));
+        let decimals = told.map_or(decimals, |(_, decimals)| decimals);
+        Self {
+            value: without_negative_zero(value, decimals),
+            sigma: told.map_or("–".to_owned(), |(sigma, decimals)| format!("{sigma:.decimals$}")),
+            unit,
+        }
+    }
+
+    /// The same with a plus before what is above zero.
+    #[must_use]
+    pub fn signed(mut self) -> Self {
+        let above = self.value.bytes().any(|byte| (b'1'..=b'9').contains(&byte));
+        if above && !self.value.starts_with('-') {
+            self.value.insert(0, '+');
+        }
+        self
+    }
+
+    /// "0.412 ± 0.011 mrad", for running text.
+    pub fn in_words(&self) -> String {
+        format!("{} ± {} {}", self.value, self.sigma, self.unit)
+    }
+}
+
+/// Numbers of a column as texts of like shape: in a font whose figures are equally wide, point stands below point and unit
+/// below unit.
+pub fn column(numbers: &[Shown]) -> Vec<String> {
+    let whole = |text: &str| text.split('.').next().unwrap_or(text).chars().count();
+    let part = |text: &str| text.chars().count() - whole(text);
+    let widest = |of: &dyn Fn(&Shown) -> usize| numbers.iter().map(of).max().unwrap_or(0);
+    let wholes = [widest(&|n| whole(&n.value)), widest(&|n| whole(&n.sigma))];
+    let parts = [widest(&|n| part(&n.value)), widest(&|n| part(&n.sigma))];
+    let padded = |text: &str, place: usize| {
+        let (before, after) = (wholes[place] - whole(text), parts[place] - part(text));
+        format!("{}{text}{}", " ".repeat(before), " ".repeat(after))
+    };
+    let line = |n: &Shown| format!("{} ± {} {}", padded(&n.value, 0), padded(&n.sigma, 1), n.unit);
+    numbers.iter().map(line).collect()
+}
+
+/// Decimals that show two significant digits of a σ; `None` where it says nothing.
+fn decimals_of(sigma: f64) -> Option<usize> {
+    if !(sigma.is_finite() && sigma > 0.0) {
+        return None;
+    }
+    let decimals = 1 - sigma.log10().floor() as i32;
+    // 0.0996 is 0.10.
+    let rounds_up = (sigma * 10_f64.powi(decimals)).round() >= 100.0;
+    Some((decimals - i32::from(rounds_up)).clamp(0, 9) as usize)
+}
+
+impl Units {
+    pub fn length_estimate(self, metres: f64, sigma_m: Option<f64>) -> Shown {
+        let per = self.length.per_metre();
+        let (unit, decimals) = (self.length.name(), self.length.decimals());
+        Shown::new(metres * per, sigma_m.map(|sigma| sigma * per), unit, decimals)
+    }
+
+    pub fn angle_estimate(self, radians: f64, sigma_rad: Option<f64>) -> Shown {
+        let per = self.angle.per_radian();
+        let (unit, decimals) = (self.angle.name(), self.angle.decimals());
+        Shown::new(radians * per, sigma_rad.map(|sigma| sigma * per), unit, decimals)
+    }
+
+    /// An error that was estimated, in the unit in which such errors are small numbers.
+    pub fn extra(self, quantity: Quantity, Estimate { value, sigma }: Estimate) -> Shown {
+        let (per, unit) = self.of_extra(quantity);
+        Shown::new(value * per, Some(sigma * per), unit, 1).signed()
+    }
+
+    /// How well such an error was known beforehand: "1.2 mm".
+    pub fn prior(self, quantity: Quantity, sigma: f64) -> String {
+        let (per, unit) = self.of_extra(quantity);
+        let decimals = decimals_of(sigma * per).unwrap_or(0);
+        format!("{:.decimals$} {unit}", sigma * per)
+    }
+
+    fn of_extra(self, quantity: Quantity) -> (f64, &'static str) {
+        match quantity {
+            Quantity::Angle => (self.angle.small_per_radian(), self.angle.small_name()),
+            _ => quantity.told(),
+        }
+    }
+
+    /// A finding's message with its angles in the user's unit.
+    pub fn message(self, finding: &Finding) -> String {
+        finding.with_angles(|angle| self.told(angle))
+    }
+
+    fn told(self, angle: &ToldAngle) -> String {
+        let ToldAngle { value_rad, sigma_rad, unit, decimals, signed } = *angle;
+        if unit == ToldIn::Degrees {
+            return match self.angle {
+                AngleUnit::Gon => {
+                    format!("{:.decimals$} gon", value_rad * AngleUnit::Gon.per_radian())
+                }
+                AngleUnit::Radian | AngleUnit::Degree => angle.to_string(),
+            };
+        }
+        let (per, name) = (self.angle.small_per_radian(), self.angle.small_name());
+        let Some(sigma_rad) = sigma_rad else {
+            // As many significant digits as σ would have.
+            let decimals = decimals_of(value_rad.abs() * per).unwrap_or(0);
+            let text = format!("{:.decimals$} {name}", value_rad * per);
+            return if signed && value_rad > 0.0 { format!("+{text}") } else { text };
+        };
+        let shown = Shown::new(value_rad * per, Some(sigma_rad * per), name, decimals);
+        if signed { shown.signed().in_words() } else { shown.in_words() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sigma_has_two_significant_digits_and_the_value_as_many_decimals() {
+        let shown = |value, sigma| Shown::new(value, Some(sigma), "m", 4).in_words();
+        assert_eq!(shown(5.199_87, 0.001_12), "5.1999 ± 0.0011 m");
+        assert_eq!(shown(-2.599_84, 0.000_9), "-2.59984 ± 0.00090 m");
+        assert_eq!(shown(12.0, 0.099_6), "12.00 ± 0.10 m");
+        assert_eq!(shown(1234.4, 56.7), "1234 ± 57 m");
+        assert_eq!(shown(-0.000_01, 0.012), "0.000 ± 0.012 m");
+        assert_eq!(Shown::new(5.0, None, "m", 4).in_words(), "5.0000 ± – m");
+        assert_eq!(Shown::new(5.0, Some(f64::NAN), "m", 1).in_words(), "5.0 ± – m");
+        assert_eq!(Shown::new(0.4, Some(0.12), "mm", 1).signed().in_words(), "+0.40 ± 0.12 mm");
+    }
+
+    #[test]
+    fn points_and_units_of_a_column_stand_below_each_other() {
+        let numbers = [
+            Shown::new(5.199_87, Some(0.001_12), "m", 4),
+            Shown::new(-12.599_84, Some(0.000_9), "m", 4),
+            Shown::new(-1.456_87, None, "rad", 6),
+        ];
+        let expected =
+            ["  5.1999   ± 0.0011  m", "-12.59984  ± 0.00090 m", " -1.456870 ± –       rad"];
+        assert_eq!(column(&numbers), expected);
+    }
+
+    #[test]
+    fn angles_of_a_message_come_in_the_users_unit() {
+        let turned = ToldAngle::signed(0.000_5, ToldIn::Milliradians, 3).sigma(0.000_011);
+        let corner = ToldAngle::size(90_f64.to_radians(), ToldIn::Degrees, 0);
+        let lean = ToldAngle::size(-1_f64.to_radians() / 3600.0, ToldIn::Arcseconds, 1);
+        let finding =
+            Finding::warning(format!("turned by {turned} at a corner of {corner}, {lean}"))
+                .telling([turned, corner, lean]);
+        let told = |angle| Units { angle, ..Units::default() }.message(&finding);
+        assert_eq!(finding.message, "turned by +0.500 ± 0.011 mrad at a corner of 90°, -1.0″");
+        assert_eq!(
+            AngleUnit::ALL.map(told),
+            [
+                "turned by +0.500 ± 0.011 mrad at a corner of 90°, -0.0048 mrad",
+                "turned by +103.1 ± 2.3 ″ at a corner of 90°, -1.0 ″",
+                "turned by +31.83 ± 0.70 mgon at a corner of 100 gon, -0.31 mgon",
+            ]
+        );
+    }
+}

@@ -1,0 +1,231 @@
+//! The results of all open deployments and the pinned ones beside each other: a column each, with what differs from the
+//! active one.
+
+mod columns;
+
+use eframe::egui::{self, RichText};
+
+use self::columns::{Cell, Column, Whose, columns};
+use super::result::{NOTABLE_SIGMAS, badge};
+use super::validation;
+use crate::analysis::{Settings, changes_in_words, setting_changes};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
+use crate::app::theme;
+use crate::app::words;
+use crate::deployment::Severity;
+use crate::export::summary::ResultSummary;
+
+/// Widths below which differences stand under their numbers instead of beside them (points).
+const NAMES: f32 = 110.0;
+const NUMBER: f32 = 185.0;
+const DIFFERENCE: f32 = 140.0;
+/// Size of the numbers where there is little room.
+const NARROW_TEXT: f32 = 11.0;
+/// More σ than this say nothing more.
+const MOST_SIGMAS: f64 = 999.0;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    if state.open.is_empty() {
+        ui.centered_and_justified(|ui| ui.weak("Nothing open."));
+        return;
+    }
+    let width = ui.available_width() - 24.0;
+    egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+        egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
+            let (columns, reference) = columns(state);
+            let others = columns.len().saturating_sub(1) as f32;
+            let wanted = NAMES + NUMBER * (others + 1.0) + DIFFERENCE * others;
+            let table = Table { columns, reference, beside: width > wanted };
+            egui::Grid::new(("side by side", table.beside))
+                .num_columns(2 * table.columns.len())
+                .spacing([if table.beside { 12.0 } else { 6.0 }, 4.0])
+                .striped(true)
+                .show(ui, |ui| table.rows(ui, state, commands));
+            ui.set_max_width(width);
+            if table.columns.len() > 1 {
+                let against = &table.columns[table.reference].title;
+                ui.small(format!(
+                    "± one standard deviation. Differences are against {against}; in σ where both σ are known: of the \
+                     column's own where both come from the same readings, else of both together."
+                ));
+            } else {
+                ui.small("± one standard deviation. Pinned results and other open deployments stand beside it.");
+            }
+            give_all(ui, state, commands);
+            validation::ui(ui, state, width, commands);
+        });
+    });
+}
+
+struct Table<'a> {
+    columns: Vec<Column<'a>>,
+    reference: usize,
+    /// Whether differences have columns of their own.
+    beside: bool,
+}
+
+impl Table<'_> {
+    fn rows(&self, ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+        self.row(ui, "", |ui, column| title(ui, state, column, commands));
+        if !state.results.pins.is_empty() {
+            self.of_results(ui, "data", |ui, summary| {
+                ui.add(egui::Label::new(&summary.deployment).truncate());
+            });
+        }
+        self.of_results(ui, "verdict", |ui, summary| {
+            // One cell of the grid.
+            ui.horizontal(|ui| {
+                badge(ui, summary.verdict, 10.0);
+                if !summary.verdict.caveat(summary.independently_checked).is_empty() {
+                    ui.small("unchecked").on_hover_text(summary.verdict_in_words());
+                }
+            });
+        });
+        self.of_results(ui, "method", |ui, summary| {
+            ui.label(summary.method.short_name()).on_hover_text(summary.method.title());
+        });
+        let transforms = columns::transforms(&self.columns, self.reference, state.units);
+        for (index, transform) in ["T12", "T13"].into_iter().enumerate() {
+            for (axis, name) in ["x", "y", "z", "yaw"].into_iter().enumerate() {
+                let cell = |column: usize| &transforms[column][4 * index + axis];
+                self.numbers(ui, &format!("{name} of {transform}"), cell);
+            }
+        }
+        ui.strong("metrics (mm)").on_hover_text("Median / IQR");
+        ui.end_row();
+        let inter_prism = columns::inter_prism(&self.columns, self.reference);
+        self.numbers(ui, "inter-prism", |column| &inter_prism[column]);
+        for (file, cells) in columns::control_points(&self.columns, self.reference) {
+            // Files from elsewhere have their whole path.
+            let name = file.rsplit(['/', '\\']).next().unwrap_or(&file);
+            self.numbers(ui, name, |column| &cells[column]);
+        }
+        self.of_results(ui, "triplets", |ui, summary| {
+            ui.monospace(summary.triplets.to_string());
+        });
+        self.row(ui, "settings", |ui, column| settings(ui, state, column, commands));
+    }
+
+    /// A row with something for each column, which leaves the differences out.
+    fn row(&self, ui: &mut egui::Ui, name: &str, mut cell: impl FnMut(&mut egui::Ui, &Column<'_>)) {
+        words::explain_text(ui.label(name), name);
+        for (index, column) in self.columns.iter().enumerate() {
+            ui.scope(|ui| {
+                ui.set_max_width(NUMBER);
+                cell(ui, column);
+            });
+            if self.beside && index != self.reference {
+                ui.label("");
+            }
+        }
+        ui.end_row();
+    }
+
+    /// A row of what results say; those that are not there have a dash, and why on hover.
+    fn of_results(
+        &self,
+        ui: &mut egui::Ui,
+        name: &str,
+        cell: impl Fn(&mut egui::Ui, &ResultSummary),
+    ) {
+        self.row(ui, name, |ui, column| match &column.result {
+            Some(Ok(summary)) => cell(ui, summary),
+            Some(Err(why)) => {
+                let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
+                ui.label(RichText::new(sign).color(colour)).on_hover_text(why);
+            }
+            None => {
+                ui.weak("–");
+            }
+        });
+    }
+
+    /// A row of numbers, with their differences beside or below them.
+    fn numbers<'c>(&self, ui: &mut egui::Ui, name: &str, cell: impl Fn(usize) -> &'c Cell) {
+        words::explain_text(ui.label(name), name);
+        for index in 0..self.columns.len() {
+            let cell = cell(index);
+            if self.beside {
+                ui.monospace(&cell.text);
+                if index != self.reference {
+                    difference(ui, cell);
+                }
+            } else {
+                ui.vertical(|ui| {
+                    ui.spacing_mut().item_spacing.y = 0.0;
+                    let text = RichText::new(&cell.text).monospace().size(NARROW_TEXT);
+                    ui.add(egui::Label::new(text).extend());
+                    difference(ui, cell);
+                });
+            }
+        }
+        ui.end_row();
+    }
+}
+
+fn difference(ui: &mut egui::Ui, cell: &Cell) {
+    let Some(difference) = &cell.difference else {
+        ui.label("");
+        return;
+    };
+    let text = match difference.sigmas {
+        Some(sigmas) if sigmas > MOST_SIGMAS => format!("{} (> {MOST_SIGMAS} σ)", difference.text),
+        Some(sigmas) => format!("{} ({sigmas:.1} σ)", difference.text),
+        None => difference.text.clone(),
+    };
+    let text = RichText::new(text).small();
+    let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
+    let large = difference.sigmas.is_some_and(|sigmas| sigmas > NOTABLE_SIGMAS);
+    let text = if large { text.color(notable).strong() } else { text.weak() };
+    ui.add(egui::Label::new(text).extend());
+}
+
+fn title(ui: &mut egui::Ui, state: &State, column: &Column<'_>, commands: &mut Commands) {
+    let name = RichText::new(&column.title).strong();
+    match column.whose {
+        Whose::Open(id) => {
+            let active = state.active().is_some_and(|active| active.id == id);
+            let button = ui.add(egui::Button::selectable(active, name).truncate());
+            if button.on_hover_text(&column.title).clicked() {
+                commands.push(Command::Activate(id));
+            }
+        }
+        Whose::Pinned(_) => {
+            ui.label(name);
+        }
+    }
+}
+
+fn settings(ui: &mut egui::Ui, state: &State, column: &Column<'_>, commands: &mut Commands) {
+    let (settings, pin) = match column.whose {
+        Whose::Open(id) => (state.open.iter().find(|open| open.id == id).map(|o| o.settings), None),
+        Whose::Pinned(id) => (state.settings_of_pin(id), Some(id)),
+    };
+    let Some(settings) = settings else { return };
+    let changes = changes_in_words(&setting_changes(&Settings::default(), &settings));
+    let (name, hint) = match changes.as_str() {
+        "" => ("the defaults", "Nothing is changed"),
+        changes => ("changed", changes),
+    };
+    ui.horizontal(|ui| {
+        ui.label(name).on_hover_text(hint);
+        if let Some(id) = pin {
+            super::use_pinned(ui, state, id, commands);
+        }
+    });
+}
+
+fn give_all(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    if state.open.len() < 2 {
+        return;
+    }
+    let differ = state.open.iter().any(|open| open.settings != *state.settings());
+    let button = egui::Button::new("Give all the active one's settings");
+    let response = ui
+        .add_enabled(differ, button)
+        .on_disabled_hover_text("They have the same settings already");
+    if response.clicked() {
+        commands.push(Command::SetAll);
+    }
+}

@@ -1,0 +1,47 @@
+//! Showing what a finding is about.
+
+use super::State;
+use crate::app::model::{Pane, Picked};
+
+impl State {
+    /// Selects a span of time (s) with some room beside it, and looks at where station 1 saw its prism then.
+    pub(super) fn look_at_times(&mut self, span_s: [f64; 2]) {
+        let room_s = 0.5 * (span_s[1] - span_s[0]);
+        self.with_timeline(|timeline, _| {
+            timeline.select(Some(span_s));
+            timeline.show([span_s[0] - room_s, span_s[1] + room_s]);
+            timeline.move_cursor(0.5 * (span_s[0] + span_s[1]));
+        });
+        self.layout.show(Pane::Residuals);
+        self.layout.show(Pane::Scene);
+        if let Some(open) = self.active() {
+            let readings = &open.deployment.tracks[0].measurements;
+            let index = readings.partition_point(|m| m.time_s < span_s[0]);
+            self.fly_to(Picked { station: 0, index });
+        }
+    }
+
+    /// Brings a control point before the camera, as the first station that measured it places it.
+    pub(super) fn look_at_point(&mut self, file: &str, marker: i64) {
+        let Some((open, analysis)) = self.analysed() else { return };
+        let answer = analysis.answer.as_ref().ok();
+        let placing =
+            answer.and_then(|answer| answer.calibration.placing_control_points(&open.deployment));
+        let sets = open.deployment.control_points.iter().filter(|set| set.file == file);
+        let point = sets.flat_map(|set| &set.points).find(|point| point.marker == marker);
+        let position_m = placing.zip(point).and_then(|(transforms, point)| {
+            let (station, polar) =
+                point.readings.iter().enumerate().find_map(|(k, read)| Some((k, (*read)?)))?;
+            Some(transforms[station].apply(&polar.to_cartesian()))
+        });
+        let Some(position_m) = position_m else {
+            self.toasts.error(&format!(
+                "point {marker} of {file} has no place in the scene: no station placed it"
+            ));
+            return;
+        };
+        self.visibility.control_points = true;
+        self.layout.show(Pane::Scene);
+        self.view.fly_to(&position_m);
+    }
+}

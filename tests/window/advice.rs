@@ -1,0 +1,147 @@
+//! What findings advise can be done where they stand: by a button, or from the command palette, and never by a flag.
+
+use eframe::egui::Theme;
+use eframe::egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT, Queryable};
+use resect::app::{AngleUnit, Command, Pane, Units};
+use resect::calibration::Method;
+use resect::deployment::Source;
+use resect::simulation::{Preset, simulate, simulate_scenario, write_folder};
+
+use crate::harness::{LARGE, SMALL, Window, open, send, set, settle, shown, window};
+
+fn method(harness: &Window) -> Method {
+    let (_, analysis) = harness.state().state.analysed().expect("an answer");
+    analysis.answer.as_ref().expect("an answer").calibration.method
+}
+
+/// Presses the first button of this name, wherever it has been scrolled to: several findings may advise the same.
+fn press_first(harness: &mut Window, name: &str) {
+    let buttons: Vec<_> = harness.get_all_by_label(name).collect();
+    buttons[0].click_accesskit();
+    settle(harness);
+}
+
+fn is_said(harness: &Window, words: &str) -> bool {
+    harness.query_all_by_label_contains(words).next().is_some()
+}
+
+/// Method D where a station followed another prism now and then.
+fn pulled() -> Window {
+    let mut harness = window(LARGE, Theme::Dark);
+    let mut scenario = Preset::Warthog.scenario();
+    scenario.noise.wrong_targets_per_minute = 0.3;
+    open(&mut harness, simulate_scenario(&scenario, 21).deployment().expect("valid"));
+    set(&mut harness, |s| s.calibration.method = Some(Method::InterPrism));
+    harness
+}
+
+#[test]
+fn the_joint_estimate_is_taken_where_a_finding_advises_it_and_given_back() {
+    let mut harness = pulled();
+    assert_eq!(method(&harness), Method::InterPrism);
+    assert!(is_said(&harness, "the joint estimate leaves them out"));
+    press_first(&mut harness, "Use the joint estimate");
+    assert_eq!(method(&harness), Method::Joint);
+    assert!(!is_said(&harness, "Use the joint estimate"));
+    send(&mut harness, Command::Undo);
+    assert_eq!(method(&harness), Method::InterPrism);
+
+    // The palette has it as well.
+    send(&mut harness, Command::ShowPalette);
+    harness.event(eframe::egui::Event::Text("advice joint".to_owned()));
+    settle(&mut harness);
+    harness.key_press(eframe::egui::Key::Enter);
+    settle(&mut harness);
+    assert_eq!(method(&harness), Method::Joint);
+}
+
+#[test]
+fn no_finding_shows_a_flag_and_the_copied_text_names_it() {
+    let mut harness = pulled();
+    send(&mut harness, Command::ShowPane(Pane::Findings));
+    assert!(!is_said(&harness, "--"));
+    let (_, analysis) = harness.state().state.analysed().expect("an answer");
+    let findings = &analysis.answer.as_ref().expect("an answer").calibration.findings;
+    assert!(findings.iter().any(|one| one.to_string().ends_with("; use --method joint")));
+
+    // Nor does what is missing.
+    let mut deployment = simulate(Preset::FigureEight, 1).deployment().expect("valid");
+    deployment.rig = None;
+    open(&mut harness, deployment);
+    for pane in [Pane::Result, Pane::Findings, Pane::Runs] {
+        send(&mut harness, Command::ShowPane(pane));
+        assert!(!is_said(&harness, "--"), "{pane:?}");
+    }
+    send(&mut harness, Command::ShowPane(Pane::Result));
+    // It came from no file, so it cannot be read again with one.
+    let mut choose = harness.get_all_by_role_and_label(Role::Button, "Choose a rig file…");
+    assert!(choose.all(|button| button.accesskit_node().is_disabled()));
+}
+
+#[test]
+fn exchanged_stations_are_exchanged_back_by_the_finding_that_sees_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("drive");
+    write_folder(&simulate(Preset::UnevenGround, 1), &path).expect("written");
+    let mut harness = window(LARGE, Theme::Dark);
+    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    let stations = |harness: &Window| {
+        let source = shown(harness).source.as_ref().expect("a source");
+        source.extras.put_right.stations
+    };
+    let mut extras = shown(&harness).source.as_ref().expect("a source").extras.clone();
+    extras.put_right.stations = Some([1, 3, 2]);
+    send(&mut harness, Command::PutRight(extras));
+    assert_eq!(stations(&harness), Some([1, 3, 2]));
+
+    let back = "Put right: station numbers 1 3 2 → 1 2 3";
+    press_first(&mut harness, back);
+    assert_eq!(stations(&harness), None);
+    assert!(!is_said(&harness, back));
+    send(&mut harness, Command::Undo);
+    assert_eq!(stations(&harness), Some([1, 3, 2]));
+}
+
+#[test]
+fn a_point_and_a_time_that_a_finding_names_are_shown() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let mut deployment = simulate(Preset::Warthog, 1).deployment().expect("valid");
+    let point = &mut deployment.control_points[0].points[2];
+    let name = format!("Show point {}", point.marker);
+    point.readings[1].as_mut().expect("measured").range_m += 0.3;
+    open(&mut harness, deployment);
+    set(&mut harness, |s| s.calibration.method = Some(Method::StaticGcp));
+    let mut visibility = harness.state().state.visibility;
+    visibility.control_points = false;
+    send(&mut harness, Command::Show(visibility));
+    press_first(&mut harness, &name);
+    assert!(harness.state().state.visibility.control_points);
+
+    let [start_s, _] = shown(&harness).timeline.whole_s;
+    send(&mut harness, Command::LookAtTimes([start_s + 20.0, start_s + 40.0]));
+    let timeline = &shown(&harness).timeline;
+    assert_eq!(timeline.selection_s, Some([start_s + 20.0, start_s + 40.0]));
+    assert!(timeline.window_s[0] < start_s + 20.0 && timeline.window_s[1] > start_s + 40.0);
+}
+
+#[test]
+fn what_can_be_put_right_unfolds_on_request() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let station_numbers = "Exchange stations 2 and 3";
+    assert!(harness.query_by_label(station_numbers).is_none());
+    send(&mut harness, Command::ShowPutRight);
+    assert!(harness.query_by_label(station_numbers).is_some());
+}
+
+#[test]
+fn findings_tell_angles_in_the_users_unit() {
+    let mut harness = window(SMALL, Theme::Light);
+    open(&mut harness, simulate(Preset::LShape, 1).deployment().expect("valid"));
+    send(&mut harness, Command::ShowPane(Pane::Findings));
+    assert!(is_said(&harness, "one corner of 90°"));
+    let units = Units { angle: AngleUnit::Gon, ..Units::default() };
+    send(&mut harness, Command::SetUnits(units));
+    assert!(is_said(&harness, "one corner of 100 gon") && !is_said(&harness, "one corner of 90°"));
+    assert!(is_said(&harness, " mgon in angle"), "how the readings scatter");
+}
