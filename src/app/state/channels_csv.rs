@@ -7,6 +7,7 @@ use std::path::Path;
 use super::State;
 use crate::app::model::{Plotted, Visibility};
 use crate::app::prepared::PreparedPlots;
+use crate::app::prepared::channels::Channel;
 use crate::export::atomic;
 
 /// What is written.
@@ -51,7 +52,7 @@ fn write(path: &Path, plots: &PreparedPlots, shown: &Shown, start_s: f64) -> Res
     let written = atomic::write_with(path, |part| {
         let mut table = ::csv::Writer::from_writer(BufWriter::new(File::create(part)?));
         let mut header = vec!["series", "time_s"];
-        header.extend(against.map(|other| other.column()));
+        header.extend(against.map(Channel::column));
         header.push(channel.column());
         table.write_record(header).map_err(std::io::Error::from)?;
         for seen in shown.plotted.seen(plots, &shown.visible) {
