@@ -39,7 +39,8 @@ pub use layout::Layout;
 pub use model::{
     AngleUnit, Asked, AskedAnswer, Colouring, Command, LayoutDescription, LayoutPreset, LengthUnit,
     OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, Playback, Results, Ruler, RulerEnd, Run,
-    StudyKind, StudyOptions, StudyResult, Timeline, Units, ViewPreset, Visibility, toasts,
+    SceneOptions, StudyKind, StudyOptions, StudyResult, Timeline, Units, ViewPreset, Visibility,
+    toasts,
 };
 pub use scene::SceneView;
 pub use state::State;

@@ -15,6 +15,7 @@ mod plots;
 mod put_right;
 mod results;
 mod scene;
+mod scene_legend;
 mod screenshots;
 mod sessions;
 mod validation;

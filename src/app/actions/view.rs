@@ -4,9 +4,11 @@ use eframe::egui::{self, Key};
 
 use super::{Action, Menu};
 use crate::app::model::{
-    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Ruler, Units, ViewPreset,
+    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Ruler, SceneOptions, Units,
+    ViewPreset, Visibility,
 };
 use crate::app::state::State;
+use crate::pipeline::SampleFate;
 
 pub fn actions(state: &State) -> Vec<Action> {
     let view = |section, name: &str, command| Action::new(Menu::View, section, name, command);
@@ -14,7 +16,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     let ruler = Ruler { active: !measuring, ends: Vec::new() };
     let mut actions = vec![
         view("Scene", "Fit", Command::Look(ViewPreset::Fit))
-            .hint("Show everything in the scene")
+            .hint("Show all of the scene that is not hidden; the way back when it was lost")
             .key(Key::F),
         view("Scene", "3D", Command::Look(ViewPreset::Slanted))
             .hint("From above at a slant")
@@ -33,6 +35,7 @@ pub fn actions(state: &State) -> Vec<Action> {
         let look = Command::Look(ViewPreset::Station(station));
         actions.push(view("Scene", &name, look).key(keys[station]));
     }
+    actions.extend(hiding(state));
     actions.extend(Colouring::ALL.into_iter().map(|colouring| {
         let name = format!("Colour by {}", colouring.title().to_lowercase());
         view("Colours", &name, Command::Colour(colouring)).on(state.colouring == colouring)
@@ -66,5 +69,45 @@ pub fn actions(state: &State) -> Vec<Action> {
         let units = Units { angle, ..state.units };
         actions.push(view("Angles", &name, Command::SetUnits(units)).one_of(state.units == units));
     }
+    actions
+}
+
+/// What of the scene is shown, the legend that says so, and how large errors are drawn.
+fn hiding(state: &State) -> Vec<Action> {
+    let shown = |name: &str, on: bool, visibility: Visibility| {
+        Action::new(Menu::View, "Shown in the scene", name, Command::Show(visibility)).on(on)
+    };
+    let (now, scene) = (&state.visibility, state.scene);
+    let mut actions = vec![
+        shown("Everything in the scene", false, now.with_the_whole_scene())
+            .hint("Show again what the legend or a switch has hidden")
+            .possible(*now != now.with_the_whole_scene()),
+    ];
+    for one in 0..3 {
+        let name = format!("Station {} in the scene", one + 1);
+        actions.push(shown(&name, now.stations[one], now.with_station_toggled(one)));
+    }
+    for one in 0..3 {
+        let name = format!("Track of prism {}", one + 1);
+        let on = now.tracks && now.prisms[one];
+        actions.push(shown(&name, on, now.with_prism_toggled(one)));
+    }
+    for (place, fate) in SampleFate::ALL.into_iter().enumerate() {
+        let name = format!("Readings: {}", fate.label());
+        actions.push(shown(&name, now.shows_fate(place), now.with_fate_toggled(place)));
+    }
+    let set = |section, name: &str, options| {
+        Action::new(Menu::View, section, name, Command::SetScene(options))
+    };
+    let legend = |name: &str, open: bool| {
+        set("Legend", name, SceneOptions { legend_open: Some(open), ..scene })
+            .one_of(scene.legend_open == Some(open))
+    };
+    actions.extend([legend("Legend: open", true), legend("Legend: folded", false)]);
+    actions.extend(SceneOptions::ELLIPSOID_SCALES.into_iter().map(|scale| {
+        let options = SceneOptions { ellipsoid_scale: scale, ..scene };
+        set("Ellipsoids", &format!("Ellipsoids ×{scale}"), options)
+            .one_of(scene.ellipsoid_scale == scale)
+    }));
     actions
 }

@@ -7,7 +7,7 @@ use eframe::egui;
 use super::Units;
 use super::studies::StudyOptions;
 use super::{Asked, AskedAnswer, Palette, Picked, Visibility};
-use super::{Colouring, Ruler, ViewPreset};
+use super::{Colouring, Ruler, SceneOptions, ViewPreset};
 use super::{LayoutPreset, Pane};
 use crate::analysis::Settings;
 use crate::app::file_dialog::PromptCommand;
@@ -92,6 +92,7 @@ pub enum Command {
 
     Show(Visibility),
     Colour(Colouring),
+    SetScene(SceneOptions),
     Measure(Ruler),
     SetUnits(Units),
     UseTheme(egui::ThemePreference),

@@ -15,6 +15,7 @@ mod overlay;
 pub mod pane;
 pub mod results;
 mod ruler;
+mod scene_options;
 pub mod studies;
 pub mod timeline;
 pub mod toasts;
@@ -28,7 +29,7 @@ pub use asked::{
     Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedToml, AskedTracks,
     StationsAre, TableHead,
 };
-pub use camera::{Camera, ViewPreset};
+pub use camera::{Camera, Frame, ViewPreset};
 pub use colouring::Colouring;
 pub use command::{Command, Commands, PictureTo};
 pub use layout_description::LayoutDescription;
@@ -38,6 +39,7 @@ pub use overlay::{Overlay, Palette};
 pub use pane::Pane;
 pub use results::{Pin, Results, Run};
 pub use ruler::{Ruler, RulerEnd};
+pub use scene_options::SceneOptions;
 pub use studies::{StudyKind, StudyOptions, StudyResult};
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::hashes::{FileMark, HashCache, used_files};
 use crate::analysis::Settings;
-use crate::app::model::{Colouring, LayoutDescription, Units, Visibility};
+use crate::app::model::{Colouring, LayoutDescription, SceneOptions, Units, Visibility};
 use crate::deployment::{Deployment, OpenError, Source};
 use crate::export::atomic::WriteError;
 use crate::export::summary::ResultSummary;
@@ -119,6 +119,7 @@ pub struct SavedView {
     pub colouring: Colouring,
     pub units: Units,
     pub visibility: Visibility,
+    pub scene: SceneOptions,
 }
 
 /// A pinned result.

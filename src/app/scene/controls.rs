@@ -7,7 +7,7 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;
 
-/// Wide enough for all in one row beside the legend; narrower pictures have a column of rows.
+/// Wide enough for all in one row beside the legend; narrower pictures have two.
 const ONE_ROW_POINTS: f32 = 800.0;
 const MARGIN: f32 = 8.0;
 
@@ -32,15 +32,15 @@ pub fn ui(
                 colouring(ui, state, true, commands);
             });
         } else {
-            // As narrow as can be: the legend is at the left.
-            let (first, others) = PRESETS.split_at(3);
-            ui.horizontal(|ui| presets(ui, first, commands));
+            // Beside the legend, which is folded in a small picture.
             ui.horizontal(|ui| {
-                presets(ui, others, commands);
+                presets(ui, &PRESETS, commands);
                 ruler(ui, state, commands);
             });
-            ui.horizontal(|ui| stations(ui, commands));
-            ui.horizontal(|ui| colouring(ui, state, false, commands));
+            ui.horizontal(|ui| {
+                stations(ui, commands);
+                colouring(ui, state, false, commands);
+            });
         }
     });
     let taken = response.response.rect;
@@ -55,11 +55,11 @@ type Preset = (&'static str, ViewPreset, &'static str);
 
 /// Name, what it does, hint.
 const PRESETS: [Preset; 5] = [
-    ("Fit", ViewPreset::Fit, "Show everything (F, or double-click)"),
-    ("3D", ViewPreset::Slanted, "From above at a slant (D)"),
-    ("Top", ViewPreset::Top, "Look down, x to the right"),
-    ("Front", ViewPreset::Front, "Look along y, x to the right"),
-    ("Side", ViewPreset::Side, "Look against x, y to the right"),
+    ("Fit", ViewPreset::Fit, "Show all that is not hidden (F, or double-click)"),
+    ("3D", ViewPreset::Slanted, "From above at a slant, in perspective (D)"),
+    ("Top", ViewPreset::Top, "Look down, x to the right, all lengths true (T)"),
+    ("Front", ViewPreset::Front, "Look along y, x to the right, all lengths true (R)"),
+    ("Side", ViewPreset::Side, "Look against x, y to the right, all lengths true (S)"),
 ];
 
 fn presets(ui: &mut egui::Ui, some: &[Preset], commands: &mut Commands) {

@@ -27,7 +27,9 @@ struct Uniforms {
     /// Readings and tracks at other times are dimmed.
     selection_s: [f32; 2],
     pixels_per_point: f32,
-    padding: [f32; 3],
+    /// A bit for each fate that is shown.
+    shown_fates: u32,
+    padding: [f32; 2],
 }
 
 /// Pipelines, buffers and the texture.
@@ -264,7 +266,8 @@ fn uniforms(
         viewport_pixels,
         selection_s: content.selection_s.unwrap_or([f32::MIN, f32::MAX]),
         pixels_per_point,
-        padding: [0.0; 3],
+        shown_fates: content.shown_fates,
+        padding: [0.0; 2],
     }
 }
 

@@ -30,12 +30,17 @@ pub enum UnderPointer {
 impl UnderPointer {
     /// Finds what is under the pointer, of what is shown. A reading comes before the track that was made from it.
     pub fn find(content: &SceneContent, projection: &Projection, at: Pos2) -> Option<Self> {
-        let nearest = |cloud: &Cloud, shown: &[bool; 3], reach: f32| -> Option<(usize, Hit)> {
+        let nearest = |cloud: &Cloud,
+                       reach: f32,
+                       stations: &[bool; 3],
+                       shown: &dyn Fn(Picked) -> bool|
+         -> Option<(usize, Hit)> {
             let mut best: Option<(usize, Hit)> = None;
-            for station in (0..3).filter(|station| shown[*station]) {
+            for station in (0..3).filter(|station| stations[*station]) {
                 let Some(transform) = &content.station1_from_tracks[station] else { continue };
                 let view = projection.pick_view(transform, at, reach);
-                let hit = cloud.trees[station].nearest(cloud.station(station), &view);
+                let shown = |index| shown(Picked { station, index });
+                let hit = cloud.trees[station].nearest(cloud.station(station), &view, shown);
                 if let Some(hit) = hit.filter(|hit| hit.beats(best.as_ref().map(|(_, best)| best)))
                 {
                     best = Some((station, hit));
@@ -43,12 +48,12 @@ impl UnderPointer {
             }
             best
         };
-        if let Some((station, hit)) =
-            nearest(&content.clouds.raw, &content.raw_shown, READING_REACH)
-        {
+        let (raw, tracks) = (&content.clouds.raw, &content.clouds.tracks);
+        let shows = |picked| content.shows_reading(picked);
+        if let Some((station, hit)) = nearest(raw, READING_REACH, &content.raw_shown, &shows) {
             return Some(Self::Reading(Picked { station, index: hit.index }));
         }
-        nearest(&content.clouds.tracks, &content.tracks_shown, TRACK_REACH)
+        nearest(tracks, TRACK_REACH, &content.tracks_shown, &|_| true)
             .map(|(station, hit)| Self::Track { station, index: hit.index })
     }
 
@@ -136,11 +141,6 @@ pub fn tooltip(painter: &Painter, rect: Rect, at: Pos2, lines: &[String], dark: 
     let size = galley.size() + Vec2::splat(10.0);
     let place = Align2::LEFT_TOP.anchor_size(at + Vec2::new(14.0, 14.0), size);
     let place = labels::inside(place, rect.shrink(4.0));
-    labels::ground(painter, place, dark);
+    painter.add(labels::ground_shape(place, dark));
     painter.galley(place.min + Vec2::splat(5.0), galley, colour);
-}
-
-/// Whether a reading is drawn at all.
-pub fn is_shown(content: &SceneContent, picked: Picked) -> bool {
-    content.raw_shown.get(picked.station).copied().unwrap_or(false)
 }

@@ -120,6 +120,7 @@ impl State {
 
             Command::Show(visibility) => self.visibility = visibility,
             Command::Colour(colouring) => self.colouring = colouring,
+            Command::SetScene(options) => self.scene = options,
             Command::Measure(ruler) => self.ruler = ruler,
             Command::SetUnits(units) => self.units = units,
             Command::UseTheme(theme) => {

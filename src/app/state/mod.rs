@@ -38,7 +38,7 @@ use crate::app::model::studies::Studies;
 use crate::app::model::toasts::Toasts;
 use crate::app::model::{
     Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Playback, Results, Ruler,
-    UndoStack, Units, Validations, Visibility,
+    SceneOptions, UndoStack, Units, Validations, Visibility,
 };
 
 /// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
@@ -56,6 +56,7 @@ pub struct State {
     pub start_settings: Settings,
     pub visibility: Visibility,
     pub colouring: Colouring,
+    pub scene: SceneOptions,
     pub view: View,
     pub layout: Layout,
     pub ruler: Ruler,
@@ -113,6 +114,7 @@ impl State {
             start_settings: Settings::default(),
             visibility: Visibility::default(),
             colouring: Colouring::default(),
+            scene: SceneOptions::default(),
             view: View::default(),
             layout: Layout::default(),
             ruler: Ruler::default(),

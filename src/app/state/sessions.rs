@@ -135,6 +135,7 @@ impl State {
                 colouring: self.colouring,
                 units: self.units,
                 visibility: self.visibility,
+                scene: self.scene,
             },
             layout: Some(self.layout.describe()),
             pins: self.results.pins.iter().map(pin).collect(),
@@ -157,6 +158,7 @@ impl State {
     pub fn restore(&mut self, session: Session) {
         self.visibility = session.view.visibility;
         self.colouring = session.view.colouring;
+        self.scene = session.view.scene;
         self.units = session.view.units;
         if let Some(description) = &session.layout {
             let (layout, findings) = Layout::of_description(description);
