@@ -199,6 +199,7 @@ impl Panes<'_> {
             Pane::Studies => panels::studies::ui(ui, self.state, self.commands),
             Pane::Reading => panels::reading::ui(ui, self.state, self.commands),
             Pane::Runs => panels::runs::ui(ui, self.state, self.commands),
+            Pane::ControlPoints => panels::control_points::ui(ui, self.state, self.commands),
         }
     }
 }

@@ -16,6 +16,7 @@ mod put_right;
 mod results;
 mod scene;
 mod scene_legend;
+mod scene_view;
 mod screenshots;
 mod sessions;
 mod validation;

@@ -1,14 +1,11 @@
 //! The scene, driven by mouse and keyboard.
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, Theme};
+use eframe::egui::{Key, Modifiers, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset};
 
 use crate::harness::{LARGE, Window, send, window};
-
-/// Somewhere in the scene where nothing is.
-const EMPTY: Pos2 = Pos2::new(560.0, 430.0);
 
 fn timeline(harness: &Window) -> Timeline {
     harness.state().state.active().expect("open").timeline
@@ -23,10 +20,31 @@ fn click_at(harness: &mut Window, at: Pos2) {
     harness.run_steps(2);
 }
 
-/// The first place along a row of the scene where something is under the pointer, other than at some time.
-fn find(harness: &mut Window, row: f32, not_s: Option<f64>) -> (Pos2, f64) {
-    for x in (700..1210).step_by(4) {
-        let at = Pos2::new(x as f32, row);
+/// The picture, above the strip.
+pub fn picture(harness: &Window) -> Rect {
+    harness.get_by_role_and_label(Role::Image, "Scene").rect()
+}
+
+/// Somewhere in the scene where nothing is.
+fn empty(harness: &Window) -> Pos2 {
+    picture(harness).right_bottom() - Vec2::splat(8.0)
+}
+
+/// Where a reading is seen, if it is in the picture.
+pub fn seen(harness: &Window, picked: Picked) -> Option<Pos2> {
+    let (open, analysis) = harness.state().state.analysed().expect("an answer");
+    let place_m = picked.place_m(&open.deployment, analysis).expect("placed").cast::<f32>();
+    let rect = picture(harness);
+    let camera = &harness.state().state.view.camera;
+    let clip = camera.clip_from_world(rect.width() / rect.height()) * place_m.push(1.0);
+    let at = Vec2::new(clip.x / clip.w, -clip.y / clip.w) * 0.5 * rect.size();
+    Some(rect.center() + at).filter(|at| rect.contains(*at))
+}
+
+/// The first place from a reading of station 1 on where something is under the pointer, other than at some time.
+fn find(harness: &mut Window, from: usize, not_s: Option<f64>) -> (Pos2, f64) {
+    for index in (from..900).step_by(10) {
+        let Some(at) = seen(harness, Picked { station: 0, index }) else { continue };
         harness.hover_at(at);
         harness.run_steps(2);
         let hovered_s = harness.state().state.hover_s;
@@ -34,7 +52,7 @@ fn find(harness: &mut Window, row: f32, not_s: Option<f64>) -> (Pos2, f64) {
             return (at, time_s);
         }
     }
-    panic!("nothing under the pointer at {row}");
+    panic!("nothing under the pointer from reading {from} on");
 }
 
 /// Pixels of the scene that differ.
@@ -48,13 +66,14 @@ fn differing(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
 #[test]
 fn a_click_on_a_reading_picks_it_and_one_beside_everything_lets_go() {
     let mut harness = window(LARGE, Theme::Dark);
-    let (at, hovered_s) = find(&mut harness, 320.0, None);
+    let (at, hovered_s) = find(&mut harness, 300, None);
     click_at(&mut harness, at);
     let picked = timeline(&harness).picked.expect("a reading");
     let deployment = harness.state().state.active().expect("open").deployment.clone();
     assert_eq!(picked.time_s(&deployment), Some(hovered_s));
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
-    click_at(&mut harness, EMPTY);
+    let beside = empty(&harness);
+    click_at(&mut harness, beside);
     assert_eq!(timeline(&harness).picked, None);
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
 }
@@ -62,7 +81,7 @@ fn a_click_on_a_reading_picks_it_and_one_beside_everything_lets_go() {
 #[test]
 fn what_is_not_shown_is_not_under_the_pointer() {
     let mut harness = window(LARGE, Theme::Dark);
-    let (at, _) = find(&mut harness, 320.0, None);
+    let (at, _) = find(&mut harness, 300, None);
     let mut visibility = harness.state().state.visibility;
     (visibility.raw, visibility.tracks) = (false, false);
     send(&mut harness, Command::Show(visibility));
@@ -73,7 +92,7 @@ fn what_is_not_shown_is_not_under_the_pointer() {
     visibility.tracks = true;
     send(&mut harness, Command::Show(visibility));
     let before_s = timeline(&harness).cursor_s;
-    let (at, hovered_s) = find(&mut harness, 260.0, before_s);
+    let (at, hovered_s) = find(&mut harness, 500, before_s);
     click_at(&mut harness, at);
     assert_eq!(timeline(&harness).picked, None);
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
@@ -114,7 +133,8 @@ fn the_colouring_is_chosen_in_the_scene() {
 #[test]
 fn keys_turn_the_scene_that_has_the_focus_and_leave_time_alone() {
     let mut harness = window(LARGE, Theme::Dark);
-    click_at(&mut harness, EMPTY);
+    let beside = empty(&harness);
+    click_at(&mut harness, beside);
     let cursor_s = timeline(&harness).cursor_s;
     let mut last = harness.render().expect("a picture");
     for (modifiers, key) in [
@@ -164,11 +184,12 @@ fn the_ruler_snaps_to_what_is_clicked_and_esc_clears_it() {
     harness.get_by_label("Ruler").click();
     harness.run_steps(2);
     assert!(harness.state().state.ruler.active);
-    let (first, first_s) = find(&mut harness, 320.0, None);
+    let (first, first_s) = find(&mut harness, 300, None);
     click_at(&mut harness, first);
-    let (second, _) = find(&mut harness, 285.0, Some(first_s));
+    let (second, _) = find(&mut harness, 600, Some(first_s));
     click_at(&mut harness, second);
-    click_at(&mut harness, EMPTY);
+    let beside = empty(&harness);
+    click_at(&mut harness, beside);
     let ends = harness.state().state.ruler.ends.clone();
     assert_eq!(ends.len(), 2, "{ends:?}");
     assert!((ends[0].position_m - ends[1].position_m).norm() > 1.0);

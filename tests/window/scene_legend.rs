@@ -14,9 +14,9 @@ fn visibility(harness: &Window) -> Visibility {
 
 /// Whether the strip under the scene says this.
 fn says(harness: &Window, text: &str) -> bool {
-    harness.query_all_by_role(Role::Status).any(|strip| {
-        strip.accesskit_node().label().is_some_and(|label| label.contains(text))
-    })
+    harness
+        .query_all_by_role(Role::Status)
+        .any(|strip| strip.accesskit_node().label().is_some_and(|label| label.contains(text)))
 }
 
 #[test]
@@ -107,9 +107,8 @@ fn ellipsoids_keep_their_scale_whatever_the_answer() {
 fn the_strip_is_as_high_whatever_it_says() {
     for size in [LARGE, SMALL, Vec2::new(1600.0, 1200.0)] {
         let mut harness = window(size, Theme::Light);
-        let picture = |harness: &Window| {
-            harness.get_by_role_and_label(Role::Image, "Scene").rect().size()
-        };
+        let picture =
+            |harness: &Window| harness.get_by_role_and_label(Role::Image, "Scene").rect().size();
         let before = picture(&harness);
         send(&mut harness, Command::Show(Visibility { raw: false, ..Visibility::default() }));
         send(&mut harness, Command::Measure(resect::app::Ruler { active: true, ends: vec![] }));

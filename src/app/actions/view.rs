@@ -13,6 +13,7 @@ use crate::pipeline::SampleFate;
 pub fn actions(state: &State) -> Vec<Action> {
     let view = |section, name: &str, command| Action::new(Menu::View, section, name, command);
     let measuring = state.ruler.active;
+    let picked = state.active().and_then(|open| open.timeline.picked);
     let ruler = Ruler { active: !measuring, ends: Vec::new() };
     let mut actions = vec![
         view("Scene", "Fit", Command::Look(ViewPreset::Fit))
@@ -24,6 +25,14 @@ pub fn actions(state: &State) -> Vec<Action> {
         view("Scene", "Top", Command::Look(ViewPreset::Top)).key(Key::T),
         view("Scene", "Front", Command::Look(ViewPreset::Front)).key(Key::R),
         view("Scene", "Side", Command::Look(ViewPreset::Side)).key(Key::S),
+        view(
+            "Scene",
+            "Come to the picked reading",
+            picked.map_or(Command::Unpick, Command::PickInPlot),
+        )
+        .hint("The camera glides to it, as after a double-click")
+        .key(Key::G)
+        .possible(picked.is_some()),
         view("Scene", "Ruler", Command::Measure(ruler))
             .hint("Measure between two points of the scene")
             .key(Key::M)
@@ -104,10 +113,19 @@ fn hiding(state: &State) -> Vec<Action> {
             .one_of(scene.legend_open == Some(open))
     };
     actions.extend([legend("Legend: open", true), legend("Legend: folded", false)]);
-    actions.extend(SceneOptions::ELLIPSOID_SCALES.into_iter().map(|scale| {
+    actions.extend(SceneOptions::ERROR_SCALES.into_iter().map(|scale| {
         let options = SceneOptions { ellipsoid_scale: scale, ..scene };
         set("Ellipsoids", &format!("Ellipsoids ×{scale}"), options)
             .one_of(scene.ellipsoid_scale == scale)
+    }));
+    actions.extend(SceneOptions::ERROR_SCALES.into_iter().map(|scale| {
+        let options = SceneOptions { residual_scale: scale, ..scene };
+        set("Residual arrows", &format!("Residual arrows ×{scale}"), options)
+            .one_of(scene.residual_scale == scale)
+    }));
+    actions.extend(SceneOptions::HEIGHT_SCALES.into_iter().map(|scale| {
+        let options = SceneOptions { height_scale: scale, ..scene };
+        set("Heights", &format!("Heights ×{scale}"), options).one_of(scene.height_scale == scale)
     }));
     actions
 }

@@ -97,6 +97,8 @@ pub enum Command {
     SetUnits(Units),
     UseTheme(egui::ThemePreference),
     Look(ViewPreset),
+    /// The camera glides to a place (m, in station 1's frame).
+    ComeTo(nalgebra::Vector3<f64>),
     ScenePicture(PictureTo),
 
     Copy(String),

@@ -2,8 +2,8 @@
 
 use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
-    Clocks, Deployment, Findings, Histogram, Intervals, Pipeline, PriorSearch, Rates, Reading,
-    Residuals, Result, Runs, Scene, SideBySide, Studies,
+    Clocks, ControlPoints, Deployment, Findings, Histogram, Intervals, Pipeline, PriorSearch,
+    Rates, Reading, Residuals, Result, Runs, Scene, SideBySide, Studies,
 };
 
 /// A ready-made layout for one kind of work.
@@ -97,7 +97,7 @@ pub fn first() -> Node {
                     0.32,
                     row([
                         (0.66, tabs(&[Residuals, Rates, Intervals, Clocks, PriorSearch])),
-                        (0.34, tabs(&[Histogram, Findings, Reading])),
+                        (0.34, tabs(&[Histogram, Findings, Reading, ControlPoints])),
                     ]),
                 ),
             ]),

@@ -23,11 +23,13 @@ pub enum Pane {
     Reading,
     /// Earlier runs and pinned results.
     Runs,
+    /// What the answer leaves at each control point.
+    ControlPoints,
 }
 
 impl Pane {
     /// All panes in the order of the menu.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -43,6 +45,7 @@ impl Pane {
         Self::Findings,
         Self::Reading,
         Self::PriorSearch,
+        Self::ControlPoints,
     ];
 
     pub fn title(self) -> &'static str {
@@ -62,6 +65,7 @@ impl Pane {
             Self::Clocks => "Clocks",
             Self::Reading => "Reading",
             Self::Runs => "Runs",
+            Self::ControlPoints => "Control points",
         }
     }
 
@@ -83,6 +87,7 @@ impl Pane {
             Self::Clocks => "clocks",
             Self::Reading => "reading",
             Self::Runs => "runs",
+            Self::ControlPoints => "control-points",
         }
     }
 

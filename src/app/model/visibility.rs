@@ -16,6 +16,8 @@ pub struct Visibility {
     /// Tracks in the scene by their prism.
     pub prisms: [bool; 3],
     pub control_points: bool,
+    /// Arrows at the control points: what each station makes of them.
+    pub residuals: bool,
     /// The vehicle's frame along the track.
     pub poses: bool,
     /// What the interpolation states about its own error: ellipsoids in the scene, bands in the plot.
@@ -37,6 +39,7 @@ impl Default for Visibility {
             tracks: true,
             prisms: [true; 3],
             control_points: true,
+            residuals: true,
             poses: true,
             uncertainty: true,
             station_ellipsoids: true,

@@ -4,6 +4,7 @@
 pub mod analyser;
 mod clock_series;
 mod cloud;
+pub mod control_points;
 pub mod gaps;
 pub mod pick;
 pub mod placing;

@@ -35,6 +35,8 @@ pub struct SceneContent {
     /// The vehicle along its way.
     pub(super) poses: Vec<Pose>,
     pub along: Layer,
+    /// The grid; changes with the camera.
+    pub ground: Layer,
     /// Changes with the analysis and the visibility.
     pub data: Layer,
     /// The prism triangle at the time cursor.
@@ -60,6 +62,8 @@ pub struct SceneContent {
     /// Whether ellipsoids of the interpolation are drawn, and of the stations.
     pub track_ellipsoids: bool,
     pub station_ellipsoids: bool,
+    /// Whether arrows of the control points' residuals are drawn.
+    pub residuals: bool,
 }
 
 impl SceneContent {

@@ -2,13 +2,13 @@
 
 use eframe::egui::{self, Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
 
-use crate::app::model::{Colouring, Command, Commands, Ruler, ViewPreset};
+use crate::app::model::{Colouring, Command, Commands, Ruler, SceneOptions, ViewPreset};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;
 
 /// Wide enough for all in one row beside the legend; narrower pictures have two.
-const ONE_ROW_POINTS: f32 = 800.0;
+const ONE_ROW_POINTS: f32 = 860.0;
 const MARGIN: f32 = 8.0;
 
 /// Shows the controls in the upper right corner; gives the place they take, whose size is `size`.
@@ -29,6 +29,7 @@ pub fn ui(
                 presets(ui, &PRESETS, commands);
                 stations(ui, commands);
                 ruler(ui, state, commands);
+                heights(ui, state, commands);
                 colouring(ui, state, true, commands);
             });
         } else {
@@ -39,6 +40,7 @@ pub fn ui(
             });
             ui.horizontal(|ui| {
                 stations(ui, commands);
+                heights(ui, state, commands);
                 colouring(ui, state, false, commands);
             });
         }
@@ -112,5 +114,22 @@ fn colouring(ui: &mut egui::Ui, state: &State, labelled: bool, commands: &mut Co
     combo.response.on_hover_text(format!("Colour by: {}", chosen.hint()));
     if chosen != state.colouring {
         commands.push(Command::Colour(chosen));
+    }
+}
+
+fn heights(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let mut scale = state.scene.height_scale;
+    let combo = egui::ComboBox::from_id_salt("heights")
+        .width(44.0)
+        .selected_text(format!("z ×{scale}"))
+        .show_ui(ui, |ui| {
+            for choice in SceneOptions::HEIGHT_SCALES {
+                ui.selectable_value(&mut scale, choice, format!("z ×{choice}"));
+            }
+        });
+    combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Heights drawn"));
+    combo.response.on_hover_text("How many times higher than true everything is drawn");
+    if scale != state.scene.height_scale {
+        commands.push(Command::SetScene(SceneOptions { height_scale: scale, ..state.scene }));
     }
 }

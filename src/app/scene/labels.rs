@@ -85,6 +85,15 @@ pub fn paint(
     }
 }
 
+/// Paints a line in the middle of the picture.
+pub fn paint_in_the_middle(painter: &Painter, rect: Rect, text: &str, dark: bool) {
+    let colour = theme::rgb(theme::cursor(dark));
+    let galley = painter.layout(text.to_owned(), FontId::proportional(13.0), colour, rect.width());
+    let place = Rect::from_center_size(rect.center(), galley.size());
+    painter.add(ground_shape(place.expand(6.0), dark));
+    painter.galley(place.min, galley, colour);
+}
+
 /// Paints text in the middle of a point, if there is room.
 fn text_at(
     painter: &Painter,

@@ -32,8 +32,9 @@ pub fn ui(
     let width = if unfolded { WIDTH } else { picture.width() - 2.0 * MARGIN };
     let size = Vec2::new(width, (picture.height() - 2.0 * MARGIN).max(ROW));
     let room = Rect::from_min_size(picture.min + Vec2::splat(MARGIN), size);
-    // A click beside its rows is not meant for what lies below.
-    let builder = egui::UiBuilder::new().max_rect(room).sense(Sense::CLICK).id_salt("legend");
+    // What is done beside its rows is not meant for what lies below.
+    let builder =
+        egui::UiBuilder::new().max_rect(room).sense(Sense::CLICK | Sense::DRAG).id_salt("legend");
     let response = ui.scope_builder(builder, |ui| {
         let ground = ui.painter().add(egui::Shape::Noop);
         let inside = egui::Frame::new().inner_margin(egui::Margin::symmetric(6, 3));
@@ -54,6 +55,7 @@ pub fn ui(
         ui.painter().set(ground, shape);
         place
     });
+    response.response.widget_info(|| WidgetInfo::labeled(Role::Group, true, "Key of the scene"));
     Some(response.inner)
 }
 
@@ -131,8 +133,14 @@ fn rows(
             row(ui, one, Vec2::new(ui.available_width(), ROW), commands);
         }
     }
+    let scene = state.scene;
     if legend_rows::states_errors(analysis) {
-        ellipsoid_scale(ui, state, commands);
+        let set = |scale| SceneOptions { ellipsoid_scale: scale, ..scene };
+        scale(ui, ("ellipsoids", "Scale of the ellipsoids"), scene.ellipsoid_scale, set, commands);
+    }
+    if legend_rows::has_residuals(open, analysis) {
+        let set = |scale| SceneOptions { residual_scale: scale, ..scene };
+        scale(ui, ("arrows", "Scale of the residuals"), scene.residual_scale, set, commands);
     }
 }
 
@@ -151,6 +159,9 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
             let fill = ui.visuals().widgets.hovered.weak_bg_fill;
             ui.painter().rect_filled(rect, 3.0, fill);
         }
+    }
+    if !clickable {
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &row.name));
     }
     let middle = rect.left_center() + Vec2::new(8.0, 0.0);
     match row.swatch {
@@ -182,24 +193,29 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
     }
 }
 
-fn ellipsoid_scale(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+/// Lets the user choose how many times larger than true errors are drawn.
+fn scale(
+    ui: &mut egui::Ui,
+    (what, name): (&str, &str),
+    now: u32,
+    set: impl Fn(u32) -> SceneOptions,
+    commands: &mut Commands,
+) {
     ui.horizontal(|ui| {
-        ui.label(small("ellipsoids drawn"));
-        let mut scale = state.scene.ellipsoid_scale;
-        let combo = egui::ComboBox::from_id_salt("ellipsoid scale")
-            .width(64.0)
+        ui.add_sized(Vec2::new(92.0, ROW), egui::Label::new(small(&format!("{what} drawn"))));
+        let mut scale = now;
+        let combo = egui::ComboBox::from_id_salt(name)
+            .width(72.0)
             .selected_text(format!("×{scale}"))
             .show_ui(ui, |ui| {
-                for choice in SceneOptions::ELLIPSOID_SCALES {
+                for choice in SceneOptions::ERROR_SCALES {
                     ui.selectable_value(&mut scale, choice, format!("×{choice}"));
                 }
             });
-        let name = "Scale of the ellipsoids";
         combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
         combo.response.on_hover_text("How many times larger than true; an answer never changes it");
-        if scale != state.scene.ellipsoid_scale {
-            let options = SceneOptions { ellipsoid_scale: scale, ..state.scene };
-            commands.push(Command::SetScene(options));
+        if scale != now {
+            commands.push(Command::SetScene(set(scale)));
         }
     });
 }

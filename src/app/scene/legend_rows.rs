@@ -5,9 +5,11 @@ use eframe::egui::Color32;
 use super::SceneContent;
 use crate::analysis::Analysis;
 use crate::app::model::{Colouring, OpenDeployment, Visibility};
+use crate::app::prepared::control_points::set_letter;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::calibration::inter_prism::observability::Hold;
+use crate::deployment::ControlPointSet;
 use crate::palette;
 use crate::pipeline::SampleFate;
 
@@ -70,21 +72,32 @@ pub fn groups(
         Group { title: "", chips: false, rows: of_colours(analysis, state, content) },
         Group { title: "readings", chips: false, rows: of_fates(analysis, state, faint) },
     ];
-    let mut others = of_what_is_known(analysis, visibility, faint);
+    let others = of_what_is_known(analysis, visibility, faint);
     if !open.deployment.control_points.is_empty() {
         let mut toggled = *visibility;
         toggled.control_points ^= true;
-        let count: usize = open.deployment.control_points.iter().map(|set| set.points.len()).sum();
-        others.insert(
-            0,
-            Row {
+        let mut rows = vec![Row {
+            swatch: Swatch::Colour(faint),
+            text: "control points".to_owned(),
+            name: "Show control points".to_owned(),
+            shown: visibility.control_points,
+            toggled: Some(toggled),
+        }];
+        rows.extend(of_sets(open, visibility));
+        if has_residuals(open, analysis) {
+            rows.push(Row {
                 swatch: Swatch::Colour(faint),
-                text: format!("control points  {count}"),
-                name: "Show control points".to_owned(),
-                shown: visibility.control_points,
-                toggled: Some(toggled),
-            },
-        );
+                text: "arrows: station − mean".to_owned(),
+                name: "Show residuals at control points".to_owned(),
+                shown: visibility.control_points && visibility.residuals,
+                toggled: Some(Visibility {
+                    control_points: true,
+                    residuals: !(visibility.control_points && visibility.residuals),
+                    ..*visibility
+                }),
+            });
+        }
+        groups.push(Group { title: "", chips: false, rows });
     }
     groups.push(Group { title: "", chips: false, rows: others });
     groups.retain(|group| !group.rows.is_empty());
@@ -165,6 +178,25 @@ fn of_intervals(count: usize) -> Vec<(palette::Rgb, String)> {
         .collect()
 }
 
+/// The letter of each set of control points, where there are several.
+fn of_sets(open: &OpenDeployment, visibility: &Visibility) -> Vec<Row> {
+    let sets = &open.deployment.control_points;
+    let row = |(number, set): (usize, &ControlPointSet)| {
+        let (letter, count) = (set_letter(number), set.points.len());
+        let text = format!("{letter}  {}  {count}", set.file);
+        Row { swatch: Swatch::None, name: text.clone(), text, shown: true, toggled: None }
+    };
+    let named = sets.len() > 1 && visibility.control_points;
+    sets.iter().enumerate().filter(|_| named).map(row).collect()
+}
+
+/// Whether the answer leaves residuals at control points.
+pub fn has_residuals(open: &OpenDeployment, analysis: &Analysis) -> bool {
+    let answer = analysis.answer.as_ref().ok();
+    !open.deployment.control_points.is_empty()
+        && answer.is_some_and(|a| a.calibration.placing_control_points(&open.deployment).is_some())
+}
+
 /// Whether the answer or the interpolation states how large its errors are.
 pub fn states_errors(analysis: &Analysis) -> bool {
     let answer = analysis.answer.as_ref().ok();
@@ -239,6 +271,11 @@ pub fn hidden(open: &OpenDeployment, analysis: &Analysis, visibility: &Visibilit
     let stated = analysis.answer.as_ref().is_ok_and(|a| a.calibration.covariance.is_some());
     for (there, shown, what) in [
         (points, visibility.control_points, "control points"),
+        (
+            visibility.control_points && has_residuals(open, analysis),
+            visibility.residuals,
+            "residuals at control points",
+        ),
         (analysis.answer.is_ok(), visibility.poses, "vehicle"),
         (stated, visibility.station_ellipsoids, "ellipsoids of stations"),
         (analysis.triplets().sigma_m.is_some(), visibility.uncertainty, "ellipsoids of tracks"),

@@ -3,7 +3,8 @@
 //! [`view`] is the pane. What it shows comes in two kinds:
 //! - readings and tracks, by the million: [`cloud`] puts them on the GPU once (in the worker, before the frame that
 //!   shows them), [`colouring`] gives them colours, and [`pick`] finds the one under the pointer;
-//! - everything else, by the hundred: [`content`] with [`overlays`], [`station_uncertainty`], [`cursor`] and [`grid`],
+//! - everything else, by the hundred: [`content`] with [`overlays`], [`station_uncertainty`], [`control_points`],
+//!   [`cursor`] and [`grid`],
 //!   made by [`refresh`] and [`rebuild`] when the state changes; [`extent`] says how far all of it reaches.
 //!
 //! [`camera`] looks at them ([`flight`] moves it, [`input`] steers it), [`renderer`] draws them with wgpu into a texture of
@@ -17,6 +18,7 @@
 mod buffers;
 mod colouring;
 mod content;
+mod control_points;
 mod controls;
 mod cursor;
 mod extent;

@@ -1,4 +1,4 @@
-//! Everything in the scene made anew from an answer: stations, control points, poses, what is known how well, and the grid.
+//! Everything in the scene made anew from an answer: stations, control points, poses, and what is known how well.
 
 use nalgebra::Vector3;
 
@@ -7,7 +7,7 @@ use super::grid::Grid;
 use super::vertices::{Label, Landmark, LineVertex, PointVertex, Rank, WORLD, opaque};
 use super::{overlays, station_uncertainty};
 use crate::analysis::Analysis;
-use crate::app::model::{SceneOptions, Visibility};
+use crate::app::model::{Camera, SceneOptions, Visibility};
 use crate::app::prepared::placing::{placed, placed_tracks};
 use crate::deployment::Deployment;
 use crate::geometry::RigidTransform;
@@ -35,7 +35,6 @@ impl SceneContent {
         analysis: &Analysis,
         visibility: &Visibility,
         options: &SceneOptions,
-        grid_colour: [u8; 4],
     ) {
         self.station1_from_station = placed(analysis);
         self.station1_from_tracks = placed_tracks(deployment, analysis);
@@ -44,6 +43,7 @@ impl SceneContent {
         self.landmarks.clear();
         self.find_bounds(analysis);
         (self.track_ellipsoids, self.station_ellipsoids) = (false, false);
+        self.residuals = false;
         let transforms = self.station1_from_station;
         let shown = |station: usize| transforms[station].is_some() && visibility.stations[station];
         let tracks = self.station1_from_tracks;
@@ -58,7 +58,9 @@ impl SceneContent {
             Err(_) => true,
         };
         if visibility.uncertainty {
-            let stations: Vec<usize> = (0..3).filter(|station| track_shown(*station)).collect();
+            // With a track its ellipsoids go.
+            let drawn = |station: &usize| track_shown(*station) && visibility.prisms[*station];
+            let stations: Vec<usize> = (0..3).filter(drawn).collect();
             let scale = f64::from(options.ellipsoid_scale);
             self.track_ellipsoids = overlays::add_uncertainty(self, analysis, &stations, scale);
         }
@@ -69,6 +71,11 @@ impl SceneContent {
             }
             self.add_station(station, &transform);
         }
+        if visibility.control_points && visibility.residuals {
+            let shown = [0, 1, 2].map(shown);
+            let scale = f64::from(options.residual_scale);
+            self.residuals = self.add_residuals(deployment, analysis, &shown, scale);
+        }
         self.poses =
             if visibility.poses { overlays::poses_along(deployment, analysis) } else { Vec::new() };
         self.along.clear();
@@ -77,10 +84,20 @@ impl SceneContent {
         self.add_what_is_known(analysis, visibility, options);
         // The last of equals was placed first while there were only control points and stations.
         self.labels.sort_by_key(|label| label.rank);
-        self.grid = self.bounds_m.map(|(low, high)| Grid::under(&low, &high));
-        if let Some(grid) = &self.grid {
-            grid.add_lines(&mut self.data.lines, grid_colour);
+    }
+
+    /// Puts the grid where the camera needs it, if it is not there.
+    pub fn set_grid(&mut self, camera: &Camera, viewport_height: f32, colour: [u8; 4]) {
+        let grid = self.bounds_m.map(|(low, high)| Grid::of(camera, viewport_height, &low, &high));
+        let drawn = self.ground.lines.first().map(|line| line.colour);
+        if grid == self.grid && drawn.is_none_or(|drawn| drawn == colour) {
+            return;
         }
+        self.ground.clear();
+        if let Some(grid) = &grid {
+            grid.add_lines(&mut self.ground.lines, colour);
+        }
+        self.grid = grid;
     }
 
     /// How well the stations are known.
@@ -102,43 +119,6 @@ impl SceneContent {
         {
             let observed = &details.observability;
             station_uncertainty::add_weak_directions(self, calibration, observed, shown);
-        }
-    }
-
-    fn add_control_points(
-        &mut self,
-        deployment: &Deployment,
-        station: usize,
-        transform: &RigidTransform,
-    ) {
-        for set in &deployment.control_points {
-            for point in &set.points {
-                let Some(polar) = point.readings[station] else { continue };
-                let position_m = transform.apply(&polar.to_cartesian());
-                let place = position_m.cast::<f32>();
-                // A cross of fixed size, so that the stations' versions of a point can be told apart.
-                for axis in 0..3 {
-                    let mut arm = Vector3::zeros();
-                    arm[axis] = 0.35;
-                    self.world_line(place - arm, place + arm, palette::STATIONS[station], 1.5);
-                }
-                let kind = if set.pillars { "pillar" } else { "control point" };
-                let name = format!("{kind} {} from station {}", point.marker, station + 1);
-                let fitted_in = !set.pillars;
-                self.landmarks.push(Landmark { position_m, name, fitted_in });
-                if station == 0 {
-                    self.labels.push(Label {
-                        position_m: place,
-                        text: if set.pillars {
-                            format!("pillar {}", point.marker)
-                        } else {
-                            point.marker.to_string()
-                        },
-                        colour: palette::fate(SampleFate::Kept),
-                        rank: Rank::ControlPoint,
-                    });
-                }
-            }
         }
     }
 

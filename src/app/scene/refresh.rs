@@ -25,7 +25,7 @@ impl SceneView {
             deployment: open.id,
             analysis: run,
             visibility: state.visibility,
-            ellipsoid_scale: state.scene.ellipsoid_scale,
+            scales: [state.scene.ellipsoid_scale, state.scene.residual_scale],
             dark,
         };
         let rebuilt = self.built.as_ref() != Some(&wanted);
@@ -39,9 +39,8 @@ impl SceneView {
                 view.look_again(look);
             }
             self.content.set_clouds(&open.clouds);
-            let grid = theme::scene_grid(dark).to_array();
             let (visibility, options) = (&state.visibility, &state.scene);
-            self.content.rebuild(&open.deployment, analysis, visibility, options, grid);
+            self.content.rebuild(&open.deployment, analysis, visibility, options);
             self.built = Some(wanted);
         }
         let wanted = Some((open.id, run, state.colouring));

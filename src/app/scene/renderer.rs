@@ -43,7 +43,7 @@ pub struct SceneRenderer {
     raw: CloudBuffers,
     tracks: CloudBuffers,
     /// Buffers of the [`layers`], in their order.
-    layers: [LayerBuffers; 5],
+    layers: [LayerBuffers; 6],
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -52,7 +52,7 @@ pub struct SceneRenderer {
 #[derive(PartialEq)]
 struct Drawn {
     uniforms: Uniforms,
-    versions: [u64; 7],
+    versions: [u64; 8],
     shown: [[bool; 3]; 2],
 }
 
@@ -125,7 +125,7 @@ impl SceneRenderer {
         let size = [pixels(size_points.x), pixels(size_points.y)];
         self.ensure_target(size);
         self.upload(content);
-        let mut versions = [content.clouds_version, content.colours_version, 0, 0, 0, 0, 0];
+        let mut versions = [content.clouds_version, content.colours_version, 0, 0, 0, 0, 0, 0];
         for (version, layer) in versions[2..].iter_mut().zip(layers(content)) {
             *version = layer.version;
         }
@@ -243,8 +243,15 @@ impl SceneRenderer {
 }
 
 /// The layers in the order they are drawn.
-fn layers(content: &SceneContent) -> [&Layer; 5] {
-    [&content.along, &content.data, &content.hover, &content.cursor, &content.ruler]
+fn layers(content: &SceneContent) -> [&Layer; 6] {
+    [
+        &content.ground,
+        &content.along,
+        &content.data,
+        &content.hover,
+        &content.cursor,
+        &content.ruler,
+    ]
 }
 
 fn uniforms(

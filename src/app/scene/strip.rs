@@ -71,7 +71,12 @@ pub fn ui(
     let bar = paint_bar(&painter, area, projection, faint);
 
     let font = FontId::proportional(FONT);
-    let layout = |text: &str, colour| painter.layout_no_wrap(text.to_owned(), font.clone(), colour);
+    let layout = |text: &str, colour| {
+        let mut job =
+            egui::text::LayoutJob::simple_singleline(text.to_owned(), font.clone(), colour);
+        job.wrap = egui::text::TextWrapping::truncate_at_width(area.width());
+        painter.layout_job(job)
+    };
     let mut items = Vec::new();
     let texts = strip_text::texts(open, analysis, state, content);
     for text in &texts {
@@ -162,12 +167,7 @@ fn number(value: f64) -> String {
 
 /// Paints a bar of a round length on the right of the first row; gives the place kept for it, which is the same for every
 /// length.
-fn paint_bar(
-    painter: &Painter,
-    area: Rect,
-    projection: &Projection,
-    colour: Color32,
-) -> Rect {
+fn paint_bar(painter: &Painter, area: Rect, projection: &Projection, colour: Color32) -> Rect {
     let length_m = round_length(BAR_POINTS / projection.points_per_metre);
     let length = length_m * projection.points_per_metre;
     let y = area.top() + 0.5 * ROW;

@@ -28,9 +28,15 @@ pub fn texts(
     if !hidden.is_empty() {
         plain.push(format!("hidden: {}", hidden.join(", ")));
     }
+    if state.scene.height_scale != 1 {
+        plain.push(format!("heights drawn ×{}", state.scene.height_scale));
+    }
     plain.extend(ellipsoids(state, content));
+    if content.residuals {
+        plain.push(format!("residuals at control points ×{}", state.scene.residual_scale));
+    }
     plain.extend(cursor);
-    let grid = content.grid.as_ref().map(|grid| format!("grid {} m", grid.spacing_m));
+    let grid = content.grid.as_ref().map(|grid| format!("grid {}", grid.spacing()));
     let frame = "frame of station 1, z up".to_owned();
     let faint = grid.into_iter().chain([counts(analysis, content), frame]);
     let plain = plain.into_iter().map(|text| Text { text, faint: false });

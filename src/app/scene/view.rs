@@ -19,6 +19,8 @@ use crate::app::theme;
 const PICKED_RING: f32 = 9.0;
 const HOVERED_RING: f32 = 6.0;
 
+const NOTHING_IN_SIGHT: &str = "Nothing is in sight here. Fit (F) brings back all that is shown";
+
 /// What the scene is drawn from, and what was under the pointer.
 pub struct SceneView {
     renderer: Option<SceneRenderer>,
@@ -39,7 +41,8 @@ pub struct Built {
     pub(super) deployment: u64,
     pub(super) analysis: u64,
     pub(super) visibility: Visibility,
-    pub(super) ellipsoid_scale: u32,
+    /// Of ellipsoids, and of residuals.
+    pub(super) scales: [u32; 2],
     pub(super) dark: bool,
 }
 
@@ -76,14 +79,20 @@ impl SceneView {
         let response = ui.interact(rect, id, Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Scene"));
         self.refresh(ui, state, view);
+        let before = view.camera;
         move_camera(view, ui, &response, rect);
         take_keys(view, ui, &response, rect, state, commands);
+        if let Some((low_m, high_m)) = self.content.bounds_m.filter(|_| view.camera != before) {
+            view.camera.stay_near([low_m, high_m]);
+        }
         let painter = ui.painter_at(rect);
         // The picture lies under the controls, whose place decides what it shows.
         let picture = painter.add(egui::Shape::Noop);
         let over = self.overlays(ui, rect, state, commands);
         let frame = free_part::frame(rect, free_part::free_part(rect, &over));
         self.look_and_fly(view, ui, frame, state);
+        let grid = theme::scene_grid(ui.visuals().dark_mode).to_array();
+        self.content.set_grid(&view.camera, rect.height(), grid);
         self.paint_picture(&view.camera, ui, &painter, picture, rect);
         let projection = Projection::new(&view.camera, rect);
         if let Some((open, analysis)) = state.analysed() {
@@ -93,7 +102,10 @@ impl SceneView {
             labels::paint(&painter, &projection, &eye_m, &self.content, &mut placer, dark);
             self.paint_picked(&painter, &projection, open, analysis, dark);
             self.show_hovered(ui, &response, &projection, state, commands);
-            click(&self.content, &response, &projection, state, commands);
+            click(&self.content, &response, &projection, view, state, commands);
+            if !under_pointer::is_anything_in_sight(&self.content, &projection) {
+                labels::paint_in_the_middle(&painter, rect, NOTHING_IN_SIGHT, dark);
+            }
         }
         strip::ui(ui, strip, state, &self.content, &projection);
         if response.has_focus() {
@@ -122,6 +134,11 @@ impl SceneView {
 
     /// Does what was asked of the camera since the last frame.
     fn look_and_fly(&self, view: &mut View, ui: &egui::Ui, frame: Frame, state: &State) {
+        let vertical = state.scene.height_scale.max(1) as f32;
+        if view.camera.vertical != vertical {
+            view.last_look.into_iter().for_each(|look| view.look_again(look));
+            view.camera.vertical = vertical;
+        }
         if let Some(look) = view.last_look.filter(|look| look.frame != frame) {
             view.look_again(look);
         }

@@ -128,6 +128,7 @@ impl State {
                 self.theme = theme;
             }
             Command::Look(preset) => self.view.look(preset),
+            Command::ComeTo(position_m) => self.view.fly_to(&position_m),
             Command::ShowPane(pane) => self.layout.show(pane),
             Command::UseLayout(preset) => self.layout = Layout::from(preset),
             Command::ResetLayout => self.layout = Layout::default(),
