@@ -9,6 +9,8 @@ struct Uniforms {
     // Times since the first measurement (s); readings and tracks at others are dimmed.
     selection: vec2<f32>,
     pixels_per_point: f32,
+    // A bit for each fate that is shown.
+    shown_fates: u32,
 };
 
 @group(0) @binding(0) var<uniform> u: Uniforms;
@@ -51,6 +53,8 @@ fn point_vertex(in: PointInput) -> PointOutput {
 const STATION: u32 = 3u;
 const LARGE: u32 = 4u;
 const JOINED: u32 = 8u;
+// Above these the number of a reading's fate.
+const FATE: u32 = 4u;
 
 // How much of a colour is left outside of the selection.
 const DIMMED: f32 = 0.25;
@@ -73,6 +77,10 @@ struct ReadingInput {
 @vertex
 fn reading_vertex(in: ReadingInput) -> PointOutput {
     let style = in.colour.a;
+    if ((u.shown_fates >> (style >> FATE)) & 1u) == 0u {
+        // Beyond the far plane: nothing is drawn.
+        return PointOutput(vec4<f32>(0.0, 0.0, 2.0, 1.0), vec4<f32>(0.0), vec2<f32>(0.0), 0.0);
+    }
     let diameter = select(2.5, 4.0, (style & LARGE) != 0u);
     let centre = to_clip(in.position.xyz, style & STATION);
     return disc(in.corner, centre, diameter, at_time(in.colour, in.position.w));

@@ -40,8 +40,8 @@ pub use layout::Layout;
 pub use model::{
     AngleUnit, Asked, AskedAnswer, Colouring, Command, LayoutDescription, LayoutPreset, LengthUnit,
     OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, Playback, Plotted, Results, Ruler,
-    RulerEnd, Run, StudyKind, StudyOptions, StudyResult, TimeUnit, Timeline, Units, ViewPreset,
-    Visibility, toasts,
+    RulerEnd, Run, SceneOptions, StudyKind, StudyOptions, StudyResult, TimeUnit, Timeline, Units,
+    ViewPreset, Visibility, toasts,
 };
 pub use prepared::channels::Channel;
 pub use scene::SceneView;

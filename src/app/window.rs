@@ -205,6 +205,7 @@ impl Panes<'_> {
             Pane::Reading => panels::reading::ui(ui, self.state, self.commands),
             Pane::Runs => panels::runs::ui(ui, self.state, self.commands),
             Pane::Guide => panels::guide::ui(ui, self.state, self.commands),
+            Pane::ControlPoints => panels::control_points::ui(ui, self.state, self.commands),
         }
     }
 }

@@ -20,6 +20,8 @@ mod plots;
 mod put_right;
 mod results;
 mod scene;
+mod scene_legend;
+mod scene_view;
 mod screenshots;
 mod sessions;
 mod side_by_side;

@@ -3,7 +3,7 @@
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset, Visibility};
+use resect::app::{Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset};
 
 use crate::harness::{LARGE, Window, send, window};
 
@@ -20,57 +20,39 @@ fn click_at(harness: &mut Window, at: Pos2) {
     harness.run_steps(2);
 }
 
-/// The scene's place in the window.
-fn place(harness: &Window) -> Rect {
+/// The picture, above the strip.
+pub fn picture(harness: &Window) -> Rect {
     harness.get_by_role_and_label(Role::Image, "Scene").rect()
 }
 
-/// The time of what is under the pointer here.
-fn hovered_s(harness: &mut Window, at: Pos2) -> Option<f64> {
-    harness.hover_at(at);
-    harness.run_steps(2);
-    harness.state().state.hover_s
+/// Somewhere in the scene where nothing is.
+fn empty(harness: &Window) -> Pos2 {
+    picture(harness).right_bottom() - Vec2::splat(8.0)
 }
 
-/// Places all over the scene, from its middle outwards.
-fn places(harness: &Window) -> Vec<Pos2> {
-    let scene = place(harness).shrink(20.0);
-    let [columns, rows] = [scene.width(), scene.height()].map(|points| (points / 8.0) as i32);
-    let at = |column: i32, row: i32| scene.min + 8.0 * Vec2::new(column as f32, row as f32);
-    let mut places: Vec<Pos2> =
-        (0..rows).flat_map(|row| (0..columns).map(move |column| at(column, row))).collect();
-    let middle = scene.center();
-    places.sort_by(|a, b| a.distance_sq(middle).total_cmp(&b.distance_sq(middle)));
-    places
+/// Where a reading is seen, if it is in the picture.
+pub fn seen(harness: &Window, picked: Picked) -> Option<Pos2> {
+    let (open, analysis) = harness.state().state.analysed().expect("an answer");
+    let place_m = picked.place_m(&open.deployment, analysis).expect("placed").cast::<f32>();
+    let rect = picture(harness);
+    let camera = &harness.state().state.view.camera;
+    let clip = camera.clip_from_world(rect.width() / rect.height()) * place_m.push(1.0);
+    let at = Vec2::new(clip.x / clip.w, -clip.y / clip.w) * 0.5 * rect.size();
+    Some(rect.center() + at).filter(|at| rect.contains(*at))
 }
 
-/// Leaves nothing but readings under the pointer.
-fn show_readings_alone(harness: &mut Window) {
-    let visibility = harness.state().state.visibility;
-    send(harness, Command::Show(Visibility { raw: true, tracks: false, ..visibility }));
-}
-
-/// The first of these places where something is under the pointer, other than at some time.
-fn find(
-    harness: &mut Window,
-    places: impl IntoIterator<Item = Pos2>,
-    not_s: Option<f64>,
-) -> (Pos2, f64) {
-    let found = places.into_iter().find_map(|at| {
-        let time_s = hovered_s(harness, at).filter(|time_s| Some(*time_s) != not_s)?;
-        Some((at, time_s))
-    });
-    found.expect("something is under the pointer somewhere")
-}
-
-/// Somewhere in the lower half of the scene with nothing under the pointer or near it.
-fn empty(harness: &mut Window) -> Pos2 {
-    let middle = place(harness).center().y;
-    let lower: Vec<Pos2> = places(harness).into_iter().filter(|at| at.y > middle).collect();
-    let around = [Vec2::ZERO, Vec2::X, -Vec2::X, Vec2::Y, -Vec2::Y].map(|way| 16.0 * way);
-    let is_empty =
-        |at: &Pos2| around.into_iter().all(|beside| hovered_s(harness, *at + beside).is_none());
-    lower.into_iter().step_by(7).find(is_empty).expect("something is empty")
+/// The first place from a reading of station 1 on where something is under the pointer, other than at some time.
+fn find(harness: &mut Window, from: usize, not_s: Option<f64>) -> (Pos2, f64) {
+    for index in (from..900).step_by(10) {
+        let Some(at) = seen(harness, Picked { station: 0, index }) else { continue };
+        harness.hover_at(at);
+        harness.run_steps(2);
+        let hovered_s = harness.state().state.hover_s;
+        if let Some(time_s) = hovered_s.filter(|time_s| Some(*time_s) != not_s) {
+            return (at, time_s);
+        }
+    }
+    panic!("nothing under the pointer from reading {from} on");
 }
 
 /// Pixels that differ in the middle of the scene, without its legend and its buttons.
@@ -97,16 +79,14 @@ fn assert_all_differ(scene: Rect, pictures: &[(String, image::RgbaImage)]) {
 #[test]
 fn a_click_on_a_reading_picks_it_and_one_beside_everything_lets_go() {
     let mut harness = window(LARGE, Theme::Dark);
-    show_readings_alone(&mut harness);
-    let all = places(&harness);
-    let (at, hovered_s) = find(&mut harness, all, None);
+    let (at, hovered_s) = find(&mut harness, 300, None);
     click_at(&mut harness, at);
     let picked = timeline(&harness).picked.expect("a reading");
     let deployment = harness.state().state.active().expect("open").deployment.clone();
     assert_eq!(picked.time_s(&deployment), Some(hovered_s));
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
-    let nothing = empty(&mut harness);
-    click_at(&mut harness, nothing);
+    let beside = empty(&harness);
+    click_at(&mut harness, beside);
     assert_eq!(timeline(&harness).picked, None);
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
 }
@@ -114,8 +94,7 @@ fn a_click_on_a_reading_picks_it_and_one_beside_everything_lets_go() {
 #[test]
 fn what_is_not_shown_is_not_under_the_pointer() {
     let mut harness = window(LARGE, Theme::Dark);
-    let all = places(&harness);
-    let (at, _) = find(&mut harness, all, None);
+    let (at, _) = find(&mut harness, 300, None);
     let mut visibility = harness.state().state.visibility;
     (visibility.raw, visibility.tracks) = (false, false);
     send(&mut harness, Command::Show(visibility));
@@ -126,8 +105,7 @@ fn what_is_not_shown_is_not_under_the_pointer() {
     visibility.tracks = true;
     send(&mut harness, Command::Show(visibility));
     let before_s = timeline(&harness).cursor_s;
-    let all = places(&harness);
-    let (at, hovered_s) = find(&mut harness, all, before_s);
+    let (at, hovered_s) = find(&mut harness, 500, before_s);
     click_at(&mut harness, at);
     assert_eq!(timeline(&harness).picked, None);
     assert_eq!(timeline(&harness).cursor_s, Some(hovered_s));
@@ -136,7 +114,7 @@ fn what_is_not_shown_is_not_under_the_pointer() {
 #[test]
 fn each_colouring_is_another_picture_and_a_selection_dims_the_rest() {
     let mut harness = window(LARGE, Theme::Dark);
-    let scene = place(&harness);
+    let scene = picture(&harness);
     let mut pictures = Vec::new();
     for colouring in Colouring::ALL {
         send(&mut harness, Command::Colour(colouring));
@@ -166,9 +144,9 @@ fn the_colouring_is_chosen_in_the_scene() {
 #[test]
 fn keys_turn_the_scene_that_has_the_focus_and_leave_time_alone() {
     let mut harness = window(LARGE, Theme::Dark);
-    let nothing = empty(&mut harness);
-    click_at(&mut harness, nothing);
-    let scene = place(&harness);
+    let scene = picture(&harness);
+    let beside = empty(&harness);
+    click_at(&mut harness, beside);
     let cursor_s = timeline(&harness).cursor_s;
     let mut last = harness.render().expect("a picture");
     for (modifiers, key) in [
@@ -190,7 +168,7 @@ fn keys_turn_the_scene_that_has_the_focus_and_leave_time_alone() {
 #[test]
 fn stations_can_be_stood_at() {
     let mut harness = window(LARGE, Theme::Dark);
-    let scene = place(&harness);
+    let scene = picture(&harness);
     let mut pictures = vec![("at first".to_owned(), harness.render().expect("a picture"))];
     for name in ["From station 1", "From station 2", "From station 3", "Front", "Side", "Top"] {
         harness.get_by_label(name).click();
@@ -208,11 +186,11 @@ fn stations_can_be_stood_at() {
 #[test]
 fn the_camera_flies_to_what_is_picked_in_a_plot() {
     let mut harness = window(LARGE, Theme::Dark);
+    let scene = picture(&harness);
     let before = harness.render().expect("a picture");
     send(&mut harness, Command::PickInPlot(Picked { station: 1, index: 300 }));
     harness.run_steps(4);
     let near = harness.render().expect("a picture");
-    let scene = place(&harness);
     assert!(differing(scene, &before, &near) > 1000);
     // It has arrived, and asks for no more frames.
     harness.run_steps(2);
@@ -222,18 +200,15 @@ fn the_camera_flies_to_what_is_picked_in_a_plot() {
 #[test]
 fn the_ruler_snaps_to_what_is_clicked_and_esc_clears_it() {
     let mut harness = window(LARGE, Theme::Dark);
-    show_readings_alone(&mut harness);
     harness.get_by_label("Ruler").click();
     harness.run_steps(2);
     assert!(harness.state().state.ruler.active);
-    let all = places(&harness);
-    let (first, first_s) = find(&mut harness, all, None);
+    let (first, first_s) = find(&mut harness, 300, None);
     click_at(&mut harness, first);
-    let apart = places(&harness).into_iter().filter(|at| at.distance(first) > 80.0);
-    let (second, _) = find(&mut harness, apart, Some(first_s));
+    let (second, _) = find(&mut harness, 600, Some(first_s));
     click_at(&mut harness, second);
-    let nothing = empty(&mut harness);
-    click_at(&mut harness, nothing);
+    let beside = empty(&harness);
+    click_at(&mut harness, beside);
     let ends = harness.state().state.ruler.ends.clone();
     assert_eq!(ends.len(), 2, "{ends:?}");
     assert!((ends[0].position_m - ends[1].position_m).norm() > 1.0);
@@ -252,6 +227,7 @@ fn the_ruler_snaps_to_what_is_clicked_and_esc_clears_it() {
 #[test]
 fn a_ruler_between_prisms_goes_with_the_cursor() {
     let mut harness = window(LARGE, Theme::Dark);
+    let scene = picture(&harness);
     let end = |prism: usize| RulerEnd {
         position_m: Default::default(),
         what: format!("prism {}", prism + 1),
@@ -262,5 +238,5 @@ fn a_ruler_between_prisms_goes_with_the_cursor() {
     let here = harness.render().expect("a picture");
     let [start_s, _] = timeline(&harness).whole_s;
     send(&mut harness, Command::MoveCursor(start_s + 20.0));
-    assert!(differing(place(&harness), &here, &harness.render().expect("a picture")) > 300);
+    assert!(differing(scene, &here, &harness.render().expect("a picture")) > 300);
 }

@@ -217,7 +217,8 @@ fn the_scene_is_copied_as_a_picture_of_its_own_size() {
             _ => None,
         }));
     }
-    let scene = harness.get_by_role_and_label(egui::accesskit::Role::Image, "Scene").rect();
+    // With the strip that says what it shows.
+    let scene = harness.state().layout().place(resect::app::Pane::Scene).expect("shown");
     let [width, height] = copied.expect("a picture was copied");
     assert!((width as f32 - scene.width()).abs() <= 1.0, "{width} {scene:?}");
     assert!((height as f32 - scene.height()).abs() <= 1.0, "{height} {scene:?}");

@@ -6,19 +6,21 @@ use super::{Action, Menu};
 use crate::app::model::plotted::APART;
 use crate::app::model::time_scale::tells_time_of_day;
 use crate::app::model::{
-    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Plotted, Ruler, TimeUnit, Units,
-    ViewPreset,
+    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Plotted, Ruler, SceneOptions,
+    TimeUnit, Units, ViewPreset, Visibility,
 };
 use crate::app::prepared::channels::Channel;
 use crate::app::state::State;
+use crate::pipeline::SampleFate;
 
 pub fn actions(state: &State) -> Vec<Action> {
     let view = |section, name: &str, command| Action::new(Menu::View, section, name, command);
     let measuring = state.ruler.active;
+    let picked = state.active().and_then(|open| open.timeline.picked);
     let ruler = Ruler { active: !measuring, ends: Vec::new() };
     let mut actions = vec![
         view("Scene", "Fit", Command::Look(ViewPreset::Fit))
-            .hint("Show everything in the scene")
+            .hint("Show all of the scene that is not hidden; the way back when it was lost")
             .key(Key::F),
         view("Scene", "3D", Command::Look(ViewPreset::Slanted))
             .hint("From above at a slant")
@@ -26,6 +28,14 @@ pub fn actions(state: &State) -> Vec<Action> {
         view("Scene", "Top", Command::Look(ViewPreset::Top)).key(Key::T),
         view("Scene", "Front", Command::Look(ViewPreset::Front)).key(Key::R),
         view("Scene", "Side", Command::Look(ViewPreset::Side)).key(Key::S),
+        view(
+            "Scene",
+            "Come to the picked reading",
+            picked.map_or(Command::Unpick, Command::PickInPlot),
+        )
+        .hint("The camera glides to it, as after a double-click")
+        .key(Key::G)
+        .possible(picked.is_some()),
         view("Scene", "Ruler", Command::Measure(ruler))
             .hint("Measure between two points of the scene")
             .key(Key::M)
@@ -37,6 +47,7 @@ pub fn actions(state: &State) -> Vec<Action> {
         let look = Command::Look(ViewPreset::Station(station));
         actions.push(view("Scene", &name, look).key(keys[station]));
     }
+    actions.extend(hiding(state));
     actions.extend(Colouring::ALL.into_iter().map(|colouring| {
         let name = format!("Colour by {}", colouring.title().to_lowercase());
         view("Colours", &name, Command::Colour(colouring)).on(state.colouring == colouring)
@@ -107,6 +118,55 @@ fn channels(state: &State) -> Vec<Action> {
         let action = action("Channel against", name, Plotted { against: Some(other), ..plotted });
         let possible = plotted.channel.goes_with(other);
         action.hint(if possible { other.hint() } else { APART }).possible(possible)
+    }));
+    actions
+}
+
+/// What of the scene is shown, the legend that says so, and how large errors are drawn.
+fn hiding(state: &State) -> Vec<Action> {
+    let shown = |name: &str, on: bool, visibility: Visibility| {
+        Action::new(Menu::View, "Shown in the scene", name, Command::Show(visibility)).on(on)
+    };
+    let (now, scene) = (&state.visibility, state.scene);
+    let mut actions = vec![
+        shown("Everything in the scene", false, now.with_the_whole_scene())
+            .hint("Show again what the legend or a switch has hidden")
+            .possible(*now != now.with_the_whole_scene()),
+    ];
+    for one in 0..3 {
+        let name = format!("Station {} in the scene", one + 1);
+        actions.push(shown(&name, now.stations[one], now.with_station_toggled(one)));
+    }
+    for one in 0..3 {
+        let name = format!("Track of prism {}", one + 1);
+        let on = now.tracks && now.prisms[one];
+        actions.push(shown(&name, on, now.with_prism_toggled(one)));
+    }
+    for (place, fate) in SampleFate::ALL.into_iter().enumerate() {
+        let name = format!("Readings: {}", fate.label());
+        actions.push(shown(&name, now.shows_fate(place), now.with_fate_toggled(place)));
+    }
+    let set = |section, name: &str, options| {
+        Action::new(Menu::View, section, name, Command::SetScene(options))
+    };
+    let legend = |name: &str, open: bool| {
+        set("Legend", name, SceneOptions { legend_open: Some(open), ..scene })
+            .one_of(scene.legend_open == Some(open))
+    };
+    actions.extend([legend("Legend: open", true), legend("Legend: folded", false)]);
+    actions.extend(SceneOptions::ERROR_SCALES.into_iter().map(|scale| {
+        let options = SceneOptions { ellipsoid_scale: scale, ..scene };
+        set("Ellipsoids", &format!("Ellipsoids ×{scale}"), options)
+            .one_of(scene.ellipsoid_scale == scale)
+    }));
+    actions.extend(SceneOptions::ERROR_SCALES.into_iter().map(|scale| {
+        let options = SceneOptions { residual_scale: scale, ..scene };
+        set("Residual arrows", &format!("Residual arrows ×{scale}"), options)
+            .one_of(scene.residual_scale == scale)
+    }));
+    actions.extend(SceneOptions::HEIGHT_SCALES.into_iter().map(|scale| {
+        let options = SceneOptions { height_scale: scale, ..scene };
+        set("Heights", &format!("Heights ×{scale}"), options).one_of(scene.height_scale == scale)
     }));
     actions
 }

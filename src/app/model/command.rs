@@ -7,7 +7,7 @@ use eframe::egui;
 use super::Units;
 use super::studies::StudyOptions;
 use super::{Asked, AskedAnswer, Lookup, Palette, Picked, Plotted, Visibility};
-use super::{Colouring, Ruler, ViewPreset};
+use super::{Colouring, Ruler, SceneOptions, ViewPreset};
 use super::{LayoutPreset, Pane};
 use crate::analysis::Settings;
 use crate::app::file_dialog::PromptCommand;
@@ -109,10 +109,13 @@ pub enum Command {
     Plot(Plotted),
     Show(Visibility),
     Colour(Colouring),
+    SetScene(SceneOptions),
     Measure(Ruler),
     SetUnits(Units),
     UseTheme(egui::ThemePreference),
     Look(ViewPreset),
+    /// The camera glides to a place (m, in station 1's frame).
+    ComeTo(nalgebra::Vector3<f64>),
     ScenePicture(PictureTo),
 
     Copy(String),

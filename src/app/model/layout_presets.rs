@@ -2,9 +2,8 @@
 
 use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
-    Channels, Clocks, Deployment, Findings, Guide, Histogram, Intervals, Pipeline, PriorSearch,
-    Rates,
-    Reading, Residuals, Result, Runs, Scene, SideBySide, Studies,
+    Channels, Clocks, ControlPoints, Deployment, Findings, Guide, Histogram, Intervals, Pipeline,
+    PriorSearch, Rates, Reading, Residuals, Result, Runs, Scene, SideBySide, Studies,
 };
 
 /// A ready-made layout for one kind of work.
@@ -98,7 +97,7 @@ pub fn first() -> Node {
                     0.32,
                     row([
                         (0.66, tabs(&[Residuals, Rates, Intervals, Clocks, Channels, PriorSearch])),
-                        (0.34, tabs(&[Histogram, Findings, Reading])),
+                        (0.34, tabs(&[Histogram, Findings, Reading, ControlPoints])),
                     ]),
                 ),
             ]),

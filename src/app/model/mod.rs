@@ -18,6 +18,7 @@ pub mod pane;
 pub mod plotted;
 pub mod results;
 mod ruler;
+mod scene_options;
 pub mod studies;
 pub mod time_scale;
 pub mod timeline;
@@ -33,7 +34,7 @@ pub use asked::{
     Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedToml, AskedTracks,
     StationsAre, TableHead,
 };
-pub use camera::{Camera, ViewPreset};
+pub use camera::{Camera, Frame, ViewPreset};
 pub use colouring::Colouring;
 pub use command::{Command, Commands, PictureTo};
 pub use layout_description::LayoutDescription;
@@ -44,6 +45,7 @@ pub use pane::Pane;
 pub use plotted::Plotted;
 pub use results::{Pin, Results, Run};
 pub use ruler::{Ruler, RulerEnd};
+pub use scene_options::SceneOptions;
 pub use studies::{StudyKind, StudyOptions, StudyResult};
 pub use time_scale::TimeScale;
 pub use timeline::{Picked, Playback, Timeline};

@@ -27,6 +27,8 @@ pub enum Pane {
     Runs,
     /// What to do, step by step.
     Guide,
+    /// What the answer leaves at each control point.
+    ControlPoints,
 }
 
 impl Pane {
@@ -49,6 +51,7 @@ impl Pane {
         Self::Reading,
         Self::PriorSearch,
         Self::Guide,
+        Self::ControlPoints,
     ];
 
     pub fn title(self) -> &'static str {
@@ -70,6 +73,7 @@ impl Pane {
             Self::Reading => "Reading",
             Self::Runs => "Runs",
             Self::Guide => "Guide",
+            Self::ControlPoints => "Control points",
         }
     }
 
@@ -93,6 +97,7 @@ impl Pane {
             Self::Reading => "reading",
             Self::Runs => "runs",
             Self::Guide => "guide",
+            Self::ControlPoints => "control-points",
         }
     }
 

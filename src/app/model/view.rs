@@ -1,10 +1,9 @@
 //! How the scene is looked at.
 
-use eframe::egui::Vec2;
 use nalgebra::Vector3;
 
 use super::flight::Flight;
-use super::{Camera, ViewPreset};
+use super::{Camera, Frame, ViewPreset};
 
 /// The camera, and where it is going.
 #[derive(Default)]
@@ -17,13 +16,13 @@ pub struct View {
 }
 
 /// What the camera was told to look at last. What is seen does not depend on which of two answers was drawn first, nor on
-/// the size that the scene had by then: it looks again with the whole answer, and in another room, until someone moves it.
+/// the size that the scene had by then: it looks again with the whole answer, and in another frame, until someone moves it.
 #[derive(Clone, Copy)]
 pub struct Look {
     pub preset: ViewPreset,
     /// The camera as the look left it.
     pub camera: Camera,
-    pub size: Vec2,
+    pub frame: Frame,
     /// Whether the joint estimate was still to follow.
     pub early: bool,
 }

@@ -2,14 +2,22 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::pipeline::SampleFate;
+
 /// What the scene and the plots show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Visibility {
     pub stations: [bool; 3],
     pub raw: bool,
+    /// Readings in the scene by what became of them, in the order of [`SampleFate::ALL`].
+    pub fates: [bool; SampleFate::ALL.len()],
     pub tracks: bool,
+    /// Tracks in the scene by their prism.
+    pub prisms: [bool; 3],
     pub control_points: bool,
+    /// Arrows at the control points: what each station makes of them.
+    pub residuals: bool,
     /// The vehicle's frame along the track.
     pub poses: bool,
     /// What the interpolation states about its own error: ellipsoids in the scene, bands in the plot.
@@ -27,13 +35,83 @@ impl Default for Visibility {
         Self {
             stations: [true; 3],
             raw: true,
+            fates: [true; SampleFate::ALL.len()],
             tracks: true,
+            prisms: [true; 3],
             control_points: true,
+            residuals: true,
             poses: true,
             uncertainty: true,
             station_ellipsoids: true,
             weak_directions: true,
             pairs: [true; 3],
         }
+    }
+}
+
+impl Visibility {
+    /// Whether a station's track is drawn in the scene.
+    pub fn shows_track(&self, station: usize) -> bool {
+        self.tracks && self.stations[station] && self.prisms[station]
+    }
+
+    /// Whether readings of a fate, by its place in [`SampleFate::ALL`], are drawn in the scene.
+    pub fn shows_fate(&self, fate: usize) -> bool {
+        self.raw && self.fates[fate]
+    }
+
+    pub fn with_station_toggled(mut self, station: usize) -> Self {
+        self.stations[station] ^= true;
+        self
+    }
+
+    /// Shows or hides the readings of one fate.
+    pub fn with_fate_toggled(mut self, fate: usize) -> Self {
+        toggle(&mut self.raw, &mut self.fates, fate);
+        self
+    }
+
+    /// Shows or hides the track of one prism.
+    pub fn with_prism_toggled(mut self, prism: usize) -> Self {
+        toggle(&mut self.tracks, &mut self.prisms, prism);
+        self
+    }
+
+    /// Shows everything in the scene; the plots keep their pairs.
+    pub fn with_the_whole_scene(self) -> Self {
+        Self { pairs: self.pairs, ..Self::default() }
+    }
+}
+
+/// Toggles one of a group that has a switch of its own. With the switch off none is seen: the first that comes back comes
+/// alone, and when the last goes, the switch goes off, so that it can bring all of them back.
+fn toggle<const COUNT: usize>(all: &mut bool, each: &mut [bool; COUNT], one: usize) {
+    let mut seen = each.map(|on| on && *all);
+    seen[one] ^= true;
+    *all = seen.contains(&true);
+    *each = if *all { seen } else { [true; COUNT] };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_of_a_group_turns_its_switch_off_and_the_first_comes_back_alone() {
+        let mut visibility = Visibility::default().with_prism_toggled(1);
+        assert_eq!((visibility.tracks, visibility.prisms), (true, [true, false, true]));
+        visibility = visibility.with_prism_toggled(0).with_prism_toggled(2);
+        assert_eq!((visibility.tracks, visibility.prisms), (false, [true; 3]));
+        visibility = visibility.with_prism_toggled(1);
+        assert_eq!((visibility.tracks, visibility.prisms), (true, [false, true, false]));
+        assert!(visibility.shows_track(1) && !visibility.shows_track(0));
+    }
+
+    #[test]
+    fn what_an_older_session_did_not_know_is_shown() {
+        let old: Visibility =
+            toml::from_str("raw = false\nstations = [true, false, true]").expect("read");
+        let wanted = Visibility { raw: false, ..Visibility::default() }.with_station_toggled(1);
+        assert_eq!(old, wanted);
     }
 }

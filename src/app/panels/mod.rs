@@ -2,6 +2,7 @@
 
 pub mod asked;
 pub mod command_palette;
+pub mod control_points;
 pub mod correlations;
 pub mod deployment;
 pub mod drop_hint;

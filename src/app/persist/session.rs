@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::hashes::{FileMark, HashCache, used_files};
 use crate::analysis::Settings;
-use crate::app::model::{Colouring, LayoutDescription, Plotted, Units, Visibility};
+use crate::app::model::{Colouring, LayoutDescription, Plotted, SceneOptions, Units, Visibility};
 use crate::deployment::{Deployment, OpenError, Source};
 use crate::export::atomic::WriteError;
 use crate::export::summary::ResultSummary;
@@ -120,6 +120,7 @@ pub struct SavedView {
     pub units: Units,
     pub plotted: Plotted,
     pub visibility: Visibility,
+    pub scene: SceneOptions,
 }
 
 /// A pinned result.

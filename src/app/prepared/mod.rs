@@ -5,6 +5,7 @@ pub mod analyser;
 pub mod channels;
 mod clock_series;
 mod cloud;
+pub mod control_points;
 pub mod gaps;
 pub mod pick;
 pub mod placing;

@@ -45,15 +45,15 @@ pub struct Hit {
     pub index: usize,
     /// Distance from the pointer on the screen (points), at least [`UNDER_POINTS`].
     pub distance_points: f32,
-    /// Depth before the eye (clip w, m).
-    pub depth_m: f32,
+    /// Depth before the eye (clip z): grows with the distance, in parallel projection too.
+    pub depth: f32,
 }
 
 impl Hit {
     /// Nearer to the pointer, or in front.
     pub fn beats(&self, other: Option<&Self>) -> bool {
         other.is_none_or(|other| {
-            (self.distance_points, self.depth_m) < (other.distance_points, other.depth_m)
+            (self.distance_points, self.depth) < (other.distance_points, other.depth)
         })
     }
 }
@@ -77,8 +77,7 @@ impl PickView {
             return None;
         }
         let distance_points = self.on_screen(&clip).distance(self.pointer);
-        let hit =
-            Hit { index, distance_points: distance_points.max(UNDER_POINTS), depth_m: clip.w };
+        let hit = Hit { index, distance_points: distance_points.max(UNDER_POINTS), depth: clip.z };
         (distance_points <= self.reach_points).then_some(hit)
     }
 
@@ -160,8 +159,13 @@ impl PointTree {
         range.map(|place| self.order.get(place).map_or(place, |index| *index as usize))
     }
 
-    /// The point that is meant by the pointer; `points` are those that the tree was made of.
-    pub fn nearest(&self, points: &[TimedPoint], view: &PickView) -> Option<Hit> {
+    /// The point that is meant by the pointer, of those that are shown; `points` are those that the tree was made of.
+    pub fn nearest(
+        &self,
+        points: &[TimedPoint],
+        view: &PickView,
+        shown: impl Fn(usize) -> bool,
+    ) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         let top = self.levels.len().checked_sub(1)?;
         let mut open: Vec<(usize, usize)> = vec![(top, 0)];
@@ -180,6 +184,7 @@ impl PointTree {
             for index in self.leaf(node, points.len()) {
                 if let Some(hit) = view.see(index, points[index].position_m)
                     && hit.beats(best.as_ref())
+                    && shown(index)
                 {
                     best = Some(hit);
                 }
@@ -248,12 +253,15 @@ mod tests {
             (yaw_rad, pitch_rad) in (-3.0..3.0_f32, -1.5..1.5_f32),
             // From amid the points to far away.
             distance_m in 0.2..150.0_f32,
+            (parallel, vertical) in (proptest::bool::ANY, 1.0..10.0_f32),
             at in 0..3000_usize,
             (x, y) in (-20.0..20.0_f32, -20.0..20.0_f32),
+            // Every third is hidden, or none.
+            hidden in 0..4_usize,
         ) {
             let points = drive(count);
             let target_m = points.get(at).map_or(Vector3::zeros(), |p| p.position_m.into());
-            let camera = Camera { target_m, distance_m, yaw_rad, pitch_rad };
+            let camera = Camera { target_m, distance_m, yaw_rad, pitch_rad, parallel, vertical };
             let rect = Rect::from_min_max(Pos2::new(200.0, 50.0), Pos2::new(900.0, 550.0));
             let view = PickView {
                 clip_from_points: camera.clip_from_world(rect.aspect_ratio()),
@@ -261,16 +269,17 @@ mod tests {
                 pointer: rect.center() + eframe::egui::vec2(x, y),
                 reach_points: 12.0,
             };
+            let shown = |index: usize| index % 3 != hidden;
             let mut brute: Option<Hit> = None;
-            for (index, point) in points.iter().enumerate() {
+            for (index, point) in points.iter().enumerate().filter(|(index, _)| shown(*index)) {
                 if let Some(hit) = view.see(index, point.position_m) && hit.beats(brute.as_ref()) {
                     brute = Some(hit);
                 }
             }
             for tree in [PointTree::by_place(&points), PointTree::by_time(&points)] {
-                let found = tree.nearest(&points, &view);
+                let found = tree.nearest(&points, &view, shown);
                 // Of points in the very same place either will do.
-                let place = |hit: Option<Hit>| hit.map(|hit| (hit.distance_points, hit.depth_m));
+                let place = |hit: Option<Hit>| hit.map(|hit| (hit.distance_points, hit.depth));
                 prop_assert_eq!(place(found), place(brute));
             }
         }

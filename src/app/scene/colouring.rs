@@ -27,6 +27,13 @@ pub type PointColour = [u8; 4];
 const LARGE: u8 = 4;
 /// The track goes on from the point before.
 const JOINED: u8 = 8;
+/// Above these bits a reading has the number of its fate.
+const FATE_SHIFT: u8 = 4;
+
+/// The fate of a reading of this colour, as its place in [`SampleFate::ALL`].
+pub fn fate_of(colour: PointColour) -> usize {
+    usize::from(colour[3] >> FATE_SHIFT)
+}
 
 /// Colours of every reading and of every point of the tracks, in the clouds' order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -90,6 +97,14 @@ impl Colours {
                 point(track(station, index), station, if joined { JOINED } else { 0 })
             };
             (0..interval.len()).map(colour).collect::<Vec<_>>()
+        };
+        let raw = |station: usize| {
+            let mut colours = raw(station);
+            for (colour, fate) in colours.iter_mut().zip(&analysis.pipeline.fates[station].each) {
+                let number = SampleFate::ALL.iter().position(|one| one == fate).unwrap_or(0);
+                colour[3] |= (number as u8) << FATE_SHIFT;
+            }
+            colours
         };
         let of_each: Vec<_> =
             (0..3).into_par_iter().map(|station| (raw(station), tracks(station))).collect();
@@ -261,6 +276,8 @@ mod tests {
                     assert!(colours[range.clone()].iter().all(|c| c[3] & 3 == station as u8));
                 }
             }
+            let fates = analysis.pipeline.fates.iter().flat_map(|fates| &fates.each);
+            assert!(fates.zip(&colours.raw).all(|(fate, c)| SampleFate::ALL[fate_of(*c)] == *fate));
         }
     }
 

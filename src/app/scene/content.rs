@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::colouring::Colours;
+use super::colouring::{Colours, fate_of};
 use super::grid::Grid;
 use super::vertices::{Label, Landmark, Layer};
 use crate::analysis::Analysis;
-use crate::app::model::Colouring;
+use crate::app::model::{Colouring, Picked};
 use crate::app::prepared::Clouds;
 use crate::deployment::Deployment;
 use crate::evaluation::trajectory::Pose;
@@ -26,6 +26,8 @@ pub struct SceneContent {
     /// The stations whose readings, and whose tracks, are drawn.
     pub raw_shown: [bool; 3],
     pub tracks_shown: [bool; 3],
+    /// A bit for each fate whose readings are drawn.
+    pub shown_fates: u32,
     /// What stands out (s since the first measurement).
     pub selection_s: Option<[f32; 2]>,
     /// The selected span in the stations' clock (s).
@@ -33,6 +35,8 @@ pub struct SceneContent {
     /// The vehicle along its way.
     pub(super) poses: Vec<Pose>,
     pub along: Layer,
+    /// The grid; changes with the camera.
+    pub ground: Layer,
     /// Changes with the analysis and the visibility.
     pub data: Layer,
     /// The prism triangle at the time cursor.
@@ -46,19 +50,20 @@ pub struct SceneContent {
     pub station1_from_tracks: [Option<RigidTransform>; 3],
     pub labels: Vec<Label>,
     pub landmarks: Vec<Landmark>,
-    /// Corners of the box around stations and tracks (m); `None` when there is nothing.
+    /// Corners of the box around stations and readings, shown or not (m); `None` when there is nothing.
     pub bounds_m: Option<(Vector3<f32>, Vector3<f32>)>,
-    /// A sample of the same, for the camera to look at.
+    /// A sample of what is shown, for the camera to look at.
     pub outline_m: Vec<Vector3<f32>>,
     pub grid: Option<Grid>,
     /// The three prisms at the cursor in station 1's frame, where all have a place.
     pub prisms_m: Option<[Vector3<f64>; 3]>,
     /// The vehicle's pose at the cursor, where the rig is known.
     pub pose: Option<Pose>,
-    /// How much larger than true the ellipsoids of the interpolation are, where there are any.
-    pub exaggeration: Option<f64>,
-    /// How much larger than true the ellipsoids of the stations are, where there are any.
-    pub station_exaggeration: Option<f64>,
+    /// Whether ellipsoids of the interpolation are drawn, and of the stations.
+    pub track_ellipsoids: bool,
+    pub station_ellipsoids: bool,
+    /// Whether arrows of the control points' residuals are drawn.
+    pub residuals: bool,
 }
 
 impl SceneContent {
@@ -70,6 +75,14 @@ impl SceneContent {
             self.clouds = clouds.clone();
             self.clouds_version += 1;
         }
+    }
+
+    /// Whether a reading is drawn.
+    pub fn shows_reading(&self, picked: Picked) -> bool {
+        let (cloud, Picked { station, index }) = (&self.clouds.raw, picked);
+        let shown = self.raw_shown.get(station).copied().unwrap_or(false);
+        let colour = (self.colours.raw).get(cloud.ranges[station].start + index).filter(|_| shown);
+        colour.is_some_and(|colour| self.shown_fates >> fate_of(*colour) & 1 == 1)
     }
 
     /// Goes through all points; to be called when analysis or colouring changed.

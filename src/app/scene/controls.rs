@@ -2,13 +2,13 @@
 
 use eframe::egui::{self, Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
 
-use crate::app::model::{Colouring, Command, Commands, Ruler, ViewPreset};
+use crate::app::model::{Colouring, Command, Commands, Ruler, SceneOptions, ViewPreset};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;
 
-/// Wide enough for all in one row beside the legend; narrower pictures have a column of rows.
-const ONE_ROW_POINTS: f32 = 800.0;
+/// Wide enough for all in one row beside the legend; narrower pictures have two.
+const ONE_ROW_POINTS: f32 = 860.0;
 const MARGIN: f32 = 8.0;
 
 /// Shows the controls in the upper right corner; gives the place they take, whose size is `size`.
@@ -29,18 +29,20 @@ pub fn ui(
                 presets(ui, &PRESETS, commands);
                 stations(ui, commands);
                 ruler(ui, state, commands);
+                heights(ui, state, commands);
                 colouring(ui, state, true, commands);
             });
         } else {
-            // As narrow as can be: the legend is at the left.
-            let (first, others) = PRESETS.split_at(3);
-            ui.horizontal(|ui| presets(ui, first, commands));
+            // Beside the legend, which is folded in a small picture.
             ui.horizontal(|ui| {
-                presets(ui, others, commands);
+                presets(ui, &PRESETS, commands);
                 ruler(ui, state, commands);
             });
-            ui.horizontal(|ui| stations(ui, commands));
-            ui.horizontal(|ui| colouring(ui, state, false, commands));
+            ui.horizontal(|ui| {
+                stations(ui, commands);
+                heights(ui, state, commands);
+                colouring(ui, state, false, commands);
+            });
         }
     });
     let taken = response.response.rect;
@@ -55,11 +57,11 @@ type Preset = (&'static str, ViewPreset, &'static str);
 
 /// Name, what it does, hint.
 const PRESETS: [Preset; 5] = [
-    ("Fit", ViewPreset::Fit, "Show everything (F, or double-click)"),
-    ("3D", ViewPreset::Slanted, "From above at a slant (D)"),
-    ("Top", ViewPreset::Top, "Look down, x to the right"),
-    ("Front", ViewPreset::Front, "Look along y, x to the right"),
-    ("Side", ViewPreset::Side, "Look against x, y to the right"),
+    ("Fit", ViewPreset::Fit, "Show all that is not hidden (F, or double-click)"),
+    ("3D", ViewPreset::Slanted, "From above at a slant, in perspective (D)"),
+    ("Top", ViewPreset::Top, "Look down, x to the right, all lengths true (T)"),
+    ("Front", ViewPreset::Front, "Look along y, x to the right, all lengths true (R)"),
+    ("Side", ViewPreset::Side, "Look against x, y to the right, all lengths true (S)"),
 ];
 
 fn presets(ui: &mut egui::Ui, some: &[Preset], commands: &mut Commands) {
@@ -112,5 +114,22 @@ fn colouring(ui: &mut egui::Ui, state: &State, labelled: bool, commands: &mut Co
     combo.response.on_hover_text(format!("Colour by: {}", chosen.hint()));
     if chosen != state.colouring {
         commands.push(Command::Colour(chosen));
+    }
+}
+
+fn heights(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let mut scale = state.scene.height_scale;
+    let combo = egui::ComboBox::from_id_salt("heights")
+        .width(44.0)
+        .selected_text(format!("z ×{scale}"))
+        .show_ui(ui, |ui| {
+            for choice in SceneOptions::HEIGHT_SCALES {
+                ui.selectable_value(&mut scale, choice, format!("z ×{choice}"));
+            }
+        });
+    combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Heights drawn"));
+    combo.response.on_hover_text("How many times higher than true everything is drawn");
+    if scale != state.scene.height_scale {
+        commands.push(Command::SetScene(SceneOptions { height_scale: scale, ..state.scene }));
     }
 }

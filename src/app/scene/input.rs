@@ -42,9 +42,6 @@ pub fn move_camera(view: &mut View, ui: &egui::Ui, response: &egui::Response, re
             }
         }
     }
-    if response.double_clicked() {
-        view.look(ViewPreset::Fit);
-    }
 }
 
 /// Keys while the scene has the focus: arrows turn, with shift they move, + and − zoom, Esc clears the ruler.
@@ -91,11 +88,13 @@ pub fn take_keys(
 }
 
 /// A click sets an end of the ruler while that is in use; otherwise it picks a reading, moves the cursor to a point
-/// of a track, or beside everything lets go of what was picked.
+/// of a track, or beside everything lets go of what was picked. A double-click comes to what it is on, or beside everything
+/// fits all of it in.
 pub fn click(
     content: &SceneContent,
     response: &egui::Response,
     projection: &Projection,
+    view: &mut View,
     state: &State,
     commands: &mut Commands,
 ) {
@@ -104,6 +103,15 @@ pub fn click(
     };
     let Some((open, analysis)) = state.analysed() else { return };
     let under = UnderPointer::find(content, projection, at);
+    if response.double_clicked() {
+        let snapped = content.snap(projection, at).map(|end| end.position_m);
+        let under = under.and_then(|under| under.position_m(open, analysis, content));
+        match snapped.or(under) {
+            Some(position_m) => view.fly_to(&position_m),
+            None => view.look(ViewPreset::Fit),
+        }
+        return;
+    }
     if state.ruler.active {
         let end = content
             .snap(projection, at)

@@ -1,6 +1,6 @@
 //! Text over the picture, none on top of another.
 
-use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Vec2};
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Vec2};
 
 use super::SceneContent;
 use super::projection::Projection;
@@ -30,26 +30,6 @@ impl Placer {
         Some(place)
     }
 
-    /// Leaves a square around a point free.
-    pub fn keep_free(&mut self, at: Pos2, half: f32) {
-        self.taken.push(Rect::from_center_size(at, Vec2::splat(2.0 * half)));
-    }
-
-    /// A place near a point, for what is larger than a name.
-    pub fn near(&mut self, at: Pos2, size: Vec2) -> Option<Rect> {
-        let area = self.area;
-        let places = [16.0, 36.0, 70.0].into_iter().flat_map(|away| {
-            [
-                (Align2::LEFT_CENTER, Vec2::new(away, 0.0)),
-                (Align2::RIGHT_CENTER, Vec2::new(-away, 0.0)),
-                (Align2::CENTER_BOTTOM, Vec2::new(0.0, -away)),
-                (Align2::CENTER_TOP, Vec2::new(0.0, away)),
-            ]
-            .map(|(align, offset)| inside(align.anchor_size(at + offset, size), area))
-        });
-        self.place(places)
-    }
-
     /// A place beside a point, moved so that nothing is cut off.
     pub fn beside(&mut self, at: Pos2, size: Vec2) -> Option<Rect> {
         if !self.area.contains(at) {
@@ -76,8 +56,9 @@ pub fn inside(place: Rect, area: Rect) -> Rect {
 }
 
 /// Ground on which text is read over the picture.
-pub fn ground(painter: &Painter, place: Rect, dark: bool) {
-    painter.rect_filled(place, 4.0, theme::scene_background(dark).gamma_multiply(0.85));
+pub fn ground_shape(place: Rect, dark: bool) -> Shape {
+    let colour = theme::scene_background(dark).gamma_multiply(0.85);
+    Shape::rect_filled(place, 4.0, colour)
 }
 
 /// Paints names of stations and points, as far as there is room, and then the grid's numbers.
@@ -102,6 +83,15 @@ pub fn paint(
     for number in content.grid.iter().flat_map(|grid| grid.numbers(projection, eye_m)) {
         text_at(painter, placer, number.at, number.text, 10.0, colour);
     }
+}
+
+/// Paints a line in the middle of the picture.
+pub fn paint_in_the_middle(painter: &Painter, rect: Rect, text: &str, dark: bool) {
+    let colour = theme::rgb(theme::cursor(dark));
+    let galley = painter.layout(text.to_owned(), FontId::proportional(13.0), colour, rect.width());
+    let place = Rect::from_center_size(rect.center(), galley.size());
+    painter.add(ground_shape(place.expand(6.0), dark));
+    painter.galley(place.min, galley, colour);
 }
 
 /// Paints text in the middle of a point, if there is room.

@@ -1,215 +1,221 @@
-//! Which colour is what in the scene, with counts of the fates.
+//! Which colour is what in the scene, with counts; a click on a row shows or hides what it names.
 
-use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rect, Shape, Vec2};
+use eframe::egui::{self, Color32, Rect, RichText, Role, Sense, Vec2, WidgetInfo};
 
-use super::colouring::Scale;
+use super::legend_rows::{self, Row, Swatch};
 use super::{SceneContent, labels};
 use crate::analysis::Analysis;
-use crate::app::model::{Colouring, Visibility};
+use crate::app::model::{Command, Commands, OpenDeployment, SceneOptions};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::calibration::inter_prism::observability::Hold;
-use crate::palette;
-use crate::pipeline::SampleFate;
 
-const ROW: f32 = 17.0;
-/// Size of the bar of a continuous scale, and how many pieces it is painted in.
-const BAR: Vec2 = Vec2::new(150.0, 10.0);
-const BAR_PIECES: usize = 32;
-/// Height of the bar with its title and numbers.
-const SCALE_HEIGHT: f32 = 46.0;
+/// In a smaller picture the legend starts folded.
+const ROOM: Vec2 = Vec2::new(700.0, 420.0);
+/// As wide whatever the counts: the camera looks beside it.
+const WIDTH: f32 = 206.0;
+const ROW: f32 = 18.0;
+const MARGIN: f32 = 8.0;
 
-/// Paints the legend in the corner, over what the scene shows; gives the place it takes.
-pub fn paint(ui: &egui::Ui, rect: Rect, state: &State, content: &SceneContent) -> Option<Rect> {
-    let (_, analysis) = state.analysed()?;
-    let dark = ui.visuals().dark_mode;
-    let coloured = state.visibility.raw || state.visibility.tracks;
-    let scale = content.colours.scale.as_ref().filter(|_| coloured);
-    let mut entries = Vec::new();
-    if coloured {
-        entries = of_points(analysis, state, content);
-    }
-    entries.extend(of_stations(analysis, &state.visibility, content, theme::faint(dark)));
-    if entries.is_empty() && scale.is_none() {
+/// Shows the legend in the upper left corner; gives the place it takes.
+pub fn ui(
+    ui: &mut egui::Ui,
+    picture: Rect,
+    (open, analysis): (&OpenDeployment, &Analysis),
+    state: &State,
+    content: &SceneContent,
+    commands: &mut Commands,
+) -> Option<Rect> {
+    let unfolded = is_open(&state.scene, picture.size());
+    if state.picturing && !unfolded {
         return None;
     }
-    let painter = ui.painter_at(rect);
-    let font = FontId::proportional(11.5);
-    let text_colour = ui.visuals().text_color();
-    let galleys: Vec<_> = entries
-        .into_iter()
-        .map(|(colour, text)| (colour, painter.layout_no_wrap(text, font.clone(), text_colour)))
-        .collect();
-    let text_width = galleys.iter().map(|(_, g)| g.size().x).fold(0.0, f32::max);
-    let bar_width = if scale.is_some() { BAR.x + 2.0 } else { 0.0 };
-    let scale_height = if scale.is_some() { SCALE_HEIGHT } else { 0.0 };
-    let size = Vec2::new(
-        (text_width + 34.0).max(bar_width + 28.0),
-        scale_height + galleys.len() as f32 * ROW + 10.0,
-    );
-    let frame = Rect::from_min_size(rect.left_top() + Vec2::splat(8.0), size);
-    labels::ground(&painter, frame, dark);
-    if let Some(scale) = scale {
-        paint_scale(&painter, frame.left_top() + Vec2::new(14.0, 6.0), scale, text_colour);
-    }
-    for (index, (colour, galley)) in galleys.into_iter().enumerate() {
-        let down = scale_height + 5.0 + (index as f32 + 0.5) * ROW;
-        let middle = frame.left_top() + Vec2::new(14.0, down);
-        painter.circle_filled(middle, 4.0, colour);
-        let place = Align2::LEFT_CENTER.anchor_size(middle + Vec2::new(11.0, 0.0), galley.size());
-        painter.galley(place.min, galley, text_colour);
-    }
-    Some(frame)
-}
-
-/// The title, the bar, and numbers at its ends and in its middle.
-fn paint_scale(painter: &egui::Painter, at: Pos2, scale: &Scale, text_colour: Color32) {
-    let font = FontId::proportional(11.5);
-    painter.text(at, Align2::LEFT_TOP, scale.title, font.clone(), text_colour);
-    let bar = Rect::from_min_size(at + Vec2::new(0.0, 17.0), BAR);
-    let mut mesh = Mesh::default();
-    for piece in 0..=BAR_PIECES {
-        let share = piece as f32 / BAR_PIECES as f32;
-        let x = bar.left() + share * bar.width();
-        let colour = theme::rgb(palette::continuous(share));
-        let first = 2 * piece as u32;
-        mesh.colored_vertex(Pos2::new(x, bar.top()), colour);
-        mesh.colored_vertex(Pos2::new(x, bar.bottom()), colour);
-        if piece < BAR_PIECES {
-            mesh.add_triangle(first, first + 1, first + 2);
-            mesh.add_triangle(first + 1, first + 2, first + 3);
-        }
-    }
-    painter.add(Shape::mesh(mesh));
-    let more = if scale.exceeded { "≥ " } else { "" };
-    for (share, align, more) in
-        [(0.0, Align2::LEFT_TOP, ""), (0.5, Align2::CENTER_TOP, ""), (1.0, Align2::RIGHT_TOP, more)]
-    {
-        let value = scale.low + f64::from(share) * (scale.high - scale.low);
-        let at = Pos2::new(bar.left() + share * bar.width(), bar.bottom() + 2.0);
-        painter.text(at, align, format!("{more}{}", number(value)), font.clone(), text_colour);
-    }
-}
-
-/// The value with three digits.
-fn number(value: f64) -> String {
-    let decimals = (2.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 3.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
-}
-
-fn of_points(analysis: &Analysis, state: &State, content: &SceneContent) -> Vec<(Color32, String)> {
-    let visibility = &state.visibility;
-    let shown = || (0..3).filter(|station| visibility.stations[*station]);
-    let of_stations = |what: &str, end: &str| {
-        let entry = |station: usize| {
-            let colour = theme::rgb(palette::STATIONS[station]);
-            (colour, format!("{what} {}{end}", station + 1))
-        };
-        shown().map(entry).collect::<Vec<_>>()
-    };
-    let mut entries = Vec::new();
-    match state.colouring {
-        Colouring::Fate => {
-            if visibility.tracks {
-                entries = of_stations("prism", " track");
+    let width = if unfolded { WIDTH } else { picture.width() - 2.0 * MARGIN };
+    let size = Vec2::new(width, (picture.height() - 2.0 * MARGIN).max(ROW));
+    let room = Rect::from_min_size(picture.min + Vec2::splat(MARGIN), size);
+    // What is done beside its rows is not meant for what lies below.
+    let builder =
+        egui::UiBuilder::new().max_rect(room).sense(Sense::CLICK | Sense::DRAG).id_salt("legend");
+    let response = ui.scope_builder(builder, |ui| {
+        let ground = ui.painter().add(egui::Shape::Noop);
+        let inside = egui::Frame::new().inner_margin(egui::Margin::symmetric(6, 3));
+        let inside = inside.show(ui, |ui| {
+            ui.spacing_mut().item_spacing = Vec2::new(6.0, 1.0);
+            if !state.picturing {
+                header(ui, open, analysis, state, unfolded, commands);
             }
-            if visibility.raw {
-                for fate in SampleFate::ALL {
-                    let count: usize =
-                        shown().map(|station| analysis.pipeline.count(station, fate)).sum();
-                    if count > 0 {
-                        let name = format!("{}  {count}", fate.label());
-                        entries.push((theme::rgb(palette::fate(fate)), name));
-                    }
-                }
+            if unfolded {
+                ui.set_width(WIDTH - 12.0);
+                egui::ScrollArea::vertical().show(ui, |ui| {
+                    rows(ui, open, analysis, state, content, commands);
+                });
             }
-        }
-        Colouring::Station => entries = of_stations("station", ""),
-        Colouring::Interval => entries = of_intervals(analysis.pipeline.kept_intervals.len()),
-        Colouring::Residual if content.colours.scale.is_none() => {
-            entries
-                .push((theme::rgb(palette::NO_VALUE), "no distances to compare with".to_owned()));
-        }
-        Colouring::Speed | Colouring::Residual | Colouring::Time => {}
-    }
-    if content.colours.some_without_value && visibility.raw {
-        let none = match state.colouring {
-            Colouring::Interval => "in no interval that was kept",
-            _ => "no triplet within 0.5 s",
-        };
-        entries.push((theme::rgb(palette::NO_VALUE), none.to_owned()));
-    }
-    entries
+        });
+        let place = inside.response.rect;
+        let shape = labels::ground_shape(place, ui.visuals().dark_mode);
+        ui.painter().set(ground, shape);
+        place
+    });
+    response.response.widget_info(|| WidgetInfo::labeled(Role::Group, true, "Key of the scene"));
+    Some(response.inner)
 }
 
-/// Colours repeat: "intervals 1, 8, 15".
-fn of_intervals(count: usize) -> Vec<(Color32, String)> {
-    let colours = palette::INTERVALS.len();
-    (0..count.min(colours))
-        .map(|first| {
-            let own: Vec<String> = (first..count)
-                .step_by(colours)
-                .map(|interval| (interval + 1).to_string())
-                .collect();
-            let word = if own.len() > 1 { "intervals" } else { "interval" };
-            let more = if own.len() > 3 { ", …" } else { "" };
-            let some = own[..own.len().min(3)].join(", ");
-            (theme::rgb(palette::INTERVALS[first]), format!("{word} {some}{more}"))
-        })
-        .collect()
+/// Whether the legend is unfolded in a picture of this size.
+pub fn is_open(options: &SceneOptions, size: Vec2) -> bool {
+    options.legend_open.unwrap_or(size.x >= ROOM.x && size.y >= ROOM.y)
 }
 
-/// What is drawn at stations 2 and 3.
-fn of_stations(
+/// Folds and unfolds; says how much is hidden, and brings it back.
+fn header(
+    ui: &mut egui::Ui,
+    open: &OpenDeployment,
     analysis: &Analysis,
-    visibility: &Visibility,
-    content: &SceneContent,
-    faint: Color32,
-) -> Vec<(Color32, String)> {
-    if !visibility.stations[1] && !visibility.stations[2] {
-        return Vec::new();
-    }
-    let mut entries = Vec::new();
-    if let Some(factor) = content.station_exaggeration {
-        entries.push((faint, format!("stations: 95 % ellipsoid, ×{factor}")));
-    }
-    let observed = (analysis.answer.as_ref().ok())
-        .and_then(|answer| answer.calibration.inter_prism())
-        .map(|details| &details.observability);
-    if let Some(observed) = observed.filter(|_| visibility.weak_directions) {
-        for hold in [Hold::Free, Hold::Weak] {
-            if observed.count(hold) > 0 {
-                let name = format!("{} direction of a station", hold.name());
-                entries.push((theme::rgb(palette::hold(hold)), name));
-            }
+    state: &State,
+    unfolded: bool,
+    commands: &mut Commands,
+) {
+    ui.horizontal(|ui| {
+        let (icon, response) = ui.allocate_exact_size(Vec2::new(62.0, ROW), Sense::click());
+        response.widget_info(|| {
+            WidgetInfo::selected(Role::DisclosureTriangle, true, unfolded, "Legend")
+        });
+        let sign =
+            Rect::from_center_size(icon.left_center() + Vec2::new(7.0, 0.0), Vec2::splat(9.0));
+        let sign = response.clone().with_new_rect(sign);
+        egui::collapsing_header::paint_default_icon(ui, f32::from(unfolded), &sign);
+        let colour = ui.style().interact(&response).text_color();
+        let (at, align) = (icon.left_center() + Vec2::new(17.0, 0.0), egui::Align2::LEFT_CENTER);
+        ui.painter().text(at, align, "Legend", egui::FontId::proportional(12.0), colour);
+        let hint = if unfolded { "Fold the legend" } else { "Which colour is what" };
+        if response.on_hover_text(hint).clicked() {
+            let options = SceneOptions { legend_open: Some(!unfolded), ..state.scene };
+            commands.push(Command::SetScene(options));
         }
-    }
-    entries
+        let hidden = legend_rows::hidden(open, analysis, &state.visibility);
+        if hidden.is_empty() {
+            return;
+        }
+        let button = egui::Button::new(RichText::new(format!("{} hidden", hidden.len())).small());
+        let hint = format!("Hidden: {}. Click to show everything", hidden.join(", "));
+        let button = ui.add(button.small());
+        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Show everything"));
+        if button.on_hover_text(hint).clicked() {
+            commands.push(Command::Show(state.visibility.with_the_whole_scene()));
+        }
+    });
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn intervals_that_share_a_colour_share_a_line() {
-        let lines: Vec<String> = of_intervals(30).into_iter().map(|(_, text)| text).collect();
-        assert_eq!(lines.len(), 7);
-        assert_eq!(lines[0], "intervals 1, 8, 15, …");
-        assert_eq!(lines[6], "intervals 7, 14, 21, …");
-        assert_eq!(of_intervals(2)[1].1, "interval 2");
+fn rows(
+    ui: &mut egui::Ui,
+    open: &OpenDeployment,
+    analysis: &Analysis,
+    state: &State,
+    content: &SceneContent,
+    commands: &mut Commands,
+) {
+    let faint = theme::faint(ui.visuals().dark_mode);
+    for group in legend_rows::groups(open, analysis, state, content, faint) {
+        if group.chips {
+            ui.horizontal(|ui| {
+                ui.add_sized(
+                    Vec2::new(52.0, ROW),
+                    egui::Label::new(small(group.title)).halign(egui::Align::Min),
+                );
+                for chip in &group.rows {
+                    row(ui, chip, Vec2::new(42.0, ROW), commands);
+                }
+            });
+            continue;
+        }
+        if !group.title.is_empty() {
+            ui.label(small(group.title));
+        }
+        for one in &group.rows {
+            row(ui, one, Vec2::new(ui.available_width(), ROW), commands);
+        }
     }
-
-    #[test]
-    fn numbers_on_the_scale_are_short() {
-        assert_eq!(
-            [0.0, 0.65, 1.3, 7.5, 210.0, 420.0].map(number),
-            ["0", "0.65", "1.3", "7.5", "210", "420"]
-        );
+    let scene = state.scene;
+    if legend_rows::states_errors(analysis) {
+        let set = |scale| SceneOptions { ellipsoid_scale: scale, ..scene };
+        scale(ui, ("ellipsoids", "Scale of the ellipsoids"), scene.ellipsoid_scale, set, commands);
     }
+    if legend_rows::has_residuals(open, analysis) {
+        let set = |scale| SceneOptions { residual_scale: scale, ..scene };
+        scale(ui, ("arrows", "Scale of the residuals"), scene.residual_scale, set, commands);
+    }
+}
+
+fn small(text: &str) -> RichText {
+    RichText::new(text).size(11.5).weak()
+}
+
+/// A dot, full where the thing is shown, and its name; what is hidden is struck through.
+fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
+    let clickable = row.toggled.is_some();
+    let sense = if clickable { Sense::click() } else { Sense::hover() };
+    let (rect, response) = ui.allocate_exact_size(size, sense);
+    if clickable {
+        response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, row.shown, &row.name));
+        if response.hovered() || response.has_focus() {
+            let fill = ui.visuals().widgets.hovered.weak_bg_fill;
+            ui.painter().rect_filled(rect, 3.0, fill);
+        }
+    }
+    if !clickable {
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &row.name));
+    }
+    let middle = rect.left_center() + Vec2::new(8.0, 0.0);
+    match row.swatch {
+        Swatch::Colour(colour) if row.shown => {
+            ui.painter().circle_filled(middle, 4.0, colour);
+        }
+        Swatch::Colour(colour) => {
+            ui.painter().circle_stroke(middle, 3.5, (1.2, colour));
+        }
+        Swatch::None => {}
+    }
+    let text = ui.visuals().text_color();
+    let colour = if row.shown { text } else { text.lerp_to_gamma(Color32::GRAY, 0.6) };
+    let mut format = egui::TextFormat::simple(egui::FontId::proportional(11.5), colour);
+    if !row.shown {
+        format.strikethrough = egui::Stroke::new(1.0, colour);
+    }
+    let mut job = egui::text::LayoutJob::single_section(row.text.clone(), format);
+    job.wrap = egui::text::TextWrapping::truncate_at_width(rect.width() - 18.0);
+    let galley = ui.painter().layout_job(job);
+    let at = rect.left_center() + Vec2::new(18.0, -0.5 * galley.size().y);
+    ui.painter().galley(at, galley, colour);
+    if let Some(toggled) = row.toggled {
+        let verb = if row.shown { "hide" } else { "show" };
+        let hint = format!("{}: click to {verb}", row.name);
+        if response.on_hover_text(hint).clicked() {
+            commands.push(Command::Show(toggled));
+        }
+    }
+}
+
+/// Lets the user choose how many times larger than true errors are drawn.
+fn scale(
+    ui: &mut egui::Ui,
+    (what, name): (&str, &str),
+    now: u32,
+    set: impl Fn(u32) -> SceneOptions,
+    commands: &mut Commands,
+) {
+    ui.horizontal(|ui| {
+        ui.add_sized(Vec2::new(92.0, ROW), egui::Label::new(small(&format!("{what} drawn"))));
+        let mut scale = now;
+        let combo = egui::ComboBox::from_id_salt(name)
+            .width(72.0)
+            .selected_text(format!("×{scale}"))
+            .show_ui(ui, |ui| {
+                for choice in SceneOptions::ERROR_SCALES {
+                    ui.selectable_value(&mut scale, choice, format!("×{choice}"));
+                }
+            });
+        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
+        combo.response.on_hover_text("How many times larger than true; an answer never changes it");
+        if scale != now {
+            commands.push(Command::SetScene(set(scale)));
+        }
+    });
 }

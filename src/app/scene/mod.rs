@@ -3,11 +3,14 @@
 //! [`view`] is the pane. What it shows comes in two kinds:
 //! - readings and tracks, by the million: [`cloud`] puts them on the GPU once (in the worker, before the frame that
 //!   shows them), [`colouring`] gives them colours, and [`pick`] finds the one under the pointer;
-//! - everything else, by the hundred: [`content`] with [`overlays`], [`station_uncertainty`], [`cursor`] and [`grid`].
+//! - everything else, by the hundred: [`content`] with [`overlays`], [`station_uncertainty`], [`control_points`],
+//!   [`cursor`] and [`grid`],
+//!   made by [`refresh`] and [`rebuild`] when the state changes; [`extent`] says how far all of it reaches.
 //!
 //! [`camera`] looks at them ([`flight`] moves it, [`input`] steers it), [`renderer`] draws them with wgpu into a texture of
 //! its own (depth, four samples), and [`projection`] tells where on the screen a place is, for what is written over the
-//! picture: [`labels`], [`legend`], [`readout`], the [`ruler`]'s numbers, and what is [`under_pointer`].
+//! picture: [`labels`] and what is [`under_pointer`]. [`legend`] and [`controls`] lie over it and leave a [`free_part`];
+//! the [`strip`] under it says the rest.
 //!
 //! Points stay in their station's frame on the GPU; the three transforms are uniforms. A new calibration of
 //! the same triplets moves no point. No frame goes through all points.
@@ -15,20 +18,26 @@
 mod buffers;
 mod colouring;
 mod content;
+mod control_points;
 mod controls;
 mod cursor;
+mod extent;
+mod free_part;
 mod grid;
 mod input;
 mod labels;
 mod legend;
+mod legend_rows;
 mod overlays;
 mod pipelines;
 mod projection;
-mod readout;
 mod rebuild;
+mod refresh;
 mod renderer;
 mod ruler;
 mod station_uncertainty;
+mod strip;
+mod strip_text;
 mod under_pointer;
 mod vertices;
 mod view;

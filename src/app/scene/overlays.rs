@@ -16,8 +16,6 @@ const POSE_AXIS_M: f64 = 0.8;
 /// Ellipsoids a station, and corners of each of their ellipses.
 const MOST_ELLIPSOIDS: usize = 240;
 const CORNERS: usize = 12;
-/// Ellipsoids are exaggerated by a round factor until the middle one is about this large (m, 2 σ).
-const WANTED_RADIUS_M: f64 = 0.5;
 
 /// Axes x, y, z of any frame, with their colours.
 pub const AXES: [(Vector3<f64>, Rgb); 3] = [
@@ -73,27 +71,25 @@ fn add_axes(lines: &mut Vec<LineVertex>, pose: &Pose, length_m: f64, width_point
     }
 }
 
-/// Adds 2 σ ellipsoids, each as three ellipses, at even steps of the stations' tracks, and gives how much they are
-/// exaggerated.
+/// Adds 2 σ ellipsoids, so many times larger than true and each as three ellipses, at even steps of the stations' tracks;
+/// gives whether there are any.
 pub fn add_uncertainty(
     content: &mut SceneContent,
     analysis: &Analysis,
     stations: &[usize],
-) -> Option<f64> {
+    scale: f64,
+) -> bool {
     let triplets = analysis.triplets();
-    let sigma_m = triplets.sigma_m.as_ref()?;
+    let Some(sigma_m) = &triplets.sigma_m else { return false };
     let step = triplets.len().div_ceil(MOST_ELLIPSOIDS).max(1);
-    let drawn = || (0..triplets.len()).step_by(step);
-    let all = stations.iter().flat_map(|station| drawn().map(|index| &sigma_m[*station][index]));
-    let factor = exaggeration(all)?;
     for &station in stations {
-        for index in drawn() {
+        for index in (0..triplets.len()).step_by(step) {
             let centre_m = triplets.points_m[station][index];
-            let radii_m = 2.0 * factor * sigma_m[station][index];
+            let radii_m = 2.0 * scale * sigma_m[station][index];
             add_ellipsoid(&mut content.data.lines, station, &centre_m, &radii_m);
         }
     }
-    Some(factor)
+    !stations.is_empty() && !triplets.is_empty()
 }
 
 /// Adds an ellipsoid in the station's frame, along its axes.
@@ -121,31 +117,5 @@ fn add_ellipsoid(
             colour: [r, g, b, 120],
             width_points: 1.0,
         }));
-    }
-}
-
-fn exaggeration<'a>(sigma_m: impl Iterator<Item = &'a Vector3<f64>>) -> Option<f64> {
-    let radius_m = crate::statistics::median(sigma_m.map(|sigma| 2.0 * sigma.max()))?;
-    Some(round_factor(radius_m, WANTED_RADIUS_M))
-}
-
-/// Largest factor of 1, 2 or 5 times a power of ten, and at least 1, by which a length stays below what is wanted.
-pub fn round_factor(length_m: f64, wanted_m: f64) -> f64 {
-    let wanted = (wanted_m / length_m.max(1e-6)).max(1.0);
-    let decade = 10_f64.powf(wanted.log10().floor());
-    [5.0, 2.0].into_iter().find(|step| step * decade <= wanted).unwrap_or(1.0) * decade
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_exaggeration_is_round_and_never_shrinks() {
-        let of = |sigma_m: f64| exaggeration([Vector3::repeat(sigma_m)].iter());
-        assert_eq!(of(0.001), Some(200.0));
-        assert_eq!(of(0.002), Some(100.0));
-        assert_eq!(of(1.0), Some(1.0));
-        assert_eq!(exaggeration([].iter()), None);
     }
 }

@@ -12,6 +12,8 @@ use crate::geometry::RigidTransform;
 pub struct Projection {
     clip_from_world: Matrix4<f32>,
     pub rect: Rect,
+    /// Whether a metre is as long near as far.
+    pub parallel: bool,
     /// Size of a metre (points on the screen) at the camera's target.
     pub points_per_metre: f32,
 }
@@ -24,6 +26,7 @@ impl Projection {
         Self {
             clip_from_world: camera.clip_from_world(rect.width() / rect.height().max(1.0)),
             rect,
+            parallel: camera.parallel,
             points_per_metre: 1.0 / camera.metres_per_point(rect.height()),
         }
     }

@@ -1,4 +1,4 @@
-//! Everything in the scene made anew from an answer: stations, control points, poses, what is known how well, and the grid.
+//! Everything in the scene made anew from an answer: stations, control points, poses, and what is known how well.
 
 use nalgebra::Vector3;
 
@@ -7,16 +7,13 @@ use super::grid::Grid;
 use super::vertices::{Label, Landmark, LineVertex, PointVertex, Rank, WORLD, opaque};
 use super::{overlays, station_uncertainty};
 use crate::analysis::Analysis;
-use crate::app::model::Visibility;
+use crate::app::model::{Camera, SceneOptions, Visibility};
 use crate::app::prepared::placing::{placed, placed_tracks};
 use crate::deployment::Deployment;
 use crate::geometry::RigidTransform;
 use crate::palette::{self, Rgb};
 use crate::pipeline::SampleFate;
 
-/// How many points the camera looks at to fit everything, and how many of a station are asked for where it is.
-const OUTLINE_POINTS: usize = 2000;
-const ASKED_POINTS: usize = 4000;
 /// Length of the axes at a station (m).
 const AXIS_M: f32 = 1.5;
 
@@ -37,29 +34,35 @@ impl SceneContent {
         deployment: &Deployment,
         analysis: &Analysis,
         visibility: &Visibility,
-        grid_colour: [u8; 4],
+        options: &SceneOptions,
     ) {
         self.station1_from_station = placed(analysis);
         self.station1_from_tracks = placed_tracks(deployment, analysis);
         self.data.clear();
         self.labels.clear();
         self.landmarks.clear();
-        self.find_extent(analysis);
-        self.exaggeration = None;
-        self.station_exaggeration = None;
+        self.find_bounds(analysis);
+        (self.track_ellipsoids, self.station_ellipsoids) = (false, false);
+        self.residuals = false;
         let transforms = self.station1_from_station;
         let shown = |station: usize| transforms[station].is_some() && visibility.stations[station];
         let tracks = self.station1_from_tracks;
         let track_shown = |station: usize| tracks[station].is_some() && shown(station);
         self.raw_shown = [0, 1, 2].map(|station| visibility.raw && track_shown(station));
-        self.tracks_shown = [0, 1, 2].map(|station| visibility.tracks && track_shown(station));
+        self.tracks_shown =
+            [0, 1, 2].map(|station| visibility.shows_track(station) && track_shown(station));
+        let fates = (0..SampleFate::ALL.len()).filter(|fate| visibility.fates[*fate]);
+        self.shown_fates = fates.map(|fate| 1 << fate).sum();
         let points_placed = match &analysis.answer {
             Ok(answer) => answer.calibration.placing_control_points(deployment).is_some(),
             Err(_) => true,
         };
         if visibility.uncertainty {
-            let stations: Vec<usize> = (0..3).filter(|station| track_shown(*station)).collect();
-            self.exaggeration = overlays::add_uncertainty(self, analysis, &stations);
+            // With a track its ellipsoids go.
+            let drawn = |station: &usize| track_shown(*station) && visibility.prisms[*station];
+            let stations: Vec<usize> = (0..3).filter(drawn).collect();
+            let scale = f64::from(options.ellipsoid_scale);
+            self.track_ellipsoids = overlays::add_uncertainty(self, analysis, &stations, scale);
         }
         for (station, transform) in transforms.iter().enumerate() {
             let Some(transform) = transform.filter(|_| shown(station)) else { continue };
@@ -68,97 +71,54 @@ impl SceneContent {
             }
             self.add_station(station, &transform);
         }
+        if visibility.control_points && visibility.residuals {
+            let shown = [0, 1, 2].map(shown);
+            let scale = f64::from(options.residual_scale);
+            self.residuals = self.add_residuals(deployment, analysis, &shown, scale);
+        }
         self.poses =
             if visibility.poses { overlays::poses_along(deployment, analysis) } else { Vec::new() };
         self.along.clear();
         overlays::add_poses(&mut self.along.lines, &self.poses, self.selected_s);
-        self.add_what_is_known(analysis, visibility);
+        self.find_outline(analysis, visibility);
+        self.add_what_is_known(analysis, visibility, options);
         // The last of equals was placed first while there were only control points and stations.
         self.labels.sort_by_key(|label| label.rank);
-        self.grid = self.bounds_m.map(|(low, high)| Grid::under(&low, &high));
-        if let Some(grid) = &self.grid {
-            grid.add_lines(&mut self.data.lines, grid_colour);
-        }
     }
 
-    /// The box around stations and tracks, and an outline for the camera.
-    fn find_extent(&mut self, analysis: &Analysis) {
-        self.outline_m.clear();
-        let none_kept = analysis.triplets().is_empty();
-        for (station, transform) in self.station1_from_station.iter().enumerate() {
-            let Some(transform) = transform else { continue };
-            let points = self.clouds.raw.station(station);
-            let fates = &analysis.pipeline.fates[station].each;
-            let step = points.len().div_ceil(ASKED_POINTS).max(1);
-            // Outliers may lie anywhere; they must not push the rest into a corner.
-            let placed = self.station1_from_tracks[station].is_some();
-            let seen = points.iter().zip(fates).step_by(step).filter(|_| placed);
-            let seen = seen
-                .filter(|(_, fate)| {
-                    none_kept || !matches!(fate, SampleFate::Rejected(_) | SampleFate::LeftOut)
-                })
-                .map(|(point, _)| Vector3::from(point.position_m).cast::<f64>());
-            let origin = std::iter::once(Vector3::zeros());
-            self.outline_m.extend(origin.chain(seen).map(|p| transform.apply(&p).cast::<f32>()));
+    /// Puts the grid where the camera needs it, if it is not there.
+    pub fn set_grid(&mut self, camera: &Camera, viewport_height: f32, colour: [u8; 4]) {
+        let grid = self.bounds_m.map(|(low, high)| Grid::of(camera, viewport_height, &low, &high));
+        let drawn = self.ground.lines.first().map(|line| line.colour);
+        if grid == self.grid && drawn.is_none_or(|drawn| drawn == colour) {
+            return;
         }
-        let corners = self.outline_m.iter().map(|p| (*p, *p));
-        self.bounds_m = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
-        let step = self.outline_m.len().div_ceil(OUTLINE_POINTS).max(1);
-        self.outline_m = self.outline_m.iter().step_by(step).copied().collect();
-        // Thinning must not lose a station.
-        let origins = self.station1_from_station.iter().flatten();
-        self.outline_m.extend(origins.map(|t| t.translation_m.cast::<f32>()));
+        self.ground.clear();
+        if let Some(grid) = &grid {
+            grid.add_lines(&mut self.ground.lines, colour);
+        }
+        self.grid = grid;
     }
 
     /// How well the stations are known.
-    fn add_what_is_known(&mut self, analysis: &Analysis, visibility: &Visibility) {
+    fn add_what_is_known(
+        &mut self,
+        analysis: &Analysis,
+        visibility: &Visibility,
+        options: &SceneOptions,
+    ) {
         let Ok(answer) = &analysis.answer else { return };
         let (calibration, shown) = (&answer.calibration, &visibility.stations);
         if visibility.station_ellipsoids {
-            self.station_exaggeration =
-                station_uncertainty::add_ellipsoids(self, calibration, shown);
+            let scale = f64::from(options.ellipsoid_scale);
+            self.station_ellipsoids =
+                station_uncertainty::add_ellipsoids(self, calibration, shown, scale);
         }
         if visibility.weak_directions
             && let Some(details) = calibration.inter_prism()
         {
             let observed = &details.observability;
             station_uncertainty::add_weak_directions(self, calibration, observed, shown);
-        }
-    }
-
-    fn add_control_points(
-        &mut self,
-        deployment: &Deployment,
-        station: usize,
-        transform: &RigidTransform,
-    ) {
-        for set in &deployment.control_points {
-            for point in &set.points {
-                let Some(polar) = point.readings[station] else { continue };
-                let position_m = transform.apply(&polar.to_cartesian());
-                let place = position_m.cast::<f32>();
-                // A cross of fixed size, so that the stations' versions of a point can be told apart.
-                for axis in 0..3 {
-                    let mut arm = Vector3::zeros();
-                    arm[axis] = 0.35;
-                    self.world_line(place - arm, place + arm, palette::STATIONS[station], 1.5);
-                }
-                let kind = if set.pillars { "pillar" } else { "control point" };
-                let name = format!("{kind} {} from station {}", point.marker, station + 1);
-                self.landmarks.push(Landmark { position_m, name });
-                if station == 0 {
-                    self.labels.push(Label {
-                        position_m: place,
-                        text: if set.pillars {
-                            format!("pillar {}", point.marker)
-                        } else {
-                            point.marker.to_string()
-                        },
-                        colour: palette::fate(SampleFate::Kept),
-                        rank: Rank::ControlPoint,
-                    });
-                }
-            }
         }
     }
 
@@ -189,6 +149,7 @@ impl SceneContent {
         self.landmarks.push(Landmark {
             position_m: transform.translation_m,
             name: format!("station {}", station + 1),
+            fitted_in: true,
         });
     }
 

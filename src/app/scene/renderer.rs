@@ -27,7 +27,9 @@ struct Uniforms {
     /// Readings and tracks at other times are dimmed.
     selection_s: [f32; 2],
     pixels_per_point: f32,
-    padding: [f32; 3],
+    /// A bit for each fate that is shown.
+    shown_fates: u32,
+    padding: [f32; 2],
 }
 
 /// Pipelines, buffers and the texture.
@@ -41,7 +43,7 @@ pub struct SceneRenderer {
     raw: CloudBuffers,
     tracks: CloudBuffers,
     /// Buffers of the [`layers`], in their order.
-    layers: [LayerBuffers; 5],
+    layers: [LayerBuffers; 6],
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -50,7 +52,7 @@ pub struct SceneRenderer {
 #[derive(PartialEq)]
 struct Drawn {
     uniforms: Uniforms,
-    versions: [u64; 7],
+    versions: [u64; 8],
     shown: [[bool; 3]; 2],
 }
 
@@ -123,7 +125,7 @@ impl SceneRenderer {
         let size = [pixels(size_points.x), pixels(size_points.y)];
         self.ensure_target(size);
         self.upload(content);
-        let mut versions = [content.clouds_version, content.colours_version, 0, 0, 0, 0, 0];
+        let mut versions = [content.clouds_version, content.colours_version, 0, 0, 0, 0, 0, 0];
         for (version, layer) in versions[2..].iter_mut().zip(layers(content)) {
             *version = layer.version;
         }
@@ -241,8 +243,15 @@ impl SceneRenderer {
 }
 
 /// The layers in the order they are drawn.
-fn layers(content: &SceneContent) -> [&Layer; 5] {
-    [&content.along, &content.data, &content.hover, &content.cursor, &content.ruler]
+fn layers(content: &SceneContent) -> [&Layer; 6] {
+    [
+        &content.ground,
+        &content.along,
+        &content.data,
+        &content.hover,
+        &content.cursor,
+        &content.ruler,
+    ]
 }
 
 fn uniforms(
@@ -264,7 +273,8 @@ fn uniforms(
         viewport_pixels,
         selection_s: content.selection_s.unwrap_or([f32::MIN, f32::MAX]),
         pixels_per_point,
-        padding: [0.0; 3],
+        shown_fates: content.shown_fates,
+        padding: [0.0; 2],
     }
 }
 

@@ -3,20 +3,12 @@
 use super::content::SceneContent;
 use super::projection::Projection;
 use super::vertices::{LineVertex, PointVertex, WORLD, f32s, opaque};
-use crate::app::model::{Ruler, RulerEnd, Units};
+use crate::app::model::{Ruler, RulerEnd};
 use crate::palette::Rgb;
 use eframe::egui::Pos2;
 
 /// A click this near (points) to a prism, a station or a control point means it, even where readings are nearer.
 const SNAP_POINTS: f32 = 11.0;
-
-/// What the ruler shows over the picture.
-pub struct RulerText {
-    /// Where the text is on the screen, between the ends.
-    pub at: Pos2,
-    pub ends: [Option<Pos2>; 2],
-    pub lines: Vec<String>,
-}
 
 impl SceneContent {
     /// Draws the line between the ends, if it is not what is drawn.
@@ -44,24 +36,6 @@ impl SceneContent {
             width_points: 2.0,
         }));
         self.ruler.points = points;
-    }
-
-    /// The ruler's text, once it has both ends and its middle is seen.
-    pub fn ruler_text(
-        &self,
-        ruler: &Ruler,
-        inter_prism_m: Option<&[f64; 3]>,
-        projection: &Projection,
-        units: Units,
-    ) -> Option<RulerText> {
-        let [from_m, to_m] = ruler.ends_m(self.prisms_m.as_ref())[..] else { return None };
-        let at = projection.screen(&((from_m + to_m) / 2.0).cast::<f32>())?;
-        let ends = [from_m, to_m].map(|end_m| projection.visible(&end_m));
-        Some(RulerText {
-            at,
-            ends,
-            lines: ruler.lines(self.prisms_m.as_ref(), inter_prism_m, units),
-        })
     }
 
     /// The prism, station or control point at a place on the screen.

@@ -4,7 +4,6 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::content::SceneContent;
-use super::overlays::round_factor;
 use super::vertices::{Label, LineVertex, Rank, WORLD, opaque};
 use crate::calibration::Calibration;
 use crate::calibration::inter_prism::observability::{Hold, Observability, StationMotion};
@@ -13,8 +12,6 @@ use crate::palette::{self, Rgb};
 /// Semi-axes of the ellipsoid that holds 95 % of a normal distribution in space, over its standard deviations: the root
 /// of χ² with three degrees of freedom.
 const SIGMAS_95: f64 = 2.7955;
-/// Ellipsoids are exaggerated by a round factor while their semi-axes stay below this share of the scene.
-const LARGEST_ELLIPSOID: f64 = 0.06;
 /// Corners of each of an ellipsoid's three ellipses.
 const CORNERS: usize = 32;
 /// Half the length of the longest arrow of a direction, as a share of the scene; a station that moves less than the
@@ -25,29 +22,29 @@ const SHORTEST_ARROW: f64 = 0.15;
 const TURNS: f64 = 0.5;
 const ARC_RAD: f32 = 0.9;
 
-/// Adds the ellipsoids of the visible stations; gives how much they are exaggerated, `None` without a covariance.
+/// Adds the ellipsoids of the visible stations, so many times larger than true; gives whether there are any: without a
+/// covariance there are none.
 pub fn add_ellipsoids(
     content: &mut SceneContent,
     calibration: &Calibration,
     shown: &[bool; 3],
-) -> Option<f64> {
-    let covariance = calibration.covariance?;
+    scale: f64,
+) -> bool {
+    let Some(covariance) = calibration.covariance else { return false };
     let axes = [0, 4].map(|at| semi_axes_m(&covariance.fixed_view::<3, 3>(at, at).into_owned()));
-    let longest_m = axes.iter().flatten().map(Vector3::norm).fold(0.0, f64::max);
-    let factor = round_factor(longest_m, LARGEST_ELLIPSOID * f64::from(extent_m(content)?));
     for (slot, axes) in axes.iter().enumerate().filter(|(slot, _)| shown[slot + 1]) {
         let origin = calibration.station1_from_station[slot + 1].translation_m;
         for flat in 0..3 {
             let (first, second) = (axes[(flat + 1) % 3], axes[(flat + 2) % 3]);
             let corner = |at: usize| {
                 let (sin, cos) = (std::f64::consts::TAU * at as f64 / CORNERS as f64).sin_cos();
-                (origin + factor * (first * cos + second * sin)).cast::<f32>()
+                (origin + scale * (first * cos + second * sin)).cast::<f32>()
             };
             let corners: Vec<_> = (0..=CORNERS).map(corner).collect();
             add_path(&mut content.data.lines, &corners, palette::STATIONS[slot + 1], 1.4);
         }
     }
-    Some(factor)
+    shown[1] || shown[2]
 }
 
 /// Semi-axes of the ellipsoid in which a point lies with 95 % probability, the shortest first.

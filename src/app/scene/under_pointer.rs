@@ -30,26 +30,10 @@ pub enum UnderPointer {
 impl UnderPointer {
     /// Finds what is under the pointer, of what is shown. A reading comes before the track that was made from it.
     pub fn find(content: &SceneContent, projection: &Projection, at: Pos2) -> Option<Self> {
-        let nearest = |cloud: &Cloud, shown: &[bool; 3], reach: f32| -> Option<(usize, Hit)> {
-            let mut best: Option<(usize, Hit)> = None;
-            for station in (0..3).filter(|station| shown[*station]) {
-                let Some(transform) = &content.station1_from_tracks[station] else { continue };
-                let view = projection.pick_view(transform, at, reach);
-                let hit = cloud.trees[station].nearest(cloud.station(station), &view);
-                if let Some(hit) = hit.filter(|hit| hit.beats(best.as_ref().map(|(_, best)| best)))
-                {
-                    best = Some((station, hit));
-                }
-            }
-            best
-        };
-        if let Some((station, hit)) =
-            nearest(&content.clouds.raw, &content.raw_shown, READING_REACH)
-        {
-            return Some(Self::Reading(Picked { station, index: hit.index }));
-        }
-        nearest(&content.clouds.tracks, &content.tracks_shown, TRACK_REACH)
-            .map(|(station, hit)| Self::Track { station, index: hit.index })
+        let raw = nearest_reading(content, projection, at, READING_REACH);
+        let track = || nearest_on_tracks(content, projection, at, TRACK_REACH);
+        raw.map(Self::Reading)
+            .or_else(|| track().map(|(station, index)| Self::Track { station, index }))
     }
 
     /// When it was there (s, in the stations' clock).
@@ -91,6 +75,62 @@ impl UnderPointer {
             Self::Track { station, .. } => format!("prism {} at {since_s:.2} s", station + 1),
         };
         Some(RulerEnd { position_m: self.position_m(open, analysis, content)?, what, prism: None })
+    }
+}
+
+/// The reading that is shown nearest to a place on the screen, within so many points.
+fn nearest_reading(
+    content: &SceneContent,
+    projection: &Projection,
+    at: Pos2,
+    reach: f32,
+) -> Option<Picked> {
+    let shown = |station, index| content.shows_reading(Picked { station, index });
+    let cloud = &content.clouds.raw;
+    nearest(content, cloud, &content.raw_shown, projection, (at, reach), shown)
+        .map(|(station, index)| Picked { station, index })
+}
+
+/// The same of the tracks.
+fn nearest_on_tracks(
+    content: &SceneContent,
+    projection: &Projection,
+    at: Pos2,
+    reach: f32,
+) -> Option<(usize, usize)> {
+    let cloud = &content.clouds.tracks;
+    nearest(content, cloud, &content.tracks_shown, projection, (at, reach), |_, _| true)
+}
+
+fn nearest(
+    content: &SceneContent,
+    cloud: &Cloud,
+    stations: &[bool; 3],
+    projection: &Projection,
+    (at, reach): (Pos2, f32),
+    shown: impl Fn(usize, usize) -> bool,
+) -> Option<(usize, usize)> {
+    let mut best: Option<(usize, Hit)> = None;
+    for station in (0..3).filter(|station| stations[*station]) {
+        let Some(transform) = &content.station1_from_tracks[station] else { continue };
+        let view = projection.pick_view(transform, at, reach);
+        let points = cloud.station(station);
+        let hit = cloud.trees[station].nearest(points, &view, |index| shown(station, index));
+        if let Some(hit) = hit.filter(|hit| hit.beats(best.as_ref().map(|(_, best)| best))) {
+            best = Some((station, hit));
+        }
+    }
+    best.map(|(station, hit)| (station, hit.index))
+}
+
+/// Whether anything that is shown is in the picture.
+pub fn is_anything_in_sight(content: &SceneContent, projection: &Projection) -> bool {
+    let visible = |p: &Vector3<f32>| projection.visible(&p.cast::<f64>()).is_some();
+    // The outline has some of the points; all of them are asked only where none of those is seen.
+    content.outline_m.iter().any(visible) || {
+        let (middle, reach) = (projection.rect.center(), 0.5 * projection.rect.size().min_elem());
+        nearest_reading(content, projection, middle, reach).is_some()
+            || nearest_on_tracks(content, projection, middle, reach).is_some()
     }
 }
 
@@ -136,11 +176,6 @@ pub fn tooltip(painter: &Painter, rect: Rect, at: Pos2, lines: &[String], dark: 
     let size = galley.size() + Vec2::splat(10.0);
     let place = Align2::LEFT_TOP.anchor_size(at + Vec2::new(14.0, 14.0), size);
     let place = labels::inside(place, rect.shrink(4.0));
-    labels::ground(painter, place, dark);
+    painter.add(labels::ground_shape(place, dark));
     painter.galley(place.min + Vec2::splat(5.0), galley, colour);
-}
-
-/// Whether a reading is drawn at all.
-pub fn is_shown(content: &SceneContent, picked: Picked) -> bool {
-    content.raw_shown.get(picked.station).copied().unwrap_or(false)
 }

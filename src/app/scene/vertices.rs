@@ -52,6 +52,8 @@ pub struct Landmark {
     /// Where the landmark is (m, in station 1's frame).
     pub position_m: Vector3<f64>,
     pub name: String,
+    /// Whether the camera cares: geodetic pillars stand anywhere, and would make the rest small.
+    pub fitted_in: bool,
 }
 
 /// A list of vertices and a number that changes when they do.

@@ -139,6 +139,7 @@ impl State {
             }
             Command::Show(visibility) => self.visibility = visibility,
             Command::Colour(colouring) => self.colouring = colouring,
+            Command::SetScene(options) => self.scene = options,
             Command::Measure(ruler) => self.ruler = ruler,
             Command::SetUnits(units) => self.units = units,
             Command::UseTheme(theme) => {
@@ -146,6 +147,7 @@ impl State {
                 self.theme = theme;
             }
             Command::Look(preset) => self.view.look(preset),
+            Command::ComeTo(position_m) => self.view.fly_to(&position_m),
             Command::ShowPane(pane) => self.layout.show(pane),
             Command::UseLayout(preset) => self.layout = Layout::from(preset),
             Command::ResetLayout => self.layout = Layout::default(),

@@ -42,7 +42,7 @@ use crate::app::model::studies::Studies;
 use crate::app::model::toasts::Toasts;
 use crate::app::model::{
     Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Playback, Plotted, Results,
-    Ruler, UndoStack, Units, Validations, Visibility,
+    Ruler, SceneOptions, UndoStack, Units, Validations, Visibility,
 };
 use crate::progress::Progress;
 
@@ -61,6 +61,7 @@ pub struct State {
     pub start_settings: Settings,
     pub visibility: Visibility,
     pub colouring: Colouring,
+    pub scene: SceneOptions,
     pub view: View,
     pub layout: Layout,
     pub ruler: Ruler,
@@ -120,6 +121,7 @@ impl State {
             start_settings: Settings::default(),
             visibility: Visibility::default(),
             colouring: Colouring::default(),
+            scene: SceneOptions::default(),
             view: View::default(),
             layout: Layout::default(),
             ruler: Ruler::default(),

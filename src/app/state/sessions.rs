@@ -151,6 +151,7 @@ impl State {
                 units: self.units,
                 plotted: self.plotted,
                 visibility: self.visibility,
+                scene: self.scene,
             },
             layout: Some(self.layout.describe()),
             pins: self.results.pins.iter().map(pin).collect(),
@@ -173,6 +174,7 @@ impl State {
     pub fn restore(&mut self, session: Session) {
         self.visibility = session.view.visibility;
         self.colouring = session.view.colouring;
+        self.scene = session.view.scene;
         self.units = session.view.units;
         self.plotted = session.view.plotted;
         if let Some(description) = &session.layout {

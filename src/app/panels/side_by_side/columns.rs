@@ -52,12 +52,7 @@ fn of_open(open: &OpenDeployment, title: String) -> Column<'_> {
         Ok(_) => open.summary.as_deref().map(Ok),
         Err(error) => Some(Err(error.finding().message)),
     });
-    Column {
-        title,
-        whose: Whose::Open(open.id),
-        result,
-        sets: &open.deployment.control_points,
-    }
+    Column { title, whose: Whose::Open(open.id), result, sets: &open.deployment.control_points }
 }
 
 fn of_pin(pin: &Pin) -> Column<'_> {

@@ -1,0 +1,94 @@
+//! The control points, one by one: what each station makes of them, and whether the answer rests on them.
+
+use eframe::egui::{self, RichText, Role, WidgetInfo};
+
+use crate::app::model::{Command, Commands, Pane};
+use crate::app::prepared::control_points::{PointResidual, residuals};
+use crate::app::state::State;
+use crate::app::theme;
+use crate::palette;
+
+const COLUMNS: [(&str, &str); 8] = [
+    (
+        "point",
+        "The letter of its set in the scene, and its number; a click brings the camera to it",
+    ),
+    ("set", "The file it was read from"),
+    ("used", "Whether the answer rests on it; what it does not rest on tells whether it is right"),
+    ("station", "The station whose reading it is"),
+    ("x (mm)", "What the station makes of it, from the mean of the stations, in station 1's frame"),
+    ("y (mm)", "The same along y"),
+    ("z (mm)", "The same upwards"),
+    ("length (mm)", "How far the station's version is from the mean"),
+];
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let Some((open, analysis)) = state.analysed() else {
+        ui.weak("Nothing open.");
+        return;
+    };
+    let points = residuals(&open.deployment, analysis);
+    egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
+        if points.is_empty() {
+            ui.label(why_none(state));
+            return;
+        }
+        egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+            egui::Grid::new("control points").striped(true).spacing([12.0, 2.0]).show(ui, |ui| {
+                for (title, hint) in COLUMNS {
+                    ui.label(RichText::new(title).small().weak()).on_hover_text(hint);
+                }
+                ui.end_row();
+                for point in &points {
+                    rows(ui, point, commands);
+                }
+            });
+        });
+    });
+}
+
+/// A row for each station that measured the point.
+fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
+    let dark = ui.visuals().dark_mode;
+    let stations = (0..3).filter_map(|station| Some((station, point.residuals_m[station]?)));
+    for (row, (station, residual_m)) in stations.enumerate() {
+        if row == 0 {
+            let button = ui.add(egui::Button::new(RichText::new(&point.name).strong()).small());
+            let name = format!("Come to control point {}", point.name);
+            button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+            if button.on_hover_text(name).clicked() {
+                commands.push(Command::ShowPane(Pane::Scene));
+                commands.push(Command::ComeTo(point.mean_m));
+            }
+            ui.label(&point.file);
+            ui.label(match (point.used, point.pillar) {
+                (true, _) => "used",
+                (false, true) => "no, pillar",
+                (false, false) => "no",
+            });
+        } else {
+            (0..3).for_each(|_| _ = ui.label(""));
+        }
+        let colour = theme::readable(palette::STATIONS[station], dark);
+        ui.label(RichText::new((station + 1).to_string()).color(colour));
+        for axis_m in residual_m.iter() {
+            ui.monospace(format!("{:+7.2}", 1e3 * axis_m));
+        }
+        ui.monospace(format!("{:6.2}", 1e3 * residual_m.norm()));
+        ui.end_row();
+    }
+}
+
+fn why_none(state: &State) -> &'static str {
+    let Some((open, analysis)) = state.analysed() else { return "" };
+    match &analysis.answer {
+        _ if open.deployment.control_points.is_empty() => {
+            "This deployment has no control points; the Deployment pane adds them under Put right."
+        }
+        Err(_) => "There is no answer that places the control points.",
+        Ok(answer) if answer.calibration.placing_control_points(&open.deployment).is_none() => {
+            "This answer is about the frame of the tracks, in which the control points have no place."
+        }
+        Ok(_) => "No control point was measured by two stations.",
+    }
+}

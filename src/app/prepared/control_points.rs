@@ -1,0 +1,139 @@
+//! What an answer leaves at the control points.
+
+use nalgebra::Vector3;
+
+use crate::analysis::Analysis;
+use crate::calibration::{Calibration, Details, Method};
+use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
+
+/// A control point by an answer: where each station sees it, against the mean of them all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointResidual {
+    /// The letter of the point's set, and its number in there: "A3".
+    pub name: String,
+    pub file: String,
+    pub pillar: bool,
+    /// Mean of what the stations make of it (m, in station 1's frame).
+    pub mean_m: Vector3<f64>,
+    /// What each station makes of it, from the mean (m); `None` where the station did not measure it.
+    pub residuals_m: [Option<Vector3<f64>>; 3],
+    /// Whether the answer rests on it; else it tells something that the answer did not know.
+    pub used: bool,
+}
+
+/// The letter by which a set is named in the scene and in the table: A to Z, then numbers.
+pub fn set_letter(set: usize) -> String {
+    u8::try_from(set)
+        .ok()
+        .filter(|set| *set < 26)
+        .map_or_else(|| format!("{}·", set + 1), |set| char::from(b'A' + set).to_string())
+}
+
+/// The name of a point: its number alone where there is one set only.
+pub fn point_name(deployment: &Deployment, set: usize, marker: i64) -> String {
+    if deployment.control_points.len() > 1 {
+        format!("{}{marker}", set_letter(set))
+    } else {
+        marker.to_string()
+    }
+}
+
+/// Every control point that at least two stations measured; none where the answer does not place them.
+pub fn residuals(deployment: &Deployment, analysis: &Analysis) -> Vec<PointResidual> {
+    let Ok(answer) = &analysis.answer else { return Vec::new() };
+    let calibration = &answer.calibration;
+    let Some(transforms) = calibration.placing_control_points(deployment) else {
+        return Vec::new();
+    };
+    let mut all = Vec::new();
+    for (number, set) in deployment.control_points.iter().enumerate() {
+        for point in &set.points {
+            let placed_m: [Option<Vector3<f64>>; 3] = std::array::from_fn(|station| {
+                let polar = point.readings[station]?;
+                Some(transforms[station].apply(&polar.to_cartesian()))
+            });
+            let count = placed_m.iter().flatten().count();
+            if count < 2 {
+                continue;
+            }
+            let mean_m = placed_m.iter().flatten().sum::<Vector3<f64>>() / count as f64;
+            all.push(PointResidual {
+                name: point_name(deployment, number, point.marker),
+                file: set.file.clone(),
+                pillar: set.pillars,
+                mean_m,
+                residuals_m: placed_m.map(|placed_m| Some(placed_m? - mean_m)),
+                used: rests_on(calibration, set, point),
+            });
+        }
+    }
+    all
+}
+
+/// Whether an answer comes from this point: A from two of them, B from all but pillars, the others from the drive.
+fn rests_on(calibration: &Calibration, set: &ControlPointSet, point: &ControlPoint) -> bool {
+    match (&calibration.details, calibration.method) {
+        (Details::TwoPoint(details), _) => {
+            let pair = &details.pairs[details.chosen];
+            pair.file == set.file && pair.markers.contains(&point.marker)
+        }
+        (_, Method::StaticGcp) => !set.pillars,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::{Analyst, Settings};
+    use crate::deployment::{PAIRS, Sample};
+    use crate::statistics::median;
+
+    fn with(method: Option<Method>) -> (Deployment, Vec<PointResidual>, Analysis) {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let mut settings = Settings::default();
+        settings.calibration.method = method;
+        let analysis = Analyst::new(deployment.clone().into()).run(&settings);
+        let found = residuals(&deployment, &analysis);
+        (deployment, found, analysis)
+    }
+
+    #[test]
+    fn the_versions_of_a_point_are_as_far_apart_as_the_metric_says() {
+        let (_, found, analysis) = with(None);
+        let answer = analysis.answer.expect("an answer");
+        for metric in &answer.evaluation.control_points_mm {
+            let of_file = found.iter().filter(|point| point.file == metric.file);
+            let apart_mm = of_file.flat_map(|point| {
+                PAIRS.into_iter().filter_map(|(a, b)| {
+                    let apart_m = point.residuals_m[a]? - point.residuals_m[b]?;
+                    Some(1e3 * apart_m.norm())
+                })
+            });
+            let median_mm = median(apart_mm).expect("points");
+            assert!((median_mm - metric.spread.median).abs() < 1e-6, "{median_mm} {metric:?}");
+        }
+        // They add up to nothing: the mean is between them.
+        for point in &found {
+            let sum: Vector3<f64> = point.residuals_m.iter().flatten().sum();
+            assert!(sum.norm() < 1e-9, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn points_are_named_by_their_set_and_it_is_said_which_the_answer_rests_on() {
+        let (deployment, found, _) = with(None);
+        assert!(deployment.control_points.len() > 1);
+        assert!(found.iter().all(|point| !point.used), "the drive alone decides");
+        let mut names: Vec<&str> = found.iter().map(|point| point.name.as_str()).collect();
+        let count = names.len();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), count, "no name twice");
+        let (_, found, _) = with(Some(Method::StaticGcp));
+        assert!(found.iter().all(|point| point.used != point.pillar));
+        let (_, found, _) = with(Some(Method::TwoPoint));
+        assert_eq!(found.iter().filter(|point| point.used).count(), 2);
+        assert_eq!([0, 25, 26].map(set_letter), ["A", "Z", "27·"]);
+    }
+}

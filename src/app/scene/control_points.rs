@@ -1,0 +1,97 @@
+//! Control points as each station sees them, and how far these versions are from their mean.
+
+use nalgebra::Vector3;
+
+use super::content::SceneContent;
+use super::vertices::{Label, Landmark, LineVertex, Rank, WORLD, opaque};
+use crate::analysis::Analysis;
+use crate::app::prepared::control_points::{PointResidual, point_name, residuals};
+use crate::deployment::Deployment;
+use crate::geometry::RigidTransform;
+use crate::palette::{self, Rgb};
+use crate::pipeline::SampleFate;
+
+/// Half the length of a cross (m), of one size so that the stations' versions of a point can be told apart.
+const ARM_M: f32 = 0.35;
+/// Length of an arrow's head over that of the arrow.
+const HEAD: f32 = 0.2;
+
+impl SceneContent {
+    /// Adds what a station makes of the control points, each with its name.
+    pub fn add_control_points(
+        &mut self,
+        deployment: &Deployment,
+        station: usize,
+        transform: &RigidTransform,
+    ) {
+        for (number, set) in deployment.control_points.iter().enumerate() {
+            for point in &set.points {
+                let Some(polar) = point.readings[station] else { continue };
+                let position_m = transform.apply(&polar.to_cartesian());
+                let place = position_m.cast::<f32>();
+                for axis in 0..3 {
+                    let mut arm = Vector3::zeros();
+                    arm[axis] = ARM_M;
+                    self.add_arrow_line([place - arm, place + arm], palette::STATIONS[station]);
+                }
+                let kind = if set.pillars { "pillar" } else { "control point" };
+                let (marker, file) = (point.marker, &set.file);
+                let name = format!("{kind} {marker} of {file} from station {}", station + 1);
+                let fitted_in = !set.pillars;
+                self.landmarks.push(Landmark { position_m, name, fitted_in });
+                if station == 0 {
+                    let name = point_name(deployment, number, marker);
+                    self.labels.push(Label {
+                        position_m: place,
+                        text: if set.pillars { format!("pillar {name}") } else { name },
+                        colour: palette::fate(SampleFate::Kept),
+                        rank: Rank::ControlPoint,
+                    });
+                }
+            }
+        }
+    }
+
+    /// Adds arrows from each point's mean to what the visible stations make of it, so many times longer than true; gives
+    /// whether there are any.
+    pub fn add_residuals(
+        &mut self,
+        deployment: &Deployment,
+        analysis: &Analysis,
+        shown: &[bool; 3],
+        scale: f64,
+    ) -> bool {
+        let points = residuals(deployment, analysis);
+        for PointResidual { mean_m, residuals_m, .. } in &points {
+            for station in (0..3).filter(|station| shown[*station]) {
+                let Some(residual_m) = residuals_m[station] else { continue };
+                let from = mean_m.cast::<f32>();
+                let tip = (mean_m + scale * residual_m).cast::<f32>();
+                self.add_arrow([from, tip], palette::STATIONS[station]);
+            }
+        }
+        !points.is_empty() && shown.contains(&true)
+    }
+
+    fn add_arrow(&mut self, [from, tip]: [Vector3<f32>; 2], colour: Rgb) {
+        self.add_arrow_line([from, tip], colour);
+        let Some(back) = (from - tip).try_normalize(1e-6) else { return };
+        // Any side will do for an arrow that points up.
+        let side = back.cross(&Vector3::z()).try_normalize(0.1).unwrap_or_else(Vector3::x);
+        for side in [side, -side] {
+            let barb = tip + HEAD * (from - tip).norm() * (back + 0.5 * side);
+            self.add_arrow_line([tip, barb], colour);
+        }
+    }
+
+    fn add_arrow_line(&mut self, [from, to]: [Vector3<f32>; 2], colour: Rgb) {
+        self.data.lines.push(LineVertex {
+            from_m: from.into(),
+            from_frame: WORLD,
+            to_m: to.into(),
+            to_frame: WORLD,
+            colour: opaque(colour),
+            width_points: 1.5,
+        });
+    }
+}

@@ -1,0 +1,89 @@
+//! How far the scene reaches, and what of it the camera has to get into the picture.
+
+use nalgebra::Vector3;
+
+use super::content::SceneContent;
+use crate::analysis::Analysis;
+use crate::app::model::{Picked, Visibility};
+use crate::pipeline::SampleFate;
+
+/// How many points the camera looks at to fit everything, and how many of a station are asked for where it is.
+const OUTLINE_POINTS: usize = 2000;
+const ASKED_POINTS: usize = 4000;
+
+impl SceneContent {
+    /// Finds the box around stations and readings, shown or not: hiding something moves neither the grid nor the limits of
+    /// the camera.
+    pub fn find_bounds(&mut self, analysis: &Analysis) {
+        let stations = self.station1_from_station.iter().flatten();
+        let mut all: Vec<Vector3<f32>> = stations.map(|t| t.translation_m.cast::<f32>()).collect();
+        let none_kept = analysis.triplets().is_empty();
+        for station in 0..3 {
+            let sane = |index: usize| none_kept || !self.is_wild(analysis, station, index);
+            all.extend(self.readings_m(station, sane));
+        }
+        let corners = all.into_iter().map(|p| (p, p));
+        self.bounds_m = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
+    }
+
+    /// Finds the outline of what is shown; of everything, where nothing is.
+    pub fn find_outline(&mut self, analysis: &Analysis, visibility: &Visibility) {
+        let fitted_in = self.landmarks.iter().filter(|landmark| landmark.fitted_in);
+        let mut seen: Vec<Vector3<f32>> =
+            fitted_in.map(|landmark| landmark.position_m.cast::<f32>()).collect();
+        let landmarks = seen.len();
+        let mut wild = Vec::new();
+        for station in 0..3 {
+            if self.tracks_shown[station] {
+                seen.extend(self.track_m(station));
+            }
+            let shown =
+                |index| self.shows_reading_of(analysis, visibility, Picked { station, index });
+            let is_wild = |index| self.is_wild(analysis, station, index);
+            seen.extend(self.readings_m(station, |index| shown(index) && !is_wild(index)));
+            wild.extend(self.readings_m(station, |index| shown(index) && is_wild(index)));
+        }
+        // Outliers may lie anywhere; they must not push the rest into a corner, unless there is no rest.
+        if seen.len() == landmarks {
+            seen.append(&mut wild);
+        }
+        if seen.is_empty() {
+            seen.extend(self.bounds_m.iter().flat_map(|(low, high)| [*low, *high]));
+        }
+        let step = seen.len().div_ceil(OUTLINE_POINTS).max(1);
+        // Thinning must lose neither a station nor a control point: they come first.
+        let (landmarks, points) = seen.split_at(landmarks);
+        self.outline_m = landmarks.iter().chain(points.iter().step_by(step)).copied().collect();
+    }
+
+    fn shows_reading_of(&self, analysis: &Analysis, visibility: &Visibility, at: Picked) -> bool {
+        let fate = analysis.pipeline.fates[at.station].each.get(at.index);
+        let place = fate.and_then(|fate| SampleFate::ALL.iter().position(|one| one == fate));
+        self.raw_shown[at.station] && place.is_some_and(|place| visibility.shows_fate(place))
+    }
+
+    fn is_wild(&self, analysis: &Analysis, station: usize, index: usize) -> bool {
+        let fate = analysis.pipeline.fates[station].each.get(index);
+        matches!(fate, Some(SampleFate::Rejected(_) | SampleFate::LeftOut))
+    }
+
+    /// Some of a station's readings in station 1's frame, where they have a place.
+    fn readings_m(&self, station: usize, wanted: impl Fn(usize) -> bool) -> Vec<Vector3<f32>> {
+        let Some(transform) = self.station1_from_tracks[station] else { return Vec::new() };
+        let points = self.clouds.raw.station(station);
+        let step = points.len().div_ceil(ASKED_POINTS).max(1);
+        (points.iter().enumerate().step_by(step))
+            .filter(|(index, _)| wanted(*index))
+            .map(|(_, point)| Vector3::from(point.position_m).cast::<f64>())
+            .map(|position_m| transform.apply(&position_m).cast::<f32>())
+            .collect()
+    }
+
+    fn track_m(&self, station: usize) -> Vec<Vector3<f32>> {
+        let Some(transform) = self.station1_from_tracks[station] else { return Vec::new() };
+        let points = self.clouds.tracks.station(station);
+        let step = points.len().div_ceil(ASKED_POINTS).max(1);
+        let places = points.iter().step_by(step).map(|p| Vector3::from(p.position_m).cast::<f64>());
+        places.map(|position_m| transform.apply(&position_m).cast::<f32>()).collect()
+    }
+}

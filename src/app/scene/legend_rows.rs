@@ -1,0 +1,302 @@
+//! What the legend lists, and what of the scene is hidden, in words.
+
+use eframe::egui::Color32;
+
+use super::SceneContent;
+use crate::analysis::Analysis;
+use crate::app::model::{Colouring, OpenDeployment, Visibility};
+use crate::app::prepared::control_points::set_letter;
+use crate::app::state::State;
+use crate::app::theme;
+use crate::calibration::inter_prism::observability::Hold;
+use crate::deployment::ControlPointSet;
+use crate::palette;
+use crate::pipeline::SampleFate;
+
+/// A line of the legend, or one of a few in a line.
+pub struct Row {
+    pub swatch: Swatch,
+    pub text: String,
+    /// What it is about, said without colour and place.
+    pub name: String,
+    pub shown: bool,
+    /// What is shown after a click; `None` where nothing can be hidden.
+    pub toggled: Option<Visibility>,
+}
+
+#[derive(Clone, Copy)]
+pub enum Swatch {
+    Colour(Color32),
+    None,
+}
+
+/// Rows that belong together.
+pub struct Group {
+    pub title: &'static str,
+    /// Whether they stand in one line.
+    pub chips: bool,
+    pub rows: Vec<Row>,
+}
+
+/// Everything that the scene's colours mean, and all that can be hidden.
+pub fn groups(
+    open: &OpenDeployment,
+    analysis: &Analysis,
+    state: &State,
+    content: &SceneContent,
+    faint: Color32,
+) -> Vec<Group> {
+    let visibility = &state.visibility;
+    let by_station = matches!(state.colouring, Colouring::Fate | Colouring::Station);
+    let stations = (0..3).map(|station| Row {
+        swatch: Swatch::Colour(theme::rgb(palette::STATIONS[station])),
+        text: (station + 1).to_string(),
+        name: format!("Show station {}", station + 1),
+        shown: visibility.stations[station],
+        toggled: Some(visibility.with_station_toggled(station)),
+    });
+    let tracks = (0..3).map(|prism| Row {
+        swatch: Swatch::Colour(if by_station {
+            theme::rgb(palette::STATIONS[prism])
+        } else {
+            faint
+        }),
+        text: (prism + 1).to_string(),
+        name: format!("Show the track of prism {}", prism + 1),
+        shown: visibility.tracks && visibility.prisms[prism],
+        toggled: Some(visibility.with_prism_toggled(prism)),
+    });
+    let mut groups = vec![
+        Group { title: "stations", chips: true, rows: stations.collect() },
+        Group { title: "tracks", chips: true, rows: tracks.collect() },
+        Group { title: "", chips: false, rows: of_colours(analysis, state, content) },
+        Group { title: "readings", chips: false, rows: of_fates(analysis, state, faint) },
+    ];
+    let others = of_what_is_known(analysis, visibility, faint);
+    if !open.deployment.control_points.is_empty() {
+        let mut toggled = *visibility;
+        toggled.control_points ^= true;
+        let mut rows = vec![Row {
+            swatch: Swatch::Colour(faint),
+            text: "control points".to_owned(),
+            name: "Show control points".to_owned(),
+            shown: visibility.control_points,
+            toggled: Some(toggled),
+        }];
+        rows.extend(of_sets(open, visibility));
+        if has_residuals(open, analysis) {
+            rows.push(Row {
+                swatch: Swatch::Colour(faint),
+                text: "arrows: station − mean".to_owned(),
+                name: "Show residuals at control points".to_owned(),
+                shown: visibility.control_points && visibility.residuals,
+                toggled: Some(Visibility {
+                    control_points: true,
+                    residuals: !(visibility.control_points && visibility.residuals),
+                    ..*visibility
+                }),
+            });
+        }
+        groups.push(Group { title: "", chips: false, rows });
+    }
+    groups.push(Group { title: "", chips: false, rows: others });
+    groups.retain(|group| !group.rows.is_empty());
+    groups
+}
+
+/// Readings of the stations that are shown, by what became of them.
+fn of_fates(analysis: &Analysis, state: &State, faint: Color32) -> Vec<Row> {
+    let visibility = &state.visibility;
+    let row = |(place, fate): (usize, SampleFate)| {
+        let count = count(analysis, visibility, fate);
+        let coloured = state.colouring == Colouring::Fate;
+        (count > 0).then(|| Row {
+            swatch: Swatch::Colour(if coloured { theme::rgb(palette::fate(fate)) } else { faint }),
+            text: format!("{}  {count}", fate.label()),
+            name: format!("Show readings: {}", fate.label()),
+            shown: visibility.shows_fate(place),
+            toggled: Some(visibility.with_fate_toggled(place)),
+        })
+    };
+    SampleFate::ALL.into_iter().enumerate().filter_map(row).collect()
+}
+
+fn count(analysis: &Analysis, visibility: &Visibility, fate: SampleFate) -> usize {
+    let shown = (0..3).filter(|station| visibility.stations[*station]);
+    shown.map(|station| analysis.pipeline.count(station, fate)).sum()
+}
+
+/// What the colouring adds: a key that hides nothing.
+fn of_colours(analysis: &Analysis, state: &State, content: &SceneContent) -> Vec<Row> {
+    let key = |colour: palette::Rgb, text: &str| Row {
+        swatch: Swatch::Colour(theme::rgb(colour)),
+        text: text.to_owned(),
+        name: text.to_owned(),
+        shown: true,
+        toggled: None,
+    };
+    let mut rows = Vec::new();
+    match state.colouring {
+        Colouring::Interval => rows.extend(
+            of_intervals(analysis.pipeline.kept_intervals.len())
+                .into_iter()
+                .map(|(colour, text)| key(colour, &text)),
+        ),
+        Colouring::Residual if content.colours.scale.is_none() => {
+            rows.push(key(palette::NO_VALUE, "no distances to compare with"));
+        }
+        Colouring::Residual | Colouring::Speed | Colouring::Time => rows
+            .push(Row { swatch: Swatch::None, ..key(palette::NO_VALUE, "colours: scale below") }),
+        Colouring::Fate | Colouring::Station => {}
+    }
+    if content.colours.some_without_value && state.visibility.raw {
+        rows.push(key(
+            palette::NO_VALUE,
+            match state.colouring {
+                Colouring::Interval => "in no interval that was kept",
+                _ => "no triplet within 0.5 s",
+            },
+        ));
+    }
+    rows
+}
+
+/// Colours repeat: "intervals 1, 8, 15".
+fn of_intervals(count: usize) -> Vec<(palette::Rgb, String)> {
+    let colours = palette::INTERVALS.len();
+    (0..count.min(colours))
+        .map(|first| {
+            let own: Vec<String> = (first..count)
+                .step_by(colours)
+                .map(|interval| (interval + 1).to_string())
+                .collect();
+            let word = if own.len() > 1 { "intervals" } else { "interval" };
+            let more = if own.len() > 3 { ", …" } else { "" };
+            let some = own[..own.len().min(3)].join(", ");
+            (palette::INTERVALS[first], format!("{word} {some}{more}"))
+        })
+        .collect()
+}
+
+/// The letter of each set of control points, where there are several.
+fn of_sets(open: &OpenDeployment, visibility: &Visibility) -> Vec<Row> {
+    let sets = &open.deployment.control_points;
+    let row = |(number, set): (usize, &ControlPointSet)| {
+        let (letter, count) = (set_letter(number), set.points.len());
+        let text = format!("{letter}  {}  {count}", set.file);
+        Row { swatch: Swatch::None, name: text.clone(), text, shown: true, toggled: None }
+    };
+    let named = sets.len() > 1 && visibility.control_points;
+    sets.iter().enumerate().filter(|_| named).map(row).collect()
+}
+
+/// Whether the answer leaves residuals at control points.
+pub fn has_residuals(open: &OpenDeployment, analysis: &Analysis) -> bool {
+    let answer = analysis.answer.as_ref().ok();
+    !open.deployment.control_points.is_empty()
+        && answer.is_some_and(|a| a.calibration.placing_control_points(&open.deployment).is_some())
+}
+
+/// Whether the answer or the interpolation states how large its errors are.
+pub fn states_errors(analysis: &Analysis) -> bool {
+    let answer = analysis.answer.as_ref().ok();
+    analysis.triplets().sigma_m.is_some()
+        || answer.is_some_and(|answer| answer.calibration.covariance.is_some())
+}
+
+/// What is drawn of how well stations 2 and 3 and the tracks are known.
+fn of_what_is_known(analysis: &Analysis, visibility: &Visibility, faint: Color32) -> Vec<Row> {
+    let calibration = analysis.answer.as_ref().ok().map(|answer| &answer.calibration);
+    let mut rows = Vec::new();
+    let mut push = |colour, text: &str, name: &str, shown, toggled| {
+        let (text, name) = (text.to_owned(), name.to_owned());
+        rows.push(Row {
+            swatch: Swatch::Colour(colour),
+            text,
+            name,
+            shown,
+            toggled: Some(toggled),
+        });
+    };
+    if calibration.is_some_and(|calibration| calibration.covariance.is_some()) {
+        let shown = visibility.station_ellipsoids;
+        let toggled = Visibility { station_ellipsoids: !shown, ..*visibility };
+        push(faint, "ellipsoids of stations, 95 %", "Show ellipsoids of stations", shown, toggled);
+    }
+    if analysis.triplets().sigma_m.is_some() {
+        let shown = visibility.uncertainty;
+        let toggled = Visibility { uncertainty: !shown, ..*visibility };
+        push(faint, "ellipsoids of tracks, 2 σ", "Show ellipsoids of tracks", shown, toggled);
+    }
+    let observed = calibration.and_then(|calibration| calibration.inter_prism());
+    if let Some(observed) = observed.map(|details| &details.observability) {
+        let shown = visibility.weak_directions;
+        let toggled = Visibility { weak_directions: !shown, ..*visibility };
+        for hold in [Hold::Free, Hold::Weak].into_iter().filter(|hold| observed.count(*hold) > 0) {
+            let text = format!("{} direction of a station", hold.name());
+            let name = format!("Show {} directions", hold.name());
+            push(theme::rgb(palette::hold(hold)), &text, &name, shown, toggled);
+        }
+    }
+    rows
+}
+
+/// What of the scene is hidden, in words; what is not there at all is not hidden.
+pub fn hidden(open: &OpenDeployment, analysis: &Analysis, visibility: &Visibility) -> Vec<String> {
+    let mut hidden = Vec::new();
+    let numbers = |shown: &[bool; 3]| {
+        let numbers = (0..3).filter(|one| !shown[*one]).map(|one| (one + 1).to_string());
+        numbers.collect::<Vec<_>>()
+    };
+    for (what, shown) in [("station", &visibility.stations), ("track", &visibility.prisms)] {
+        let numbers = numbers(shown);
+        if !numbers.is_empty() {
+            let plural = if numbers.len() > 1 { "s" } else { "" };
+            hidden.push(format!("{what}{plural} {}", numbers.join(", ")));
+        }
+    }
+    if !visibility.raw {
+        hidden.push("readings".to_owned());
+    }
+    if !visibility.tracks {
+        hidden.push("tracks".to_owned());
+    }
+    for (place, fate) in SampleFate::ALL.into_iter().enumerate() {
+        let count = count(analysis, visibility, fate);
+        if visibility.raw && !visibility.fates[place] && count > 0 {
+            hidden.push(format!("{count} readings ({})", fate.label()));
+        }
+    }
+    let points = !open.deployment.control_points.is_empty();
+    let stated = analysis.answer.as_ref().is_ok_and(|a| a.calibration.covariance.is_some());
+    for (there, shown, what) in [
+        (points, visibility.control_points, "control points"),
+        (
+            visibility.control_points && has_residuals(open, analysis),
+            visibility.residuals,
+            "residuals at control points",
+        ),
+        (analysis.answer.is_ok(), visibility.poses, "vehicle"),
+        (stated, visibility.station_ellipsoids, "ellipsoids of stations"),
+        (analysis.triplets().sigma_m.is_some(), visibility.uncertainty, "ellipsoids of tracks"),
+    ] {
+        if there && !shown {
+            hidden.push(what.to_owned());
+        }
+    }
+    hidden
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_that_share_a_colour_share_a_line() {
+        let lines: Vec<String> = of_intervals(30).into_iter().map(|(_, text)| text).collect();
+        assert_eq!(lines.len(), 7);
+        assert_eq!(lines[0], "intervals 1, 8, 15, …");
+        assert_eq!(lines[6], "intervals 7, 14, 21, …");
+        assert_eq!(of_intervals(2)[1].1, "interval 2");
+    }
+}

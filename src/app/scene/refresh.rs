@@ -1,0 +1,70 @@
+//! Making what the scene shows anew, as far as the state has changed.
+
+use eframe::egui;
+
+use super::SceneContent;
+use super::view::{Built, SceneView};
+use crate::app::model::{View, ViewPreset};
+use crate::app::prepared::time_origin_s;
+use crate::app::state::State;
+use crate::app::theme;
+
+impl SceneView {
+    /// Rebuilds what the state has changed.
+    pub(super) fn refresh(&mut self, ui: &egui::Ui, state: &State, view: &mut View) {
+        let dark = ui.visuals().dark_mode;
+        let Some((open, analysis)) = state.analysed() else {
+            if self.built.take().is_some() {
+                self.content = SceneContent::default();
+                (self.coloured, self.cursor, self.hover) = (None, None, None);
+            }
+            return;
+        };
+        let run = open.analysis_run;
+        let wanted = Built {
+            deployment: open.id,
+            analysis: run,
+            visibility: state.visibility,
+            scales: [state.scene.ellipsoid_scale, state.scene.residual_scale],
+            dark,
+        };
+        let rebuilt = self.built.as_ref() != Some(&wanted);
+        if rebuilt {
+            let before = self.built.as_ref().map(|built| built.deployment);
+            if before != Some(open.id) {
+                view.look(ViewPreset::Slanted);
+                view.flight = None;
+            }
+            if let Some(look) = view.last_look.filter(|look| look.early) {
+                view.look_again(look);
+            }
+            self.content.set_clouds(&open.clouds);
+            let (visibility, options) = (&state.visibility, &state.scene);
+            self.content.rebuild(&open.deployment, analysis, visibility, options);
+            self.built = Some(wanted);
+        }
+        let wanted = Some((open.id, run, state.colouring));
+        if self.coloured != wanted {
+            self.content.colour(&open.deployment, analysis, state.colouring);
+            self.coloured = wanted;
+        }
+        let origin_s = time_origin_s(&open.deployment);
+        self.content.set_selection(open.timeline.selection_s, origin_s);
+        let instant = |time_s: Option<f64>| time_s.and_then(|t| analysis.triplets().nearest(t));
+        let colour = theme::cursor(dark);
+        let at = instant(open.timeline.cursor_s);
+        let wanted = at.map(|instant| (run, instant));
+        if rebuilt || self.cursor != wanted {
+            self.content.set_cursor(&open.deployment, analysis, at, colour);
+            self.cursor = wanted;
+        }
+        // At the cursor itself there is a triangle already.
+        let at = instant(state.hover_s).filter(|hovered| Some(*hovered) != at);
+        let wanted = at.map(|instant| (run, instant));
+        if rebuilt || self.hover != wanted {
+            self.content.set_hover(analysis, at, colour);
+            self.hover = wanted;
+        }
+        self.content.set_ruler(&state.ruler, colour);
+    }
+}

@@ -1,0 +1,132 @@
+//! What the strip under the picture says, in words, what matters most first.
+
+use nalgebra::Vector3;
+
+use super::SceneContent;
+use super::legend_rows;
+use crate::analysis::Analysis;
+use crate::app::model::{OpenDeployment, Ruler, Units};
+use crate::app::state::State;
+use crate::evaluation::trajectory::Pose;
+
+pub struct Text {
+    pub text: String,
+    /// Whether it may be overlooked.
+    pub faint: bool,
+}
+
+pub fn texts(
+    open: &OpenDeployment,
+    analysis: &Analysis,
+    state: &State,
+    content: &SceneContent,
+) -> Vec<Text> {
+    let mut plain = ruler(open, state, content);
+    let mut cursor = cursor(open, analysis, content, state.units).into_iter();
+    plain.extend(cursor.next());
+    let hidden = legend_rows::hidden(open, analysis, &state.visibility);
+    if !hidden.is_empty() {
+        plain.push(format!("hidden: {}", hidden.join(", ")));
+    }
+    if state.scene.height_scale != 1 {
+        plain.push(format!("heights drawn ×{}", state.scene.height_scale));
+    }
+    plain.extend(ellipsoids(state, content));
+    if content.residuals {
+        plain.push(format!("residuals at control points ×{}", state.scene.residual_scale));
+    }
+    plain.extend(cursor);
+    let grid = content.grid.as_ref().map(|grid| format!("grid {}", grid.spacing()));
+    let frame = "frame of station 1, z up".to_owned();
+    let faint = grid.into_iter().chain([counts(analysis, content), frame]);
+    let plain = plain.into_iter().map(|text| Text { text, faint: false });
+    plain.chain(faint.into_iter().map(|text| Text { text, faint: true })).collect()
+}
+
+/// What the ruler measures, or what it waits for.
+fn ruler(open: &OpenDeployment, state: &State, content: &SceneContent) -> Vec<String> {
+    let Ruler { active, ends } = &state.ruler;
+    let inter_prism_m = open.deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
+    match &ends[..] {
+        [] if *active => vec!["ruler: click its first end".to_owned()],
+        [] => Vec::new(),
+        [end] => vec![format!("ruler: from {}; click its other end", end.what)],
+        [from, .., to] => {
+            let lines = state.ruler.lines(content.prisms_m.as_ref(), inter_prism_m, state.units);
+            let what = format!("ruler: {}", lines.join(", "));
+            vec![what, format!("from {} to {}", from.what, to.what)]
+        }
+    }
+}
+
+/// Time and position at the cursor, then the attitude.
+fn cursor(
+    open: &OpenDeployment,
+    analysis: &Analysis,
+    content: &SceneContent,
+    units: Units,
+) -> Vec<String> {
+    let Some(cursor_s) = open.timeline.cursor_s else { return Vec::new() };
+    let time = format!("{:.2} s", cursor_s - open.start_s());
+    let Some(prisms_m) = &content.prisms_m else {
+        let answer = analysis.answer.as_ref().map(|answer| &answer.calibration);
+        let why = match answer.map(|answer| answer.placing_tracks(&open.deployment)) {
+            Err(_) => "no result places the prisms",
+            Ok(None) => "the tracks are in another frame than this answer",
+            Ok(Some(_)) => "no triplet here",
+        };
+        return vec![format!("{time}  {why}")];
+    };
+    let Some(pose) = &content.pose else {
+        return vec![format!("{time}  prism 1 {}", position(&prisms_m[0], units))];
+    };
+    // Without a σ of the interpolation, that of one pose is a guess from three distances.
+    let sigma = analysis.triplets().sigma_m.as_ref().map(|_| pose.sigma());
+    let mut lines =
+        vec![format!("{time}  {}", position(&pose.position_m, units)), attitude(pose, units)];
+    if let Some(sigma) = sigma {
+        let [position_m, orientation_rad] = [sigma.position_m, sigma.orientation_rad].map(Some);
+        lines[0] += &format!("  ± {} mm", units.length_sigma(position_m));
+        let small = units.angle.small_name();
+        lines[1] += &format!("  ± {} {small}", units.angle_sigma(orientation_rad));
+    }
+    lines
+}
+
+fn position(p: &Vector3<f64>, units: Units) -> String {
+    let [x, y, z] = [p.x, p.y, p.z].map(|coordinate| units.length(coordinate));
+    format!("x {x}  y {y}  z {z} {}", units.length.name())
+}
+
+fn attitude(pose: &Pose, units: Units) -> String {
+    let (roll, pitch, yaw) = pose.orientation.euler_angles();
+    let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| units.angle(angle));
+    format!("heading {yaw}  roll {roll}  pitch {pitch} {}", units.angle.name())
+}
+
+/// How much larger than true the ellipsoids are that are drawn.
+fn ellipsoids(state: &State, content: &SceneContent) -> Option<String> {
+    let mut of = Vec::new();
+    if content.station_ellipsoids {
+        of.push("stations 95 %");
+    }
+    if content.track_ellipsoids {
+        of.push("tracks 2σ of the interpolation");
+    }
+    let scale = state.scene.ellipsoid_scale;
+    (!of.is_empty()).then(|| format!("ellipsoids ×{scale}: {}", of.join(", ")))
+}
+
+/// How much of the readings and tracks is drawn.
+fn counts(analysis: &Analysis, content: &SceneContent) -> String {
+    use crate::pipeline::SampleFate;
+    let stations = |shown: &[bool; 3]| (0..3).filter(|station| shown[*station]).collect::<Vec<_>>();
+    let fates = SampleFate::ALL.into_iter().enumerate();
+    let fates = fates.filter(|(place, _)| content.shown_fates >> place & 1 == 1);
+    let fates: Vec<SampleFate> = fates.map(|(_, fate)| fate).collect();
+    let readings: usize = (stations(&content.raw_shown).into_iter())
+        .map(|at| fates.iter().map(|fate| analysis.pipeline.count(at, *fate)).sum::<usize>())
+        .sum();
+    let track_points = stations(&content.tracks_shown).len() * analysis.triplets().len();
+    format!("{readings} readings and {track_points} track points shown")
+}

@@ -1,0 +1,134 @@
+//! How the scene is looked at: from the sides, near and far, and back.
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Key, Modifiers, Pos2, Theme};
+use egui_kittest::kittest::{NodeT, Queryable};
+use resect::app::{Command, Pane, Picked, SceneOptions, ViewPreset};
+
+use crate::harness::{LARGE, Window, click, press, send, settle, shown, window};
+use crate::scene::{picture, seen};
+
+fn strip(harness: &Window) -> String {
+    let strip = harness.get_by_role(Role::Status);
+    strip.accesskit_node().label().expect("it says something")
+}
+
+fn double_click(harness: &mut Window, at: Pos2) {
+    for _ in 0..2 {
+        harness.hover_at(at);
+        harness.drag_at(at);
+        harness.drop_at(at);
+    }
+    settle(harness);
+}
+
+#[test]
+fn readings_are_found_where_they_are_drawn_from_every_side_and_however_high() {
+    let mut harness = window(LARGE, Theme::Dark);
+    for (preset, height_scale) in [
+        (ViewPreset::Top, 1),
+        (ViewPreset::Front, 5),
+        (ViewPreset::Side, 10),
+        (ViewPreset::Slanted, 5),
+    ] {
+        let options = SceneOptions { height_scale, ..SceneOptions::default() };
+        send(&mut harness, Command::SetScene(options));
+        send(&mut harness, Command::Look(preset));
+        assert_eq!(strip(&harness).contains("heights drawn"), height_scale != 1);
+        let mut found = 0;
+        for index in (0..900).step_by(45) {
+            let Some(at) = seen(&harness, Picked { station: 0, index }) else { continue };
+            harness.hover_at(at);
+            harness.run_steps(2);
+            found += usize::from(harness.state().state.hover_s.is_some());
+        }
+        // A few lie under the legend, or were thrown far away.
+        assert!(found >= 14, "{preset:?} ×{height_scale}: {found}");
+    }
+    assert!(strip(&harness).contains("heights drawn ×5"));
+}
+
+#[test]
+fn a_double_click_comes_to_a_point_and_beside_everything_goes_back() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let camera = |harness: &Window| harness.state().state.view.camera;
+    let all = camera(&harness);
+    let picked = Picked { station: 0, index: 500 };
+    let at = seen(&harness, picked).expect("in the picture");
+    double_click(&mut harness, at);
+    let near = camera(&harness);
+    assert!(near.distance_m < 0.5 * all.distance_m, "{near:?}");
+    let (open, analysis) = harness.state().state.analysed().expect("an answer");
+    let place_m = picked.place_m(&open.deployment, analysis).expect("placed");
+    assert!((near.target_m.cast::<f64>() - place_m).norm() < 3.0, "{near:?} {place_m}");
+    // The picked reading can be come to without a mouse.
+    send(&mut harness, Command::Look(ViewPreset::Fit));
+    press(&mut harness, Modifiers::NONE, Key::G);
+    assert!((camera(&harness).distance_m - near.distance_m).abs() < 1e-3);
+    let nothing = |harness: &mut Window| {
+        let edge = picture(harness);
+        (1..40).map(|step| edge.right_bottom() - eframe::egui::vec2(20.0 * step as f32, 8.0)).find(
+            |at| {
+                harness.hover_at(*at);
+                harness.run_steps(2);
+                harness.state().state.hover_s.is_none()
+            },
+        )
+    };
+    let beside = nothing(&mut harness).expect("a place beside everything");
+    double_click(&mut harness, beside);
+    assert!((camera(&harness).distance_m - all.distance_m).abs() < 0.05 * all.distance_m);
+}
+
+/// What the strip says of the grid.
+fn grid(harness: &Window) -> String {
+    let strip = strip(harness);
+    let grid = strip.split(" · ").find(|item| item.starts_with("grid "));
+    grid.expect("there is a grid").to_owned()
+}
+
+#[test]
+fn the_camera_cannot_be_lost_and_the_grid_goes_with_it() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let all = harness.state().state.view.camera;
+    let at_first = grid(&harness);
+    let middle = picture(&harness).center();
+    harness.hover_at(middle);
+    for zoom in [40.0, -40.0] {
+        for _ in 0..40 {
+            harness.event(eframe::egui::Event::MouseWheel {
+                unit: eframe::egui::MouseWheelUnit::Line,
+                delta: eframe::egui::vec2(0.0, zoom),
+                phase: eframe::egui::TouchPhase::Move,
+                modifiers: Modifiers::NONE,
+            });
+            harness.run_steps(2);
+        }
+        settle(&mut harness);
+        let camera = harness.state().state.view.camera;
+        assert!(camera.distance_m > 0.01 && camera.distance_m < 5000.0, "{camera:?}");
+        assert_ne!(grid(&harness), at_first);
+    }
+    press(&mut harness, Modifiers::NONE, Key::F);
+    let back = harness.state().state.view.camera;
+    assert!((back.distance_m - all.distance_m).abs() < 0.05 * all.distance_m, "{back:?}");
+    assert_eq!(grid(&harness), at_first);
+}
+
+#[test]
+fn control_points_are_named_by_their_set_and_listed_with_what_is_left_at_them() {
+    let mut harness = window(LARGE, Theme::Dark);
+    assert!(strip(&harness).contains("residuals at control points ×1000"));
+    let sets = &shown(&harness).deployment.control_points;
+    assert!(sets.len() > 1, "the sample has several");
+    let (file, marker) = (sets[0].file.clone(), sets[0].points[0].marker);
+    assert!(harness.query_by_label_contains(&format!("A  {file}")).is_some());
+    let with = harness.render().expect("a picture");
+    click(&mut harness, "Show residuals at control points");
+    assert!(!harness.state().state.visibility.residuals);
+    assert_ne!(with, harness.render().expect("a picture"));
+    send(&mut harness, Command::ShowPane(Pane::ControlPoints));
+    let far = harness.state().state.view.camera;
+    click(&mut harness, &format!("Come to control point A{marker}"));
+    assert!(harness.state().state.view.camera.distance_m < far.distance_m);
+}
