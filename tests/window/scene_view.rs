@@ -100,6 +100,7 @@ fn the_camera_cannot_be_lost_and_the_grid_goes_with_it() {
                 unit: eframe::egui::MouseWheelUnit::Line,
                 delta: eframe::egui::vec2(0.0, zoom),
                 phase: eframe::egui::TouchPhase::Move,
+                source: eframe::egui::MouseWheelSource::Unknown,
                 modifiers: Modifiers::NONE,
             });
             harness.run_steps(2);
