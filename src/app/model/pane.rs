@@ -33,7 +33,7 @@ pub enum Pane {
 
 impl Pane {
     /// All panes in the order of the menu.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 18] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,

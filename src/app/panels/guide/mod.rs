@@ -49,7 +49,7 @@ struct Guide<'a> {
     commands: &'a mut Commands,
 }
 
-impl Guide<'_> {
+impl<'a> Guide<'a> {
     fn steps(&mut self, ui: &mut egui::Ui) {
         let own_data = self.state.active().is_some_and(|open| !open.placeholder);
         // Where the user is when the guide is opened.
@@ -161,17 +161,17 @@ impl Guide<'_> {
     }
 
     /// The findings that limit the present answer.
-    fn present_doubts(&self) -> Vec<&Finding> {
+    fn present_doubts(&self) -> Vec<&'a Finding> {
         let answer =
             self.state.analysed().and_then(|(_, analysis)| analysis.answer.as_deref().ok());
         answer.map_or_else(Vec::new, |answer| result::doubts(&answer.calibration.findings))
     }
 
-    fn verdict(&self, ui: &mut egui::Ui) {
+    fn verdict(&mut self, ui: &mut egui::Ui) {
         let answer = match self.state.analysed().map(|(_, analysis)| &analysis.answer) {
             Some(Ok(answer)) => answer,
             Some(Err(error)) => {
-                finding(ui, &Finding::problem(error.to_string()));
+                finding(ui, self.state, &error.finding(), self.commands);
                 return;
             }
             None => {
@@ -185,7 +185,9 @@ impl Guide<'_> {
             let caveat = calibration.verdict.caveat(calibration.is_independently_checked());
             ui.label(caveat.trim_start_matches(", "));
         });
-        self.present_doubts().into_iter().for_each(|one| finding(ui, one));
+        for one in self.present_doubts() {
+            finding(ui, self.state, one, self.commands);
+        }
         if let Some(details) = calibration.inter_prism() {
             let lead = match calibration.verdict {
                 Verdict::Good => "To do better next time",
