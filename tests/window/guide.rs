@@ -38,7 +38,7 @@ fn f1_explains_what_is_under_the_pointer_or_else_has_the_focus() {
     let mut harness = window(LARGE, Theme::Dark);
     hover(&mut harness, Role::Label, "τ_s  gap");
     assert_eq!(explained(&mut harness), [&glossary::TAU_S]);
-    hover(&mut harness, Role::Label, "yaw (rad)");
+    hover(&mut harness, Role::Label, "yaw of T12");
     assert_eq!(explained(&mut harness), [&glossary::YAW]);
     leave(&mut harness);
     harness.get_by_role_and_label(Role::Slider, "τ_l  length").focus();

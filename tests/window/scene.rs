@@ -234,9 +234,12 @@ fn a_ruler_between_prisms_goes_with_the_cursor() {
         prism: Some(prism),
     };
     let ruler = Ruler { active: true, ends: vec![end(0), end(1)] };
+    // Near enough to see that it moves.
+    send(&mut harness, Command::PickInPlot(Picked { station: 0, index: 500 }));
+    harness.run_steps(4);
     send(&mut harness, Command::Measure(ruler));
     let here = harness.render().expect("a picture");
-    let [start_s, _] = timeline(&harness).whole_s;
-    send(&mut harness, Command::MoveCursor(start_s + 20.0));
+    let cursor_s = timeline(&harness).cursor_s.expect("where it was picked");
+    send(&mut harness, Command::MoveCursor(cursor_s + 2.0));
     assert!(differing(scene, &here, &harness.render().expect("a picture")) > 300);
 }

@@ -130,7 +130,7 @@ fn copy_gives_the_text_of_the_command_line() {
 fn a_click_in_the_residuals_moves_the_cursor() {
     let mut harness = window(LARGE, Theme::Dark);
     let before = cursor_s(&harness);
-    let plot = harness.get_by_label("distance errors over time").rect();
+    let plot = harness.get_by_label("distance errors 1–2 over time").rect();
     let (at, share) = (plot.left_center() + Vec2::new(0.75 * plot.width(), 0.0), 0.75);
     harness.hover_at(at);
     harness.run_steps(1);

@@ -207,6 +207,8 @@ fn the_strip_of_time_scrubs() {
 #[test]
 fn the_scene_is_copied_as_a_picture_of_its_own_size() {
     let mut harness = window(LARGE, Theme::Dark);
+    // With the strip that says what it shows; that it was copied is said in a strip of the window's, which takes room.
+    let scene = harness.state().layout().place(resect::app::Pane::Scene).expect("shown");
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     let mut copied = None;
     for _ in 0..6 {
@@ -217,8 +219,6 @@ fn the_scene_is_copied_as_a_picture_of_its_own_size() {
             _ => None,
         }));
     }
-    // With the strip that says what it shows.
-    let scene = harness.state().layout().place(resect::app::Pane::Scene).expect("shown");
     let [width, height] = copied.expect("a picture was copied");
     assert!((width as f32 - scene.width()).abs() <= 1.0, "{width} {scene:?}");
     assert!((height as f32 - scene.height()).abs() <= 1.0, "{height} {scene:?}");

@@ -61,7 +61,7 @@ enum About {
     Offer,
 }
 
-/// Most toasts that tell no error: more would leave the panes no room.
+/// Most toasts while one of them tells no error: more would leave the panes no room.
 const MOST_TOASTS: usize = 4;
 /// Most toasts at all; the strip scrolls.
 const MOST_ERRORS: usize = 100;
@@ -196,9 +196,10 @@ impl Toasts {
         let (id, since_s) = (self.newest_id, None);
         self.shown.push(Toast { id, level, text, detail, action, count, about, since_s });
         let expendable = |toast: &Toast| toast.life_s().is_finite();
-        if self.shown.iter().filter(|toast| expendable(toast)).count() > MOST_TOASTS {
-            let oldest = self.shown.iter().position(expendable);
-            self.shown.remove(oldest.unwrap_or(0));
+        if self.shown.len() > MOST_TOASTS
+            && let Some(oldest) = self.shown.iter().position(expendable)
+        {
+            self.shown.remove(oldest);
         }
         if self.shown.len() > MOST_ERRORS {
             self.shown.remove(0);

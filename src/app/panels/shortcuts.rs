@@ -15,7 +15,7 @@ const MOUSE: [(&str, &[(&str, &str)]); 2] = [
             ("right drag, Shift+drag", "move"),
             ("wheel", "zoom to the pointer"),
             ("click", "pick a reading, or move the time cursor"),
-            ("double-click", "come to a point; beside all, show all that is not hidden"),
+            ("double-click", "come to a point, or beside all fit all in"),
             ("click in the legend", "hide or show what it names"),
             ("arrows, + −", "turn and zoom, when the scene has the focus"),
         ],

@@ -184,8 +184,6 @@ impl ChannelPlot<'_> {
             .custom_y_axes(vec![strip.value_axis(channel.name(), unit(channel, units))])
             .x_grid_spacer(round_marks)
             .y_grid_spacer(close_marks)
-            .default_x_bounds(x[0], x[1])
-            .default_y_bounds(y[0], y[1])
             .label_formatter(move |position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
                     let [x, y] = [
@@ -196,8 +194,12 @@ impl ChannelPlot<'_> {
                 }
                 HoverPosition::Elsewhere { .. } => None,
             });
-        // Of places one metre is as long along both axes.
-        let plot = if is_place(channel) && is_place(other) { plot.data_aspect(1.0) } else { plot };
+        // Of places one metre is as long along both axes, and so that all of them are seen.
+        let plot = if is_place(channel) && is_place(other) {
+            plot.data_aspect(1.0)
+        } else {
+            plot.default_x_bounds(x[0], x[1]).default_y_bounds(y[0], y[1])
+        };
         let shown = plot.show(ui, |plot_ui| {
             for (one, dots) in self.all.iter().zip(dots) {
                 let dots = Points::new(one.name.clone(), PlotPoints::Owned(dots));

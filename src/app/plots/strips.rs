@@ -102,7 +102,8 @@ impl Strip {
 
     /// Words about the plot, where they cover no data; all of them are under the pointer, too.
     pub fn words(&self, ui: &mut egui::Ui, lines: Vec<RichText>, hint: &str) {
-        let narrow = self.words.height() <= LINE;
+        // A line's height is a difference of places, which are rounded.
+        let narrow = self.words.height() < LINE + 0.5;
         let place =
             if narrow { self.words } else { self.words.with_min_x(self.words.left() + ASIDE) };
         let layout = if narrow {

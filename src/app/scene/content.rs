@@ -62,8 +62,8 @@ pub struct SceneContent {
     /// Whether ellipsoids of the interpolation are drawn, and of the stations.
     pub track_ellipsoids: bool,
     pub station_ellipsoids: bool,
-    /// Whether arrows of the control points' residuals are drawn.
-    pub residuals: bool,
+    /// How many arrows of the control points' residuals are longer than they are drawn; `None` where there are none.
+    pub residuals: Option<usize>,
 }
 
 impl SceneContent {

@@ -15,6 +15,8 @@ use crate::pipeline::SampleFate;
 const ARM_M: f32 = 0.35;
 /// Length of an arrow's head over that of the arrow.
 const HEAD: f32 = 0.2;
+/// Greatest length of an arrow over the extent of all points.
+const LONGEST: f64 = 0.15;
 
 impl SceneContent {
     /// Adds what a station makes of the control points, each with its name.
@@ -52,25 +54,37 @@ impl SceneContent {
         }
     }
 
-    /// Adds arrows from each point's mean to what the visible stations make of it, so many times longer than true; gives
-    /// whether there are any.
+    /// Adds arrows from each point's mean to what the visible stations make of it, so many times longer than true.
+    ///
+    /// Those of a wrong answer would cover everything: longer ones are cut, and have no head. Gives how many; `None` where
+    /// there are no arrows.
     pub fn add_residuals(
         &mut self,
         deployment: &Deployment,
         analysis: &Analysis,
         shown: &[bool; 3],
         scale: f64,
-    ) -> bool {
+    ) -> Option<usize> {
         let points = residuals(deployment, analysis);
+        let corners = points.iter().map(|point| (point.mean_m, point.mean_m));
+        let (low, high) = corners.reduce(|(low, high), (a, b)| (low.inf(&a), high.sup(&b)))?;
+        let longest_m = (LONGEST * (high - low).norm()).max(f64::from(ARM_M));
+        let mut cut = 0;
         for PointResidual { mean_m, residuals_m, .. } in &points {
             for station in (0..3).filter(|station| shown[*station]) {
                 let Some(residual_m) = residuals_m[station] else { continue };
-                let from = mean_m.cast::<f32>();
-                let tip = (mean_m + scale * residual_m).cast::<f32>();
-                self.add_arrow([from, tip], palette::STATIONS[station]);
+                let (from, colour) = (mean_m.cast::<f32>(), palette::STATIONS[station]);
+                let arrow_m = scale * residual_m;
+                if arrow_m.norm() > longest_m {
+                    let end_m = mean_m + arrow_m.normalize() * longest_m;
+                    self.add_arrow_line([from, end_m.cast()], colour);
+                    cut += 1;
+                } else {
+                    self.add_arrow([from, (mean_m + arrow_m).cast()], colour);
+                }
             }
         }
-        !points.is_empty() && shown.contains(&true)
+        shown.contains(&true).then_some(cut)
     }
 
     fn add_arrow(&mut self, [from, tip]: [Vector3<f32>; 2], colour: Rgb) {

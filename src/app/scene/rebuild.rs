@@ -43,7 +43,7 @@ impl SceneContent {
         self.landmarks.clear();
         self.find_bounds(analysis);
         (self.track_ellipsoids, self.station_ellipsoids) = (false, false);
-        self.residuals = false;
+        self.residuals = None;
         let transforms = self.station1_from_station;
         let shown = |station: usize| transforms[station].is_some() && visibility.stations[station];
         let tracks = self.station1_from_tracks;

@@ -32,8 +32,9 @@ pub fn texts(
         plain.push(format!("heights drawn ×{}", state.scene.height_scale));
     }
     plain.extend(ellipsoids(state, content));
-    if content.residuals {
-        plain.push(format!("residuals at control points ×{}", state.scene.residual_scale));
+    if let Some(cut) = content.residuals {
+        let cut = if cut > 0 { format!(", {cut} cut short") } else { String::new() };
+        plain.push(format!("residuals at control points ×{}{cut}", state.scene.residual_scale));
     }
     plain.extend(cursor);
     let grid = content.grid.as_ref().map(|grid| format!("grid {}", grid.spacing()));

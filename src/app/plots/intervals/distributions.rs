@@ -16,6 +16,8 @@ use crate::pipeline::SampleFate;
 /// Height of the line above each, and of its text: below that are handles (points).
 const TITLE: f32 = 21.0;
 const TEXT: f32 = 13.0;
+/// Lower charts have no room for the name of their counts.
+const LEAST_NAMED: f32 = 64.0;
 
 /// The values of τ_s and τ_l that the user wants.
 pub fn ui(
@@ -104,7 +106,9 @@ impl Distribution<'_> {
             ])
             .custom_y_axes(vec![
                 AxisHints::new_y()
-                    .label(RichText::new("how many").small())
+                    .label(
+                        RichText::new(if height < LEAST_NAMED { "" } else { "how many" }).small(),
+                    )
                     .tick_label_font(egui::FontId::proportional(11.0))
                     .formatter(|mark, _| format!("{:.0}", 10_f64.powf(mark.value) - 1.0))
                     .label_spacing(8.0..=14.0)
