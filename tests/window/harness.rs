@@ -3,7 +3,7 @@
 //! Reference pictures are in `screenshots/`; Mesa's software Vulkan is the one rasteriser. After an intended change run
 //! `UPDATE_SNAPSHOTS=1 cargo test --test window` and look at the new pictures before committing them.
 
-use eframe::egui::{Event, Key, Modifiers, Pos2, Rect, Theme, Vec2};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, image_snapshot_options};
 use resect::analysis::Settings;
@@ -61,6 +61,16 @@ pub fn open(harness: &mut Window, deployment: Deployment) {
 
 pub fn click(harness: &mut Window, name: &str) {
     harness.get_by_label(name).click();
+    settle(harness);
+}
+
+pub fn double_click(harness: &mut Window, pos: Pos2) {
+    harness.hover_at(pos);
+    harness.run_steps(1);
+    // In one frame: the harness lets too much time pass between frames for a double click.
+    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+    let press = |pressed| Event::PointerButton { pos, button, pressed, modifiers };
+    harness.input_mut().events.extend([true, false, true, false].map(press));
     settle(harness);
 }
 

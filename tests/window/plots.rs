@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane, TimeUnit, Units};
 use resect::pipeline::{OutlierReason, SampleFate, Thresholds};
 
-use crate::harness::{LARGE, Window, send, settle, shown, triplets};
+use crate::harness::{LARGE, Window, double_click, send, settle, shown, triplets};
 
 /// With a pane in front.
 fn window(size: Vec2, theme: Theme, pane: Pane) -> Window {
@@ -174,11 +174,7 @@ fn zoom_in_one_plot_is_zoom_in_all() {
         assert!((cursor_s - middle).abs() < 0.5, "{name}: {cursor_s} {middle}");
     }
     let pos = rect(&harness, "distance errors 1–2 over time").center();
-    // In one frame: the harness lets too much time pass between frames for a double click.
-    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-    let press = |pressed| Event::PointerButton { pos, button, pressed, modifiers };
-    harness.input_mut().events.extend([true, false, true, false].map(press));
-    settle(&mut harness);
+    double_click(&mut harness, pos);
     assert_eq!(window_s(&harness), whole);
 }
 

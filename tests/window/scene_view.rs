@@ -1,25 +1,16 @@
 //! How the scene is looked at: from the sides, near and far, and back.
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, Theme};
+use eframe::egui::{Key, Modifiers, Theme};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{Command, Pane, Picked, SceneOptions, ViewPreset};
 
-use crate::harness::{LARGE, Window, click, press, send, settle, shown, window};
+use crate::harness::{LARGE, Window, click, double_click, press, send, settle, shown, window};
 use crate::scene::{picture, seen};
 
 fn strip(harness: &Window) -> String {
     let strip = harness.get_by_role(Role::Status);
     strip.accesskit_node().label().expect("it says something")
-}
-
-fn double_click(harness: &mut Window, at: Pos2) {
-    for _ in 0..2 {
-        harness.hover_at(at);
-        harness.drag_at(at);
-        harness.drop_at(at);
-    }
-    settle(harness);
 }
 
 #[test]

@@ -148,7 +148,7 @@ impl Toasts {
     pub fn update<'a>(
         &mut self,
         (id, name): (u64, &str),
-        now: impl Iterator<Item = &'a Finding> + Clone,
+        now: &(impl Iterator<Item = &'a Finding> + Clone),
     ) {
         self.shown.retain_mut(|toast| {
             let About::Findings(of, findings) = &mut toast.about else { return true };
@@ -285,10 +285,10 @@ mod tests {
         let late = |ms: f64| Finding::warning(format!("station 3 is {ms} ms late"));
         toasts.findings((1, "drive"), &[late(2.7)], &mut told);
         toasts.findings((2, "other"), &[late(1.0)], &mut BTreeSet::new());
-        toasts.update((1, "drive"), [late(3.1)].iter());
+        toasts.update((1, "drive"), &[late(3.1)].iter());
         // The number is the present one.
         assert_eq!(texts(&toasts)[0], "drive: station 3 is 3.1 ms late");
-        toasts.update((1, "drive"), [Finding::warning("the clocks jump")].iter());
+        toasts.update((1, "drive"), &[Finding::warning("the clocks jump")].iter());
         assert_eq!(texts(&toasts), ["other: station 3 is 1 ms late"]);
         toasts.closed(2);
         let place = Place::Path("/day/broken.csv".into());
@@ -347,7 +347,7 @@ mod tests {
         );
         assert_eq!(texts(&toasts), ["day 1: station 1: 15 duplicate stamps"]);
         told::forget_past([].iter(), &mut told);
-        toasts.update((1, "day 1"), [].iter());
+        toasts.update((1, "day 1"), &[].iter());
         toasts.findings((1, "day 1"), &[Finding::warning("the drive is short")], &mut told);
         assert_eq!(texts(&toasts), ["day 1: the drive is short"]);
     }

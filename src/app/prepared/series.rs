@@ -107,7 +107,7 @@ impl<'a> Series<'a> {
         let share = (since_s - from_s) / (to_s - from_s);
         let joined = to_s - from_s <= FARTHEST_S;
         let turned = self.turns && (to - from).abs() > std::f64::consts::PI;
-        (joined && !turned).then(|| from + share * (to - from))
+        (joined && !turned).then_some(from + share * (to - from))
     }
 
     /// Each value within a window: the time, what it stands against, and itself.

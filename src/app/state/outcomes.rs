@@ -86,7 +86,7 @@ impl State {
         if !joint_follows {
             let of_answer = analysis.answer.as_ref().map(|answer| &answer.calibration.findings[..]);
             let now = open.deployment.findings.iter().chain(of_answer.unwrap_or_default());
-            self.toasts.update((id, &name), now.clone());
+            self.toasts.update((id, &name), &now);
             match of_answer {
                 // The result's pane tells them; news is what a change of the settings brings.
                 Ok(findings) if first => {
