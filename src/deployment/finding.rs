@@ -33,7 +33,7 @@ impl Severity {
 pub struct Finding {
     pub severity: Severity,
     /// What was noticed and what to do about it, without the flags that do it: the window has none. Where there is a
-    /// command line, [`Finding::to_string`] is the whole line.
+    /// command line, its `Display` is the whole line.
     pub message: String,
     /// Whether no answer from this data can be better than weak.
     pub doubt: bool,
