@@ -59,6 +59,7 @@ fn a_double_click_comes_to_a_point_and_beside_everything_goes_back() {
     let place_m = picked.place_m(&open.deployment, analysis).expect("placed");
     assert!((near.target_m.cast::<f64>() - place_m).norm() < 3.0, "{near:?} {place_m}");
     // The picked reading can be come to without a mouse.
+    send(&mut harness, Command::PickInPlot(picked));
     send(&mut harness, Command::Look(ViewPreset::Fit));
     press(&mut harness, Modifiers::NONE, Key::G);
     assert!((camera(&harness).distance_m - near.distance_m).abs() < 1e-3);
