@@ -1,8 +1,9 @@
 //! Time of the pipeline, of method D with each prior, and of the whole path, at 2e3, 2e4 and 2e5 triplets.
 //!
 //! `joint` is the whole answer by the joint estimate, checks included, here and on the published run (`joint/field`, where
-//! that data lies beside the project). Earlier versions, on two cores of a shared machine: 28 000 readings took 2.8 s (0.41 s
-//! since stretches are cut and eliminated side by side), the published run 0.30 s (0.05 s since), 0.15 s of these the estimate.
+//! that data lies beside the project). On two cores of an AMD EPYC with AVX-512 the published run takes 13 ms and 27 000
+//! readings (`joint/20000`) 71 ms; the version before the joint estimate was a method of its own took 121 ms and 1.1 s on the
+//! same machine. Older machines with two cores took 2.5 times as long for both.
 //!
 //! Leaves the very triplets in `target/bench-triplets/`, where `peer_scipy.py` times scipy on them. The same
 //! problem is solved by the `levenberg-marquardt` crate beside ours.

@@ -1,6 +1,6 @@
 //! The one path: deployment → pipeline → calibration → evaluation.
 //!
-//! The window, the commands, the tests and the benchmarks all come through [`Analyst::run`].
+//! The window, the commands and the tests come through [`Analyst::run`].
 
 mod setting_change;
 

@@ -1,13 +1,14 @@
 //! resect: extrinsic calibration of three robotic total stations that can be trusted.
 //!
-//! This page is the map. Words are the field's; they are listed in [`deployment`] and [`pipeline`].
+//! This page is the map; CONTRIBUTING.md has a table of which file to open for which change. Words are the field's, and the
+//! [`glossary`] explains them.
 //!
 //! # The one path
 //! ```text
 //! Deployment ──pipeline::run──▶ Triplets ──calibration::solve──▶ Calibration ──evaluation::evaluate──▶ Evaluation
 //! ```
-//! [`analysis::Analyst`] walks it and remembers the stages that a change of settings leaves alone. The window, the
-//! commands, the tests and the benchmarks all go through it; none has a copy of its own.
+//! [`analysis::Analyst`] walks it and remembers the stages that a change of settings leaves alone. The window, the commands
+//! and the tests go through it; studies and benchmarks, which repeat or time one stage, call the same functions.
 //!
 //! ```
 //! use resect::analysis::{Analyst, Settings};
@@ -21,16 +22,16 @@
 //! ```
 //!
 //! # Rooms, from the ground up
-//! A module imports only from those above it.
+//! A module imports only from those above it in this table (`tests/structure.rs`).
 //!
 //! | module | what is in it | what goes there next |
 //! |---|---|---|
 //! | [`geometry`] | polar and geodetic coordinates, level and rigid transforms, alignment | |
 //! | [`statistics`] | medians, robust losses, covariances from data that is correlated in time | |
 //! | [`progress`] | how far long work is, and whether anyone still wants it | |
-//! | [`deployment`] | the data model; `format/` has a file a format | a reader: a file in `format/`, a line in `recognise` |
-//! | [`pipeline`] | outlier filter, interval split and filter, interpolation | an interpolation: a file in `interpolation/` |
-//! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and what checked it | a better estimate of D: a file in `inter_prism/` |
+//! | [`deployment`] | the data model; `format/` has a file a format | a reader: a file in `format/`, a variant of `Format` and a line in `recognise` (`format/mod.rs`), its part in `open/`; what a finding advises: `remedy.rs` |
+//! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field in `settings.rs`, and in what `staged.rs` compares; an interpolation: a file in `interpolation/` |
+//! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and what checked it | a better estimate of D: a file in `inter_prism/`; an unknown of the joint estimate: a place in `joint/unknowns.rs`, its size in `instrument.rs` |
 //! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | |
 //! | [`analysis`] | settings, and the one path | |
 //! | [`validation`] | whether a calibration holds for another run, and which station moved | |
@@ -39,9 +40,9 @@
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |
 //! | [`font`] | the one font | |
 //! | [`glossary`] | the words of the field, explained | a term: a line in `terms.rs` |
-//! | [`export`] | JSON, text, CSV, TUM, HTML, SVG, PNG, Rerun | a writer |
-//! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `layout/pane.rs` and `window.rs`; an entry of a menu: a line in `actions/` |
-//! | [`command`] | the command line; prints | a subcommand: a file |
+//! | [`export`] | JSON, text, CSV, TUM, HTML, SVG, PNG, Rerun | a writer; a field of `calibrate --json`: `json.rs`, read again by `json/earlier.rs` |
+//! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `model/pane.rs` and `window.rs`; one more series over time: a channel in `prepared/channels.rs`; an entry of a menu, with its key: a line in `actions/` |
+//! | [`command`] | the command line; prints | a subcommand: a file, and an arm in `mod.rs` |
 //!
 //! # Conventions
 //! Lengths are metres, angles radians, times seconds unless the name says otherwise; `a_from_b` maps frame b to

@@ -380,12 +380,20 @@ fn absurd_numbers_are_refused_or_left_out() {
 }
 
 #[test]
-fn simulate_does_not_mix_deployments() {
+fn simulate_neither_mixes_deployments_nor_replaces_what_was_measured() {
     let folder = tempfile::tempdir().expect("a folder");
     stdout(&["simulate", "--preset", "warthog", "--out", text(folder.path())]);
     stdout(&["simulate", "--preset", "warthog", "--seed", "2", "--out", text(folder.path())]);
     let line = complaint(&["simulate", "--preset", "hd2-tunnel", "--out", text(folder.path())], 1);
     assert!(line.contains("choose an empty folder"), "{line}");
+
+    let measured = tempfile::tempdir().expect("a folder");
+    let recording = measured.path().join("inter_prism.csv");
+    std::fs::write(&recording, "timestamp,id,distance,ha,va\n").expect("writable");
+    let line = complaint(&["simulate", "--preset", "warthog", "--out", text(measured.path())], 1);
+    assert!(line.contains("no truth.toml that says they are simulated"), "{line}");
+    let kept = std::fs::read_to_string(&recording).expect("still there");
+    assert_eq!(kept, "timestamp,id,distance,ha,va\n");
 }
 
 #[test]
@@ -707,4 +715,25 @@ fn validate_without_a_calibration_is_one_line() {
     complaint(&["validate", text(&file)], 2);
     let methods = ["--method", "joint", "--method", "inter-prism"];
     complaint(&[&["validate", text(&file), text(&path)], &methods[..]].concat(), 2);
+}
+
+#[test]
+fn nothing_is_written_over_what_was_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for file in ["inter_prism.csv", "calibration_results.csv", "calibration_raw.csv"] {
+        let from = sample_folder("hd2-tunnel").join(file);
+        std::fs::copy(from, folder.path().join(file)).expect("copied");
+    }
+    let recording = folder.path().join("inter_prism.csv");
+    let before = std::fs::read(&recording).expect("readable");
+    for command in ["report", "trajectory"] {
+        let line = complaint(&[command, text(folder.path()), "--out", text(&recording)], 1);
+        assert!(line.contains("not written over; name another file"), "{line}");
+        assert_eq!(std::fs::read(&recording).expect("there"), before, "{command}");
+    }
+    // A page of before is.
+    let page = folder.path().join("page.html");
+    for _ in 0..2 {
+        stdout(&["report", text(folder.path()), "--out", text(&page)]);
+    }
 }

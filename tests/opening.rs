@@ -103,3 +103,34 @@ fn three_named_antennas_take_the_place_of_those_that_are_there() {
     assert_eq!(named[0], own[1]);
     assert_eq!(named[2], own[2]);
 }
+
+/// As `lost+found`, or a file of somebody else: what is there to be read is read, and the rest is told.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_neighbour_that_cannot_be_read_is_passed_over_and_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for file in ["inter_prism.csv", "calibration_results.csv"] {
+        std::fs::copy(sample_folder("hd2-tunnel").join(file), folder.path().join(file))
+            .expect("copied");
+    }
+    // A file for all the world but for reading, even by root.
+    std::os::unix::fs::symlink("/proc/self/mem", folder.path().join("sealed.csv")).expect("linked");
+    let deployment = open(folder.path()).expect("the rest is whole");
+    let told: Vec<_> = deployment.findings.iter().map(ToString::to_string).collect();
+    assert!(told.iter().any(|line| line.contains("sealed.csv: cannot be read")), "{told:#?}");
+    assert_eq!(used(&deployment, "sealed.csv"), [false]);
+    let alone = open(&folder.path().join("sealed.csv")).expect_err("asked for by name");
+    assert!(alone.to_string().contains("check the path and its permissions"), "{alone}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_instead_of_waited_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pipe = folder.path().join("tracks.csv");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
+    assert!(made.success());
+    let error = open(&pipe).expect_err("no file").to_string();
+    assert!(error.contains("tracks.csv: a pipe"), "{error}");
+    assert!(error.contains("save what it gives as a file"), "{error}");
+}

@@ -4,10 +4,10 @@ mod common;
 
 use common::{analyse, answer, by, of_field};
 use nalgebra::{Rotation3, Vector3};
-use resect::calibration::{Calibration, Method, Verdict};
+use resect::calibration::{Calibration, ErrorSizes, Method, Verdict};
 use resect::deployment::{Deployment, Sample, open};
 use resect::geometry::Polar;
-use resect::simulation::{Preset, Settling, simulate_scenario};
+use resect::simulation::{Preset, Scenario, Settling, simulate_scenario};
 
 const FOOT_M: f64 = 0.3048;
 
@@ -183,4 +183,42 @@ fn what_was_left_out_in_a_row_is_told() {
     }
     let calibration = solved(&moved, Method::Joint);
     assert_doubted(&calibration, "of the drive does not fit the rest and was left out");
+}
+
+/// Errors that settings call none are held against the data; those that are none stand.
+#[test]
+fn a_size_that_the_data_contradicts_is_told() {
+    let told = |scenario: &Scenario, set: fn(&mut ErrorSizes)| {
+        let mut settings = by(Method::Joint);
+        set(&mut settings.calibration.errors);
+        let deployment = simulate_scenario(scenario, 3).deployment().expect("valid");
+        answer(&analyse(&deployment, &settings)).calibration.clone()
+    };
+    let right = Preset::Warthog.scenario();
+    let none: fn(&mut ErrorSizes) =
+        |sizes| (sizes.latency_s, sizes.range_scale, sizes.clock_drift) = (0.0, 0.0, 0.0);
+    let calibration = told(&right, none);
+    assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
+
+    let mut late = right.clone();
+    late.errors.latency_s[2] = 0.03;
+    assert_doubted(&told(&late, none), "station 3's angles are older than its ranges by +");
+    let mut long = right;
+    long.errors.range_scale[1] = 200e-6;
+    assert_doubted(&told(&long, none), "station 2's ranges are off by +");
+}
+
+/// Two stations that follow each other's prism for a while look like a rig that is another one.
+#[test]
+fn distances_that_are_off_together_are_a_doubt() {
+    let mut wrong = sample();
+    let inter_prism_m = &mut wrong.rig.as_mut().expect("a rig").inter_prism_m;
+    for distance_m in &mut inter_prism_m[1..] {
+        *distance_m += 0.004;
+    }
+    wrong.rig.as_mut().expect("a rig").prisms_m = None;
+    assert_doubted(
+        &solved(&wrong, Method::Joint),
+        "taken together: a station followed another prism",
+    );
 }

@@ -90,6 +90,16 @@ impl House {
         arrows
     }
 
+    /// Between the rooms of the crate.
+    fn arrows_of_the_crate(&self) -> BTreeSet<(String, String)> {
+        let arrows = self.files.iter().flat_map(|(module, file)| {
+            let from = |path: &Module| self.defining(path).map(|from| from[0].clone());
+            let to = module.first().cloned().unwrap_or_default();
+            file.named.iter().filter_map(from).map(move |from| (to.clone(), from))
+        });
+        arrows.filter(|(to, from)| to != from).collect()
+    }
+
     /// Between the files and folders that lie in a module.
     fn arrows_between_rooms(&self, place: &str) -> Vec<(String, String, BTreeSet<String>)> {
         let mut all: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
@@ -272,6 +282,30 @@ fn no_arrow_of_the_window_goes_back_up() {
         .map(|(to, from, names)| format!("{to} takes {names:?} from {from}"))
         .collect();
     assert!(back.is_empty(), "arrows that go back up:\n{}", back.join("\n"));
+}
+
+/// The map's table lists the rooms from the ground up.
+#[test]
+fn a_room_of_the_crate_takes_only_from_those_above_it_on_the_map() {
+    let map = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
+    let map = map.expect("the map");
+    let row = |line: &str| {
+        line.strip_prefix("//! | [`")?.split_once('`').map(|(room, _)| room.to_owned())
+    };
+    let rooms: Vec<String> = map.lines().filter_map(row).collect();
+    let height = |room: &str| {
+        let found = rooms.iter().position(|known| known == room);
+        found.unwrap_or_else(|| panic!("src/{room} is not on the map of src/lib.rs"))
+    };
+    let house = house();
+    let arrows = house.arrows_of_the_crate();
+    assert!(arrows.len() > 60, "{} arrows are too few to be all", arrows.len());
+    let back: Vec<_> = arrows
+        .iter()
+        .filter(|(to, _)| !["lib", "main"].contains(&to.as_str()))
+        .filter(|(to, from)| height(to) <= height(from))
+        .collect();
+    assert!(back.is_empty(), "a room takes from one below it on the map: {back:?}");
 }
 
 #[test]

@@ -11,6 +11,8 @@ struct Uniforms {
     pixels_per_point: f32,
     // A bit for each fate that is shown.
     shown_fates: u32,
+    // From when to when the trail goes.
+    trail: vec2<f32>,
 };
 
 @group(0) @binding(0) var<uniform> u: Uniforms;
@@ -165,6 +167,33 @@ fn track_vertex(in: TrackInput) -> LineOutput {
     let a = to_clip(in.a.xyz, frame);
     let b = to_clip(in.b.xyz, frame);
     return line(in.corner, a, b, 1.6, at_time(in.colour, in.b.w));
+}
+
+// How wide the trail is where it begins and where it ends.
+const TRAIL_WIDTHS: vec2<f32> = vec2<f32>(2.0, 5.0);
+// By so much depth the trail lies over the readings that it goes through: about a hundredth of the distance.
+const TRAIL_NEARER: f32 = 1e-4;
+
+@vertex
+fn trail_vertex(in: TrackInput) -> LineOutput {
+    let style = in.colour.a;
+    let elapsed = in.b.w - in.a.w;
+    // Cut at both ends of the trail.
+    let shares = clamp((u.trail - in.a.w) / max(elapsed, 1e-6), vec2<f32>(0.0), vec2<f32>(1.0));
+    if (style & JOINED) == 0u || shares.x >= shares.y {
+        // Beyond the far plane: nothing is drawn.
+        return LineOutput(vec4<f32>(0.0, 0.0, 2.0, 1.0), vec4<f32>(0.0));
+    }
+    let frame = style & STATION;
+    let a = to_clip(mix(in.a.xyz, in.b.xyz, shares.x), frame);
+    let b = to_clip(mix(in.a.xyz, in.b.xyz, shares.y), frame);
+    // The corners 0 and 1 are at a.
+    let time = in.a.w + elapsed * select(shares.x, shares.y, in.corner >= 2u);
+    let youth = (time - u.trail.x) / (u.trail.y - u.trail.x);
+    let width = mix(TRAIL_WIDTHS.x, TRAIL_WIDTHS.y, youth);
+    var out = line(in.corner, a, b, width, vec4<f32>(at_time(in.colour, time).rgb, youth));
+    out.clip.z -= TRAIL_NEARER * out.clip.w;
+    return out;
 }
 
 @fragment

@@ -1,7 +1,7 @@
 //! The window.
 //!
-//! Panes are functions that read the [`State`] and send [`Command`]s; `state` alone changes it, between frames. Every
-//! arrow goes down:
+//! Panes read the [`State`] and send [`Command`]s, which change it between frames; only the layout and the view, which egui
+//! moves while it draws, change within one. Every arrow goes down:
 //!
 //! ```text
 //! window                      one frame; how it opens; how it becomes a picture
@@ -18,7 +18,15 @@
 //!       └─ file_dialog, theme, words   asking for a path; colours and sizes; words explained where they stand
 //! ```
 //!
-//! `tests/structure.rs` holds the imports against this picture.
+//! `panels` draws on `plots` too, where a study is a chart, and any room may take from `theme` and `words`.
+//! `tests/structure.rs` holds the order of these rooms against the imports.
+//!
+//! | what is new | where it goes |
+//! |---|---|
+//! | something that can be done | a variant of `model/command.rs`, an arm in `state/handle.rs`, a line with its key in `actions/`, which has a file a menu |
+//! | a setting of the scene | a field of `model/scene_options.rs`; sessions keep it whole (`persist/session.rs`) |
+//! | work that takes long | `self.jobs.start(work, take)` in `state/`; what goes on puts into `jobs.outbox()`; `jobs.rs` itself knows no job |
+//! | a button for what a finding advises | a variant of `deployment::Remedy`, an arm in `actions/remedies.rs` |
 
 mod actions;
 pub mod file_dialog;
@@ -38,10 +46,10 @@ mod words;
 
 pub use layout::Layout;
 pub use model::{
-    AngleUnit, Asked, AskedAnswer, Colouring, Command, LayoutDescription, LayoutPreset, LengthUnit,
-    OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, Playback, Plotted, Results, Ruler,
-    RulerEnd, Run, SceneOptions, StudyKind, StudyOptions, StudyResult, TimeUnit, Timeline, Units,
-    ViewPreset, Visibility, toasts,
+    AngleUnit, Asked, AskedAnswer, Camera, Colouring, Command, LayoutDescription, LayoutPreset,
+    LengthUnit, OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, Playback, Plotted, Results,
+    Ruler, RulerEnd, Run, SceneOptions, StudyKind, StudyOptions, StudyResult, TimeUnit, Timeline,
+    Units, ViewPreset, Visibility, toasts,
 };
 pub use prepared::channels::Channel;
 pub use scene::SceneView;

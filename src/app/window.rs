@@ -115,7 +115,7 @@ impl eframe::App for ResectWindow {
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
         panels::time_bar::ui(ui, &self.state, &mut commands);
-        panels::toasts::ui(ui, &self.state.toasts, &mut commands);
+        panels::toasts::ui(ui, &self.state.toasts, self.state.units, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
             // Panes may move the layout and the camera while they read all the rest.

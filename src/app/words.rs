@@ -6,7 +6,7 @@ use crate::calibration::Method;
 use crate::glossary::{self, Term};
 
 const WIDTH: f32 = 340.0;
-/// Of a long sentence no more are explained on hover.
+/// The most words of a sentence that are explained on hover.
 const MOST_ON_HOVER: usize = 3;
 
 /// What F1 explains, in this order.
@@ -63,7 +63,7 @@ pub fn mark(response: &Response, terms: &[&'static Term]) {
     response.ctx.data_mut(|data| data.insert_temp(place(at), marked));
 }
 
-/// The same for the words of a text.
+/// Marks the words of the field that a text has, so that F1 explains them.
 pub fn mark_text(response: &Response, text: &str) {
     if is_looked_at(response) {
         mark(response, &glossary::in_text(text));

@@ -35,6 +35,32 @@ pub fn unconverged(converged: bool) -> Option<(Verdict, Finding)> {
     (!converged).then(|| (Verdict::Weak, Finding::warning(line)))
 }
 
+/// How far what instruments do wrong moves the published answer, at most (m): simulated drives with all of it, by a few
+/// centimetres.
+const FAR_APART_M: f64 = 0.15;
+
+/// What is wrong where the published answer and the joint one, from the same readings, cannot both be about right.
+pub fn far_apart(
+    published: &[RigidTransform; 3],
+    joint: &[RigidTransform; 3],
+) -> Option<(Verdict, Finding)> {
+    let apart_m =
+        |station: usize| (published[station].translation_m - joint[station].translation_m).norm();
+    let (station, apart_m) = [1, 2]
+        .map(|station| (station, apart_m(station)))
+        .into_iter()
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (apart_m > FAR_APART_M).then(|| {
+        let line = format!(
+            "the paper's method puts station {} {:.0} mm elsewhere from the same readings: more than instruments in order make \
+             of it, so find out which readings are wrong",
+            station + 1,
+            apart_m * 1e3
+        );
+        (Verdict::Weak, Finding::warning(line))
+    })
+}
+
 /// Adds what the uncertainty and the unseen witnesses say to the findings and the verdict of methods A, B and C.
 pub fn hold_against_the_rest(
     calibration: &mut Calibration,

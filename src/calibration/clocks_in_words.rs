@@ -63,8 +63,15 @@ pub fn suspected_jumps(jumps_s: &[Estimate; 2]) -> Vec<Finding> {
         .collect()
 }
 
-/// Drifts that no clock has, where no jump explains them.
-pub fn implausible_drifts(drifts: &[Estimate; 2], jumping: &[bool; 2]) -> Vec<Finding> {
+/// What becomes of a drift where none is estimated.
+pub const NOT_CORRECTED: &str = "the answer is not corrected for that";
+
+/// Drifts that no clock in order has, where no jump explains them, with what becomes of them.
+pub fn implausible_drifts(
+    drifts: &[Estimate; 2],
+    jumping: &[bool; 2],
+    consequence: &str,
+) -> Vec<Finding> {
     drifts
         .iter()
         .zip(jumping)
@@ -76,8 +83,8 @@ pub fn implausible_drifts(drifts: &[Estimate; 2], jumping: &[bool; 2]) -> Vec<Fi
         })
         .map(|(slot, (drift, _))| {
             Finding::warning(format!(
-                "station {}'s clock seems to drift by {:+.0} µs a second, which clocks do not: it jumps or wanders, and the \
-                 answer is not corrected for that",
+                "station {}'s clock seems to drift by {:+.0} µs a second, more than those of total stations do: nothing keeps \
+                 it, or it jumps or wanders; {consequence}",
                 slot + 2,
                 drift.value * 1e6,
             ))

@@ -165,7 +165,11 @@ pub fn solve(
         }
     }
     if let Some(found) = &estimated {
-        let uneven = clocks_in_words::implausible_drifts(&found.drifts, &[false; 2]);
+        let uneven = clocks_in_words::implausible_drifts(
+            &found.drifts,
+            &[false; 2],
+            clocks_in_words::NOT_CORRECTED,
+        );
         if !uneven.is_empty() {
             verdict = verdict.max(Verdict::Weak);
         }

@@ -43,7 +43,7 @@ impl CalibrationError {
         Self::Lacking { deployment: deployment.name.clone(), method, lack }
     }
 
-    /// The same as a finding, with what can be done about it.
+    /// The error as a finding, with what can be done about it.
     pub fn finding(&self) -> Finding {
         match self {
             Self::NoRig { deployment } => Finding::problem(format!(

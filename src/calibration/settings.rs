@@ -21,7 +21,7 @@ pub enum PriorMethod {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Loss {
-    /// Its square, as published.
+    /// The square of the error, as published.
     #[default]
     Squared,
     /// Beyond 1.345 σ only its size.

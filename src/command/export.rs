@@ -5,10 +5,13 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 
+use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
+use crate::deployment::file_mark::used_files;
 use crate::export;
+use crate::export::csv::TABLES;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("target").required(true).args(["rrd", "csv"])))]
@@ -28,6 +31,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
+    let tables = arguments.csv.iter().flat_map(|folder| TABLES.map(|name| folder.join(name)));
+    for file in tables.chain(arguments.rrd.clone()) {
+        spare(&file, used_files(&deployment))?;
+    }
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     if let Err(error) = &analysis.answer {
         eprintln!("resect: without an answer, stations are drawn in their own frames: {error}");

@@ -6,6 +6,7 @@ mod check;
 mod compare;
 mod explain;
 mod export;
+mod output;
 mod report;
 mod screenshot;
 mod settings_args;

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
-use crate::deployment::Source;
 use crate::deployment::file_mark::marks_of;
 use crate::export::atomic;
 use crate::export::report::{self, Chapter};
@@ -30,6 +30,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let chapters: Vec<Chapter> =
         arguments.path.iter().map(|path| chapter(path, &arguments.settings, &settings)).collect();
+    let read = chapters.iter().flat_map(Chapter::files).map(|file| &file.path);
+    spare(&arguments.out, read.chain(&arguments.path).map(PathBuf::as_path))?;
     atomic::write(&arguments.out, report::page(&chapters, report::date_of_run()))?;
     let file = arguments.out.display();
     let errors: Vec<String> = chapters.iter().filter_map(|c| c.answer().err()).collect();
@@ -54,8 +56,7 @@ fn chapter(path: &Path, arguments: &AnswerArguments, settings: &Settings) -> Cha
     match load(path, arguments.extras()) {
         Ok((deployment, _)) => {
             let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));
-            let source = Source::at(path).with(arguments.extras());
-            let files = marks_of(&source, &deployment);
+            let files = marks_of(&deployment);
             Chapter::Analysed { deployment, analysis, files }
         }
         Err(error) => {

@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
+use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, print};
 use crate::app;
+use crate::deployment::file_mark::used_files;
 use crate::deployment::{Sample, Source};
 use crate::export::atomic;
 use crate::progress::Progress;
@@ -42,6 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let source = source.with(arguments.settings.extras());
     let deployment = source.open(&Progress::default())?;
+    spare(&arguments.out, used_files(&deployment))?;
     let dark = arguments.theme == Theme::Dark;
     let image = app::picture(vec![(Arc::new(deployment), source)], settings, arguments.size, dark)?;
     let mut png = std::io::Cursor::new(Vec::new());

@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
+use crate::deployment::file_mark::used_files;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, NoTrajectory, vehicle_trajectory};
 use crate::export::{atomic, tum};
 
@@ -66,6 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let csv = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
     let text = if csv { tum::csv(&trajectory) } else { tum::tum(&trajectory, &header) };
+    spare(file, used_files(&deployment))?;
     atomic::write(file, text)?;
     print(&format!(
         "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\

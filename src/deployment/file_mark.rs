@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::{Deployment, Place, Source};
+use super::Deployment;
 
 /// What a file was when it was read; `sha256sum` gives the same.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,29 +43,14 @@ pub fn sha256(path: &Path, go_on: impl Fn() -> bool) -> std::io::Result<String> 
     Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// The marks of the files that a deployment was read from; what cannot be read any more is left out.
-pub fn marks_of(source: &Source, deployment: &Deployment) -> Vec<FileMark> {
-    let files = used_files(source, deployment).into_iter();
-    files.filter_map(|path| FileMark::of(&path).ok()).collect()
+/// The marks of the files that a deployment was read from, those of further drives among them; what cannot be read any
+/// more is left out.
+pub fn marks_of(deployment: &Deployment) -> Vec<FileMark> {
+    used_files(deployment).filter_map(|path| FileMark::of(path).ok()).collect()
 }
 
-/// The files that a deployment was read from; none of a sample.
-pub fn used_files(source: &Source, deployment: &Deployment) -> Vec<PathBuf> {
-    let Place::Path(path) = &source.place else { return Vec::new() };
-    let folder =
-        if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(Path::new("")) };
-    let extras = &source.extras;
-    let named: Vec<&PathBuf> = extras.rig.iter().chain(&extras.gcp).chain(&extras.gnss).collect();
-    let place = |file: &str| {
-        // What the user named is told as it was named, or from the named folder on.
-        let candidates = named.iter().map(|named| match named.is_dir() {
-            true => named.join(file),
-            false => (*named).clone(),
-        });
-        let own = folder.join(file);
-        let mut named = candidates.filter(|path| path.ends_with(file) && path.is_file());
-        if own.is_file() { Some(own) } else { named.next() }
-    };
+/// The files that a deployment was read from, those of further drives among them; none of a sample.
+pub fn used_files(deployment: &Deployment) -> impl Iterator<Item = &Path> {
     let used = deployment.ingredients.iter().filter(|ingredient| ingredient.used);
-    used.filter_map(|ingredient| place(&ingredient.file)).collect()
+    used.filter_map(|ingredient| ingredient.path.as_deref())
 }

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::printable::printable;
 use super::{Remedy, ToldAngle};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -49,7 +50,7 @@ impl Finding {
     fn new(severity: Severity, message: impl Into<String>) -> Self {
         Self {
             severity,
-            message: message.into(),
+            message: printable(&message.into()),
             doubt: false,
             remedies: Vec::new(),
             angles: Vec::new(),
@@ -74,21 +75,21 @@ impl Finding {
         Self::new(Severity::Problem, message)
     }
 
-    /// The same with something that can be done about it, after what it has already.
+    /// Adds something that can be done about the finding.
     #[must_use]
     pub fn with(mut self, remedy: Remedy) -> Self {
         self.remedies.push(remedy);
         self
     }
 
-    /// The same with the angles that its message tells, so that they can be told in another unit.
+    /// Names the angles that the message tells, so that they can be told in another unit.
     #[must_use]
     pub fn telling(mut self, angles: impl IntoIterator<Item = ToldAngle>) -> Self {
         self.angles.extend(angles);
         self
     }
 
-    /// The same as what a table beside the answer says.
+    /// Marks the finding as one that a table beside the answer tells too.
     #[must_use]
     pub fn tabled(self) -> Self {
         Self { is_tabled: true, ..self }

@@ -12,7 +12,7 @@ mod surveys;
 mod tables;
 mod tracks;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use self::collection::holds_many;
 use self::control_points::read_control_point_sets;
@@ -22,6 +22,7 @@ use self::gnss::read_gnss;
 use self::rig::read_rig;
 use self::surveys::Surveys;
 use super::format::{self, Format, OpenError};
+use super::printable::printable;
 use super::{Deployment, Finding, Overrides};
 use crate::progress::Progress;
 
@@ -30,6 +31,8 @@ use crate::progress::Progress;
 pub struct Ingredient {
     /// Relative to the folder.
     pub file: String,
+    /// Where it lies; `None` of what was never a file.
+    pub path: Option<PathBuf>,
     /// What it holds, or why it was passed over.
     pub what: &'static str,
     pub used: bool,
@@ -59,8 +62,14 @@ pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenErr
     };
     let overrides = found.put_right.clone().over(in_folder.clone());
     overrides.check().map_err(|(what, remedy)| OpenError::file(&found.name, what, remedy))?;
-    let name = overrides.name.clone().unwrap_or_else(|| found.name.clone());
-    let mut findings = Vec::new();
+    let name = printable(overrides.name.as_ref().unwrap_or(&found.name));
+    let unreadable = files.iter().filter(|f| f.format == Format::Unreadable);
+    let mut findings: Vec<Finding> = unreadable
+        .map(|f| {
+            let what = "cannot be read and was passed over; check its permissions, if it belongs to the deployment";
+            Finding::warning(format!("{}: {what}", f.file))
+        })
+        .collect();
     let mut used: Vec<&str> = Vec::new();
     used.extend(files.iter().filter(is_overrides).map(|f| f.file.as_str()));
 
@@ -89,7 +98,8 @@ pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenErr
     let ingredients = files
         .iter()
         .map(|f| Ingredient {
-            file: f.file.clone(),
+            file: printable(&f.file),
+            path: None,
             what: f.format.describe(),
             used: used.contains(&f.file.as_str()),
         })
@@ -149,7 +159,11 @@ mod tests {
 
     #[test]
     fn errors_name_file_line_and_remedy() {
-        let cases: [(&str, &str); 5] = [
+        let cases: [(&str, &str); 6] = [
+            (
+                "timestamp,id,distance,ha,va\n0.0,1,10,\u{1b}[2J,1.5\n",
+                "a.csv:2: `\\u{1b}[2J` in column `ha` is not a number",
+            ),
             (
                 "timestamp;id;distance;ha;va\n0;1;2;3;4\n",
                 "a.csv:1: the columns are separated by semicolons",
@@ -167,6 +181,14 @@ mod tests {
             assert!(error.contains(expected), "expected `{expected}`, got `{error}`");
             assert!(error.contains("; "), "no remedy in `{error}`");
         }
+    }
+
+    #[test]
+    fn a_name_is_one_line() {
+        let toml = "name = \"two\\nlines\"\ninter_prism_m = [0.7, 0.9, 1.0]\n";
+        let deployment =
+            open_files("d", &[("a.csv", TRACKS), ("deployment.toml", toml)]).expect("opens");
+        assert_eq!(deployment.name, "two\\nlines");
     }
 
     #[test]

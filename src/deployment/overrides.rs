@@ -122,7 +122,7 @@ pub struct MaskedReading {
 }
 
 impl Overrides {
-    /// These, and where they say nothing, what `base` says.
+    /// What these overrides say, and where they say nothing, what `base` says.
     #[must_use]
     pub fn over(self, base: Self) -> Self {
         Self {

@@ -89,6 +89,9 @@ impl Source {
         };
         found.add(&self.extras)?;
         let mut deployment = open::combine(&found, progress)?;
+        for ingredient in &mut deployment.ingredients {
+            ingredient.path = self.place_of(&ingredient.file);
+        }
         let of_drive = |path: &PathBuf| {
             let put_right = self.extras.put_right.of_any_drive();
             let rig = self.extras.rig.clone();
@@ -97,6 +100,24 @@ impl Source {
         let drives: Result<Vec<_>, _> = self.extras.drives.iter().map(of_drive).collect();
         deployment.take_in(drives?)?;
         Ok(deployment)
+    }
+
+    /// Where a file lies that was found under this name.
+    fn place_of(&self, file: &str) -> Option<PathBuf> {
+        let path = self.path()?;
+        let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
+        let own = folder.join(file);
+        if own.is_file() {
+            return Some(own);
+        }
+        // What the user named is told as it was named, or from the named folder on.
+        let Extras { rig, gcp, gnss, .. } = &self.extras;
+        let named = rig.iter().chain(gcp).chain(gnss);
+        let places = named.map(|named| match named.is_dir() {
+            true => named.join(file),
+            false => named.clone(),
+        });
+        places.into_iter().find(|path| path.ends_with(file) && path.is_file())
     }
 }
 

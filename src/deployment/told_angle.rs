@@ -32,7 +32,7 @@ impl ToldAngle {
         Self { signed: true, ..Self::size(value_rad, unit, decimals) }
     }
 
-    /// The same with one σ beside it (rad).
+    /// Puts one σ beside the number (rad).
     #[must_use]
     pub fn sigma(self, sigma_rad: f64) -> Self {
         Self { sigma_rad: Some(sigma_rad), ..self }

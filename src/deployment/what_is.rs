@@ -60,11 +60,6 @@ pub fn what_is(path: &Path) -> Dropped {
         return what_folder_is(path);
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    // Reading a pipe would wait for whoever writes to it.
-    if path.exists() && !path.is_file() {
-        let what = "a pipe, a socket or a device, no file; save what it gives as a file";
-        return Dropped::Unknown(format!("{name}: {what}"));
-    }
     let file = match FoundFile::at(path, name) {
         Ok(file) => file,
         Err(error) => return Dropped::Unknown(error.to_string()),
@@ -91,6 +86,9 @@ pub fn what_is(path: &Path) -> Dropped {
             file.format.describe()
         )),
         Format::RtklibPos => Dropped::Gnss,
+        Format::Unreadable => {
+            Dropped::Unknown(format!("{}: {}", file.file, file.format.describe()))
+        }
         Format::Ignored(why) => {
             let is_toml = path.extension().is_some_and(|extension| extension == "toml");
             match what_toml_is(&file) {

@@ -15,25 +15,30 @@ use crate::pipeline::SampleFate;
 
 type Table = ::csv::Writer<BufWriter<File>>;
 
-/// Writes all tables into a folder; gives their paths. Without an answer there are readings and triplets only.
+/// The tables of a folder.
+pub const TABLES: [&str; 5] =
+    ["readings.csv", "triplets.csv", "residuals.csv", "transforms.csv", "clocks.csv"];
+
+/// Writes all [`TABLES`] into a folder; gives their paths. Without an answer there are readings and triplets only.
 pub fn write_folder(
     deployment: &Deployment,
     analysis: &Analysis,
     folder: &Path,
 ) -> Result<Vec<PathBuf>, WriteError> {
     let mut written = Vec::new();
+    let [of_readings, of_triplets, of_residuals, of_transforms, of_clocks] = TABLES;
     let mut table = |name: &str, fill: &dyn Fn(&mut Table) -> Result<(), ::csv::Error>| {
         let path = folder.join(name);
         write_table(&path, fill)?;
         written.push(path);
         Ok::<(), WriteError>(())
     };
-    table("readings.csv", &|table| readings(deployment, analysis, table))?;
-    table("triplets.csv", &|table| triplets(analysis, table))?;
+    table(of_readings, &|table| readings(deployment, analysis, table))?;
+    table(of_triplets, &|table| triplets(analysis, table))?;
     if let Ok(answer) = &analysis.answer {
-        table("residuals.csv", &|table| residuals(analysis, answer, table))?;
-        table("transforms.csv", &|table| transforms(answer, table))?;
-        table("clocks.csv", &|table| clocks(answer, table))?;
+        table(of_residuals, &|table| residuals(analysis, answer, table))?;
+        table(of_transforms, &|table| transforms(answer, table))?;
+        table(of_clocks, &|table| clocks(answer, table))?;
     }
     Ok(written)
 }

@@ -84,6 +84,13 @@ terms! {
     TRIPLET = "triplet":
         "The three prisms' interpolated positions at one instant, each in its own station's frame." ("section III-B, module 4");
 
+    GHOST = "ghost":
+        "In the scene, a prism at a time of which there is no triplet: a dashed ring where it was last read, paler the longer that is \
+         ago, and gone after three seconds. Where the rig was meanwhile nobody knows.";
+    TRAIL = "trail":
+        "In the scene, the way that each prism went in the last seconds before the time cursor, drawn wider than its track and fading \
+         out into the past.";
+
     // The calibrations.
     EXTRINSICS = "extrinsic calibration" / "extrinsics" / "calibration":
         "Finding where stations 2 and 3 stand and which way they face, seen from station 1, so that all readings share one frame."

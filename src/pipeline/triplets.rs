@@ -6,6 +6,9 @@ use nalgebra::Vector3;
 
 use super::FilteredTrack;
 
+/// Unix times are held to a quarter of a microsecond.
+const STAMP_ERROR_S: f64 = 1e-6;
+
 /// `Q_1, Q_2, Q_3` of the paper: positions of the three prisms at common instants.
 ///
 /// All lists have the same length, in order of time.
@@ -68,6 +71,32 @@ impl Triplets {
         std::array::from_fn(|station| self.points_m[station][index])
     }
 
+    /// The prisms at any time, as the one instant of it: on a triplet, or on the straight line between two neighbours of an
+    /// interval that are no further apart than `longest_s`. `None` elsewhere: nothing is carried on beyond a triplet.
+    pub fn at(&self, time_s: f64, longest_s: f64) -> Option<Self> {
+        let after = self.time_s.partition_point(|t| *t < time_s);
+        if self.time_s.get(after) == Some(&time_s) {
+            return Some(self.select(&[after]));
+        }
+        let before = after.checked_sub(1)?;
+        let (from_s, to_s) = (self.time_s[before], *self.time_s.get(after)?);
+        let apart_s = to_s - from_s;
+        if self.interval[before] != self.interval[after] || apart_s > longest_s + STAMP_ERROR_S {
+            return None;
+        }
+        let share = (time_s - from_s) / apart_s;
+        let between = |all: &Vec<Vector3<f64>>| vec![all[before].lerp(&all[after], share)];
+        let speeds = [before, after].map(|index| self.speed_m_per_s[index]);
+        Some(Self {
+            time_s: vec![time_s],
+            interval: vec![self.interval[before]],
+            points_m: self.points_m.each_ref().map(between),
+            speed_m_per_s: vec![speeds[0] + share * (speeds[1] - speeds[0])],
+            sigma_m: self.sigma_m.as_ref().map(|all| all.each_ref().map(between)),
+            ..self.select(&[])
+        })
+    }
+
     /// Index of the instant nearest in time; `None` where no interval is within half a second.
     pub fn nearest(&self, time_s: f64) -> Option<usize> {
         let after = self.time_s.partition_point(|t| *t < time_s);
@@ -94,4 +123,46 @@ fn speeds(time_s: &[f64], interval: &[u32], points_m: &[Vector3<f64>]) -> Vec<f6
             (points_m[after] - points_m[before]).norm() / (time_s[after] - time_s[before])
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two intervals of 2 Hz at 1 m/s along x, with a gap of three seconds between them.
+    fn triplets() -> Triplets {
+        let time_s = vec![10.0, 10.5, 11.0, 14.0, 14.5];
+        let points_m = [0.0, 1.0, 2.0]
+            .map(|y| time_s.iter().map(|t| Vector3::new(t - 10.0, y, 0.0)).collect::<Vec<_>>());
+        let sigma_m = points_m.each_ref().map(|p| vec![Vector3::repeat(1e-3); p.len()]);
+        let interval = vec![0, 0, 0, 1, 1];
+        Triplets { sigma_m: Some(sigma_m), ..Triplets::new(time_s, interval, points_m) }
+    }
+
+    #[test]
+    fn prisms_stand_on_a_triplet_and_between_two_of_an_interval() {
+        for time_s in [10.0, 10.2, 10.5, 10.9, 11.0, 14.25] {
+            let at = triplets().at(time_s, 1.0).expect("in an interval");
+            assert_eq!((at.len(), at.time_s[0]), (1, time_s));
+            for (station, p) in at.triplet_m(0).iter().enumerate() {
+                let expected = Vector3::new(time_s - 10.0, station as f64, 0.0);
+                assert!((p - expected).norm() < 1e-12, "{time_s}: {p}");
+            }
+            assert!((at.speed_m_per_s[0] - 1.0).abs() < 1e-12);
+            assert_eq!(at.sigma_m.expect("stated")[0], [Vector3::repeat(1e-3)]);
+            assert_eq!(at.interval[0], u32::from(time_s > 12.0));
+        }
+    }
+
+    #[test]
+    fn there_are_none_in_a_gap_nor_before_the_first_and_after_the_last() {
+        for time_s in [9.99, 11.01, 12.5, 13.99, 14.51] {
+            // However long a gap may be: no interval goes on across one.
+            assert_eq!(triplets().at(time_s, 60.0), None, "{time_s}");
+        }
+        assert_eq!(Triplets::default().at(10.0, 1.0), None);
+        // Triplets that are too sparse are points and no line.
+        assert_eq!(triplets().at(10.2, 0.4), None);
+        assert!(triplets().at(10.5, 0.4).is_some());
+    }
 }

@@ -9,7 +9,10 @@ use crate::deployment::format::{control_points, pillars, polar_csv, rig_files, r
 use crate::deployment::{OpenError, pairwise_distances};
 use crate::geometry::Polar;
 
-/// Writes the deployment into a folder, which is made if it is not there.
+/// What was simulated, by which a folder is known that may be written to again.
+const TRUTH: &str = "truth.toml";
+
+/// Writes the deployment into a folder, which is made if it is not there. Nothing but an earlier simulation is replaced.
 pub fn write_folder(simulated: &Simulated, folder: &Path) -> Result<(), OpenError> {
     let io = |path: &Path| {
         let path = path.to_owned();
@@ -17,9 +20,18 @@ pub fn write_folder(simulated: &Simulated, folder: &Path) -> Result<(), OpenErro
     };
     std::fs::create_dir_all(folder).map_err(io(folder))?;
     let files = files(simulated);
+    let entries: Result<Vec<_>, _> = std::fs::read_dir(folder).map_err(io(folder))?.collect();
+    let entries = entries.map_err(io(folder))?;
+    if !entries.is_empty() && !folder.join(TRUTH).is_file() {
+        return Err(OpenError::file(
+            &folder.display().to_string(),
+            format!("holds files, and no {TRUTH} that says they are simulated"),
+            "choose an empty folder",
+        ));
+    }
     // A leftover of another deployment would be read together with this one.
-    for entry in std::fs::read_dir(folder).map_err(io(folder))? {
-        let name = entry.map_err(io(folder))?.file_name().to_string_lossy().into_owned();
+    for entry in entries {
+        let name = entry.file_name().to_string_lossy().into_owned();
         if !files.iter().any(|(own, _)| *own == name) {
             return Err(OpenError::file(
                 &folder.display().to_string(),
@@ -50,7 +62,7 @@ pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
                 simulated.scenario.name, simulated.seed, simulated.scenario.name
             ),
         ),
-        ("truth.toml".to_owned(), truth_text(simulated)),
+        (TRUTH.to_owned(), truth_text(simulated)),
     ];
     let inter_antenna_m = simulated.scenario.antennas_m.as_ref().map(pairwise_distances);
     for (index, fixes) in simulated.antennas.iter().flatten().enumerate() {

@@ -3,6 +3,10 @@
 use std::fmt;
 
 use super::{Cause, Difference, LEVEL, MetricThere, Outcome, StationMove, Validation};
+use crate::deployment::{ToldAngle, ToldIn};
+
+/// How an angle is worded.
+type Tell<'a> = dyn Fn(&ToldAngle) -> String + 'a;
 
 /// Chance is not told smaller than this.
 const SMALLEST_CHANCE: f64 = 1e-9;
@@ -17,18 +21,23 @@ impl fmt::Display for Validation {
 impl Validation {
     /// Why the outcome is what it is.
     pub fn why(&self) -> String {
+        self.why_with(&ToldAngle::to_string)
+    }
+
+    /// Puts the finding's angles in other words.
+    pub fn why_with(&self, tell: &Tell<'_>) -> String {
         let metric = self.metric.as_ref().map_or(String::new(), |metric| format!("; {metric}"));
         match (&self.outcome, &self.difference) {
             (Outcome::CannotBeTold(why), _) => why.clone(),
             (Outcome::DoesNotHold(cause), Some(difference)) => {
-                format!("{}{metric}", of_cause(cause, difference))
+                format!("{}{metric}", of_cause(cause, difference, tell))
             }
             (_, Some(difference)) => {
                 format!(
                     "no station moved by more than σ allows ({}, tested at {:.0} % in all); {}{metric}",
                     chance(difference.p_value),
                     LEVEL * 100.0,
-                    would_show(difference)
+                    would_show(difference, tell)
                 )
             }
             (_, None) => String::new(),
@@ -36,9 +45,9 @@ impl Validation {
     }
 }
 
-fn of_cause(cause: &Cause, difference: &Difference) -> String {
+fn of_cause(cause: &Cause, difference: &Difference, tell: &Tell<'_>) -> String {
     let moved = |station: usize| {
-        format!("station {} {}", station + 1, difference.stations[station].in_words())
+        format!("station {} {}", station + 1, difference.stations[station].in_words(tell))
     };
     match cause {
         Cause::Station(station) => {
@@ -57,7 +66,8 @@ fn of_cause(cause: &Cause, difference: &Difference) -> String {
         Cause::OtherSetUp => {
             let [second, third] = [0, 4].map(|slot| {
                 let far_m = difference.values.fixed_rows::<3>(slot).norm();
-                format!("{far_m:.2} m and {:+.2}°", difference.values[slot + 3].to_degrees())
+                let turned = ToldAngle::signed(difference.values[slot + 3], ToldIn::Degrees, 2);
+                format!("{far_m:.2} m and {}", tell(&turned))
             });
             format!(
                 "this is another set-up: stations 2 and 3 stand {second}, and {third}, from where they stood"
@@ -68,28 +78,26 @@ fn of_cause(cause: &Cause, difference: &Difference) -> String {
 }
 
 /// What a run of this kind would have seen.
-fn would_show(difference: &Difference) -> String {
+fn would_show(difference: &Difference, tell: &Tell<'_>) -> String {
     let seen = difference.stations.each_ref().map(StationMove::visible);
-    let least = |of: fn((f64, f64)) -> f64| {
-        seen.map(|seen| seen.map_or("–".to_owned(), |seen| format!("{:.2}", of(seen) * 1e3)))
-            .join(" / ")
+    let least = |of: &dyn Fn((f64, f64)) -> String| {
+        seen.map(|seen| seen.map_or("–".to_owned(), of)).join(" / ")
     };
     format!(
-        "moves of stations 1 / 2 / 3 alone would show from about {} mm on, turns from {} mrad on",
-        least(|seen| seen.0),
-        least(|seen| seen.1)
+        "moves of stations 1 / 2 / 3 alone would show from about {} mm on, turns from {} on",
+        least(&|(moved_m, _)| format!("{:.2}", moved_m * 1e3)),
+        least(&|(_, turned_rad)| tell(&ToldAngle::size(turned_rad, ToldIn::Milliradians, 2)))
     )
 }
 
 impl StationMove {
     /// "turned by +0.310 ± 0.055 mrad and moved by 1.2 ± 0.9 mm (x +0.8, y -0.7, z +0.5)".
-    pub fn in_words(&self) -> String {
+    fn in_words(&self, tell: &Tell<'_>) -> String {
         let (turned, moved) = (self.turned_rad(), self.moved_m());
         let [x, y, z] = [0, 1, 2].map(|axis| self.by[axis] * 1e3);
         format!(
-            "turned by {:+.3} ± {:.3} mrad and moved by {:.1} ± {:.1} mm (x {x:+.1}, y {y:+.1}, z {z:+.1})",
-            turned.value * 1e3,
-            turned.sigma * 1e3,
+            "turned by {} and moved by {:.1} ± {:.1} mm (x {x:+.1}, y {y:+.1}, z {z:+.1})",
+            tell(&ToldAngle::signed(turned.value, ToldIn::Milliradians, 3).sigma(turned.sigma)),
             moved.value * 1e3,
             moved.sigma * 1e3,
         )

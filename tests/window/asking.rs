@@ -6,7 +6,7 @@ use std::path::Path;
 use eframe::egui::Theme;
 use eframe::egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use resect::app::{Asked, Command, Pane, ResectWindow};
+use resect::app::{Asked, Command, Pane, ResectWindow, Units};
 use resect::deployment::{ColumnMapping, OneOrMany, Overrides, Question, Source, Topic};
 use resect::simulation::{Preset, simulate, write_folder};
 
@@ -219,7 +219,7 @@ fn a_folder_with_only_a_rig_asks_what_it_is_for() {
     click(&mut harness, &format!("Use for {name}"));
     let now = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
     assert_eq!(now, [0.9, 1.0, 1.1]);
-    assert_eq!(harness.state().state.undo.undo_name(), "Undo rig as read → rig");
+    assert_eq!(harness.state().state.undo.undo_name(Units::default()), "Undo rig as read → rig");
     send(&mut harness, Command::Undo);
     assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
     // As a deployment it has no tracks, which is said.

@@ -8,7 +8,7 @@ use eframe::egui::{Event, Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable;
 use resect::app::persist::hashes::HashCache;
 use resect::app::persist::session_file;
-use resect::app::{Command, LayoutPreset, Pane, Picked};
+use resect::app::{Command, LayoutPreset, Pane, Picked, Units};
 use resect::deployment::{AzimuthSense, Extras, Overrides, PrismConstants, Source};
 use resect::simulation::{Preset, simulate, write_folder};
 
@@ -56,7 +56,7 @@ fn station3(harness: &Window) -> Option<[f64; 3]> {
 }
 
 fn undo_name(harness: &Window) -> String {
-    harness.state().state.undo.undo_name()
+    harness.state().state.undo.undo_name(Units::default())
 }
 
 /// Does something, expects another answer, takes it back, and expects the first.

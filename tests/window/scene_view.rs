@@ -1,11 +1,13 @@
 //! How the scene is looked at: from the sides, near and far, and back.
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Theme};
+use eframe::egui::{Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use resect::app::{Command, Pane, Picked, SceneOptions, ViewPreset};
+use resect::app::{Command, LayoutPreset, Pane, Picked, SceneOptions, ViewPreset};
 
-use crate::harness::{LARGE, Window, click, double_click, press, send, settle, shown, window};
+use crate::harness::{
+    LARGE, SMALL, Window, click, double_click, press, send, settle, shown, window,
+};
 use crate::scene::{picture, seen};
 
 fn strip(harness: &Window) -> String {
@@ -112,6 +114,22 @@ fn the_camera_cannot_be_lost_and_the_grid_goes_with_it() {
     let back = harness.state().state.view.camera;
     assert!((back.distance_m - all.distance_m).abs() < 0.05 * all.distance_m, "{back:?}");
     assert_eq!(grid(&harness), at_first);
+}
+
+#[test]
+fn under_the_pointer_the_strip_says_what_has_no_room_and_nothing_else() {
+    let said = |size: Vec2| {
+        let mut harness = window(size, Theme::Dark);
+        send(&mut harness, Command::UseLayout(LayoutPreset::Tune));
+        let at = harness.get_by_role(Role::Status).rect().center();
+        harness.hover_at(at);
+        harness.run_steps(8);
+        let count = |words: &str| harness.query_all_by_label_contains(words).count();
+        // The strip itself tells screen readers all of it.
+        ["ellipsoids ×100", "frame of station 1"].map(|words| count(words) - 1)
+    };
+    assert_eq!(said(SMALL), [0, 1]);
+    assert_eq!(said(Vec2::new(2560.0, 1440.0)), [0, 0]);
 }
 
 #[test]

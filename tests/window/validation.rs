@@ -2,7 +2,7 @@
 
 use eframe::egui::Theme;
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Pane};
+use resect::app::{AngleUnit, Command, Pane, Units};
 use resect::simulation::Preset;
 use resect::validation::{Cause, Outcome};
 
@@ -33,6 +33,10 @@ fn a_calibration_is_applied_to_the_other_open_deployments() {
     assert!(harness.query_by_label_contains("does not hold").is_some());
     assert!(harness.query_by_label_contains("station 2 turned by").is_some());
     assert!(harness.query_by_label("explains it alone").is_some());
+    let units = Units { angle: AngleUnit::Gon, ..Units::default() };
+    send(&mut harness, Command::SetUnits(units));
+    assert!(harness.query_by_label_contains("mgon and moved by").is_some(), "in the unit chosen");
+    send(&mut harness, Command::SetUnits(Units::default()));
 
     // It is of the deployment shown, and of answers that are there.
     let ids: Vec<u64> = harness.state().state.open.iter().map(|open| open.id).collect();

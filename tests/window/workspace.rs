@@ -1,11 +1,13 @@
 //! The workspace driven by the names of its widgets: what a user does, and what must come of it.
 
+use eframe::egui::accesskit::Role;
 use eframe::egui::{self, Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Overlay, Ruler, RulerEnd};
+use resect::app::{Command, Overlay, Pane, Ruler, RulerEnd, StudyResult, Units};
+use resect::simulation::{Preset, simulate};
 
 use crate::harness::{
-    LARGE, Window, press, send, set, settings, settle, type_and_enter_at_once, window,
+    LARGE, SMALL, Window, open, press, send, set, settings, settle, type_and_enter_at_once, window,
 };
 
 fn cursor_s(harness: &Window) -> f64 {
@@ -40,7 +42,7 @@ fn every_setting_can_be_taken_back_and_done_again() {
 fn a_drag_of_a_slider_is_one_step() {
     let mut harness = window(LARGE, Theme::Dark);
     let at_first = settings(&harness);
-    let slider = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "τ_l  length").rect();
+    let slider = harness.get_by_role_and_label(Role::Slider, "τ_l  length").rect();
     harness.hover_at(slider.center());
     harness.run_steps(1);
     harness.drag_at(slider.center());
@@ -51,7 +53,7 @@ fn a_drag_of_a_slider_is_one_step() {
     harness.drop_at(slider.center() + Vec2::new(32.0, 0.0));
     settle(&mut harness);
     assert!(settings(&harness).pipeline.thresholds.tau_l_seconds > 6.5);
-    let step = harness.state().state.undo.undo_name();
+    let step = harness.state().state.undo.undo_name(Units::default());
     assert!(step.starts_with("Undo τ_l 6 → "), "{step}");
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(settings(&harness), at_first);
@@ -97,6 +99,44 @@ fn the_sheet_of_shortcuts_opens_by_its_key_and_names_them() {
     harness.get_by_label("Close").click();
     settle(&mut harness);
     assert_eq!(harness.state().state.overlay, Overlay::None);
+}
+
+#[test]
+fn the_sheet_of_shortcuts_is_seen_whole_in_a_small_window() {
+    let mut harness = window(SMALL, Theme::Dark);
+    send(&mut harness, Command::ShowShortcuts);
+    let lowest = |name: &str| harness.get_by_label(name).rect().bottom();
+    // The sheet stands in the middle.
+    let end = SMALL.y - (harness.get_by_label("Close").rect().top() - 8.0);
+    for last in ["Reset layout", "Words, explained", "zoom in mm; double-click: all"] {
+        assert!(lowest(last) < end, "{last}: {} of {end}", lowest(last));
+    }
+}
+
+#[test]
+fn the_tab_of_a_pane_that_comes_to_the_front_is_in_sight() {
+    let mut harness = window(SMALL, Theme::Dark);
+    for pane in [Pane::ControlPoints, Pane::Histogram, Pane::PriorSearch, Pane::Residuals] {
+        send(&mut harness, Command::ShowPane(pane));
+        let place = harness.state().layout().place(pane).expect("shown");
+        let tab = harness.get_by_role_and_label(Role::Button, pane.title()).rect();
+        assert!(place.x_range().contains(tab.left() + 1.0), "{pane:?}: {tab:?} in {place:?}");
+        assert!(place.x_range().contains(tab.right() - 1.0), "{pane:?}: {tab:?} in {place:?}");
+    }
+}
+
+#[test]
+fn a_study_of_deployments_of_one_name_tells_them_apart() {
+    let mut harness = window(SMALL, Theme::Dark);
+    for seed in [1, 2] {
+        open(&mut harness, simulate(Preset::FigureEight, seed).deployment().expect("valid"));
+    }
+    send(&mut harness, Command::RunStudy);
+    let Some(result) = &harness.state().state.studies.result else { panic!("it ran") };
+    let StudyResult::Comparison(comparison) = &**result else { panic!("a comparison") };
+    let names: Vec<&str> = comparison.deployments.iter().map(|c| c.deployment.as_str()).collect();
+    let [first, second] = names[..] else { panic!("{names:?}") };
+    assert_eq!(second, format!("{first} (2)"));
 }
 
 #[test]
@@ -161,7 +201,7 @@ fn keys_move_through_time_unless_a_widget_has_them() {
     press(&mut harness, Modifiers::NONE, Key::Home);
     assert_eq!(cursor_s(&harness), 0.0);
     // A slider with the focus keeps the arrows.
-    harness.get_by_role_and_label(egui::accesskit::Role::Slider, "τ_s  gap").focus();
+    harness.get_by_role_and_label(Role::Slider, "τ_s  gap").focus();
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
     assert_eq!(cursor_s(&harness), 0.0);
@@ -208,7 +248,7 @@ fn the_strip_of_time_scrubs() {
 fn the_scene_is_copied_as_a_picture_of_its_own_size() {
     let mut harness = window(LARGE, Theme::Dark);
     // With the strip that says what it shows; that it was copied is said in a strip of the window's, which takes room.
-    let scene = harness.state().layout().place(resect::app::Pane::Scene).expect("shown");
+    let scene = harness.state().layout().place(Pane::Scene).expect("shown");
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     let mut copied = None;
     for _ in 0..6 {
@@ -279,10 +319,8 @@ fn settings_without_a_deployment_are_those_of_the_next() {
 #[test]
 fn a_picture_brings_the_scene_to_the_front() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::ShowPane(resect::app::Pane::Studies));
-    let scene = |harness: &Window| {
-        harness.query_by_role_and_label(egui::accesskit::Role::Image, "Scene").is_some()
-    };
+    send(&mut harness, Command::ShowPane(Pane::Studies));
+    let scene = |harness: &Window| harness.query_by_role_and_label(Role::Image, "Scene").is_some();
     assert!(!scene(&harness));
     send(&mut harness, Command::ScenePicture(resect::app::PictureTo::Clipboard));
     assert!(scene(&harness));

@@ -13,8 +13,8 @@ use crate::pipeline::Interpolation;
 
 pub fn actions(state: &State) -> Vec<Action> {
     let open = state.active().is_some();
-    let undo = of_which(state, state.undo.undo_name(), state.undo.next_undo());
-    let redo = of_which(state, state.undo.redo_name(), state.undo.next_redo());
+    let undo = of_which(state, state.undo.undo_name(state.units), state.undo.next_undo());
+    let redo = of_which(state, state.undo.redo_name(state.units), state.undo.next_redo());
     let mut actions = vec![
         Action::new(Menu::Edit, "", undo, Command::Undo)
             .in_general("Undo")

@@ -18,6 +18,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     let measuring = state.ruler.active;
     let picked = state.active().and_then(|open| open.timeline.picked);
     let ruler = Ruler { active: !measuring, ends: Vec::new() };
+    let following = SceneOptions { follow: !state.scene.follow, ..state.scene };
     let mut actions = vec![
         view("Scene", "Fit", Command::Look(ViewPreset::Fit))
             .hint("Show all of the scene that is not hidden; the way back when it was lost")
@@ -36,6 +37,10 @@ pub fn actions(state: &State) -> Vec<Action> {
         .hint("The camera glides to it, as after a double-click")
         .key(Key::G)
         .possible(picked.is_some()),
+        view("Scene", "Follow the rig", Command::SetScene(following))
+            .hint("The camera goes with the prisms at the time cursor; moving it or Fit ends that")
+            .key(Key::C)
+            .on(state.scene.follow),
         view("Scene", "Ruler", Command::Measure(ruler))
             .hint("Measure between two points of the scene")
             .key(Key::M)
@@ -167,6 +172,14 @@ fn hiding(state: &State) -> Vec<Action> {
     actions.extend(SceneOptions::HEIGHT_SCALES.into_iter().map(|scale| {
         let options = SceneOptions { height_scale: scale, ..scene };
         set("Heights", &format!("Heights ×{scale}"), options).one_of(scene.height_scale == scale)
+    }));
+    actions.extend(SceneOptions::TRAILS_S.into_iter().map(|trail_s| {
+        let options = SceneOptions { trail_s, ..scene };
+        // The row of the menu has the last word: number and unit are one.
+        let length = SceneOptions::trail_in_words(trail_s).replace(' ', "\u{a0}");
+        set("Trail", &format!("Trail: {length}"), options)
+            .hint("How much of its way is drawn behind each prism at the time cursor")
+            .one_of(scene.trail_s == trail_s)
     }));
     actions
 }

@@ -11,6 +11,8 @@ pub struct PathPrompt {
     /// The path as it is typed: the folder that is shown, then what its entries are filtered by, or a new file's name.
     pub text: String,
     folder: PathBuf,
+    /// Where a path begins that is typed without a root: the folder that was shown when its typing began.
+    starts_at: PathBuf,
     /// `None` until the folder has been read.
     listing: Option<Listing>,
     /// Line among those shown.
@@ -70,6 +72,7 @@ impl PathPrompt {
             question,
             text: String::new(),
             folder: PathBuf::new(),
+            starts_at: PathBuf::new(),
             listing: None,
             chosen: None,
             overwrite: None,
@@ -191,6 +194,10 @@ impl PathPrompt {
     }
 
     fn type_text(&mut self, text: String) -> PromptStep {
+        let goes_on = !self.text.is_empty() && !text.is_empty() && !has_start(&self.text);
+        if !goes_on {
+            self.starts_at.clone_from(&self.folder);
+        }
         self.text = from_the_last_start(text);
         self.chosen = None;
         let folder = self.typed_folder();
@@ -210,6 +217,7 @@ impl PathPrompt {
         if let Wanted::NewFile { name } = &self.question.wanted {
             self.text += name;
         }
+        self.starts_at.clone_from(&folder);
         self.show(folder)
     }
 
@@ -293,7 +301,7 @@ impl PathPrompt {
         self.text.rsplit(std::path::is_separator).next().unwrap_or_default()
     }
 
-    /// What is typed as a path: from the folder that is shown, unless it starts at the root or at home (`~`).
+    /// What is typed as a path: from the folder where its typing began, unless it starts at the root or at home (`~`).
     fn typed_path(&self) -> PathBuf {
         let from_home = self
             .text
@@ -301,7 +309,7 @@ impl PathPrompt {
             .filter(|rest| rest.is_empty() || rest.starts_with(std::path::is_separator));
         let path = match (from_home, home()) {
             (Some(rest), Some(home)) => home.join(rest.trim_start_matches(std::path::is_separator)),
-            _ => self.folder.join(&self.text),
+            _ => self.starts_at.join(&self.text),
         };
         // Without a separator at its end, so that it compares.
         path.components().collect()
@@ -318,6 +326,11 @@ fn with_separator(folder: &Path) -> String {
 
 fn home() -> Option<PathBuf> {
     directories::BaseDirs::new().map(|folders| folders.home_dir().to_owned())
+}
+
+/// Whether a typed path starts at the root or at home.
+fn has_start(text: &str) -> bool {
+    text.starts_with('~') || Path::new(text).has_root()
 }
 
 /// A path typed behind the one that stands there begins anew at its own `/` or `~/`.
@@ -411,6 +424,22 @@ mod tests {
         assert_eq!(desk.enter("field"), PromptStep::Read(field));
         assert_eq!(desk.enter("nowhere/x"), PromptStep::Stay);
         assert!(desk.prompt.trouble().is_some_and(|why| why.contains("nowhere/x")));
+    }
+
+    #[test]
+    fn a_path_without_a_root_is_followed_as_it_is_typed() {
+        let mut desk = Desk::new(Wanted::ToOpen { folder: true });
+        desk.handle(PromptCommand::GoUp);
+        let step = desk.handle(PromptCommand::Type("field/".to_owned()));
+        assert_eq!(step, PromptStep::Read(desk.path("field")));
+        assert_eq!(desk.names(), [("day 1", ""), ("notes.txt", ""), ("tracks.csv", "deployment")]);
+        desk.handle(PromptCommand::Type("field/tr".to_owned()));
+        assert_eq!(desk.names(), [("tracks.csv", "deployment")]);
+        assert_eq!(desk.enter("field/day 1/"), PromptStep::Chosen(desk.path("field/day 1")));
+        // Once it is taken away, one is still there, and the next begins there.
+        desk.handle(PromptCommand::Type(String::new()));
+        assert_eq!(desk.prompt.folder(), desk.path("field/day 1"));
+        assert_eq!(desk.enter("../tr"), PromptStep::Chosen(desk.path("field/day 1/../tracks.csv")));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! How tabs look and what can be done to them.
 
+use eframe::egui::style::ScrollAnimation;
 use eframe::egui::{self, Align2, Rect, Sense, Stroke, TextStyle, WidgetInfo, vec2};
 use egui_tiles::{
     Behavior, Container, EditAction, SimplificationOptions, TabState, Tile, TileId, Tiles,
@@ -81,6 +82,10 @@ impl Behavior<Pane> for PaneBehaviour<'_> {
         tab.widget_info(|| {
             WidgetInfo::selected(egui::Role::Button, ui.is_enabled(), state.active, &title)
         });
+        if state.active && comes_to_front(ui, id) {
+            // The bar may be scrolled to other tabs.
+            ui.scroll_to_rect_animation(rect, None, ScrollAnimation::none());
+        }
         // While it is dragged, the gap shows where it came from.
         if ui.is_rect_visible(rect) && !state.is_being_dragged {
             let ground = self.tab_bg_color(ui.visuals(), tiles, tile, state);
@@ -122,6 +127,14 @@ impl Behavior<Pane> for PaneBehaviour<'_> {
         use EditAction::{TileDropped, TileResized};
         self.edits.moved |= matches!(edit, TileResized | TileDropped);
     }
+}
+
+/// Whether a tab that is in front now was not in the pass before.
+fn comes_to_front(ui: &egui::Ui, id: egui::Id) -> bool {
+    let (id, now) = (id.with("in front"), ui.ctx().cumulative_pass_nr());
+    let last: Option<u64> = ui.data(|data| data.get_temp(id));
+    ui.data_mut(|data| data.insert_temp(id, now));
+    last.is_none_or(|last| last + 1 < now)
 }
 
 /// A cross with a name.

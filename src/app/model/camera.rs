@@ -41,7 +41,7 @@ pub struct Frame {
     pub aspect: f32,
     /// Where the free part begins and ends, from −1 at the left to 1 at the right.
     pub across: [f32; 2],
-    /// The same from −1 at the bottom to 1 at the top.
+    /// Where it begins and ends from −1 at the bottom to 1 at the top.
     pub upwards: [f32; 2],
 }
 
@@ -184,7 +184,8 @@ impl Camera {
         self.target_m = self.target_m.sup(&(low_m - margin)).inf(&(high_m + margin));
     }
 
-    fn turn(&mut self, preset: ViewPreset) {
+    /// Turns as a preset says, and stays where it looks.
+    pub fn turn(&mut self, preset: ViewPreset) {
         let face = |pitch_rad: f32, yaw_rad: f32, parallel: bool| (pitch_rad, yaw_rad, parallel);
         let ahead_rad = -std::f32::consts::FRAC_PI_2;
         (self.pitch_rad, self.yaw_rad, self.parallel) = match preset {

@@ -24,7 +24,7 @@ impl Shown {
         }
     }
 
-    /// The same with a plus before what is above zero.
+    /// Puts a plus before what is above zero.
     #[must_use]
     pub fn signed(mut self) -> Self {
         let above = self.value.bytes().any(|byte| (b'1'..=b'9').contains(&byte));
@@ -105,7 +105,8 @@ impl Units {
         finding.with_angles(|angle| self.told(angle))
     }
 
-    fn told(self, angle: &ToldAngle) -> String {
+    /// An angle that a message tells, in the user's unit.
+    pub fn told(self, angle: &ToldAngle) -> String {
         let ToldAngle { value_rad, sigma_rad, unit, decimals, signed } = *angle;
         if unit == ToldIn::Degrees {
             return match self.angle {

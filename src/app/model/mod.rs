@@ -9,6 +9,7 @@ mod colouring;
 mod command;
 pub mod estimates;
 pub mod flight;
+pub mod follow;
 pub mod layout_description;
 pub mod layout_presets;
 pub mod names;

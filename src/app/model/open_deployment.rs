@@ -79,6 +79,14 @@ impl OpenDeployment {
         }
     }
 
+    /// The deployment under the name that tells it from the others; a copy only where that is another than its own.
+    pub fn named(&self, name: String) -> Arc<Deployment> {
+        if self.deployment.name == name {
+            return Arc::clone(&self.deployment);
+        }
+        Arc::new(Deployment { name, ..Deployment::clone(&self.deployment) })
+    }
+
     /// Takes in the same deployment, read again with other files; the old answer stays until the new one is there.
     pub fn replace(&mut self, deployment: Arc<Deployment>, source: Source) {
         self.longest_range_m = longest_range_m(&deployment);

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::Command;
 use super::Pane;
+use super::Units;
 use super::told::{self, new_findings};
 use crate::deployment::{Finding, Place, Severity};
 
@@ -46,6 +47,14 @@ impl Toast {
     fn life_s(&self) -> f64 {
         if self.about == About::Offer { f64::INFINITY } else { self.level.life_s() }
     }
+
+    /// The text and the detail with angles in the user's unit, which may change while they are shown.
+    pub fn lines(&self, units: Units) -> [String; 2] {
+        match &self.about {
+            About::Findings(_, name, findings) => in_words(name, findings, units).1,
+            _ => [self.text.clone(), self.detail.clone()],
+        }
+    }
 }
 
 /// What a toast tells of: it goes when that is no longer so.
@@ -53,8 +62,8 @@ impl Toast {
 enum About {
     /// What happened once, and stays so.
     Past,
-    /// Findings about an open deployment, by its id.
-    Findings(u64, Vec<Finding>),
+    /// Findings about an open deployment, by its id and its name.
+    Findings(u64, String, Vec<Finding>),
     /// A place that could not be opened.
     Place(Place),
     /// What the user may still decide.
@@ -93,7 +102,7 @@ impl Toasts {
         self.line(ToastLevel::Error, line, About::Past);
     }
 
-    /// The same of a place that could not be opened; it holds until that place is open.
+    /// Says that a place could not be opened, which holds until that place is open.
     pub fn not_opened(&mut self, place: &Place, line: &str) {
         self.line(ToastLevel::Error, line, About::Place(place.clone()));
     }
@@ -132,16 +141,16 @@ impl Toasts {
         }
         let mut all = Vec::new();
         self.shown.retain_mut(|toast| match &mut toast.about {
-            About::Findings(of, earlier) if *of == id => {
+            About::Findings(of, _, earlier) if *of == id => {
                 all.append(earlier);
                 false
             }
             _ => true,
         });
         all.extend(new);
-        let (level, lines) = in_words(name, &all);
+        let (level, lines) = in_words(name, &all, Units::default());
         let show = Some(("Show findings", Command::ShowPane(Pane::Findings)));
-        self.push(level, lines, show, About::Findings(id, all));
+        self.push(level, lines, show, About::Findings(id, name.to_owned(), all));
     }
 
     /// Has what is told of a deployment say what holds now, with its present numbers; what holds no longer goes.
@@ -151,7 +160,7 @@ impl Toasts {
         now: &(impl Iterator<Item = &'a Finding> + Clone),
     ) {
         self.shown.retain_mut(|toast| {
-            let About::Findings(of, findings) = &mut toast.about else { return true };
+            let About::Findings(of, known_as, findings) = &mut toast.about else { return true };
             if *of != id {
                 return true;
             }
@@ -163,14 +172,15 @@ impl Toasts {
             if findings.is_empty() {
                 return false;
             }
-            (toast.level, [toast.text, toast.detail]) = in_words(name, findings);
+            name.clone_into(known_as);
+            (toast.level, [toast.text, toast.detail]) = in_words(name, findings, Units::default());
             true
         });
     }
 
     /// A deployment was closed: nothing is told of it any more.
     pub fn closed(&mut self, id: u64) {
-        self.shown.retain(|toast| !matches!(toast.about, About::Findings(of, _) if of == id));
+        self.shown.retain(|toast| !matches!(toast.about, About::Findings(of, ..) if of == id));
     }
 
     /// A place was opened, or is no longer wanted.
@@ -235,7 +245,7 @@ fn halves(line: &str) -> [String; 2] {
 }
 
 /// What a toast says of findings about a deployment.
-fn in_words(name: &str, findings: &[Finding]) -> (ToastLevel, [String; 2]) {
+fn in_words(name: &str, findings: &[Finding], units: Units) -> (ToastLevel, [String; 2]) {
     // The worst of them speaks for all.
     let worst = findings.iter().map(|finding| finding.severity).max();
     let level = match worst {
@@ -243,10 +253,10 @@ fn in_words(name: &str, findings: &[Finding]) -> (ToastLevel, [String; 2]) {
         Some(Severity::Warning | Severity::Note) | None => ToastLevel::Warning,
     };
     let lines = match findings {
-        [one] => [format!("{name}: {one}"), String::new()],
+        [one] => [format!("{name}: {}", units.message(one)), String::new()],
         several => {
             let spokesman = several.iter().find(|finding| Some(finding.severity) == worst);
-            let detail = spokesman.map(|finding| finding.message.clone()).unwrap_or_default();
+            let detail = spokesman.map(|finding| units.message(finding)).unwrap_or_default();
             [format!("{} warnings about {name}", several.len()), detail]
         }
     };
@@ -297,6 +307,24 @@ mod tests {
         assert_eq!(toasts.errors().count(), 1);
         toasts.settled(&place);
         assert!(toasts.shown().is_empty());
+    }
+
+    #[test]
+    fn angles_are_told_in_the_unit_that_is_chosen_while_they_are_shown() {
+        use super::super::AngleUnit;
+        use crate::deployment::{ToldAngle, ToldIn};
+        let turned = ToldAngle::signed(1e-3, ToldIn::Milliradians, 2);
+        let finding = Finding::warning(format!("station 2 turned by {turned}")).telling([turned]);
+        let mut toasts = Toasts::default();
+        toasts.findings((1, "drive"), &[finding], &mut BTreeSet::new());
+        let told = |angle| {
+            let [text, _] = toasts.shown()[0].lines(Units { angle, ..Units::default() });
+            text.trim_start_matches("drive: station 2 turned by ").to_owned()
+        };
+        assert_eq!(
+            AngleUnit::ALL.map(told),
+            ["+1.0 mrad", "+206 ″", "+64 mgon"].map(str::to_owned)
+        );
     }
 
     #[test]

@@ -5,7 +5,8 @@
 
 use eframe::egui;
 
-use crate::analysis::{Settings, changes_in_words, setting_changes};
+use super::Units;
+use crate::analysis::{Settings, setting_changes};
 use crate::deployment::Extras;
 
 /// Changes of the same setting that come this soon after each other (s) are one step: a key held down.
@@ -50,9 +51,9 @@ impl Changed {
         matches!(self, Self::Settings([before, after]) if before == after)
     }
 
-    fn in_words(&self) -> String {
+    fn in_words(&self, units: Units) -> String {
         match self {
-            Self::Settings([before, after]) => changes_in_words(&setting_changes(before, after)),
+            Self::Settings([before, after]) => units.changes(before, after),
             Self::Extras { words, .. } => words.clone(),
         }
     }
@@ -152,12 +153,12 @@ impl UndoStack {
     }
 
     /// "Undo τ_r 2 → 1.5 m/s", or only "Undo".
-    pub fn undo_name(&self) -> String {
-        name("Undo", self.next_undo())
+    pub fn undo_name(&self, units: Units) -> String {
+        name("Undo", self.next_undo(), units)
     }
 
-    pub fn redo_name(&self) -> String {
-        name("Redo", self.next_redo())
+    pub fn redo_name(&self, units: Units) -> String {
+        name("Redo", self.next_redo(), units)
     }
 
     /// Changes whenever a step begins.
@@ -195,9 +196,9 @@ impl Step {
     }
 }
 
-fn name(verb: &str, step: Option<&Step>) -> String {
+fn name(verb: &str, step: Option<&Step>, units: Units) -> String {
     let Some(change) = step.and_then(|step| step.changes.first()) else { return verb.to_owned() };
-    let words = change.what.in_words();
+    let words = change.what.in_words(units);
     // Menus are no wider than a line that is read at a glance.
     match words.char_indices().nth(LONGEST_NAME) {
         Some((end, _)) => format!("{verb} {}…", words[..end].trim_end()),
@@ -291,14 +292,18 @@ mod tests {
         let words = "station numbers 1 2 3 → 1 3 2".to_owned();
         let what = Changed::Extras { both: Box::new([Extras::default(), extras]), words };
         stack.record(vec![Change { id: 1, what }], at(1.1, None));
-        assert_eq!(stack.undo_name(), "Undo station numbers 1 2 3 → 1 3 2");
+        assert_eq!(stack.undo_name(Units::default()), "Undo station numbers 1 2 3 → 1 3 2");
         stack.undo();
-        assert_eq!(stack.undo_name(), "Undo τ_r 2 → 1 m/s");
+        assert_eq!(stack.undo_name(Units::default()), "Undo τ_r 2 → 1 m/s");
         stack.redo();
         stack.forget_extras(1);
-        assert_eq!(stack.undo_name(), "Undo τ_r 2 → 1 m/s");
+        assert_eq!(stack.undo_name(Units::default()), "Undo τ_r 2 → 1 m/s");
         let what = Changed::Extras { both: Box::default(), words: "reading left out, ".repeat(9) };
         stack.record(vec![Change { id: 1, what }], Moment::NEVER);
-        assert!(stack.undo_name().chars().count() < 70, "{}", stack.undo_name());
+        assert!(
+            stack.undo_name(Units::default()).chars().count() < 70,
+            "{}",
+            stack.undo_name(Units::default())
+        );
     }
 }

@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::analysis::{SettingChange, Settings, changes_in_words, setting_changes};
 use crate::export::text::sigma_text;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -108,6 +109,22 @@ impl AngleUnit {
         }
     }
 
+    /// The unit of rates. Who reads radians has them as the paper and the settings do, in degrees.
+    pub fn rate_name(self) -> &'static str {
+        match self {
+            Self::Radian | Self::Degree => "°/s",
+            Self::Gon => "gon/s",
+        }
+    }
+
+    /// How many of [`Self::rate_name`] a degree a second is.
+    pub fn rate_per_deg_per_s(self) -> f64 {
+        match self {
+            Self::Radian | Self::Degree => 1.0,
+            Self::Gon => 400.0 / 360.0,
+        }
+    }
+
     pub fn per_radian(self) -> f64 {
         match self {
             Self::Radian => 1.0,
@@ -174,6 +191,29 @@ impl Units {
         sigma_text(thousandth, self.angle.small_decimals())
     }
 
+    /// What differs between two sets of settings, with rates in the user's unit.
+    pub fn changes(self, before: &Settings, after: &Settings) -> String {
+        let changes: Vec<SettingChange> =
+            setting_changes(before, after).into_iter().map(|change| self.change(change)).collect();
+        changes_in_words(&changes)
+    }
+
+    /// A changed setting, in the user's unit where it is a rate.
+    pub fn change(self, change: SettingChange) -> SettingChange {
+        if change.unit != AngleUnit::Degree.rate_name() {
+            return change;
+        }
+        let told = |text: String| match text.parse::<f64>() {
+            // No noise from a change of unit.
+            Ok(value) => {
+                ((value * self.angle.rate_per_deg_per_s() * 1e4).round() / 1e4).to_string()
+            }
+            Err(_) => text,
+        };
+        let (before, after) = (told(change.before), told(change.after));
+        SettingChange { before, after, unit: self.angle.rate_name(), ..change }
+    }
+
     /// A difference of lengths in mm, with its sign.
     pub fn length_difference(self, metres: f64) -> String {
         with_sign(metres * 1e3, 2)
@@ -220,6 +260,18 @@ mod tests {
         };
         let expected = [("0.024", "-0.024"), ("5.0", "-5.0"), ("1.53", "-1.53")];
         assert_eq!(AngleUnit::ALL.map(show), expected.map(|(a, b)| (a.to_owned(), b.to_owned())));
+    }
+
+    #[test]
+    fn a_changed_threshold_is_told_in_the_unit_of_rates() {
+        let mut after = Settings::default();
+        after.pipeline.thresholds.tau_a_deg_per_s = 1.8;
+        after.pipeline.thresholds.tau_r_m_per_s = 1.5;
+        let told =
+            |angle| Units { angle, ..Units::default() }.changes(&Settings::default(), &after);
+        let degrees = "τ_r 2 → 1.5 m/s, τ_a 1 → 1.8 °/s";
+        let gon = "τ_r 2 → 1.5 m/s, τ_a 1.1111 → 2 gon/s";
+        assert_eq!(AngleUnit::ALL.map(told), [degrees, degrees, gon]);
     }
 
     #[test]

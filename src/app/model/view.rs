@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::flight::Flight;
+use super::follow::Follow;
 use super::{Camera, Frame, ViewPreset};
 
 /// The camera, and where it is going.
@@ -13,6 +14,7 @@ pub struct View {
     pub wanted: Option<ViewPreset>,
     pub last_look: Option<Look>,
     pub flight: Option<Flight>,
+    pub follow: Follow,
 }
 
 /// What the camera was told to look at last. What is seen does not depend on which of two answers was drawn first, nor on

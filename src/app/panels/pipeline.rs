@@ -7,7 +7,7 @@ use eframe::egui::{self, Shape, Stroke};
 
 use super::scrolled;
 use crate::analysis::{Analysis, Settings};
-use crate::app::model::{Command, Commands};
+use crate::app::model::{AngleUnit, Command, Commands};
 use crate::app::state::State;
 use crate::app::words;
 use crate::calibration::{
@@ -31,7 +31,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         {
             settings = Settings::default();
         }
-        modules(ui, &mut settings, counts.as_ref());
+        modules(ui, &mut settings, counts.as_ref(), state.units.angle);
         let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
         calibration(ui, &mut settings.calibration, offer);
         if settings != *state.settings() {
@@ -75,7 +75,7 @@ impl Counts {
     }
 }
 
-fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) {
+fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, angle: AngleUnit) {
     let PipelineSettings { outlier_filter, interval_filter, thresholds, .. } =
         &mut settings.pipeline;
     let paper = Thresholds::default();
@@ -91,21 +91,19 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>) 
                 " m/s",
                 paper.tau_r_m_per_s,
             );
-            threshold(
+            angular(
                 ui,
                 ("τ_a  azimuth", &glossary::TAU_A),
                 &mut thresholds.tau_a_deg_per_s,
-                0.05..=20.0,
-                " °/s",
                 paper.tau_a_deg_per_s,
+                angle,
             );
-            threshold(
+            angular(
                 ui,
                 ("τ_e  zenith", &glossary::TAU_E),
                 &mut thresholds.tau_e_deg_per_s,
-                0.05..=20.0,
-                " °/s",
                 paper.tau_e_deg_per_s,
+                angle,
             );
         });
         ui.small(line(counts.map(|c| match c.left_out {
@@ -294,6 +292,25 @@ fn module(
     }
 }
 
+/// A threshold of an angle's rate, in the user's unit.
+fn angular(
+    ui: &mut egui::Ui,
+    named: (&str, &'static Term),
+    deg_per_s: &mut f64,
+    paper_deg_per_s: f64,
+    angle: AngleUnit,
+) {
+    let per = angle.rate_per_deg_per_s();
+    let before = *deg_per_s * per;
+    let mut value = before;
+    let unit = format!(" {}", angle.rate_name());
+    threshold(ui, named, &mut value, 0.05..=20.0, &unit, paper_deg_per_s * per);
+    if value != before {
+        // No noise from the change of unit.
+        *deg_per_s = (value / per * 1e6).round() / 1e6;
+    }
+}
+
 /// A slider with its unit and typed entry; a click with the right button brings the paper's value back.
 fn threshold(
     ui: &mut egui::Ui,
@@ -316,6 +333,7 @@ fn threshold(
                 let slider = egui::Slider::new(value, range)
                     .logarithmic(true)
                     .smallest_positive(0.05)
+                    .min_decimals(1)
                     .max_decimals(2)
                     .clamping(egui::SliderClamping::Edits)
                     .custom_parser(parse)
@@ -328,7 +346,8 @@ fn threshold(
         }
         words::mark(&response, &[term]);
         response.on_hover_text(format!(
-            "Paper: {paper}{unit} (right click). Drag, or click the number to type."
+            "Paper: {}{unit} (right click). Drag, or click the number to type.",
+            (paper * 1e4).round() / 1e4
         ))
     })
     .inner

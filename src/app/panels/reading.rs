@@ -3,7 +3,7 @@
 use eframe::egui::{self, RichText};
 
 use super::{heading, scrolled};
-use crate::analysis::{Analysis, Settings, changes_in_words, setting_changes};
+use crate::analysis::{Analysis, Settings};
 use crate::app::model::units::without_negative_zero;
 use crate::app::model::{Command, Commands, OpenDeployment, Picked, Units};
 use crate::app::state::{State, put_right};
@@ -13,7 +13,7 @@ use crate::deployment::{Severity, pair_label};
 use crate::glossary;
 use crate::palette;
 use crate::pipeline::SampleFate;
-use crate::pipeline::explanation::{Explanation, Step, explain};
+use crate::pipeline::explanation::{Explanation, Rate, Step, explain};
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
@@ -72,7 +72,7 @@ fn show(
         ui.painter().circle_filled(dot.center(), 5.0, theme::rgb(palette::fate(fate)));
         words::explain(ui.strong(fate.label()), &glossary::FATE);
     });
-    ui.add(egui::Label::new(explained.in_words(open.start_s())).wrap());
+    ui.add(egui::Label::new(told_in(explained, state.units).in_words(open.start_s())).wrap());
     remedy(ui, state, explained, commands);
     leave_out(ui, state, open, Picked { station, index }, commands);
     neighbours(ui, analysis, Picked { station, index }, commands);
@@ -80,7 +80,7 @@ fn show(
     numbers(ui, explained, open.start_s(), state.units);
     heading(ui, "Change from the reading before");
     match &explained.step {
-        Some(step) => rates(ui, step),
+        Some(step) => rates(ui, step, state.units),
         None => {
             ui.weak("The first of its station: nothing to compare it with.");
         }
@@ -91,11 +91,24 @@ fn show(
     }
 }
 
+/// The explanation with its rates in the user's unit.
+fn told_in(explained: &Explanation, units: Units) -> Explanation {
+    let mut told = explained.clone();
+    if let Some(step) = &mut told.step {
+        step.rates = step.rates.map(|rate| rate_in(rate, units));
+    }
+    told
+}
+
+fn rate_in(rate: Rate, units: Units) -> Rate {
+    rate.told_in(units.angle.rate_name(), units.angle.rate_per_deg_per_s())
+}
+
 /// The least change of a threshold that would let the reading past the module that stopped it.
 fn remedy(ui: &mut egui::Ui, state: &State, explained: &Explanation, commands: &mut Commands) {
     let Some(pipeline) = explained.remedy() else { return };
     let settings = Settings { pipeline, ..*state.settings() };
-    let changes = changes_in_words(&setting_changes(state.settings(), &settings));
+    let changes = state.units.changes(state.settings(), &settings);
     let button = ui.button(format!("Set {changes}")).on_hover_text(
         "Would let this reading past the module that stopped it. The thresholds hold for all readings, not for this \
          one alone.",
@@ -176,21 +189,21 @@ fn numbers(ui: &mut egui::Ui, explained: &Explanation, start_s: f64, units: Unit
 }
 
 /// Each rate beside its threshold; what exceeds it has a sign.
-fn rates(ui: &mut egui::Ui, step: &Step) {
+fn rates(ui: &mut egui::Ui, step: &Step, units: Units) {
     let (colour, _) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
     egui::Grid::new("rates").num_columns(3).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for name in ["rate of", "", "allowed"] {
             ui.label(name);
         }
         ui.end_row();
-        for rate in &step.rates {
-            let unit = rate.unit();
-            ui.label(format!("{} ({unit})", rate.name()));
+        for rate in step.rates.map(|rate| rate_in(rate, units)) {
+            ui.label(format!("{} ({})", rate.name(), rate.unit));
             let value = without_negative_zero(rate.value, 2);
             let text = RichText::new(format!("{value:>8}")).monospace();
             ui.label(if rate.exceeds() { text.strong().color(colour) } else { text });
             let allowed = rate.threshold.map_or("filter off".to_owned(), |threshold| {
                 let sign = if rate.exceeds() { "  ✗" } else { "" };
+                let threshold = (threshold * 1e4).round() / 1e4;
                 format!("{} {threshold}{sign}", rate.threshold_name())
             });
             words::explain_text(ui.label(&allowed), &allowed);

@@ -4,7 +4,7 @@ use eframe::egui::{self, RichText, WidgetInfo};
 
 use super::result::badge;
 use super::{heading, scrolled, use_pinned};
-use crate::analysis::{Settings, changes_in_words, setting_changes};
+use crate::analysis::Settings;
 use crate::app::model::ago::ago;
 use crate::app::model::{Command, Commands, Pin, Run};
 use crate::app::state::State;
@@ -83,7 +83,7 @@ fn pinned(ui: &mut egui::Ui, state: &State, pin: &Pin, commands: &mut Commands) 
         ui.add_space(INDENT);
         numbers(ui, summary);
     });
-    let changed = changes_in_words(&setting_changes(&Settings::default(), &summary.settings));
+    let changed = state.units.changes(&Settings::default(), &summary.settings);
     let words = if changed.is_empty() { "the default settings".to_owned() } else { changed };
     ui.horizontal(|ui| {
         ui.add_space(INDENT);
@@ -160,7 +160,7 @@ fn one(
 }
 
 fn first_in_words(state: &State, run: &Run) -> String {
-    let changed = changes_in_words(&setting_changes(&Settings::default(), &run.settings));
+    let changed = state.units.changes(&Settings::default(), &run.settings);
     let name = run.result.as_ref().map_or("opened".to_owned(), |summary| {
         state.name_of(run.deployment).unwrap_or_else(|| summary.deployment.clone())
     });

@@ -1,6 +1,6 @@
 //! The sheet of shortcuts, from the same table as the menus, and what the mouse does.
 
-use eframe::egui;
+use eframe::egui::{self, RichText};
 
 use crate::app::actions::{self, Menu};
 use crate::app::model::{Command, Commands};
@@ -12,7 +12,7 @@ const MOUSE: [(&str, &[(&str, &str)]); 2] = [
         "Scene",
         &[
             ("drag", "turn"),
-            ("right drag, Shift+drag", "move"),
+            ("right drag, Shift+drag", "move; ends following the rig"),
             ("wheel", "zoom to the pointer"),
             ("click", "pick a reading, or move the time cursor"),
             ("double-click", "come to a point, or beside all fit all in"),
@@ -31,11 +31,14 @@ const MOUSE: [(&str, &[(&str, &str)]); 2] = [
             ("drag a τ line", "set the threshold"),
             ("right click on a τ", "the paper's value"),
             ("+ −, Page Up, Page Down", "zoom and move, when a plot has the focus"),
+            ("wheel in a histogram", "zoom in mm; double-click: all"),
         ],
     ),
 ];
 
 const WIDTH: f32 = 1020.0;
+/// Size of the letters.
+const SIZE: f32 = 12.0;
 
 pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let modal = egui::Modal::new(egui::Id::unique("shortcuts"));
@@ -50,8 +53,10 @@ pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
                 }
             });
         });
-        let size = ui.ctx().content_rect().size() - egui::vec2(60.0, 120.0);
-        egui::ScrollArea::both().max_width(size.x).max_height(size.y).show(ui, |ui| {
+        // Scrolled only where the window is lower than the sheet: an area's first frame has little room.
+        let size = ui.ctx().content_rect().size() - egui::vec2(60.0, 90.0);
+        let area = egui::ScrollArea::both().max_width(size.x).max_height(size.y);
+        area.min_scrolled_height(size.y).show(ui, |ui| {
             ui.horizontal_top(|ui| {
                 let actions = actions::all(state);
                 for menus in [
@@ -93,10 +98,12 @@ pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
 fn table<'a>(ui: &mut egui::Ui, title: &str, rows: impl Iterator<Item = (&'a str, &'a str)>) {
     ui.add_space(4.0);
     ui.strong(title);
-    egui::Grid::new(title).num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+    // Low rows: the sheet is seen whole in a small window.
+    let grid = egui::Grid::new(title).num_columns(2).spacing([14.0, 2.0]).min_row_height(0.0);
+    grid.show(ui, |ui| {
         for (keys, what) in rows {
-            ui.monospace(keys);
-            ui.label(what);
+            ui.label(RichText::new(keys).monospace().size(SIZE));
+            ui.label(RichText::new(what).size(SIZE));
             ui.end_row();
         }
     });

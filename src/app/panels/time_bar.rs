@@ -3,7 +3,9 @@
 use eframe::egui::{self, Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
 
 use crate::app::model::time_scale::decimals;
-use crate::app::model::{Command, Commands, OpenDeployment, Playback, TimeScale, Timeline};
+use crate::app::model::{
+    Command, Commands, OpenDeployment, Playback, SceneOptions, TimeScale, Timeline,
+};
 use crate::app::state::State;
 use crate::app::theme;
 
@@ -12,6 +14,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     egui::Panel::bottom("time bar").show(ui, |ui| {
         ui.horizontal(|ui| {
             transport(ui, state, commands);
+            scene(ui, state, commands);
             let [start_s, end_s] = open.timeline.whole_s;
             let at_s = open.timeline.cursor_s.unwrap_or(start_s) - start_s;
             let scale = TimeScale::new(state.units.time, start_s);
@@ -58,6 +61,31 @@ fn transport(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     combo.response.on_hover_text("Seconds of the drive in a second");
     if speed != state.playback.speed {
         commands.push(Command::SetPlaySpeed(speed));
+    }
+}
+
+/// How the scene shows what is played.
+fn scene(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let mut options = state.scene;
+    let combo = egui::ComboBox::from_id_salt("trail")
+        .width(74.0)
+        .selected_text(format!("Trail {}", SceneOptions::trail_in_words(options.trail_s)))
+        .show_ui(ui, |ui| {
+            for choice in SceneOptions::TRAILS_S {
+                let text = SceneOptions::trail_in_words(choice);
+                ui.selectable_value(&mut options.trail_s, choice, text);
+            }
+        });
+    let name = "Trail in the scene";
+    combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+    combo.response.on_hover_text("How much of its way is drawn behind each prism");
+    let follow = egui::Button::selectable(options.follow, "Follow").frame_when_inactive(true);
+    let hint = "The camera of the scene goes with the rig (C); moving it or Fit ends that";
+    if ui.add(follow).on_hover_text(hint).clicked() {
+        options.follow ^= true;
+    }
+    if options != state.scene {
+        commands.push(Command::SetScene(options));
     }
 }
 

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Color32, RichText, accesskit};
 
 use crate::app::model::toasts::{Toast, ToastLevel, Toasts};
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Command, Commands, Units};
 use crate::app::theme;
 use crate::deployment::Severity;
 use crate::palette;
@@ -11,7 +11,7 @@ use crate::palette;
 /// More lines than this are scrolled to.
 const MOST_LINES: f32 = 5.0;
 
-pub fn ui(ui: &mut egui::Ui, toasts: &Toasts, commands: &mut Commands) {
+pub fn ui(ui: &mut egui::Ui, toasts: &Toasts, units: Units, commands: &mut Commands) {
     // What the pointer drags must not slip away under it: the strip waits until the button is up.
     let held = ui.input(|input| input.pointer.any_down());
     let id = egui::Id::unique("toasts");
@@ -33,14 +33,16 @@ pub fn ui(ui: &mut egui::Ui, toasts: &Toasts, commands: &mut Commands) {
             .min_scrolled_height(if held { 0.0 } else { MOST_LINES * line })
             .auto_shrink([false, true])
             .stick_to_bottom(true)
-            .show(ui, |ui| toasts.shown().iter().for_each(|toast| show(ui, toast, commands)));
+            .show(ui, |ui| {
+                toasts.shown().iter().for_each(|toast| show(ui, toast, units, commands));
+            });
     });
     if !held {
         ui.data_mut(|data| data.insert_temp(id, shown.response.rect.height()));
     }
 }
 
-fn show(ui: &mut egui::Ui, toast: &Toast, commands: &mut Commands) {
+fn show(ui: &mut egui::Ui, toast: &Toast, units: Units, commands: &mut Commands) {
     let (colour, sign) = colour_and_sign(toast.level, ui.visuals().dark_mode);
     let line = ui.with_layout(egui::Layout::right_to_left(egui::Align::TOP), |ui| {
         if ui.button("Dismiss").clicked() {
@@ -53,7 +55,7 @@ fn show(ui: &mut egui::Ui, toast: &Toast, commands: &mut Commands) {
         }
         ui.with_layout(egui::Layout::left_to_right(egui::Align::TOP), |ui| {
             ui.label(RichText::new(sign).color(colour).strong());
-            words(ui, toast);
+            words(ui, toast, units);
         });
     });
     if ui.rect_contains_pointer(line.response.rect) {
@@ -62,12 +64,11 @@ fn show(ui: &mut egui::Ui, toast: &Toast, commands: &mut Commands) {
 }
 
 /// What happened, how often, and why or what to do about it.
-fn words(ui: &mut egui::Ui, toast: &Toast) {
-    let mut text = shortened(&toast.text);
+fn words(ui: &mut egui::Ui, toast: &Toast, units: Units) {
+    let [mut text, detail] = toast.lines(units).map(|line| shortened(&line));
     if toast.count > 1 {
         text += &format!(" ({}×)", toast.count);
     }
-    let detail = shortened(&toast.detail);
     let mut job = egui::text::LayoutJob::default();
     let mut add = |text: RichText| {
         let style = ui.style();

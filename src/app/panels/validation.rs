@@ -56,7 +56,7 @@ fn one(
         ui.label(word.color(ink).background_color(ground));
         ui.strong(format!("for {name}"));
     });
-    ui.add(egui::Label::new(found.why()).wrap());
+    ui.add(egui::Label::new(found.why_with(&|angle| state.units.told(angle))).wrap());
     if let Some(difference) = &found.difference {
         stations(ui, (index, difference), state.units);
     }

@@ -60,8 +60,8 @@ pub struct SavedDeployment {
 /// The files that a deployment was read from, found and hashed once and only when a session is written.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
-    /// What was read, until it is hashed; none of samples, and of files as a session remembers them.
-    read: Option<(Source, Arc<Deployment>)>,
+    /// What was read, until it is hashed; none of files as a session remembers them.
+    read: Option<Arc<Deployment>>,
     marks: Arc<OnceLock<Vec<FileMark>>>,
 }
 
@@ -77,10 +77,8 @@ impl PartialEq for Files {
 
 impl Files {
     /// Files of a deployment that was just read.
-    pub fn of(source: Option<&Source>, deployment: &Arc<Deployment>) -> Self {
-        let source = source.filter(|source| source.path().is_some()).cloned();
-        let read = source.map(|source| (source, Arc::clone(deployment)));
-        Self { read, marks: Arc::default() }
+    pub fn of(deployment: &Arc<Deployment>) -> Self {
+        Self { read: Some(Arc::clone(deployment)), marks: Arc::default() }
     }
 
     /// Files as a session remembers them.
@@ -91,8 +89,8 @@ impl Files {
     /// Hashes them the first time; not on the window's thread. What cannot be read is left out.
     pub fn marks(&self, cache: &HashCache) -> &[FileMark] {
         self.marks.get_or_init(|| {
-            let used = self.read.iter().flat_map(|(source, read)| used_files(source, read));
-            used.filter_map(|path| cache.mark(&path).ok()).collect()
+            let used = self.read.iter().flat_map(|read| used_files(read));
+            used.filter_map(|path| cache.mark(path).ok()).collect()
         })
     }
 

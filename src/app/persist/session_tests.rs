@@ -9,6 +9,7 @@ use crate::app::layout::Layout;
 use crate::app::model::Colouring;
 use crate::app::model::LayoutPreset;
 use crate::app::model::Plotted;
+use crate::app::model::SceneOptions;
 use crate::app::persist::hashes::used_files;
 use crate::app::persist::session::{SavedDeployment, SavedPin, SavedView};
 use crate::app::prepared::channels::Channel;
@@ -49,6 +50,7 @@ fn session(folder: &Path) -> Session {
         view: SavedView {
             colouring: Colouring::Speed,
             plotted: Plotted { channel: Channel::Height, against: Some(Channel::Speed) },
+            scene: SceneOptions { trail_s: 30, follow: true, ..SceneOptions::default() },
             ..SavedView::default()
         },
         layout: Some(Layout::from(LayoutPreset::Compare).describe()),
@@ -119,12 +121,29 @@ fn used_files_are_those_that_were_read() {
         for place in ["data", "data/a.csv"] {
             let source = Source::at(folder.path().join(place)).with(extras.clone());
             let deployment = source.open(&Progress::default()).expect("opens");
-            let mut used = used_files(&source, &deployment);
+            let mut used: Vec<_> = used_files(&deployment).collect();
             used.sort();
             let expected = ["data/a.csv", "rig/d.txt"].map(|name| folder.path().join(name));
             assert_eq!(used, expected, "{rig}, {place}: {:?}", deployment.ingredients);
         }
     }
+}
+
+#[test]
+fn the_files_of_further_drives_are_used_files_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let place = |name: &str| folder.path().join(name);
+    for (drive, start_s) in [("run1/data", 0.0), ("run2/data", 100.0)] {
+        std::fs::create_dir_all(place(drive)).expect("created");
+        let readings = (1..4).map(|station| format!("{},{station},10,0.1,1.5\n", start_s + 0.1));
+        let tracks = format!("timestamp,id,distance,ha,va\n{}", readings.collect::<String>());
+        std::fs::write(place(drive).join("a.csv"), tracks).expect("written");
+    }
+    let extras = Extras { drives: vec![place("run2/data")], ..Extras::default() };
+    let source = Source::at(place("run1/data")).with(extras);
+    let deployment = source.open(&Progress::default()).expect("opens");
+    let used: Vec<_> = used_files(&deployment).collect();
+    assert_eq!(used, [place("run1/data/a.csv"), place("run2/data/a.csv")]);
 }
 
 #[test]

@@ -47,7 +47,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.centered_and_justified(|ui| ui.weak(nothing(plotted)));
         return;
     }
-    let strip = strips(ui, 1)[0];
+    let strip = strips(ui, 1, all.len())[0];
     let pane = ChannelPlot { open, units: state.units, plotted, times, all };
     match plotted.against {
         None => pane.over_time(ui, &strip, commands),
@@ -232,10 +232,10 @@ impl ChannelPlot<'_> {
             let at = at.map(|value| with_unit(channel, self.units, value));
             let at = at.unwrap_or_else(|| "nothing".to_owned());
             let colour = theme::readable(colour(one), dark);
-            lines.push(RichText::new(&one.name).color(colour).strong());
-            lines.push(RichText::new(format!("{count} values; at the cursor {at}")));
+            let text = format!("{}: {count} values; at the cursor {at}", one.name);
+            lines.push(RichText::new(text).color(colour));
         }
-        strip.words(ui, lines, channel.hint());
+        strip.words(ui, &lines, channel.hint());
     }
 }
 

@@ -47,8 +47,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             HoverPosition::Elsewhere { .. } => None,
         },
     );
-    let strip = strips(ui, 1)[0];
-    strip.words(ui, caption(open, state, estimated.as_ref(), ui.visuals().dark_mode), "");
+    let caption = caption(open, state, estimated.as_ref(), ui.visuals().dark_mode);
+    let strip = strips(ui, 1, caption.len())[0];
+    strip.words(ui, &caption, "");
     let bounds_ms = bounds_ms(open, state, estimated.as_ref());
     let columns = strip.plot.width() as usize;
     let (readings, stations) = (&open.plots.readings, state.visibility.stations);

@@ -3,14 +3,16 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Color32, FontId, RichText};
-use egui_plot::{AxisHints, Line, Plot, PlotPoints, VLine};
+use egui_plot::{AxisHints, Line, Plot, PlotPoints, PlotResponse, VLine};
 
+use super::navigation::{self, Moved};
 use super::time_plot::still;
 use super::{LABELS, answer, close_marks, pair_name, round_marks};
 use crate::app::model::OpenDeployment;
 use crate::app::prepared::plots::Distributions;
 use crate::app::state::State;
 use crate::app::theme;
+use crate::deployment::pair_label;
 use crate::evaluation::Spread;
 use crate::palette;
 
@@ -41,6 +43,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
 
 fn strips(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
     let (all, selected) = (&open.plots.distributions, selected(ui, open));
+    // Errors that the user came nearer to; otherwise the plots follow the answer.
+    let chosen_id = ui.scope_id().with(("chosen errors", open.id));
+    let chosen_mm: Option<[f64; 2]> = ui.data(|data| data.get_temp(chosen_id)).unwrap_or_default();
+    let shown_mm = within(chosen_mm.unwrap_or(open.plots.range_mm), open.plots.range_mm);
+    let mut moved = None;
     ui.spacing_mut().item_spacing.y = 1.0;
     let two_lines = selected.is_some() && ui.available_width() < NARROW;
     let of_selected = |of: fn(&Distributions) -> Option<Spread>| selected.as_deref().map(of);
@@ -54,61 +61,89 @@ fn strips(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
         let part = selected.as_deref().map(|it| it.by_pair_mm[pair]);
         words(ui, name, all.by_pair_mm[pair], part, two_lines);
         let lowest = row + 1 == pairs.len();
-        pair_plot(ui, open, (all, selected.as_deref()), pair, height, lowest);
+        let plot = PairPlot { open, pair, shown_mm, height, lowest };
+        let shown = plot.show(ui, all, selected.as_deref());
+        moved = moved.or(navigation::along_x(ui, &shown.response, &shown.transform));
     }
+    let chosen_mm = match moved {
+        None => chosen_mm,
+        Some(Moved::To(range_mm)) => Some(range_mm),
+        Some(Moved::Back) => None,
+    };
+    ui.data_mut(|data| data.insert_temp(chosen_id, chosen_mm));
 }
 
-/// One pair's errors: an outline of all, and in full those of the selected times, where there are any.
-fn pair_plot(
-    ui: &mut egui::Ui,
-    open: &OpenDeployment,
-    (all, selected): (&Distributions, Option<&Distributions>),
+/// The nearest part of a whole: as long, where the whole is.
+fn within([low, high]: [f64; 2], whole: [f64; 2]) -> [f64; 2] {
+    let length = (high - low).min(whole[1] - whole[0]);
+    let low = low.min(whole[1] - length).max(whole[0]);
+    [low, low + length]
+}
+
+/// The plot of one pair's errors.
+struct PairPlot<'a> {
+    open: &'a OpenDeployment,
     pair: usize,
+    shown_mm: [f64; 2],
     height: f32,
     lowest: bool,
-) {
-    let small = || FontId::proportional(11.0);
-    let unit = match height < LOW {
-        true => "%".to_owned(),
-        false => format!("% per {:.2} mm", all.bin_width_mm),
-    };
-    let y_axis = AxisHints::new_y()
-        .label(RichText::new(unit).small())
-        .label_spacing(9.0..=16.0)
-        .tick_label_font(small())
-        .min_thickness(NUMBERS);
-    let x_axis = AxisHints::new_x()
-        .label(RichText::new("error (mm)").small())
-        .label_spacing(LABELS)
-        .tick_label_font(small())
-        .min_thickness(AXIS);
-    let highest = selected.map_or(0.0, |it| it.highest_percent).max(all.highest_percent);
-    let [low, high] = open.plots.range_mm;
-    let zero = theme::faint(ui.visuals().dark_mode);
-    let colour = theme::rgb(palette::PAIRS[pair]);
-    still(Plot::new(("histogram", open.id, pair)))
-        .height(height + if lowest { AXIS } else { 0.0 })
-        .custom_x_axes(if lowest { vec![x_axis] } else { vec![] })
-        .custom_y_axes(vec![y_axis])
-        .x_grid_spacer(round_marks)
-        .y_grid_spacer(close_marks)
-        .label_formatter(|_| None)
-        .show(ui, |plot_ui| {
-            plot_ui.set_plot_bounds_x(low..=high);
-            plot_ui.set_plot_bounds_y(0.0..=1.08 * highest.max(1.0));
-            plot_ui.vline(VLine::new("", 0.0).color(zero).width(0.8));
-            let outline = |of: &Distributions, ink: Color32, fill: f32| {
-                let corners = PlotPoints::Owned(of.outlines[pair].clone());
-                Line::new("", corners).color(ink).width(1.2).fill(0.0).fill_alpha(fill)
-            };
-            match selected {
-                Some(selected) => {
-                    plot_ui.line(outline(selected, colour, 0.45));
-                    plot_ui.line(outline(all, zero, 0.0));
+}
+
+impl PairPlot<'_> {
+    /// An outline of all errors, and in full those of the selected times, where there are any.
+    fn show(
+        &self,
+        ui: &mut egui::Ui,
+        all: &Distributions,
+        selected: Option<&Distributions>,
+    ) -> PlotResponse<()> {
+        let Self { open, pair, shown_mm: [low, high], height, lowest } = *self;
+        let small = || FontId::proportional(11.0);
+        let unit = match height < LOW {
+            true => "%".to_owned(),
+            false => format!("% per {:.2} mm", all.bin_width_mm),
+        };
+        let y_axis = AxisHints::new_y()
+            .label(RichText::new(unit).small())
+            .label_spacing(9.0..=16.0)
+            .tick_label_font(small())
+            .min_thickness(NUMBERS);
+        let x_axis = AxisHints::new_x()
+            .label(RichText::new("error (mm)").small())
+            .label_spacing(LABELS)
+            .tick_label_font(small())
+            .min_thickness(AXIS);
+        let highest = selected.map_or(0.0, |it| it.highest_percent).max(all.highest_percent);
+        let zero = theme::faint(ui.visuals().dark_mode);
+        let colour = theme::rgb(palette::PAIRS[pair]);
+        let name = format!("distribution of the errors {}", pair_label(pair));
+        let shown = still(Plot::new(("histogram", open.id, pair)))
+            .height(height + if lowest { AXIS } else { 0.0 })
+            .custom_x_axes(if lowest { vec![x_axis] } else { vec![] })
+            .custom_y_axes(vec![y_axis])
+            .x_grid_spacer(round_marks)
+            .y_grid_spacer(close_marks)
+            .label_formatter(|_| None)
+            .show(ui, |plot_ui| {
+                plot_ui.set_plot_bounds_x(low..=high);
+                plot_ui.set_plot_bounds_y(0.0..=1.08 * highest.max(1.0));
+                plot_ui.vline(VLine::new("", 0.0).color(zero).width(0.8));
+                let outline = |of: &Distributions, ink: Color32, fill: f32| {
+                    let corners = PlotPoints::Owned(of.outlines[pair].clone());
+                    Line::new("", corners).color(ink).width(1.2).fill(0.0).fill_alpha(fill)
+                };
+                match selected {
+                    Some(selected) => {
+                        plot_ui.line(outline(selected, colour, 0.45));
+                        plot_ui.line(outline(all, zero, 0.0));
+                    }
+                    None => plot_ui.line(outline(all, colour, 0.3)),
                 }
-                None => plot_ui.line(outline(all, colour, 0.3)),
-            }
-        });
+            });
+        let role = egui::accesskit::Role::Canvas;
+        shown.response.widget_info(|| egui::WidgetInfo::labeled(role, ui.is_enabled(), &name));
+        shown
+    }
 }
 
 /// "1–2  median |e| 0.95 mm, IQR 1.43, n 3041", and the same of what is selected.
@@ -119,7 +154,8 @@ fn words(
     selected: Option<Option<Spread>>,
     two_lines: bool,
 ) {
-    let hint = "|e|: the size of the error, apparent minus known distance. IQR: from its lower quartile to the upper.";
+    let hint = "|e|: the size of the error, apparent minus known distance. IQR: from its lower quartile to the upper. \
+                Scroll: zoom; right drag: move; double-click: all.";
     let part = selected.map(|spread| format!("selected: {}", in_words(spread)));
     let label = |ui: &mut egui::Ui, text: RichText| {
         ui.add(egui::Label::new(text.small()).truncate()).on_hover_text(hint);
@@ -165,4 +201,18 @@ pub fn selected(ui: &egui::Ui, open: &OpenDeployment) -> Option<Arc<Distribution
     let distributions = Arc::new(open.plots.distributions_within(span_s));
     ui.data_mut(|data| data.insert_temp(id, (key, Arc::clone(&distributions))));
     Some(distributions)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_zoomed_to_stays_within_what_there_is() {
+        let whole = [-5.0, 5.0];
+        assert_eq!(within([-1.0, 2.0], whole), [-1.0, 2.0]);
+        assert_eq!(within([-7.0, -3.0], whole), [-5.0, -1.0]);
+        assert_eq!(within([4.0, 9.0], whole), [0.0, 5.0]);
+        assert_eq!(within([-90.0, 4.0], whole), whole);
+    }
 }

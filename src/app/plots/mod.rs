@@ -85,7 +85,7 @@ fn round_marks(input: GridInput) -> Vec<GridMark> {
     marks_apart(&input, 40.0)
 }
 
-/// The same along y, where a number is not wide.
+/// Marks along y, where a number is not wide.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 fn close_marks(input: GridInput) -> Vec<GridMark> {
     marks_apart(&input, 20.0)

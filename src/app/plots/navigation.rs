@@ -6,7 +6,7 @@ use egui_plot::PlotTransform;
 use super::times::Times;
 use crate::app::model::{Command, Commands};
 
-/// What the user asks of the y axis.
+/// What the user asks of an axis of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Moved {
     To([f64; 2]),
@@ -68,6 +68,34 @@ pub fn navigate(
     moved_y
 }
 
+/// Scrolling zooms along x at the pointer, a drag with the right or the middle button moves, a double click shows all: for
+/// plots whose x is not time.
+pub fn along_x(
+    ui: &egui::Ui,
+    response: &egui::Response,
+    transform: &PlotTransform,
+) -> Option<Moved> {
+    if response.double_clicked() {
+        return Some(Moved::Back);
+    }
+    let shown = [transform.bounds().min()[0], transform.bounds().max()[0]];
+    let mut range = shown;
+    let pointer = ui.input(|i| i.pointer.latest_pos());
+    if let Some(at) = pointer.filter(|at| transform.frame().contains(*at))
+        && response.contains_pointer()
+    {
+        let speed = ui.ctx().options(|options| options.input_options.scroll_zoom_speed);
+        let (scroll, zoom) = ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta()));
+        let factor = f64::from((scroll.y * speed).exp() * zoom);
+        range = zoomed(range, transform.value_from_position(at).x, factor);
+    }
+    if response.dragged_by(PointerButton::Secondary) || response.dragged_by(PointerButton::Middle) {
+        let by = f64::from(response.drag_delta().x) * transform.dvalue_dpos()[0];
+        range = range.map(|end| end - by);
+    }
+    (range != shown).then_some(Moved::To(range))
+}
+
 /// Selects what is dragged over with the main button.
 fn select(
     ui: &egui::Ui,
@@ -123,6 +151,8 @@ fn zoomed(range: [f64; 2], about: f64, factor: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui::{Event, MouseWheelUnit, Pos2, RawInput, Rect, Sense, Vec2};
+    use egui_plot::PlotBounds;
 
     #[test]
     fn what_is_zoomed_about_stays_where_it_is() {
@@ -130,5 +160,36 @@ mod tests {
         assert_eq!([from, to], [12.5, 22.5]);
         assert!(((15.0 - from) / (to - from) - 0.25).abs() < 1e-12);
         assert_eq!(zoomed([from, to], 15.0, 0.5), [10.0, 30.0]);
+    }
+
+    #[test]
+    fn the_wheel_comes_nearer_to_what_is_under_the_pointer() {
+        let frame = Rect::from_min_size(Pos2::ZERO, Vec2::splat(100.0));
+        let bounds = PlotBounds::from_min_max([-5.0, 0.0], [5.0, 1.0]);
+        let ctx = egui::Context::default();
+        let mut moved = None;
+        let mut frame_with = |events: Vec<Event>| {
+            let input = RawInput { events, ..RawInput::default() };
+            let mut output = ctx.run_ui(input, |ui| {
+                let transform = PlotTransform::new(frame, bounds, false);
+                let response = ui.interact(frame, egui::Id::unique("plot"), Sense::click());
+                moved = moved.or(along_x(ui, &response, &transform));
+            });
+            output.textures_delta.clear();
+        };
+        // At 2.5 of −5 to 5.
+        frame_with(vec![Event::PointerMoved(egui::pos2(75.0, 50.0))]);
+        let wheel = Event::MouseWheel {
+            unit: MouseWheelUnit::Point,
+            delta: Vec2::new(0.0, 60.0),
+            modifiers: egui::Modifiers::NONE,
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Unknown,
+        };
+        frame_with(vec![wheel]);
+        frame_with(vec![]);
+        let Some(Moved::To([low, high])) = moved else { panic!("{moved:?}") };
+        assert!(high - low < 9.9, "{low} to {high}");
+        assert!(((2.5 - low) / (high - low) - 0.75).abs() < 1e-6, "{low} to {high}");
     }
 }

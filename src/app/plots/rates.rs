@@ -31,7 +31,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     };
     let times = Times::of(open, state);
     head(ui, state, &times, commands);
-    for (strip, quantity) in strips(ui, Quantity::ALL.len()).iter().zip(Quantity::ALL) {
+    for (strip, quantity) in strips(ui, Quantity::ALL.len(), 1).iter().zip(Quantity::ALL) {
         RatePlot { open, state, times, quantity }.show(ui, strip, commands);
     }
 }
@@ -84,7 +84,7 @@ impl RatePlot<'_> {
         // Of each run a plot draws three dots.
         let runs = (0.5 * strip.plot.width()) as usize;
         let dots = self.dots(&pipeline, bounds, runs);
-        let (unit, scale) = (self.quantity.unit(), self.times.scale);
+        let (unit, scale) = (self.unit(), self.times.scale);
         let axis = strip
             .value_axis(self.quantity.name(), unit)
             .formatter(|mark, range| number_inside(mark.value, range));
@@ -121,11 +121,26 @@ impl RatePlot<'_> {
         &self.open.plots.readings
     }
 
+    /// Rates of angles are stored in °/s.
+    fn is_angular(&self) -> bool {
+        self.quantity != Quantity::Range
+    }
+
+    fn unit(&self) -> &'static str {
+        if self.is_angular() { self.state.units.angle.rate_name() } else { "m/s" }
+    }
+
+    /// What a stored rate is multiplied by to be shown.
+    fn per_stored(&self) -> f64 {
+        if self.is_angular() { self.state.units.angle.rate_per_deg_per_s() } else { 1.0 }
+    }
+
     /// Lowest and highest rate of the axis (log10): those of the data, and the threshold wherever it is.
     fn bounds(&self, thresholds: &Thresholds) -> [f64; 2] {
         let [low, high] = self.readings().shown[self.quantity as usize];
         let threshold = self.threshold_value(thresholds);
-        [low.min(threshold / 1.5).log10(), high.max(threshold * 1.5).log10()]
+        [low.min(threshold / 1.5), high.max(threshold * 1.5)]
+            .map(|rate| (rate * self.per_stored()).log10())
     }
 
     fn threshold_value(&self, thresholds: &Thresholds) -> f64 {
@@ -158,7 +173,7 @@ impl RatePlot<'_> {
     /// Where a reading's dot is; readings too slow for the axis stand at its lower end.
     fn place(&self, own: &StationReadings, index: usize, bounds: [f64; 2]) -> PlotPoint {
         let margin = 0.01 * (bounds[1] - bounds[0]);
-        let rate = own.rates[self.quantity as usize].values.values[index];
+        let rate = own.rates[self.quantity as usize].values.values[index] * self.per_stored();
         PlotPoint::new(own.time_s[index], rate.log10().max(bounds[0] + margin))
     }
 
@@ -177,16 +192,15 @@ impl RatePlot<'_> {
     /// What the line is, and what it rejects: that is what it is tuned by.
     fn words(&self, ui: &mut egui::Ui, strip: &Strip, pipeline: &PipelineSettings) {
         let mut lines = vec![RichText::new(self.threshold(pipeline).label()).strong()];
-        let mut hint =
-            format!("The size of the {} ({}).", self.quantity.name(), self.quantity.unit());
+        let mut hint = format!("The size of the {} ({}).", self.quantity.name(), self.unit());
         if let Some([what, count, all]) = self.counts(pipeline) {
-            lines.push(RichText::new(format!("{what} {count} of\n{all}")));
+            lines.push(RichText::new(format!("{what} {count} of {all}")));
             hint += &format!(
                 "\nStations 1 / 2 / 3: {what} {count} of {all}.\nRates are from one raw reading to the next. A reading \
                  beyond several thresholds counts for the first: range, azimuth, zenith."
             );
         }
-        strip.words(ui, lines, &hint);
+        strip.words(ui, &lines, &hint);
     }
 
     /// "rejects", "12 / 30 / 9", "4321 / 4400 / 4391"; while the answer is awaited only how many are above the line.
@@ -210,9 +224,9 @@ impl RatePlot<'_> {
         let mut paper = Thresholds::default();
         Threshold {
             symbol: self.quantity.symbol(),
-            value: self.threshold_value(&pipeline.thresholds),
-            paper: *self.quantity.threshold(&mut paper),
-            unit: self.quantity.unit(),
+            value: self.threshold_value(&pipeline.thresholds) * self.per_stored(),
+            paper: *self.quantity.threshold(&mut paper) * self.per_stored(),
+            unit: self.unit(),
             range: 0.01..=100.0,
             enabled: pipeline.outlier_filter,
         }
@@ -225,7 +239,9 @@ impl RatePlot<'_> {
         let rate_at =
             |y: f32| 10_f64.powf(shown.transform.value_from_position(egui::pos2(0.0, y)).y);
         if let Some(value) = threshold.horizontal_line(ui, shown.frame(), y, rate_at) {
-            *self.quantity.threshold(&mut settings.pipeline.thresholds) = value;
+            // No noise from the change of unit.
+            let stored = (value / self.per_stored() * 1e6).round() / 1e6;
+            *self.quantity.threshold(&mut settings.pipeline.thresholds) = stored;
             commands.push(Command::Set(settings));
         }
     }

@@ -56,7 +56,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let pairs: Vec<usize> = (0..3).filter(|pair| state.visibility.pairs[*pair]).collect();
     let selected = histogram::selected(ui, open);
     let mut moved = None;
-    for (strip, pair) in strips(ui, pairs.len()).iter().zip(pairs) {
+    for (strip, pair) in strips(ui, pairs.len(), 1).iter().zip(pairs) {
         let plot = PairPlot { open, state, times: &times, pair, shown_mm };
         let shown = plot.show(ui, strip, commands);
         plot.words(ui, strip, analysis, answer, selected.as_deref());
@@ -185,7 +185,7 @@ impl PairPlot<'_> {
         }
         let hint = "Dots: the error of each triplet, apparent minus known distance. Line and band: running median, and \
                     from the lower quartile to the upper.";
-        strip.words(ui, lines, hint);
+        strip.words(ui, &lines, hint);
     }
 }
 

@@ -1,7 +1,8 @@
 //! Where plots over time are in their panes: in all panes of the same width at the same place, so that what happened at
 //! one time stands under each other in all of them.
 
-use eframe::egui::{self, Rect, RichText, Vec2};
+use eframe::egui::text::LayoutJob;
+use eframe::egui::{self, Align, FontSelection, Rect, RichText, TextStyle};
 use egui_plot::{AxisHints, GridInput, GridMark};
 
 use super::times::Times;
@@ -41,11 +42,18 @@ const NUMBERED: std::ops::RangeInclusive<f32> = 52.0..=56.0;
 /// egui_plot's least distance of lines.
 const LEAST_LINES: f32 = 8.0;
 
+/// The height of a line over the usual where there is little room.
+const CLOSE: f32 = 0.88;
+/// The part of a plot's height that words above it may take.
+const MOST_OF_HEIGHT: f32 = 0.45;
+
 /// The place of a plot, and of the words about it.
 #[derive(Clone, Copy, Debug)]
 pub struct Strip {
     pub plot: Rect,
     pub words: Rect,
+    /// Whether the words stand above the plot and not beside it.
+    above: bool,
     /// Whether the time axis is below it.
     pub lowest: bool,
 }
@@ -55,15 +63,17 @@ pub fn beside(width: f32) -> f32 {
     if width < NARROW { MARGIN } else { (SHARE * width).clamp(NARROWEST, WIDEST) }
 }
 
-/// Places for so many plots above each other in what is left of a pane.
-pub fn strips(ui: &mut egui::Ui, count: usize) -> Vec<Strip> {
+/// Places for so many plots above each other in what is left of a pane, each with so many lines of words.
+pub fn strips(ui: &mut egui::Ui, count: usize, lines: usize) -> Vec<Strip> {
     let whole = ui.available_rect_before_wrap();
     ui.advance_cursor_after_rect(whole);
-    in_rect(whole, count)
+    in_rect(whole, count, lines)
 }
 
 /// Places for so many plots above each other in a part of a pane whose whole width it has.
-pub fn in_rect(whole: Rect, count: usize) -> Vec<Strip> {
+///
+/// Where there is no room beside them, words stand above, in as many of the lines as the plots' height spares.
+pub fn in_rect(whole: Rect, count: usize, lines: usize) -> Vec<Strip> {
     let gaps = GAP * count.saturating_sub(1) as f32;
     let height = ((whole.height() - TIME_AXIS - gaps) / count.max(1) as f32).max(LEAST);
     (0..count)
@@ -74,14 +84,17 @@ pub fn in_rect(whole: Rect, count: usize) -> Vec<Strip> {
                 Rect::from_x_y_ranges(whole.left() + BEYOND..=whole.right(), top..=top + height);
             let (mut plot, mut words) =
                 row.split_left_right_at_x(row.right() - beside(whole.width()));
-            if beside(whole.width()) <= MARGIN {
-                words = row.with_max_y(top + LINE).with_min_x(row.left() + GUTTER);
+            let above = beside(whole.width()) <= MARGIN;
+            if above {
+                let spared = (MOST_OF_HEIGHT * height / LINE).floor().max(1.0);
+                let bottom = top + LINE * spared.min(lines.max(1) as f32);
+                words = row.with_max_y(bottom).with_min_x(row.left() + GUTTER);
                 plot.min.y = words.max.y;
             }
             if lowest {
                 plot.max.y += TIME_AXIS;
             }
-            Strip { plot, words, lowest }
+            Strip { plot, words, above, lowest }
         })
         .collect()
 }
@@ -101,31 +114,48 @@ impl Strip {
     }
 
     /// Words about the plot, where they cover no data; all of them are under the pointer, too.
-    pub fn words(&self, ui: &mut egui::Ui, lines: Vec<RichText>, hint: &str) {
-        // A line's height is a difference of places, which are rounded.
-        let narrow = self.words.height() < LINE + 0.5;
-        let place =
-            if narrow { self.words } else { self.words.with_min_x(self.words.left() + ASIDE) };
-        let layout = if narrow {
-            egui::Layout::left_to_right(egui::Align::Center)
-        } else {
-            egui::Layout::top_down(egui::Align::Min)
+    ///
+    /// Each has a line of its own where that has room. Otherwise they follow each other, and no line is cut through.
+    pub fn words(&self, ui: &mut egui::Ui, lines: &[RichText], hint: &str) {
+        let aside = if self.above { 0.0 } else { ASIDE };
+        let place = self.words.with_min_x(self.words.left() + aside);
+        let line = ui.text_style_height(&TextStyle::Small);
+        // Above a plot its frame is right below; beside it, there is a gap to the next one's words.
+        let below = if self.above { 0.0 } else { GAP };
+        let lay_out = |between: &str, line: f32| {
+            let mut job = joined(ui, lines, between);
+            job.sections.iter_mut().for_each(|section| section.format.line_height = Some(line));
+            job.wrap.max_width = place.width();
+            job.wrap.max_rows = ((place.height() + below) / line).floor().max(1.0) as usize;
+            ui.painter().layout_job(job)
         };
-        let id = ("words", self.words.top() as i32);
-        let builder = egui::UiBuilder::new().id_salt(id).max_rect(place).layout(layout);
-        let mut inside = ui.new_child(builder);
-        inside.set_clip_rect(place.expand(2.0).intersect(ui.clip_rect()));
-        inside.spacing_mut().item_spacing = Vec2::new(8.0, 0.0);
+        let apart = lay_out("\n", line);
+        let galley = if apart.elided { lay_out("  ", CLOSE * line) } else { apart };
         let whole = lines.iter().map(|line| line.text().to_owned()).collect::<Vec<_>>().join("\n");
         let whole = if hint.is_empty() { whole } else { format!("{whole}\n\n{hint}") };
-        for line in lines {
-            let label = egui::Label::new(line.small());
-            let label = if narrow { label.truncate() } else { label.wrap() };
-            let shown = inside.add(label);
-            words::mark_text(&shown, &whole);
-            shown.on_hover_text(&whole);
-        }
+        let id = ("words", self.words.top() as i32);
+        let builder = egui::UiBuilder::new().id_salt(id).max_rect(place);
+        let mut inside = ui.new_child(builder);
+        inside.set_clip_rect(place.expand(2.0).intersect(ui.clip_rect()));
+        let shown = inside.add(egui::Label::new(galley).show_tooltip_when_elided(false));
+        words::mark_text(&shown, &whole);
+        shown.on_hover_text(whole);
     }
+}
+
+/// Small texts one after the other, each in its colour.
+fn joined(ui: &egui::Ui, lines: &[RichText], between: &str) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    let mut add = |text: RichText| {
+        text.small().append_to(&mut job, ui.style(), FontSelection::Default, Align::Min);
+    };
+    for (number, line) in lines.iter().enumerate() {
+        if number > 0 {
+            add(RichText::new(between));
+        }
+        add(line.clone());
+    }
+    job
 }
 
 /// An axis of values that other panes' stand above and below.
@@ -162,7 +192,11 @@ mod tests {
     fn plots_of_panes_of_one_width_stand_under_each_other() {
         for width in [250.0, 500.0, 900.0] {
             let pane = |top: f32, height: f32, count: usize| {
-                in_rect(Rect::from_min_size(egui::pos2(10.0, top), Vec2::new(width, height)), count)
+                in_rect(
+                    Rect::from_min_size(egui::pos2(10.0, top), egui::vec2(width, height)),
+                    count,
+                    1,
+                )
             };
             let all = [pane(0.0, 300.0, 3), pane(400.0, 200.0, 1)].concat();
             assert!(all.iter().all(|strip| strip.plot.x_range() == all[0].plot.x_range()));
@@ -174,5 +208,40 @@ mod tests {
             let heights = all[..3].iter().map(Strip::height);
             assert!(heights.into_iter().all(|height| height == all[0].height() && height > 50.0));
         }
+    }
+
+    #[test]
+    fn a_narrow_pane_gives_words_as_many_lines_as_it_can_spare() {
+        let words = |height: f32, lines: usize| {
+            let pane = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(NARROW - 1.0, height));
+            in_rect(pane, 1, lines)[0].words.height()
+        };
+        assert_eq!(words(400.0, 3), 3.0 * LINE);
+        assert_eq!(words(400.0, 1), LINE);
+        assert!(words(110.0, 5) < 0.5 * (110.0 - TIME_AXIS), "the plot keeps the most");
+    }
+
+    #[test]
+    fn words_that_lack_the_height_follow_each_other_whole() {
+        let lines = ["1–2", "median |e| 0.75 mm, IQR 1.66, n 2032", "at the cursor +1.7 mm"];
+        let lines = lines.map(RichText::new);
+        let shown = |height: f32| {
+            let place = Rect::from_min_size(egui::pos2(20.0, 20.0), egui::vec2(260.0, height));
+            let strip = Strip { plot: place, words: place, above: false, lowest: true };
+            let ctx = egui::Context::default();
+            let mut output =
+                ctx.run_ui(egui::RawInput::default(), |ui| strip.words(ui, &lines, ""));
+            output.textures_delta.clear();
+            let texts = output.shapes.into_iter().filter_map(|shape| match shape.shape {
+                egui::Shape::Text(text) => Some(text),
+                _ => None,
+            });
+            let [text] = &texts.collect::<Vec<_>>()[..] else { panic!("one text") };
+            assert!(text.visual_bounding_rect().height() <= height + GAP, "{height}");
+            (text.galley.text().to_owned(), text.galley.elided)
+        };
+        let (low, elided) = shown(20.0);
+        assert!(low.starts_with("1–2  median") && !elided, "{low}");
+        assert!(shown(80.0).0.starts_with("1–2\nmedian"));
     }
 }

@@ -40,6 +40,8 @@ pub enum Dimension {
     Length,
     /// Stored in radians.
     Angle,
+    /// Stored in degrees a second, as the thresholds are.
+    AngleRate,
     /// In a unit of its own, whatever the user reads lengths and angles in.
     Other(&'static str),
 }
@@ -116,7 +118,7 @@ impl Channel {
             Self::Range | Self::X | Self::Y | Self::Height => Dimension::Length,
             Self::HorizontalAngle | Self::VerticalAngle => Dimension::Angle,
             Self::RangeRate | Self::Speed => Dimension::Other("m/s"),
-            Self::HorizontalRate | Self::VerticalRate => Dimension::Other("°/s"),
+            Self::HorizontalRate | Self::VerticalRate => Dimension::AngleRate,
             Self::OwnClock => Dimension::Other("ms"),
             Self::DistanceError => Dimension::Other("mm"),
         }

@@ -64,6 +64,16 @@ impl Cloud {
     pub fn station(&self, station: usize) -> &[TimedPoint] {
         &self.points[self.ranges[station].clone()]
     }
+
+    /// Which of the points a station's line through a span of time goes along (s, as the points count it): from the last
+    /// before it to the first behind it.
+    pub fn along(&self, station: usize, [from_s, to_s]: [f32; 2]) -> Range<usize> {
+        let points = self.station(station);
+        let first = points.partition_point(|point| point.time_s <= from_s).saturating_sub(1);
+        let end = (points.partition_point(|point| point.time_s < to_s) + 1).min(points.len());
+        let start = self.ranges[station].start;
+        start + first..start + end.max(first)
+    }
 }
 
 /// What the scene draws by the million, of one analysis.

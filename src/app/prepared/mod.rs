@@ -12,6 +12,7 @@ pub mod placing;
 pub mod plots;
 mod pyramid;
 pub mod raw_readings;
+pub mod rig_at;
 mod running;
 pub mod series;
 mod track_series;

@@ -46,7 +46,7 @@ pub struct Residuals {
     /// The errors in order of time.
     pub dots: Vec<PlotPoint>,
     pub pyramid: Pyramid,
-    /// Their running median and quartiles (mm).
+    /// Running median and quartiles of the dots (mm).
     pub running: Running,
 }
 

@@ -35,13 +35,6 @@ impl Quantity {
         }
     }
 
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::Range => "m/s",
-            Self::Azimuth | Self::Zenith => "°/s",
-        }
-    }
-
     /// What a reading is rejected for.
     pub fn reason(self) -> OutlierReason {
         match self {
@@ -51,7 +44,7 @@ impl Quantity {
         }
     }
 
-    /// The quantity's threshold, in [`Self::unit`].
+    /// The quantity's threshold (m/s, °/s).
     pub fn threshold(self, thresholds: &mut Thresholds) -> &mut f64 {
         match self {
             Self::Range => &mut thresholds.tau_r_m_per_s,

@@ -1,10 +1,12 @@
 //! What is usual in ever longer runs of a series: a line through a cloud of dots, and a band about it.
 
+use std::ops::Range;
+
 use crate::statistics::quantiles;
 
 /// Values of a run of the lowest level; each level's runs are twice as long as those of the one below.
 const SHORTEST_RUN: usize = 16;
-/// So few runs are drawn however little room there is: longer ones are not made.
+/// The fewest runs that are drawn, however little room there is: longer ones are not made.
 const FEWEST_RUNS: usize = 48;
 
 /// A running median with its quartiles, in several finenesses.
@@ -35,36 +37,39 @@ pub struct Piece {
 
 impl Running {
     /// The running quartiles of a series in order of time, whose pieces are told by their numbers. No run reaches over the
-    /// end of a piece.
+    /// end of a piece, unless there are too many pieces to be told apart.
     pub fn of(times_s: &[f64], values: &[f64], pieces: &[u32]) -> Self {
-        let indices: Vec<usize> = (0..values.len()).collect();
-        let whole: Vec<&[usize]> = indices.chunk_by(|a, b| pieces[*a] == pieces[*b]).collect();
+        let run = |range: &Range<usize>, piece: u32| -> Option<Run> {
+            let quartiles = quantiles(values[range.clone()].iter().copied(), [0.25, 0.5, 0.75])?;
+            let (from_s, to_s) = (times_s[range.start], times_s[range.end - 1]);
+            Some(Run { piece, from_s, to_s, quartiles })
+        };
+        let mut whole = whole_pieces(pieces);
         let mut levels: Vec<Vec<Run>> = Vec::new();
         let mut length = SHORTEST_RUN;
         loop {
             let runs: Vec<Run> = (whole.iter())
-                .flat_map(|piece| {
-                    let count = (piece.len() / length).max(1);
-                    // Of equal lengths, so that none at an end is of a few values only.
-                    (0..count).map(move |run| {
-                        &piece[run * piece.len() / count..(run + 1) * piece.len() / count]
-                    })
-                })
-                .filter_map(|run| {
-                    let [first, last] = [*run.first()?, *run.last()?];
-                    let quartiles =
-                        quantiles(run.iter().map(|index| values[*index]), [0.25, 0.5, 0.75])?;
-                    let (from_s, to_s) = (times_s[first], times_s[last]);
-                    Some(Run { piece: pieces[first], from_s, to_s, quartiles })
-                })
+                .flat_map(|piece| in_equal_parts(piece, length))
+                .filter_map(|range| run(&range, pieces[range.start]))
                 .collect();
             let enough = runs.len() <= whole.len().max(FEWEST_RUNS);
             levels.push(runs);
             if enough {
-                return Self { levels };
+                break;
             }
             length *= 2;
         }
+        while whole.len() > FEWEST_RUNS {
+            let joined = joined_by_twos(&whole, times_s);
+            if joined.len() == whole.len() {
+                break;
+            }
+            whole = joined;
+            let mut runs: Vec<Run> = whole.iter().filter_map(|range| run(range, 0)).collect();
+            number_joined(&mut runs);
+            levels.push(runs);
+        }
+        Self { levels }
     }
 
     /// What is seen in a window, of about so many runs at most.
@@ -73,12 +78,62 @@ impl Running {
             let from = runs.partition_point(|run| run.to_s < from_s);
             from..runs.partition_point(|run| run.from_s <= to_s).max(from)
         };
-        let Some(runs) = self.levels.iter().find(|runs| seen(runs).len() <= most) else {
-            return self.levels.last().map_or_else(Vec::new, |runs| pieces(runs));
-        };
+        let few = self.levels.iter().find(|runs| seen(runs).len() <= most);
+        let Some(runs) = few.or(self.levels.last()) else { return Vec::new() };
         let part = seen(runs);
         // The line goes on to what is just out of sight.
         pieces(&runs[part.start.saturating_sub(1)..(part.end + 1).min(runs.len())])
+    }
+}
+
+/// The indices of each unbroken piece.
+fn whole_pieces(pieces: &[u32]) -> Vec<Range<usize>> {
+    let mut start = 0;
+    (pieces.chunk_by(|a, b| a == b))
+        .map(|piece| {
+            start += piece.len();
+            start - piece.len()..start
+        })
+        .collect()
+}
+
+/// Parts of a piece of about a length: equal, so that none at an end is of a few values only.
+fn in_equal_parts(piece: &Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>> {
+    let (start, len) = (piece.start, piece.len());
+    let count = (len / length).max(1);
+    (0..count).map(move |part| start + part * len / count..start + (part + 1) * len / count)
+}
+
+/// Neighbouring parts of a series joined, but for those that a gap parts which is longer than either.
+fn joined_by_twos(parts: &[Range<usize>], times_s: &[f64]) -> Vec<Range<usize>> {
+    let ends_s = |part: &Range<usize>| [times_s[part.start], times_s[part.end - 1]];
+    let mut joined: Vec<Range<usize>> = Vec::new();
+    let mut rest = parts;
+    while let [first, others @ ..] = rest {
+        rest = others;
+        match others {
+            [second, beyond @ ..] if are_close(ends_s(first), ends_s(second)) => {
+                joined.push(first.start..second.end);
+                rest = beyond;
+            }
+            _ => joined.push(first.clone()),
+        }
+    }
+    joined
+}
+
+/// Whether the gap between two spans of time (s) is no longer than the longer of them.
+fn are_close(before_s: [f64; 2], after_s: [f64; 2]) -> bool {
+    let longest_s = (before_s[1] - before_s[0]).max(after_s[1] - after_s[0]);
+    after_s[0] - before_s[1] <= longest_s
+}
+
+/// Gives runs of many pieces one number as long as they follow each other closely.
+fn number_joined(runs: &mut [Run]) {
+    for index in 1..runs.len() {
+        let [before, run] = [runs[index - 1], runs[index]];
+        let close = are_close([before.from_s, before.to_s], [run.from_s, run.to_s]);
+        runs[index].piece = before.piece + u32::from(!close);
     }
 }
 
@@ -148,6 +203,25 @@ mod tests {
         assert!(corners([0.0, 1e5]) < 110, "{}", corners([0.0, 1e5]));
         // A hundred seconds are a thousand values, of which sixteen are a run.
         assert!((55..75).contains(&corners([500.0, 600.0])), "{}", corners([500.0, 600.0]));
+    }
+
+    /// A plot draws each piece by itself, which costs the more the more there are.
+    #[test]
+    fn thousands_of_pieces_are_joined_but_over_long_gaps() {
+        // Ten thousand pieces of ten seconds, a second apart, and an hour's gap half-way.
+        let piece = |i: usize| i / 100;
+        let times_s: Vec<f64> = (0..1_000_000)
+            .map(|i| 0.1 * i as f64 + piece(i) as f64 + if i < 500_000 { 0.0 } else { 2e4 })
+            .collect();
+        let values: Vec<f64> = (0..1_000_000).map(|i| (i % 7) as f64).collect();
+        let pieces: Vec<u32> = (0..1_000_000).map(|i| piece(i) as u32).collect();
+        let running = Running::of(&times_s, &values, &pieces);
+        let seen = running.visible([0.0, 2e5], 100);
+        assert_eq!(seen.len(), 2, "before the long gap and after it");
+        assert!(seen.iter().map(|piece| piece.times_s.len()).sum::<usize>() < 110);
+        let gap_s = seen[1].times_s[0] - seen[0].times_s.last().expect("some");
+        assert!((gap_s - 2e4).abs() < 2.0, "{gap_s}");
+        assert_eq!(running.visible([0.0, 100.0], 100).len(), 10, "near by, each is itself");
     }
 
     #[test]

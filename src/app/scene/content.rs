@@ -5,7 +5,9 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::colouring::{Colours, fate_of};
+use super::ghosts::Ghost;
 use super::grid::Grid;
+use super::trail::Trail;
 use super::vertices::{Label, Landmark, Layer};
 use crate::analysis::Analysis;
 use crate::app::model::{Colouring, Picked};
@@ -41,6 +43,9 @@ pub struct SceneContent {
     pub data: Layer,
     /// The prism triangle at the time cursor.
     pub cursor: Layer,
+    /// The prisms at the cursor where there is no triplet.
+    pub ghosts: [Option<Ghost>; 3],
+    pub trail: Trail,
     /// The prism triangle at the time under the pointer.
     pub hover: Layer,
     pub ruler: Layer,
@@ -57,6 +62,8 @@ pub struct SceneContent {
     pub grid: Option<Grid>,
     /// The three prisms at the cursor in station 1's frame, where all have a place.
     pub prisms_m: Option<[Vector3<f64>; 3]>,
+    /// The middle of the prisms at the cursor, ghosts too (m, in station 1's frame): what the camera goes with.
+    pub middle_m: Option<Vector3<f64>>,
     /// The vehicle's pose at the cursor, where the rig is known.
     pub pose: Option<Pose>,
     /// Whether ellipsoids of the interpolation are drawn, and of the stations.

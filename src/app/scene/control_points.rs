@@ -16,7 +16,7 @@ const ARM_M: f32 = 0.35;
 /// Length of an arrow's head over that of the arrow.
 const HEAD: f32 = 0.2;
 /// Greatest length of an arrow over the extent of all points.
-const LONGEST: f64 = 0.15;
+const LONGEST: f64 = 0.05;
 
 impl SceneContent {
     /// Adds what a station makes of the control points, each with its name.

@@ -12,7 +12,13 @@ use crate::app::state::State;
 const KEY_DRAG: f32 = 14.0;
 const KEY_ZOOM: f32 = 1.15;
 
-pub fn move_camera(view: &mut View, ui: &egui::Ui, response: &egui::Response, rect: Rect) {
+pub fn move_camera(
+    view: &mut View,
+    ui: &egui::Ui,
+    response: &egui::Response,
+    rect: Rect,
+    state: &State,
+) {
     let drag: [f32; 2] = response.drag_delta().into();
     let shift = ui.input(|i| i.modifiers.shift);
     use egui::PointerButton::{Middle, Primary, Secondary};
@@ -35,8 +41,8 @@ pub fn move_camera(view: &mut View, ui: &egui::Ui, response: &egui::Response, re
             view.flight = None;
             let factor = (-0.004 * scroll).exp() / pinch;
             view.camera.zoom(factor);
-            // What is under the pointer stays there.
-            if let Some(pointer) = response.hover_pos() {
+            // What is under the pointer stays there, unless the camera goes with the rig.
+            if let Some(pointer) = response.hover_pos().filter(|_| !state.scene.follow) {
                 let shift = (pointer - rect.center()) * (1.0 - 1.0 / factor);
                 view.camera.pan(shift.into(), rect.height());
             }
@@ -94,7 +100,6 @@ pub fn click(
     content: &SceneContent,
     response: &egui::Response,
     projection: &Projection,
-    view: &mut View,
     state: &State,
     commands: &mut Commands,
 ) {
@@ -106,10 +111,8 @@ pub fn click(
     if response.double_clicked() {
         let snapped = content.snap(projection, at).map(|end| end.position_m);
         let under = under.and_then(|under| under.position_m(open, analysis, content));
-        match snapped.or(under) {
-            Some(position_m) => view.fly_to(&position_m),
-            None => view.look(ViewPreset::Fit),
-        }
+        let fit = Command::Look(ViewPreset::Fit);
+        commands.push(snapped.or(under).map_or(fit, Command::ComeTo));
         return;
     }
     if state.ruler.active {

@@ -9,6 +9,7 @@ use crate::deployment::Deployment;
 use crate::evaluation::trajectory::Pose;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::palette::{self, Rgb};
+use crate::pipeline::Triplets;
 
 /// The vehicle's frame is drawn so many times along the way, with axes of this length (m).
 const MOST_POSES: usize = 150;
@@ -24,12 +25,11 @@ pub const AXES: [(Vector3<f64>, Rgb); 3] = [
     (Vector3::new(0.0, 0.0, 1.0), [70, 130, 220]),
 ];
 
-/// Poses at some of the instants; none where there is no rig or no answer.
-fn poses(deployment: &Deployment, analysis: &Analysis, instants: &[usize]) -> Vec<Pose> {
+/// Poses at some instants; none where there is no rig or no answer.
+fn poses(deployment: &Deployment, analysis: &Analysis, some: &Triplets) -> Vec<Pose> {
     let Ok(answer) = &analysis.answer else { return Vec::new() };
     let transforms = answer.calibration.placing_tracks(deployment);
-    let some = analysis.triplets().select(instants);
-    vehicle_trajectory(deployment, &some, analysis.offer.targets, transforms, LARGEST_POSE_ERROR_M)
+    vehicle_trajectory(deployment, some, analysis.offer.targets, transforms, LARGEST_POSE_ERROR_M)
         .map_or(Vec::new(), |(trajectory, _)| trajectory.poses)
 }
 
@@ -37,7 +37,7 @@ fn poses(deployment: &Deployment, analysis: &Analysis, instants: &[usize]) -> Ve
 pub fn poses_along(deployment: &Deployment, analysis: &Analysis) -> Vec<Pose> {
     let count = analysis.triplets().len();
     let instants: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POSES).max(1)).collect();
-    poses(deployment, analysis, &instants)
+    poses(deployment, analysis, &analysis.triplets().select(&instants))
 }
 
 /// Adds the axes of poses along the way; outside of what is selected they are faint.
@@ -48,9 +48,9 @@ pub fn add_poses(lines: &mut Vec<LineVertex>, poses: &[Pose], selection_s: Optio
     }
 }
 
-/// The vehicle's pose at one instant; `None` where there is no rig, no answer, or a distance that is too far off.
-pub fn pose_at(deployment: &Deployment, analysis: &Analysis, instant: usize) -> Option<Pose> {
-    poses(deployment, analysis, &[instant]).pop()
+/// The vehicle's pose by one triplet; `None` where there is no rig, no answer, or a distance that is too far off.
+pub fn pose_of(deployment: &Deployment, analysis: &Analysis, triplet: &Triplets) -> Option<Pose> {
+    poses(deployment, analysis, triplet).pop()
 }
 
 /// Adds the axes of one pose, larger than those along the way.

@@ -1,4 +1,4 @@
-//! The four ways in which the scene's vertices become pixels.
+//! The five ways in which the scene's vertices become pixels.
 
 use eframe::egui_wgpu::wgpu;
 
@@ -19,6 +19,8 @@ pub struct Pipelines {
     pub reading: wgpu::RenderPipeline,
     /// Draws tracks, from each point to the next.
     pub track: wgpu::RenderPipeline,
+    /// Draws what of them is the trail.
+    pub trail: wgpu::RenderPipeline,
 }
 
 impl Pipelines {
@@ -73,6 +75,11 @@ impl Pipelines {
                 })
             };
         let (place, colour) = (size_of::<TimedPoint>(), size_of::<PointColour>());
+        let along: [(usize, &[wgpu::VertexAttribute]); 3] = [
+            (place, &wgpu::vertex_attr_array![0 => Float32x4]),
+            (place, &wgpu::vertex_attr_array![1 => Float32x4]),
+            (colour, &wgpu::vertex_attr_array![2 => Uint8x4]),
+        ];
         Self {
             point: pipeline(
                 "point",
@@ -99,15 +106,8 @@ impl Pipelines {
                     (colour, &wgpu::vertex_attr_array![1 => Uint8x4]),
                 ],
             ),
-            track: pipeline(
-                "track",
-                "line",
-                &[
-                    (place, &wgpu::vertex_attr_array![0 => Float32x4]),
-                    (place, &wgpu::vertex_attr_array![1 => Float32x4]),
-                    (colour, &wgpu::vertex_attr_array![2 => Uint8x4]),
-                ],
-            ),
+            track: pipeline("track", "line", &along),
+            trail: pipeline("trail", "line", &along),
         }
     }
 }

@@ -3,6 +3,7 @@
 use eframe::egui;
 
 use super::SceneContent;
+use super::trail::Trail;
 use super::view::{Built, SceneView};
 use crate::app::model::{View, ViewPreset};
 use crate::app::prepared::time_origin_s;
@@ -50,16 +51,26 @@ impl SceneView {
         }
         let origin_s = time_origin_s(&open.deployment);
         self.content.set_selection(open.timeline.selection_s, origin_s);
-        let instant = |time_s: Option<f64>| time_s.and_then(|t| analysis.triplets().nearest(t));
+        let cursor_s = open.timeline.cursor_s;
+        // The tracks themselves may be hidden.
+        let trailing = [0, 1, 2].map(|station| {
+            state.visibility.stations[station]
+                && self.content.station1_from_tracks[station].is_some()
+        });
+        let length_s = state.scene.trail_s;
+        let trail_end_s = cursor_s.filter(|_| length_s > 0).map(|time_s| time_s - origin_s);
+        self.content.trail = trail_end_s.map_or_else(Trail::default, |time_s| {
+            Trail::behind(time_s, length_s, &self.content.clouds.tracks, trailing)
+        });
         let colour = theme::cursor(dark);
-        let at = instant(open.timeline.cursor_s);
-        let wanted = at.map(|instant| (run, instant));
+        let wanted = cursor_s.map(|time_s| (run, time_s));
         if rebuilt || self.cursor != wanted {
-            self.content.set_cursor(&open.deployment, analysis, at, colour);
+            self.content.set_cursor(&open.deployment, analysis, cursor_s, colour);
             self.cursor = wanted;
         }
+        let instant = |time_s: Option<f64>| time_s.and_then(|t| analysis.triplets().nearest(t));
         // At the cursor itself there is a triangle already.
-        let at = instant(state.hover_s).filter(|hovered| Some(*hovered) != at);
+        let at = instant(state.hover_s).filter(|hovered| Some(*hovered) != instant(cursor_s));
         let wanted = at.map(|instant| (run, instant));
         if rebuilt || self.hover != wanted {
             self.content.set_hover(analysis, at, colour);

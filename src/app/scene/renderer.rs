@@ -13,6 +13,7 @@ use nalgebra::Matrix4;
 use super::buffers::{CloudBuffers, LayerBuffers};
 use super::content::SceneContent;
 use super::pipelines::{COLOUR, DEPTH, Pipelines, SAMPLES};
+use super::trail::Trail;
 use super::vertices::Layer;
 use crate::app::model::Camera;
 use crate::geometry::RigidTransform;
@@ -29,7 +30,8 @@ struct Uniforms {
     pixels_per_point: f32,
     /// A bit for each fate that is shown.
     shown_fates: u32,
-    padding: [f32; 2],
+    /// When the trail begins and ends.
+    trail_s: [f32; 2],
 }
 
 /// Pipelines, buffers and the texture.
@@ -54,6 +56,7 @@ struct Drawn {
     uniforms: Uniforms,
     versions: [u64; 8],
     shown: [[bool; 3]; 2],
+    trail: Trail,
 }
 
 struct Target {
@@ -133,6 +136,7 @@ impl SceneRenderer {
             uniforms: uniforms(content, camera, size, pixels_per_point, background),
             versions,
             shown: [content.raw_shown, content.tracks_shown],
+            trail: content.trail.clone(),
         };
         let target = self.target.as_ref().expect("just ensured");
         if self.drawn.as_ref() == Some(&wanted) {
@@ -200,6 +204,10 @@ impl SceneRenderer {
         pass.set_pipeline(&self.pipelines.reading);
         for station in (0..3).filter(|station| content.raw_shown[*station]) {
             self.raw.draw_points(&mut pass, &content.clouds.raw.ranges[station]);
+        }
+        pass.set_pipeline(&self.pipelines.trail);
+        for range in &content.trail.ranges {
+            self.tracks.draw_lines(&mut pass, range);
         }
         pass.set_pipeline(&self.pipelines.point);
         self.layers.iter().for_each(|layer| layer.points.draw(&mut pass));
@@ -274,7 +282,7 @@ fn uniforms(
         selection_s: content.selection_s.unwrap_or([f32::MIN, f32::MAX]),
         pixels_per_point,
         shown_fates: content.shown_fates,
-        padding: [0.0; 2],
+        trail_s: content.trail.span_s,
     }
 }
 

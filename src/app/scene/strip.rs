@@ -77,44 +77,52 @@ pub fn ui(
         job.wrap = egui::text::TextWrapping::truncate_at_width(area.width());
         painter.layout_job(job)
     };
+    // Each with what it says, should it find no room.
     let mut items = Vec::new();
     let texts = strip_text::texts(open, analysis, state, content);
     for text in &texts {
         // What stands out says that the picture is not what it seems.
         let colour = if text.faint { faint } else { colour };
-        items.push(Item::Text(layout(&text.text, colour)));
+        items.push((text.text.clone(), Item::Text(layout(&text.text, colour))));
     }
     let coloured = content.raw_shown.contains(&true) || content.tracks_shown.contains(&true);
     let scale = content.colours.scale.as_ref().filter(|_| coloured);
     if let Some(scale) = scale {
-        let [low, high] = ends_of(scale).map(|end| layout(&end, colour));
+        let [low, high] = ends_of(scale);
+        let said = format!("{}: {low} to {high}", scale.title);
+        let [low, high] = [low, high].map(|end| layout(&end, colour));
         let title = layout(scale.title, colour);
         // Right behind what matters most.
-        items.insert(items.len().min(2), Item::Colours { title, low, high });
+        items.insert(items.len().min(2), (said, Item::Colours { title, low, high }));
     }
     // Each goes into the first row that has room.
     let count = (area.height() / ROW).round() as usize;
     let mut ends = vec![area.left(); count];
-    let mut left_out = false;
-    for item in items {
+    let mut left_out = Vec::new();
+    for (said, item) in items {
         let fits = |(row, end): (usize, &f32)| {
             let right = if row == 0 { bar.left() - BETWEEN } else { area.right() };
             end + item.width() <= right
         };
         let Some(row) = ends.iter().enumerate().position(fits) else {
-            left_out = true;
+            left_out.push(said);
             continue;
         };
+        if matches!(&item, Item::Text(text) if text.elided) {
+            left_out.push(said);
+        }
         paint(&painter, Pos2::new(ends[row], area.top() + row as f32 * ROW), &item, colour);
         ends[row] += item.width() + BETWEEN;
     }
-    if left_out {
+    if !left_out.is_empty() {
         painter.text(area.right_bottom(), Align2::RIGHT_BOTTOM, "…", font.clone(), faint);
     }
     let all: Vec<String> = texts.into_iter().map(|text| text.text).collect();
     let response = ui.interact(rect, ui.scope_id().with("strip"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Status, true, all.join(" · ")));
-    response.on_hover_text(all.join("\n"));
+    if !left_out.is_empty() {
+        response.on_hover_text(left_out.join("\n"));
+    }
 }
 
 fn paint(painter: &Painter, at: Pos2, item: &Item, colour: Color32) {

@@ -3,9 +3,11 @@
 use nalgebra::Vector3;
 
 use super::SceneContent;
+use super::ghosts::Ghost;
 use super::legend_rows;
 use crate::analysis::Analysis;
 use crate::app::model::{OpenDeployment, Ruler, Units};
+use crate::app::prepared::rig_at::LAST_READ_S;
 use crate::app::state::State;
 use crate::evaluation::trajectory::Pose;
 
@@ -74,7 +76,7 @@ fn cursor(
         let why = match answer.map(|answer| answer.placing_tracks(&open.deployment)) {
             Err(_) => "no result places the prisms",
             Ok(None) => "the tracks are in another frame than this answer",
-            Ok(Some(_)) => "no triplet here",
+            Ok(Some(_)) => return vec![format!("{time}  {}", last_read(&content.ghosts))],
         };
         return vec![format!("{time}  {why}")];
     };
@@ -92,6 +94,23 @@ fn cursor(
         lines[1] += &format!("  ± {} {small}", units.angle_sigma(orientation_rad));
     }
     lines
+}
+
+/// How old what is drawn is, where there is no triplet.
+fn last_read(ghosts: &[Option<Ghost>; 3]) -> String {
+    let read = ghosts.iter().enumerate().filter_map(|(prism, ghost)| Some((prism, (*ghost)?)));
+    let (prisms, ages): (Vec<String>, Vec<String>) = read
+        .map(|(prism, Ghost { age_s, rejected, .. })| {
+            let rejected = if rejected { " (rejected)" } else { "" };
+            ((prism + 1).to_string(), format!("{age_s:.1}{rejected}"))
+        })
+        .unzip();
+    if prisms.is_empty() {
+        return format!("no triplet, and no reading in the last {LAST_READ_S} s");
+    }
+    let plural = if prisms.len() > 1 { "s" } else { "" };
+    let (prisms, ages) = (prisms.join(", "), ages.join(", "));
+    format!("no triplet; ghost{plural} of prism{plural} {prisms}, read {ages} s ago")
 }
 
 fn position(p: &Vector3<f64>, units: Units) -> String {
@@ -130,4 +149,21 @@ fn counts(analysis: &Analysis, content: &SceneContent) -> String {
         .sum();
     let track_points = stations(&content.tracks_shown).len() * analysis.triplets().len();
     format!("{readings} readings and {track_points} track points shown")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ghosts_are_told_with_the_age_of_their_readings() {
+        let ghost = |age_s, rejected| Some(Ghost { position_m: Vector3::zeros(), age_s, rejected });
+        assert_eq!(
+            last_read(&[ghost(0.42, false), None, ghost(1.16, true)]),
+            "no triplet; ghosts of prisms 1, 3, read 0.4, 1.2 (rejected) s ago"
+        );
+        let one = last_read(&[None, ghost(2.0, false), None]);
+        assert_eq!(one, "no triplet; ghost of prism 2, read 2.0 s ago");
+        assert_eq!(last_read(&[None; 3]), "no triplet, and no reading in the last 3 s");
+    }
 }

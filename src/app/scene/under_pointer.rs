@@ -91,7 +91,7 @@ fn nearest_reading(
         .map(|(station, index)| Picked { station, index })
 }
 
-/// The same of the tracks.
+/// The nearest reading of the tracks.
 fn nearest_on_tracks(
     content: &SceneContent,
     projection: &Projection,

@@ -6,11 +6,12 @@ use super::input::{click, move_camera, take_keys};
 use super::labels::{self, Placer};
 use super::projection::Projection;
 use super::under_pointer::{self, UnderPointer};
-use super::{SceneContent, SceneRenderer, controls, free_part, legend, strip};
+use super::{SceneContent, SceneRenderer, controls, free_part, ghosts, legend, strip};
 use crate::analysis::Analysis;
+use crate::app::model::follow::Follow;
 use crate::app::model::{
-    Camera, Colouring, Command, Commands, Frame, Look, OpenDeployment, Picked, View, ViewPreset,
-    Visibility,
+    Camera, Colouring, Command, Commands, Frame, Look, OpenDeployment, Picked, SceneOptions, View,
+    ViewPreset, Visibility,
 };
 use crate::app::state::State;
 use crate::app::theme;
@@ -28,7 +29,7 @@ pub struct SceneView {
     /// What the content was made from.
     pub(super) built: Option<Built>,
     pub(super) coloured: Option<(u64, u64, Colouring)>,
-    pub(super) cursor: Option<(u64, usize)>,
+    pub(super) cursor: Option<(u64, f64)>,
     pub(super) hover: Option<(u64, usize)>,
     place: Option<Rect>,
     /// What the controls took in the last frame.
@@ -41,7 +42,7 @@ pub struct Built {
     pub(super) deployment: u64,
     pub(super) analysis: u64,
     pub(super) visibility: Visibility,
-    /// Of ellipsoids, and of residuals.
+    /// How many times as large ellipsoids, and arrows of residuals, are drawn.
     pub(super) scales: [u32; 2],
     pub(super) dark: bool,
 }
@@ -80,8 +81,13 @@ impl SceneView {
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Scene"));
         self.refresh(ui, state, view);
         let before = view.camera;
-        move_camera(view, ui, &response, rect);
+        move_camera(view, ui, &response, rect, state);
         take_keys(view, ui, &response, rect, state, commands);
+        // Who moves the camera from the rig wants to look elsewhere.
+        let following = state.scene.follow && view.camera.target_m == before.target_m;
+        if following != state.scene.follow {
+            commands.push(Command::SetScene(SceneOptions { follow: false, ..state.scene }));
+        }
         if let Some((low_m, high_m)) = self.content.bounds_m.filter(|_| view.camera != before) {
             view.camera.stay_near([low_m, high_m]);
         }
@@ -91,6 +97,7 @@ impl SceneView {
         let over = self.overlays(ui, rect, state, commands);
         let frame = free_part::frame(rect, free_part::free_part(rect, &over));
         self.look_and_fly(view, ui, frame, state);
+        self.follow(view, ui, following);
         let grid = theme::scene_grid(ui.visuals().dark_mode).to_array();
         self.content.set_grid(&view.camera, rect.height(), grid);
         self.paint_picture(&view.camera, ui, &painter, picture, rect);
@@ -100,9 +107,10 @@ impl SceneView {
             let mut placer = Placer::new(rect, over);
             let eye_m = view.camera.eye_m();
             labels::paint(&painter, &projection, &eye_m, &self.content, &mut placer, dark);
+            ghosts::paint(&painter, &projection, &self.content.ghosts, dark);
             self.paint_picked(&painter, &projection, open, analysis, dark);
             self.show_hovered(ui, &response, &projection, state, commands);
-            click(&self.content, &response, &projection, view, state, commands);
+            click(&self.content, &response, &projection, state, commands);
             if !under_pointer::is_anything_in_sight(&self.content, &projection) {
                 labels::paint_in_the_middle(&painter, rect, NOTHING_IN_SIGHT, dark);
             }
@@ -165,6 +173,18 @@ impl SceneView {
             } else {
                 ui.ctx().request_repaint();
             }
+        }
+    }
+
+    /// Goes with the rig, as far as it is known where that is.
+    fn follow(&self, view: &mut View, ui: &egui::Ui, following: bool) {
+        if !following {
+            view.follow = Follow::default();
+            return;
+        }
+        let middle_m = self.content.middle_m.map(nalgebra::Matrix::cast::<f32>);
+        if !view.follow.advance(&mut view.camera, middle_m, ui.input(|i| i.time)) {
+            ui.ctx().request_repaint();
         }
     }
 

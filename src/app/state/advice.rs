@@ -42,6 +42,6 @@ impl State {
         };
         self.visibility.control_points = true;
         self.layout.show(Pane::Scene);
-        self.view.fly_to(&position_m);
+        self.come_to(&position_m);
     }
 }

@@ -146,8 +146,8 @@ impl State {
                 ctx.set_theme(theme);
                 self.theme = theme;
             }
-            Command::Look(preset) => self.view.look(preset),
-            Command::ComeTo(position_m) => self.view.fly_to(&position_m),
+            Command::Look(preset) => self.look(preset),
+            Command::ComeTo(position_m) => self.come_to(&position_m),
             Command::ShowPane(pane) => self.layout.show(pane),
             Command::UseLayout(preset) => self.layout = Layout::from(preset),
             Command::ResetLayout => self.layout = Layout::default(),
@@ -285,14 +285,6 @@ impl State {
         }
     }
 
-    /// The camera glides to a reading of the active deployment, if it has a place.
-    pub(super) fn fly_to(&mut self, picked: Picked) {
-        let Some((open, analysis)) = self.analysed() else { return };
-        if let Some(position_m) = picked.place_m(&open.deployment, analysis) {
-            self.view.fly_to(&position_m);
-        }
-    }
-
     fn pick(&mut self, picked: Picked) {
         self.with_timeline(|timeline, deployment| {
             if let Some(time_s) = picked.time_s(deployment) {
@@ -327,7 +319,8 @@ impl State {
     fn run_study(&mut self) {
         let options = self.studies.options;
         let deployments: Vec<Arc<Deployment>> = if options.all_open {
-            self.open.iter().map(|open| Arc::clone(&open.deployment)).collect()
+            let named = self.open.iter().zip(self.names());
+            named.map(|(open, name)| open.named(name)).collect()
         } else {
             self.active().map(|open| Arc::clone(&open.deployment)).into_iter().collect()
         };

@@ -9,6 +9,7 @@ mod channels_csv;
 mod deployment_toml;
 mod handle;
 mod hovering;
+mod looking;
 mod naming;
 mod opening;
 mod outcomes;

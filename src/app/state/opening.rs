@@ -76,7 +76,7 @@ impl State {
             self.session.opened(source);
         }
         self.newest_id += 1;
-        self.session.files.insert(self.newest_id, Files::of(source.as_ref(), &deployment));
+        self.session.files.insert(self.newest_id, Files::of(&deployment));
         self.open.push(OpenDeployment::new(self.newest_id, deployment, source, settings));
         let index = self.open.len() - 1;
         self.show(index);
@@ -211,7 +211,7 @@ impl State {
         let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
         let after = source.extras.clone();
         let before = self.open[index].source.as_ref().map(|source| source.extras.clone());
-        self.session.files.insert(id, Files::of(Some(&source), &deployment));
+        self.session.files.insert(id, Files::of(&deployment));
         self.open[index].replace(deployment, source);
         if let Some(before) = before.filter(|_| step) {
             self.record_extras(id, before, after);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::State;
-use crate::analysis::{Analysis, Analyst, Settings, changes_in_words, setting_changes};
+use crate::analysis::{Analysis, Analyst, Settings};
 use crate::app::model::undo::Moment;
 use crate::app::model::{Pin, Run};
 use crate::app::prepared::{PreparedPlots, RawReadings};
@@ -85,8 +85,7 @@ impl State {
         let before = self.results.runs.iter().rev();
         let before = before.skip_while(|other| other.id != run.id).skip(1);
         let before = before.into_iter().find(|other| other.deployment == run.deployment)?;
-        let changes = setting_changes(&before.settings, &run.settings);
-        Some(changes_in_words(&changes))
+        Some(self.units.changes(&before.settings, &run.settings))
     }
 
     pub(super) fn pin_active(&mut self) {

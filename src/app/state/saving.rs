@@ -62,10 +62,9 @@ impl State {
     }
 
     pub(super) fn save_report(&mut self) {
-        let source = self.active().and_then(|open| open.source.clone());
         self.save_of_analysis("Save the report (HTML)", "html", |path, deployment, analysis| {
             let analysis = Box::new(Analysis::clone(&analysis));
-            let files = source.map_or_else(Vec::new, |source| marks_of(&source, &deployment));
+            let files = marks_of(&deployment);
             let chapter = Chapter::Analysed { deployment, analysis, files };
             let page = report::page(&[chapter], report::date_of_run());
             atomic::write(path, page).map_err(|error| error.to_string())

@@ -16,7 +16,7 @@ impl State {
         self.validated().map(|(_, found)| found)
     }
 
-    /// The same with the names of the runs, which tell them apart.
+    /// Validations with the names of their runs, which tell them apart.
     pub fn validated(&self) -> impl Iterator<Item = (String, &Validation)> {
         let is_newest = |(id, run): AnswerOf| {
             self.open.iter().any(|open| open.id == id && open.analysis_run == run)

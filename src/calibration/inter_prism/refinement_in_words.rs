@@ -1,7 +1,7 @@
 //! What a refinement found, in words: what is off and which way, whether the data supports it, what moved.
 
 use super::refinement::{Refinement, Support};
-use crate::calibration::clocks_in_words::{clocks, implausible_drifts};
+use crate::calibration::clocks_in_words::{NOT_CORRECTED, clocks, implausible_drifts};
 use crate::calibration::estimate::sigmas_in_words;
 use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use crate::calibration::{CalibrationSettings, Verdict};
@@ -123,5 +123,9 @@ fn support_in_words(support: &Support) -> Finding {
 
 /// Clocks that drift as none does.
 pub fn uneven_clocks(refined: &Refinement) -> Vec<Finding> {
-    refined.clock_drifts.iter().flat_map(|drifts| implausible_drifts(drifts, &[false; 2])).collect()
+    refined
+        .clock_drifts
+        .iter()
+        .flat_map(|drifts| implausible_drifts(drifts, &[false; 2], NOT_CORRECTED))
+        .collect()
 }

@@ -210,7 +210,11 @@ impl Found {
             &found.answer,
             refined.covariance,
         );
-        self.station1_from_station = refined.station1_from_station;
+        let published =
+            std::mem::replace(&mut self.station1_from_station, refined.station1_from_station);
+        if refined.joint.is_some() {
+            self.doubts.extend(checks::far_apart(&published, &refined.station1_from_station));
+        }
         let inter_prism_m = &task.rig.inter_prism_m;
         self.doubts.extend(answer.doubt);
         self.doubts.extend(checks::unconverged(refined.converged));

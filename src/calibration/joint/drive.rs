@@ -1,7 +1,7 @@
 //! The readings of a drive, by stretch, and what its parts look like.
 
-use super::equations::{Piece, Reading};
 use super::motion::stretches;
+use super::observed::{Piece, Reading};
 use super::unknowns::{Outlook, Station};
 use crate::pipeline::Triplets;
 use crate::statistics::median;

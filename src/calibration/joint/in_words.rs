@@ -1,7 +1,8 @@
 //! What the joint estimate found, in words: instruments, what did not stay as it was, and what its σ are made of.
 
+use super::contradiction::Contradiction;
 use super::instruments::{InstrumentError, instruments};
-use super::unknowns::DISTANCES;
+use super::unknowns::{CLOCKS, DISTANCES, DRIFTS, LATENCIES};
 use super::{Dominant, JointEstimate, Step, Stepped};
 use crate::calibration::Verdict;
 use crate::calibration::{Estimate, clocks_in_words};
@@ -15,6 +16,8 @@ const MOST_STRAIN_OF_STATION: f64 = 3.0;
 const MOST_STRAIN_OF_ALL: f64 = 3.3;
 /// The largest errors of ranges to prisms that turn are 5 mm (Lackner & Lienhart 2016).
 const MOST_WANDER_M: f64 = 0.005;
+/// What becomes of a clock that drifts as none does.
+const ALLOWED_FOR: &str = "the estimate allows for a drift, and for no more than that";
 /// What is looked at before and after a step (s): its moment is known to about six seconds.
 const AROUND_A_STEP_S: f64 = 20.0;
 
@@ -64,6 +67,24 @@ pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
             doubt(Finding::warning(line).with(Remedy::PutRight));
         }
     }
+    if !strained && found.distances_m.is_some() && strain.of_distances > MOST_STRAIN_OF_STATION {
+        strained = true;
+        let moved_mm =
+            [0, 1, 2].map(|pair| format!("{:+.1}", strain.moved[DISTANCES + pair] * 1e3));
+        let line = format!(
+            "prisms 1–2, 1–3, 2–3 would be {} mm from their measured distances, which is {:.1} σ beyond chance, taken \
+             together: a station followed another prism for a while, or the rig is not as it was measured",
+            moved_mm.join(", "),
+            strain.of_distances
+        );
+        doubt(Finding::warning(line).with(Remedy::PutRight));
+    }
+    for contradiction in &found.contradictions {
+        if contradiction.sigmas.abs() > MOST_STRAIN {
+            strained = true;
+            doubt(contradicted(contradiction, found));
+        }
+    }
     for (station, sigmas) in strain.of_stations.into_iter().enumerate() {
         if sigmas > MOST_STRAIN_OF_STATION {
             strained = true;
@@ -89,7 +110,7 @@ pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
     }
     doubts.extend(found.stepped.iter().map(|step| stepped(step, found)));
     doubts.extend(
-        clocks_in_words::implausible_drifts(&found.clock_drifts, &jumping(found))
+        clocks_in_words::implausible_drifts(&found.clock_drifts, &jumping(found), ALLOWED_FOR)
             .into_iter()
             .map(|finding| (Verdict::Weak, finding)),
     );
@@ -104,6 +125,43 @@ fn strained_in_words(error: &InstrumentError, sigmas: f64) -> Finding {
          estimate takes for it"
     ))
     .telling(angle.into_iter().chain(known_angle))
+}
+
+/// An error that was said to be smaller than the data has it.
+fn contradicted(contradiction: &Contradiction, found: &JointEstimate) -> Finding {
+    let Contradiction { place, found: by_data, sigmas } = *contradiction;
+    let said = |line: String, angles: Vec<ToldAngle>, said: String| {
+        Finding::warning(format!(
+            "{line} by the data, which was said to be within {said} (1 σ): {:.1} σ beyond that, so this answer is bent; let it \
+             have its usual size",
+            sigmas.abs()
+        ))
+        .telling(angles)
+    };
+    let of_instruments = instruments(found);
+    if let Some(error) = of_instruments.into_iter().find(|error| error.place == place) {
+        let error = InstrumentError { estimate: by_data, ..error };
+        let ((line, angle), (known, known_angle)) = (error.in_words(), error.known_in_words());
+        return said(line, angle.into_iter().chain(known_angle).collect(), known);
+    }
+    let Estimate { value, sigma } = by_data;
+    let sizes = &found.sizes;
+    let (what, scale, unit, size) = match place {
+        CLOCKS..DRIFTS => {
+            let station = place - CLOCKS + 2;
+            (format!("station {station}'s stamps are late"), 1e3, "ms", sizes.clock_offset_s)
+        }
+        DRIFTS..LATENCIES => {
+            let station = place - DRIFTS + 2;
+            (format!("station {station}'s clock drifts"), 1e6, "µs a second", sizes.clock_drift)
+        }
+        _ => {
+            let pair = pair_label(place - DISTANCES);
+            (format!("prisms {pair} are farther apart"), 1e3, "mm", sizes.inter_prism_m)
+        }
+    };
+    let line = format!("{what} by {:+.2} ± {:.2} {unit}", value * scale, sigma * scale);
+    said(line, Vec::new(), format!("{:.2} {unit}", size * scale))
 }
 
 /// Whether the clocks of stations 2 and 3 jump.

@@ -5,23 +5,31 @@
 //! not show is unknown as well, with a prior of its physical size ([`ErrorSizes`]): it is estimated where the data
 //! tells, and otherwise it widens σ.
 //!
-//! One [pass](mod@pass) is a step of Gauss & Newton: [`equations`] of each stretch of the [`drive`] → [`band`] eliminates the
-//! [`motion`], which leaves a [`chain`] of the drive's parts → constants ([`unknowns`]) and [`slow_changes`] → and back. The
-//! [`noise`] of ranges, angles and stamps and the drive's smoothness are learned on the way as Helmert's variance components,
-//! their redundancies by random probes (Girard 1989). [`stability`] looks for stations and clocks that step, [`strain`] holds what was
-//! found against the priors, [`summary`] makes the answer, [`in_words`] tells it, [`corrected`] puts the triplets right.
+//! One [pass](mod@pass) is a step of Gauss & Newton: what is [`observed`] of each stretch of the [`drive`] → [`equations`] →
+//! [`band`] eliminates the [`motion`], which leaves a [`chain`] of the drive's parts, with [`slow_priors`] → [`chain_factor`]:
+//! constants ([`unknowns`]) and [`slow_changes`] → and back. Nearby, [`gradients`] are enough. The [`noise`] of ranges, angles
+//! and stamps and the drive's smoothness are learned on the way as Helmert's variance components, their redundancies by random
+//! probes (Girard 1989). [`stability`] looks for stations and clocks that step, [`strain`] holds what was found against the
+//! priors, and [`contradiction`] against sizes that were said to be smaller than usual. [`summary`] makes the answer,
+//! [`in_words`] tells it, [`corrected`] puts the triplets right.
 
 mod band;
+mod band_rows;
 mod chain;
+mod chain_factor;
+mod contradiction;
 mod corrected;
 mod drive;
 mod equations;
+mod gradients;
 pub mod in_words;
 pub mod instruments;
 mod motion;
 mod noise;
+mod observed;
 mod pass;
 mod slow_changes;
+mod slow_priors;
 mod stability;
 mod strain;
 mod summary;
@@ -29,13 +37,14 @@ mod unknowns;
 
 use nalgebra::{SMatrix, SVector};
 
-use self::band::{BORDER, MOTION_BORDER, TIED};
-pub use self::chain::Wander;
+use self::band_rows::{BORDER, MOTION_BORDER, TIED};
+use self::contradiction::Contradiction;
 use self::drive::Drive;
-pub use self::equations::Levels;
 use self::noise::{FIRST_LEVELS, learned};
+pub use self::observed::Levels;
 use self::pass::{Estimates, Model, Pass, Spare, Weigh, move_motion, pass};
-use self::slow_changes::{add_steps, is_usual, likeliest, measured};
+use self::slow_changes::{add_steps, is_usual, likeliest, likeliest_clocks_s2, measured};
+pub use self::slow_priors::Wander;
 pub use self::stability::{Step, Stepped};
 use self::strain::Strain;
 use self::unknowns::{CLOCKS, Constants, precisions, start};
@@ -66,6 +75,8 @@ const MOTION_STEPS: usize = 2;
 /// How far the published answer may be off meanwhile (1 σ).
 const NEAR_M: f64 = 0.1;
 const NEAR_RAD: f64 = 0.002;
+/// An estimate this far from the published answer (m) has run away: readings that contradict each other led it there.
+const RUN_AWAY_M: f64 = 30.0;
 /// A step whose square is this share of the answer's variances changes nothing that anyone can see.
 const SMALL_STEP: f64 = 4e-3;
 
@@ -91,6 +102,8 @@ pub struct JointEstimate {
     pub indices_rad: [Estimate; 3],
     pub collimations_rad: [Estimate; 3],
     strain: Strain,
+    /// What was said to be smaller than instruments make it, and the data's word on it.
+    contradictions: Vec<Contradiction>,
     pub levels: Levels,
     pub wander: Wander,
     /// What was known of all that beforehand.
@@ -248,6 +261,10 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
                 if sizes.ranges_wander {
                     model.priors.wander = likeliest(&pass.data, &model, drive, &at, progress)?;
                 }
+                // What jumps has its room by now, and is not taken for what walks.
+                if looks + 1 == LOOKS {
+                    model.priors.clocks_s2 = likeliest_clocks_s2(&pass.data, &model, drive, &at);
+                }
                 let known = stepped.len();
                 add_steps(&mut stepped, &pass.data, &mut model, drive, &at, progress)?;
                 if !pass.solve(drive, &at, &model) {
@@ -261,6 +278,9 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         };
         let moved = pass.walk(drive, &mut at);
         let converged = by.held.is_some() && moved < SMALL_STEP;
+        if has_run_away(&at.constants, start) {
+            return Ok(None);
+        }
         if converged || steps == MOST_STEPS {
             let mut found = pass.summary(drive, &model, &at, by.levels, sizes, LOCAL == 9);
             found.stepped = measured(&stepped, &pass.factor, &model, drive, &at);
@@ -278,6 +298,12 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         before = moved;
     }
     Ok(None)
+}
+
+fn has_run_away(constants: &Constants, start: &Constants) -> bool {
+    let places = [0, 1].map(|slot| (constants - start).fixed_rows::<3>(4 * slot).norm());
+    // Not a number is nowhere.
+    !places.into_iter().all(|away_m| away_m < RUN_AWAY_M)
 }
 
 /// Learns how noisy readings are and how a vehicle jerks from some stretches, and where everything is meanwhile.
@@ -315,4 +341,21 @@ fn learn<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         }
     }
     Ok(Some((by, at)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_ran_away_is_told_by_where_it_is() {
+        let start = Constants::zeros();
+        let mut constants = start;
+        constants[4] = 29.0;
+        assert!(!has_run_away(&constants, &start));
+        for far in [31.0, -4e15, f64::NAN, f64::INFINITY] {
+            constants[5] = far;
+            assert!(has_run_away(&constants, &start), "{far}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::band::TIED;
+use super::band_rows::TIED;
 use crate::statistics::median;
 
 /// Clocks may be off by this much (s); the splines reach as far beyond their stretches.

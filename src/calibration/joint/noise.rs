@@ -1,6 +1,7 @@
 //! How noisy readings are and how jerky a drive is, out of their errors.
 
-use super::equations::{ANGLE_RAD, Levels, OF_ANGLES, OF_JERKS, OF_RANGES, OF_STAMPS, Squares};
+use super::equations::{OF_ANGLES, OF_JERKS, OF_RANGES, OF_STAMPS, Squares};
+use super::observed::{ANGLE_RAD, Levels};
 
 /// Where learning begins: a vehicle on wheels, and instruments that read half as well as they say.
 pub const FIRST_LEVELS: Levels =

@@ -5,10 +5,15 @@ use std::mem::take;
 use nalgebra::SMatrix;
 use rayon::prelude::*;
 
-use super::band::{Band, PART, PartVector, Rows};
-use super::chain::{Columns, Data, Factor, Link, SlowPrecisions, SlowPriors};
+use super::band::{Band, PartVector, Rows};
+use super::band_rows::PART;
+use super::chain::{Columns, Data, Link};
+use super::chain_factor::Factor;
 use super::drive::Drive;
-use super::equations::{At, Levels, Piece, Squares, Weighing, equations, gradients};
+use super::equations::{Squares, Weighing, equations};
+use super::gradients::gradients;
+use super::observed::{At, Levels, Piece};
+use super::slow_priors::{SlowPrecisions, SlowPriors};
 use super::unknowns::{CONSTANTS, Constants, DISTANCES, SLOW, Slow, Station, moves};
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
@@ -134,7 +139,7 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         self.eliminated.into_iter().map(|one| one.band.into_rows()).collect()
     }
 
-    /// Again with other priors.
+    /// Solves the same equations again with other priors; `false` where a direction stays free.
     pub fn solve(&mut self, drive: &Drive, at: &Estimates, model: &Model) -> bool {
         let found = solved(&self.data, drive, at, model);
         let is_held = found.is_some();

@@ -3,9 +3,11 @@
 use nalgebra::{Matrix4, SMatrix, SVector, Vector3};
 use rayon::prelude::*;
 
-use super::chain::{Data, Factor, SlowPrecisions, SlowPriors, Wander};
+use super::chain::Data;
+use super::chain_factor::Factor;
 use super::drive::Drive;
 use super::pass::{Estimates, Model, with_priors};
+use super::slow_priors::{SlowPrecisions, SlowPriors, Wander};
 use super::stability::{self, Step, Stepped};
 use super::unknowns::{Constants, Slow};
 use crate::calibration::ErrorSizes;
@@ -14,6 +16,10 @@ use crate::progress::{Cancelled, Progress};
 /// Wanderings of ranges that are tried.
 const WANDER_SIGMAS_M: [f64; 7] = [1e-4, 4e-4, 8e-4, 0.0014, 0.0025, 0.0045, 0.008];
 const WANDER_TIMES_S: [f64; 3] = [3.0, 12.0, 50.0];
+/// How many times the variance that was known beforehand clocks may walk: up to 6 ms in a drive, as those do that a time
+/// server steers. By chance twice the logarithm of the likelihood gains no more than this.
+const CLOCKS_WALK_MORE: [f64; 3] = [10.0, 100.0, 1000.0];
+const LEAST_GAIN: f64 = 4.0;
 /// Steps of stations and clocks that are looked for, at most.
 const MOST_STEPS_FOUND: usize = 4;
 /// A step this many times the size of what is usual is none of that.
@@ -123,13 +129,7 @@ pub fn likeliest(
 ) -> Result<Wander, Cancelled> {
     let unlikeliness = |wander: Wander| {
         progress.check().ok()?;
-        let priors = SlowPriors { wander, ..model.priors.clone() };
-        let slow_priors = SlowPrecisions::new(&priors, &drive.part_times_s)?;
-        let factor = Factor::new(data, &model.precision, &slow_priors)?;
-        let gradient = with_priors(data, model, &slow_priors, at);
-        let pulls = slow_priors.times(&at.slow);
-        let held: f64 = at.slow.iter().zip(&pulls).map(|(slow, pull)| slow.dot(pull)).sum();
-        Some(factor.log_determinant + held - gradient.dot(&factor.solve(&gradient))[0])
+        unlikeliness(&SlowPriors { wander, ..model.priors.clone() }, data, model, drive, at)
     };
     let best = |all: Vec<Wander>, otherwise: Wander| {
         let likely: Vec<_> = all
@@ -149,6 +149,40 @@ pub fn likeliest(
     let likeliest = best(times.to_vec(), first);
     progress.check()?;
     Ok(likeliest)
+}
+
+/// The variance of how far clocks walk that makes what was read likeliest (s²), the motion being what it is; the one that
+/// was known beforehand, unless the data speaks against it.
+pub fn likeliest_clocks_s2(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> f64 {
+    let known_s2 = model.priors.clocks_s2;
+    let unlikeliness = |more: f64| {
+        let priors = SlowPriors { clocks_s2: more * known_s2, ..model.priors.clone() };
+        unlikeliness(&priors, data, model, drive, at)
+    };
+    let Some(as_known) = unlikeliness(1.0) else { return known_s2 };
+    let (mut least, mut likeliest_s2) = (as_known - LEAST_GAIN, known_s2);
+    for more in CLOCKS_WALK_MORE {
+        if let Some(found) = unlikeliness(more).filter(|found| *found < least) {
+            (least, likeliest_s2) = (found, more * known_s2);
+        }
+    }
+    likeliest_s2
+}
+
+/// Twice the negative logarithm of how likely the data is by these priors, but for what is the same by all.
+fn unlikeliness(
+    priors: &SlowPriors,
+    data: &Data,
+    model: &Model,
+    drive: &Drive,
+    at: &Estimates,
+) -> Option<f64> {
+    let slow_priors = SlowPrecisions::new(priors, &drive.part_times_s)?;
+    let factor = Factor::new(data, &model.precision, &slow_priors)?;
+    let gradient = with_priors(data, model, &slow_priors, at);
+    let pulls = slow_priors.times(&at.slow);
+    let held: f64 = at.slow.iter().zip(&pulls).map(|(slow, pull)| slow.dot(pull)).sum();
+    Some(factor.log_determinant + held - gradient.dot(&factor.solve(&gradient))[0])
 }
 
 /// Variance of how stations 2 and 3 walk against station 1, which walks as well.

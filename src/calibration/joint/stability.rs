@@ -8,7 +8,9 @@
 use nalgebra::{SMatrix, SVector, Vector3};
 use rayon::prelude::*;
 
-use super::chain::{Columns, Factor, SlowPrecisions, Walk};
+use super::chain::Columns;
+use super::chain_factor::Factor;
+use super::slow_priors::{SlowPrecisions, Walk};
 use super::unknowns::{SLOW_CLOCKS, SLOW_RANGES, Slow};
 use crate::calibration::Estimate;
 

@@ -12,7 +12,7 @@ use super::unknowns::{
 };
 
 /// Directions of which the data tells less than this share tell nothing of a conflict.
-const LEAST_TOLD: f64 = 0.05;
+pub const LEAST_TOLD: f64 = 0.05;
 
 /// How far constants are from their priors, in σ of what priors that are right would give.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,8 @@ pub struct Strain {
     /// Strain of each station's instrument as a whole, and of all instruments and distances (σ).
     pub of_stations: [f64; 3],
     pub of_all: f64,
+    /// Strain of the three distances as a whole (σ).
+    pub of_distances: f64,
 }
 
 impl Strain {
@@ -57,7 +59,13 @@ impl Strain {
             together(&places)
         };
         let all: Vec<usize> = (DISTANCES..CONSTANTS).collect();
-        Self { moved: raw, of, of_stations: [0, 1, 2].map(of_station), of_all: together(&all) }
+        Self {
+            moved: raw,
+            of,
+            of_stations: [0, 1, 2].map(of_station),
+            of_all: together(&all),
+            of_distances: together(&all[..3]),
+        }
     }
 }
 

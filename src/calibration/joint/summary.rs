@@ -4,7 +4,7 @@ use nalgebra::{SVector, Vector3};
 
 use super::chain::Columns;
 use super::drive::Drive;
-use super::equations::Levels;
+use super::observed::Levels;
 use super::pass::{Estimates, Model, Pass};
 use super::strain::Strain;
 use super::unknowns::{
@@ -121,6 +121,7 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             range_scales: [0, 1, 2].map(|station| estimate(SCALES + station)),
             indices_rad: [0, 1, 2].map(|station| estimate(INDICES + station)),
             collimations_rad: [0, 1, 2].map(|station| estimate(COLLIMATIONS + station)),
+            contradictions: self.contradictions(model, at),
             strain: Strain::new(&(at.constants - model.start), &model.precision, &constants),
             levels,
             wander: model.priors.wander,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
-use super::band::PART;
+use super::band_rows::PART;
 use crate::calibration::ErrorSizes;
 use crate::geometry::LevelTransform;
 

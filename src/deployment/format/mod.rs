@@ -26,6 +26,7 @@ use std::path::PathBuf;
 
 pub use column_mapping::ColumnMapping;
 
+use super::printable::{excerpt, printable};
 use crate::progress::Cancelled;
 
 /// Why a file or folder did not become a deployment: what, where, and what to do about it.
@@ -57,8 +58,9 @@ pub enum Question {
     Topics { file: String, topics: Vec<Topic> },
     /// A table has a header that no reader knows.
     #[error(
-        "{file}: which column is what? its header is `{header}`; say so under [columns] in deployment.toml, or open it in \
-         the window"
+        "{file}: which column is what? its header is `{}`; say so under [columns] in deployment.toml, or open it in \
+         the window",
+        excerpt(header)
     )]
     Columns { file: String, path: PathBuf, header: String },
     /// Several files hold tracks.
@@ -105,7 +107,7 @@ impl From<Cancelled> for OpenError {
 
 impl OpenError {
     pub fn file(file: &str, what: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self::File { file: file.to_owned(), what: what.into(), remedy: remedy.into() }
+        Self::File { file: printable(file), what: excerpt(&what.into()), remedy: remedy.into() }
     }
 
     pub fn line(
@@ -114,7 +116,12 @@ impl OpenError {
         what: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        Self::Line { file: file.to_owned(), line, what: what.into(), remedy: remedy.into() }
+        Self::Line {
+            file: printable(file),
+            line,
+            what: excerpt(&what.into()),
+            remedy: remedy.into(),
+        }
     }
 }
 
@@ -150,6 +157,8 @@ pub enum Format {
     RigDistances,
     RtklibPos,
     DeploymentToml,
+    /// A file or folder that its permissions or the disk keep from being read.
+    Unreadable,
     /// A known kind of file that is not read, and why.
     Ignored(&'static str),
 }
@@ -181,6 +190,7 @@ impl Format {
             Self::RigDistances => "inter-prism distances",
             Self::RtklibPos => "positions of a GNSS antenna (RTKLIB)",
             Self::DeploymentToml => "overrides",
+            Self::Unreadable => "cannot be read",
             Self::Ignored(why) => why,
         }
     }

@@ -42,9 +42,14 @@ impl FoundFile {
     /// A file on disk, by its first bytes.
     pub fn at(path: &Path, file: String) -> Result<Self, OpenError> {
         let io = |error| OpenError::Io { path: path.to_owned(), error };
+        let metadata = path.metadata().map_err(io)?;
+        // To open a pipe would wait for whoever writes to it.
+        if !metadata.is_file() && !metadata.is_dir() {
+            let what = "a pipe, a socket or a device, no file";
+            return Err(OpenError::file(&file, what, "save what it gives as a file"));
+        }
         let mut head = Vec::new();
         let opened = std::fs::File::open(path).map_err(io)?;
-        let bytes = opened.metadata().map_err(io)?.len();
         opened.take(4096).read_to_end(&mut head).map_err(io)?;
         let base_name = path.file_name().unwrap_or_default().to_string_lossy();
         Ok(Self {
@@ -52,9 +57,20 @@ impl FoundFile {
             format: format::bag::recognise_compressed(&head, path)
                 .unwrap_or_else(|| recognise(&base_name, &head)),
             content: Content::Disk(path.to_owned()),
-            bytes,
+            bytes: metadata.len(),
             standing: Standing::Beside,
         })
+    }
+
+    /// A neighbour that cannot be read: whether it matters cannot be told either.
+    fn unreadable(path: &Path, top: &Path) -> Self {
+        Self {
+            file: below(top, path),
+            format: Format::Unreadable,
+            content: Content::Disk(path.to_owned()),
+            bytes: 0,
+            standing: Standing::Beside,
+        }
     }
 
     /// Whether it may be read as this.
@@ -181,7 +197,13 @@ pub fn in_memory(name: &str, files: &[(&str, &str)]) -> Found {
     Found { name: name.to_owned(), chosen: None, put_right: Overrides::default(), files }
 }
 
-/// Every file in a folder, and in those below it, hidden ones left out; sorted by name.
+/// A path as it is told: from the folder on.
+fn below(top: &Path, path: &Path) -> String {
+    path.strip_prefix(top).unwrap_or(path).to_string_lossy().into_owned()
+}
+
+/// Every file in a folder, and in those below it, hidden ones left out; sorted by name. What lies in it and cannot be read
+/// is [`Format::Unreadable`].
 pub fn list_folder(
     folder: &Path,
     depth: usize,
@@ -204,11 +226,16 @@ pub fn list_folder(
                 continue;
             } else if path.is_dir() {
                 if depth > 1 {
-                    visit(top, &path, depth - 1, progress, into)?;
+                    match visit(top, &path, depth - 1, progress, into) {
+                        Err(OpenError::Io { .. }) => into.push(FoundFile::unreadable(&path, top)),
+                        visited => visited?,
+                    }
                 }
             } else if path.is_file() {
-                let file = path.strip_prefix(top).unwrap_or(&path).to_string_lossy().into_owned();
-                into.push(FoundFile::at(&path, file)?);
+                into.push(match FoundFile::at(&path, below(top, &path)) {
+                    Err(OpenError::Io { .. }) => FoundFile::unreadable(&path, top),
+                    found => found?,
+                });
             }
         }
         Ok(())

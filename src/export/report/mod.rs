@@ -41,6 +41,14 @@ impl Chapter {
         }
     }
 
+    /// The files that it was read from.
+    pub fn files(&self) -> &[FileMark] {
+        match self {
+            Self::Analysed { files, .. } => files,
+            Self::Unopened { .. } => &[],
+        }
+    }
+
     /// The answer, or in one line why there is none.
     pub fn answer(&self) -> Result<&Answer, String> {
         match self {

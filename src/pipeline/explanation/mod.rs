@@ -42,10 +42,12 @@ pub struct Step {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
     pub of: OutlierReason,
-    /// The rate with its sign; m/s for the range, °/s for the angles.
+    /// The rate with its sign.
     pub value: f64,
     /// τ_r, τ_a or τ_e, in the same unit; `None` while module 1 is off.
     pub threshold: Option<f64>,
+    /// The unit of both rates: m/s for the range, °/s for the angles unless it is told in another.
+    pub unit: &'static str,
 }
 
 /// Where a reading stands among the intervals.
@@ -148,6 +150,10 @@ fn checked_rates(
         of,
         value,
         threshold: settings.outlier_filter.then_some(threshold),
+        unit: match of {
+            OutlierReason::Range => "m/s",
+            OutlierReason::Azimuth | OutlierReason::Zenith => "°/s",
+        },
     };
     [
         rate(OutlierReason::Range, rates.range_m_per_s, thresholds.tau_r_m_per_s),
@@ -212,12 +218,14 @@ impl Rate {
         self.threshold.is_some_and(|threshold| self.value.abs() > threshold)
     }
 
-    /// The rate's unit: "m/s" or "°/s".
-    pub fn unit(&self) -> &'static str {
-        match self.of {
-            OutlierReason::Range => "m/s",
-            OutlierReason::Azimuth | OutlierReason::Zenith => "°/s",
+    /// Gives the rates in a unit of which °/s has so many; the range's rate stays as it is.
+    #[must_use]
+    pub fn told_in(self, unit: &'static str, per_deg_per_s: f64) -> Self {
+        if self.of == OutlierReason::Range {
+            return self;
         }
+        let threshold = self.threshold.map(|threshold| threshold * per_deg_per_s);
+        Self { value: self.value * per_deg_per_s, threshold, unit, ..self }
     }
 
     /// "range", "azimuth" or "zenith".

@@ -105,7 +105,7 @@ fn rejected(step: &Step) -> String {
     let mut text = format!(
         "Rejected by the {} rate: {value} {} from the reading before ({:.2} s earlier), and {} allows {threshold}.",
         first.name(),
-        first.unit(),
+        first.unit,
         step.elapsed_s,
         first.threshold_name(),
     );
@@ -114,7 +114,7 @@ fn rejected(step: &Step) -> String {
         text += &format!(
             " The {} rate is too high as well: {value} {}, and {} allows {threshold}.",
             rate.name(),
-            rate.unit(),
+            rate.unit,
             rate.threshold_name()
         );
     }

@@ -93,7 +93,7 @@ impl<'a> Allowance<'a> {
         Self { progress, left: Cell::new(left) }
     }
 
-    /// So many readings were looked at once more; whether the search shall go on.
+    /// Counts readings that were looked at once more, and says whether the search shall go on.
     fn spend(&self, readings: usize) -> bool {
         if self.progress.is_cancelled() {
             return false;

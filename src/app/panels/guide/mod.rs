@@ -17,7 +17,7 @@ use crate::calibration::Verdict;
 use crate::deployment::{Finding, Severity};
 use crate::glossary;
 
-/// Of the words that have what is sought, no more are shown below the steps.
+/// The most words shown below the steps, of those that have what is sought.
 const MOST_WORDS: usize = 6;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {

@@ -37,12 +37,12 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
         );
         ui.label(RichText::new(text).color(colour));
     }
-    verdict_and_settings(ui, &difference);
+    verdict_and_settings(ui, &difference, state.units);
     transforms(ui, &difference, (pin, now, &open.deployment), state.units);
     metrics(ui, &difference);
 }
 
-fn verdict_and_settings(ui: &mut egui::Ui, difference: &ResultDifference) {
+fn verdict_and_settings(ui: &mut egui::Ui, difference: &ResultDifference, units: Units) {
     let Compared { pinned, now } = difference.verdict;
     if pinned != now {
         ui.label(format!("verdict {} → {}", pinned.name(), now.name()));
@@ -55,7 +55,7 @@ fn verdict_and_settings(ui: &mut egui::Ui, difference: &ResultDifference) {
         ui.weak("The settings are the same.");
     }
     for change in &difference.settings {
-        ui.label(change.to_string());
+        ui.label(units.change(change.clone()).to_string());
     }
 }
 

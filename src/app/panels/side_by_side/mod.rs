@@ -8,7 +8,7 @@ use eframe::egui::{self, RichText};
 use self::columns::{Cell, Column, Whose, columns};
 use super::result::{NOTABLE_SIGMAS, badge};
 use super::validation;
-use crate::analysis::{Settings, changes_in_words, setting_changes};
+use crate::analysis::Settings;
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::app::theme;
@@ -92,7 +92,9 @@ impl Table<'_> {
                 self.numbers(ui, &format!("{name} of {transform}"), cell);
             }
         }
-        ui.strong("metrics (mm)").on_hover_text("Median / IQR");
+        ui.strong("median / IQR (mm)").on_hover_text(
+            "The two metrics: size of the errors of distances, and of control points",
+        );
         ui.end_row();
         let inter_prism = columns::inter_prism(&self.columns, self.reference);
         self.numbers(ui, "inter-prism", |column| &inter_prism[column]);
@@ -203,7 +205,7 @@ fn settings(ui: &mut egui::Ui, state: &State, column: &Column<'_>, commands: &mu
         Whose::Pinned(id) => (state.settings_of_pin(id), Some(id)),
     };
     let Some(settings) = settings else { return };
-    let changes = changes_in_words(&setting_changes(&Settings::default(), &settings));
+    let changes = state.units.changes(&Settings::default(), &settings);
     let (name, hint) = match changes.as_str() {
         "" => ("the defaults", "Nothing is changed"),
         changes => ("changed", changes),

@@ -5,7 +5,7 @@ use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform};
 
 use super::super::time_plot::still;
 use super::super::{LABELS, log_axis};
-use super::GapThresholds;
+use super::{GapThresholds, Threshold};
 use crate::app::model::OpenDeployment;
 use crate::app::prepared::gaps::LogHistogram;
 use crate::app::state::State;
@@ -16,6 +16,8 @@ use crate::pipeline::SampleFate;
 /// Height of the line above each, and of its text: below that are handles (points).
 const TITLE: f32 = 21.0;
 const TEXT: f32 = 13.0;
+/// Less is too low for a chart.
+const LEAST: f32 = 40.0;
 /// Lower charts have no room for the name of their counts.
 const LEAST_NAMED: f32 = 64.0;
 
@@ -29,9 +31,14 @@ pub fn ui(
     ui.spacing_mut().item_spacing.y = 2.0;
     let gaps = &open.plots.gaps;
     let [tau_s, tau_l] = &thresholds.0;
-    let height = (ui.available_height() / 2.0 - TITLE - 4.0).max(40.0);
+    // Both where both can be read; in a low pane the first alone, and of the second how many.
+    let of_two = ui.available_height() / 2.0 - TITLE - 4.0;
+    let height = if of_two < LEAST { ui.available_height() - 2.0 * TITLE - 4.0 } else { of_two };
     let longer = gaps.outages.each_ref().map(|outages| outages.len().to_string()).join(" / ");
-    title(ui, &format!("silences > {}: {longer}", tau_s.label()));
+    let counted = "How many silences there are of each length, by stations; above: how many of stations 1 / 2 / 3 are \
+                   longer than τ_s";
+    let short_of = |threshold: &Threshold<'_>| threshold.symbol.to_owned();
+    title(ui, ["silences", ">"], [tau_s.label(), short_of(tau_s)], &longer, counted);
     let stations: Vec<(&LogHistogram, Color32)> = (0..3)
         .filter(|station| state.visibility.stations[*station])
         .map(|station| (&gaps.lengths[station], theme::rgb(palette::STATIONS[station])))
@@ -42,7 +49,13 @@ pub fn ui(
         tau_s.vertical_line(ui, frame, x(&transform, tau_s.value), |x| at(&transform, x));
 
     let (short, all) = (gaps.short.len(), gaps.short.len() + gaps.kept.len());
-    title(ui, &format!("intervals ≤ {}: {short} of {all}", tau_l.label()));
+    let shorter = format!("{short} of {all}");
+    let counted =
+        "How many intervals there are of each length; above: how many are not longer than τ_l";
+    title(ui, ["intervals", "≤"], [tau_l.label(), short_of(tau_l)], &shorter, counted);
+    if of_two < LEAST {
+        return [wanted_s, None];
+    }
     let kept = theme::rgb(palette::fate(SampleFate::Kept));
     let series = [(&gaps.interval_lengths, kept)];
     let intervals = Distribution { name: "intervals", threshold: tau_l.value, series: &series };
@@ -54,12 +67,33 @@ pub fn ui(
     [wanted_s, wanted_l]
 }
 
-fn title(ui: &mut egui::Ui, text: &str) {
+/// What is counted against a threshold: with the threshold's value, or in a narrow pane as much of it as has room.
+fn title(
+    ui: &mut egui::Ui,
+    [what, sign]: [&str; 2],
+    [threshold, symbol]: [String; 2],
+    count: &str,
+    hint: &str,
+) {
     let (rect, _) =
         ui.allocate_exact_size(egui::vec2(ui.available_width(), TITLE), egui::Sense::hover());
     let builder = egui::UiBuilder::new().max_rect(rect.with_max_y(rect.top() + TEXT));
     let mut line = ui.new_child(builder);
-    line.add(egui::Label::new(RichText::new(text).small()).truncate());
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let fits = |text: &&String| {
+        let text = (*text).clone();
+        let galley = ui.painter().layout_no_wrap(text, font.clone(), Color32::PLACEHOLDER);
+        galley.size().x <= rect.width()
+    };
+    let texts = [
+        format!("{what} {sign} {threshold}: {count}"),
+        format!("{what} {sign} {symbol}: {count}"),
+        format!("{sign} {symbol}: {count}"),
+    ];
+    let text = texts.iter().find(fits).unwrap_or(&texts[2]);
+    let label = egui::Label::new(RichText::new(text).small()).truncate();
+    let label = line.add(label.show_tooltip_when_elided(false));
+    label.on_hover_text(format!("{}\n\n{hint}", texts[0]));
 }
 
 /// Where a length is on the screen, also one that no axis shows.
@@ -112,7 +146,7 @@ impl Distribution<'_> {
                     .tick_label_font(egui::FontId::proportional(11.0))
                     .formatter(|mark, _| format!("{:.0}", 10_f64.powf(mark.value) - 1.0))
                     .label_spacing(8.0..=14.0)
-                    .min_thickness(40.0),
+                    .min_thickness(if height < LEAST_NAMED { 26.0 } else { 40.0 }),
             ])
             .x_grid_spacer(log_axis::many_decades)
             .y_grid_spacer(counts)
@@ -148,6 +182,12 @@ fn place(count: usize) -> f64 {
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 fn counts(input: GridInput) -> Vec<GridMark> {
     let shown = |mark: &GridMark| mark.value <= input.bounds.1;
-    let decades = (0..7).flat_map(|decade| [1, 3].map(|times| times * 10_usize.pow(decade)));
-    decades.map(|count| GridMark { value: place(count), step_size: 0.4 }).filter(shown).collect()
+    // In a low chart the powers of ten keep their numbers.
+    let marks = (0..7).flat_map(|decade| {
+        [(1, 1.0), (3, 0.4)].map(|(times, step_size)| GridMark {
+            value: place(times * 10_usize.pow(decade)),
+            step_size,
+        })
+    });
+    marks.filter(shown).collect()
 }

@@ -39,7 +39,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let thresholds = GapThresholds::of(state.settings());
     let mut wanted = [None; 2];
     let (above, below) = whole.split_top_bottom_at_y(whole.top() + BARS);
-    let mut strip = strips::in_rect(below, 1)[0];
+    let mut strip = strips::in_rect(below, 1, 1)[0];
     if whole.width() < strips::NARROW {
         // Where the distributions stand, numbers and lengths are seen; words above the chart are not needed.
         strip.plot =

@@ -1,0 +1,142 @@
+//! Where the prisms are at any time: together by a triplet, or each as it was last read.
+
+use nalgebra::Vector3;
+
+use crate::analysis::Analysis;
+use crate::deployment::{Deployment, Track};
+use crate::pipeline::{SampleFate, Triplets};
+
+/// How long a reading stands for its prism (s): after a few seconds the vehicle is elsewhere.
+pub const LAST_READ_S: f64 = 3.0;
+
+/// The three prisms at a time, each in its own station's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RigAt {
+    /// One instant, of a triplet or between two.
+    Together(Triplets),
+    /// There is no triplet: nobody knows where the rig is, only where each prism was, unless that is too long ago.
+    LastRead([Option<LastRead>; 3]),
+}
+
+/// The newest reading of a prism that is not later than the time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastRead {
+    /// Where the prism was (m, in the station's frame).
+    pub position_m: Vector3<f64>,
+    /// How long ago it was read (s).
+    pub age_s: f64,
+    /// Whether the outlier filter or the user takes it for wrong.
+    pub rejected: bool,
+}
+
+/// Finds the prisms at a time (s, in the stations' clock), by searches in sorted times. Between triplets they are
+/// interpolated as far as the pipeline itself goes across a gap.
+pub fn rig_at(deployment: &Deployment, analysis: &Analysis, time_s: f64) -> RigAt {
+    let longest_s = analysis.settings.pipeline.thresholds.tau_s_seconds;
+    match analysis.triplets().at(time_s, longest_s) {
+        Some(triplet) => RigAt::Together(triplet),
+        None => RigAt::LastRead(std::array::from_fn(|station| {
+            let fates = &analysis.pipeline.fates[station].each;
+            last_read(&deployment.tracks[station], fates, time_s)
+        })),
+    }
+}
+
+fn last_read(track: &Track, fates: &[SampleFate], time_s: f64) -> Option<LastRead> {
+    let index = track.measurements.partition_point(|m| m.time_s <= time_s).checked_sub(1)?;
+    let reading = &track.measurements[index];
+    let age_s = time_s - reading.time_s;
+    let fate = fates.get(index);
+    (age_s <= LAST_READ_S).then(|| LastRead {
+        position_m: track.position_m(reading),
+        age_s,
+        rejected: matches!(fate, Some(SampleFate::Rejected(_) | SampleFate::LeftOut)),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::{Analyst, Settings};
+    use crate::deployment::Sample;
+    use crate::pipeline::OutlierReason;
+
+    fn analysed() -> (Deployment, Analysis) {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let analysis = Analyst::new(deployment.clone().into()).run(&Settings::default());
+        (deployment, analysis)
+    }
+
+    #[test]
+    fn inside_an_interval_the_prisms_move_on_between_triplets() {
+        let (deployment, analysis) = analysed();
+        let triplets = analysis.triplets();
+        for index in (1..triplets.len()).step_by(50) {
+            if triplets.interval[index] != triplets.interval[index - 1] {
+                continue;
+            }
+            let time_s = 0.5 * (triplets.time_s[index - 1] + triplets.time_s[index]);
+            let RigAt::Together(now) = rig_at(&deployment, &analysis, time_s) else {
+                panic!("a triplet on either side of {time_s}")
+            };
+            for station in 0..3 {
+                let points_m = &triplets.points_m[station];
+                let middle = 0.5 * (points_m[index - 1] + points_m[index]);
+                // Stamps are held to a quarter of a microsecond.
+                assert!((now.triplet_m(0)[station] - middle).norm() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn in_a_gap_each_prism_is_where_it_was_last_read_unless_that_is_long_ago() {
+        let (deployment, analysis) = analysed();
+        let times_s = &analysis.triplets().time_s;
+        let intervals = &analysis.triplets().interval;
+        let mut seen = [0; 2];
+        for last in (1..times_s.len()).filter(|i| intervals[*i] != intervals[i - 1]) {
+            let [from_s, to_s] = [times_s[last - 1], times_s[last]];
+            for time_s in (1..20).map(|step| from_s + (to_s - from_s) * f64::from(step) / 20.0) {
+                let RigAt::LastRead(prisms) = rig_at(&deployment, &analysis, time_s) else {
+                    panic!("a pose across a gap at {time_s}")
+                };
+                for (track, prism) in deployment.tracks.iter().zip(prisms) {
+                    // The straightforward way.
+                    let mut before = track.measurements.iter().filter(|m| m.time_s <= time_s);
+                    let newest = before.next_back().expect("in the middle of the drive");
+                    let expected = (time_s - newest.time_s <= LAST_READ_S)
+                        .then(|| (track.position_m(newest), time_s - newest.time_s));
+                    assert_eq!(prism.map(|it| (it.position_m, it.age_s)), expected);
+                    seen[usize::from(prism.is_some())] += 1;
+                }
+            }
+        }
+        assert!(seen.iter().all(|count| *count > 0), "both come: {seen:?}");
+    }
+
+    #[test]
+    fn before_the_first_reading_nothing_is_anywhere() {
+        let (deployment, analysis) = analysed();
+        let start_s = deployment.start_s().expect("readings");
+        let at = rig_at(&deployment, &analysis, start_s - 0.1);
+        assert_eq!(at, RigAt::LastRead([None; 3]));
+        let end_s = deployment.end_s().expect("readings");
+        let at = rig_at(&deployment, &analysis, end_s + LAST_READ_S + 0.1);
+        assert_eq!(at, RigAt::LastRead([None; 3]));
+    }
+
+    #[test]
+    fn a_rejected_reading_says_so() {
+        let (deployment, _) = analysed();
+        let track = &deployment.tracks[0];
+        let time_s = track.measurements[3].time_s;
+        let mut fates = vec![SampleFate::InNoInterval; 4];
+        let rejected =
+            |fates: &[SampleFate]| last_read(track, fates, time_s).expect("just read").rejected;
+        assert!(!rejected(&fates));
+        for fate in [SampleFate::Rejected(OutlierReason::Range), SampleFate::LeftOut] {
+            fates[3] = fate;
+            assert!(rejected(&fates), "{fate:?}");
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Ghosts: prisms at a time of which there is no triplet, each where it was last read.
+
+use eframe::egui::{Painter, Pos2, Shape, Stroke, Vec2};
+use nalgebra::Vector3;
+
+use super::projection::Projection;
+use crate::app::prepared::rig_at::{LAST_READ_S, LastRead};
+use crate::app::theme;
+use crate::geometry::RigidTransform;
+use crate::palette;
+
+/// A prism where it was last read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ghost {
+    /// Where it was (m, in station 1's frame).
+    pub position_m: Vector3<f64>,
+    /// How long ago it was read (s).
+    pub age_s: f64,
+    /// Whether the reading was rejected: the prism was hardly there.
+    pub rejected: bool,
+}
+
+/// Ghosts of what was last read, where the tracks have a place.
+pub fn placed(
+    last_read: &[Option<LastRead>; 3],
+    station1_from_tracks: &[Option<RigidTransform>; 3],
+) -> [Option<Ghost>; 3] {
+    std::array::from_fn(|station| {
+        let LastRead { position_m, age_s, rejected } = last_read[station]?;
+        let position_m = station1_from_tracks[station]?.apply(&position_m);
+        Some(Ghost { position_m, age_s, rejected })
+    })
+}
+
+/// Radius of a ghost, larger than the disc of a prism, and its line (points).
+const RADIUS: f32 = 7.0;
+const WIDTH: f32 = 2.0;
+/// How much of its colour is inside, and how much of all is left when it goes.
+const INSIDE: f32 = 0.25;
+const LEFT_AT_LAST: f32 = 0.35;
+/// Dashes around a ghost, and corners of each.
+const DASHES: usize = 6;
+const CORNERS: usize = 4;
+
+/// Paints dashed rings in the colours of the stations, paler the older their readings are.
+pub fn paint(painter: &Painter, projection: &Projection, ghosts: &[Option<Ghost>; 3], dark: bool) {
+    for (station, ghost) in ghosts.iter().enumerate() {
+        let Some(ghost) = ghost else { continue };
+        let Some(at) = projection.visible(&ghost.position_m) else { continue };
+        let age = (ghost.age_s / LAST_READ_S) as f32;
+        let left = 1.0 - (1.0 - LEFT_AT_LAST) * age;
+        let colour = theme::readable(palette::STATIONS[station], dark).gamma_multiply(left);
+        // What lies below must not fill the spaces between the dashes.
+        let ground = theme::scene_background(dark).gamma_multiply(0.8 * left);
+        painter.circle_stroke(at, RADIUS, Stroke::new(WIDTH + 2.0, ground));
+        painter.circle_filled(at, RADIUS, colour.gamma_multiply(INSIDE));
+        dashed_ring(painter, at, Stroke::new(WIDTH, colour));
+    }
+}
+
+fn dashed_ring(painter: &Painter, at: Pos2, stroke: Stroke) {
+    // Spaces half as long as the dashes.
+    let turn_rad = std::f32::consts::TAU / DASHES as f32;
+    let step_rad = turn_rad * 2.0 / 3.0 / CORNERS as f32;
+    for dash in 0..DASHES {
+        let corner = |corner: usize| {
+            let angle_rad = turn_rad * dash as f32 + step_rad * corner as f32;
+            at + RADIUS * Vec2::angled(angle_rad)
+        };
+        painter.add(Shape::line((0..=CORNERS).map(corner).collect(), stroke));
+    }
+}

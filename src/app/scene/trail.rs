@@ -1,0 +1,76 @@
+//! The trail: what of its way lies behind each prism at the time cursor.
+
+use std::ops::Range;
+
+use crate::app::prepared::Cloud;
+
+/// Part of the tracks that is drawn once more, wider and fading out into the past.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trail {
+    /// From when to when (s, as the points count it).
+    pub span_s: [f32; 2],
+    /// The points of each station's track that it goes along; none where it is not drawn.
+    pub ranges: [Range<usize>; 3],
+}
+
+impl Trail {
+    /// The trail behind a time, of the tracks that have one, by searches in their times (s, as the points count it).
+    pub fn behind(time_s: f64, length_s: u32, tracks: &Cloud, drawn: [bool; 3]) -> Self {
+        let span_s = [time_s - f64::from(length_s), time_s].map(|t| t as f32);
+        let range =
+            |station: usize| if drawn[station] { tracks.along(station, span_s) } else { 0..0 };
+        Self { span_s, ranges: [0, 1, 2].map(range) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::Triplets;
+    use nalgebra::Vector3;
+
+    /// A minute of triplets, two a second, and another after a gap of a minute.
+    fn tracks() -> Cloud {
+        let time_s: Vec<f64> = (0..=120).chain(240..=360).map(|i| 0.5 * f64::from(i)).collect();
+        let points_m = [0.0; 3].map(|_| vec![Vector3::zeros(); time_s.len()]);
+        let interval = time_s.iter().map(|t| u32::from(*t > 60.0)).collect();
+        Cloud::of_triplets(&Triplets::new(time_s, interval, points_m), 0.0)
+    }
+
+    /// Times of the points that each prism's trail goes along (s).
+    fn times_s(trail: &Trail) -> [Vec<f32>; 3] {
+        let points = tracks().points;
+        trail.ranges.clone().map(|range| points[range].iter().map(|p| p.time_s).collect())
+    }
+
+    #[test]
+    fn it_reaches_back_so_many_seconds_and_not_beyond_the_cursor() {
+        // On triplets, and between two: their line is cut where the span ends.
+        for (cursor_s, from_s, to_s) in [(30.0, 20.0, 30.0), (30.2, 20.0, 30.5), (4.0, 0.0, 4.0)] {
+            let trail = Trail::behind(cursor_s, 10, &tracks(), [true; 3]);
+            assert_eq!(trail.span_s, [cursor_s - 10.0, cursor_s].map(|t| t as f32));
+            for of_prism in times_s(&trail) {
+                assert_eq!((of_prism[0], of_prism[of_prism.len() - 1]), (from_s, to_s));
+                assert_eq!(of_prism.len(), (2.0 * (to_s - from_s)) as usize + 1);
+            }
+        }
+    }
+
+    #[test]
+    fn in_a_gap_it_runs_out_and_before_the_start_there_is_none() {
+        let left = |cursor_s: f64| {
+            let trail = Trail::behind(cursor_s, 10, &tracks(), [true; 3]);
+            let [from_s, to_s] = trail.span_s;
+            times_s(&trail)[0].iter().filter(|t| (from_s..=to_s).contains(*t)).count()
+        };
+        assert_eq!([left(60.0), left(65.0), left(75.0), left(-20.0)], [21, 11, 0, 0]);
+    }
+
+    #[test]
+    fn what_is_not_drawn_leaves_none() {
+        let trail = Trail::behind(30.2, 10, &tracks(), [true, false, true]);
+        assert_eq!(times_s(&trail).map(|times_s| times_s.len()), [22, 0, 22]);
+        let empty = Trail::behind(30.2, 10, &Cloud::default(), [true; 3]);
+        assert_eq!(empty.ranges, [const { 0..0 }; 3]);
+    }
+}

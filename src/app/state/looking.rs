@@ -1,0 +1,63 @@
+//! Where the camera looks, and when it stops going with the rig.
+
+use nalgebra::Vector3;
+
+use super::State;
+use crate::app::model::{Picked, ViewPreset};
+
+impl State {
+    /// Looks another way. A camera that follows the rig only turns; standing at a station and fitting all in end that.
+    pub(super) fn look(&mut self, preset: ViewPreset) {
+        use ViewPreset::{Fit, Front, Side, Slanted, Station, Top};
+        match preset {
+            Slanted | Top | Front | Side if self.scene.follow => self.view.camera.turn(preset),
+            Fit | Station(_) | Slanted | Top | Front | Side => {
+                self.scene.follow = false;
+                self.view.look(preset);
+            }
+        }
+    }
+
+    /// The camera glides to a place (m, in station 1's frame), and leaves the rig.
+    pub(super) fn come_to(&mut self, position_m: &Vector3<f64>) {
+        self.scene.follow = false;
+        self.view.fly_to(position_m);
+    }
+
+    /// The camera glides to a reading of the active deployment, if it has a place.
+    pub(super) fn fly_to(&mut self, picked: Picked) {
+        let Some((open, analysis)) = self.analysed() else { return };
+        if let Some(position_m) = picked.place_m(&open.deployment, analysis) {
+            self.come_to(&position_m);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::model::Command;
+    use eframe::egui;
+
+    #[test]
+    fn what_looks_elsewhere_ends_following_and_what_only_turns_does_not() {
+        let ctx = egui::Context::default();
+        let mut state = State::new(ctx.clone());
+        let mut after = |command: Command| {
+            state.scene.follow = true;
+            let before = state.view.camera;
+            state.handle(command, &ctx);
+            let camera = state.view.camera;
+            let turned = camera.pitch_rad != before.pitch_rad || camera.yaw_rad != before.yaw_rad;
+            let stayed =
+                camera.target_m == before.target_m && camera.distance_m == before.distance_m;
+            assert!(stayed, "no frame was drawn yet");
+            (state.scene.follow, turned, state.view.wanted.take().is_some())
+        };
+        assert_eq!(after(Command::Look(ViewPreset::Top)), (true, true, false));
+        assert_eq!(after(Command::Look(ViewPreset::Slanted)), (true, true, false));
+        assert_eq!(after(Command::Look(ViewPreset::Fit)), (false, false, true));
+        assert_eq!(after(Command::Look(ViewPreset::Station(1))), (false, false, true));
+        assert_eq!(after(Command::ComeTo(Vector3::zeros())), (false, false, false));
+    }
+}

@@ -1,0 +1,257 @@
+//! Which constants, and which slow changes, explain the parts of a drive best, and how certain that is.
+//!
+//! Data and priors make one normal matrix. The slow states are eliminated along the chain, as in a Kalman smoother (Rauch,
+//! Tung & Striebel 1965), which leaves the constants.
+
+use multiversion::multiversion;
+use nalgebra::{ArrayStorage, Cholesky, Const, SMatrix};
+
+use super::band_rows::factorise;
+use super::chain::{Between, Columns, Data, Square};
+use super::slow_priors::{LnDeterminant, SlowMatrix, SlowPrecisions, Walk};
+use super::unknowns::{CONSTANTS, Constants, SLOW, SLOW_RANGES};
+
+/// Places in a row of the factor: the part's own slow states, the next part's, and the constants.
+const NEXT: usize = SLOW;
+const BORDER: usize = 2 * SLOW;
+const ROW: usize = BORDER + CONSTANTS;
+
+type Rows = [[f64; ROW]; SLOW];
+
+/// Data and priors, factorised.
+pub struct Factor {
+    /// The upper factor of each part's own states, with what it has in common with the next part and the constants.
+    rows: Vec<Rows>,
+    constants: Cholesky<f64, Const<CONSTANTS>>,
+    /// Logarithm of the determinant, less the one of the slow priors.
+    pub log_determinant: f64,
+}
+
+impl Factor {
+    /// `None` where a direction stays free.
+    pub fn new(data: &Data, precision: &Constants, priors: &SlowPrecisions) -> Option<Self> {
+        let mut rows: Vec<Rows> = vec![[[0.0; ROW]; SLOW]; data.own.len()];
+        let mut gram = [[0.0; CONSTANTS]; CONSTANTS];
+        let mut log_determinant = -priors.log_determinant;
+        for part in 0..data.own.len() {
+            let own = data.own[part] + priors.own[part];
+            let next = data.with_next[part] + priors.with_next[part];
+            let border = &data.with_constants[part];
+            let (before, block) = rows[..=part].split_at_mut(part);
+            let block = &mut block[0];
+            for (i, row) in block.iter_mut().enumerate() {
+                for j in 0..SLOW {
+                    row[j] = own[(i, j)];
+                    row[NEXT + j] = next[(i, j)];
+                }
+                for j in 0..CONSTANTS {
+                    row[BORDER + j] = border[(i, j)];
+                }
+            }
+            if let Some(before) = before.last() {
+                subtract(before, block);
+            }
+            if !factorise(block) {
+                return None;
+            }
+            add_gram(&mut gram, block);
+            log_determinant += (0..SLOW).map(|i| 2.0 * block[i][i].ln()).sum::<f64>();
+        }
+        let gram = Square::from_fn(|i, j| gram[i.min(j)][i.max(j)]);
+        let constants = data.constants + Square::from_diagonal(precision) - gram;
+        let constants = constants.cholesky()?;
+        log_determinant += 2.0 * constants.ln_determinant_of_root();
+        log_determinant.is_finite().then_some(Self { rows, constants, log_determinant })
+    }
+
+    /// Covariance of the constants.
+    pub fn of_constants(&self) -> Square {
+        self.constants.inverse()
+    }
+
+    pub fn solve<const K: usize>(&self, right: &Columns<K>) -> Columns<K> {
+        // By row, so that all columns are solved at once.
+        let mut slow: Vec<[[f64; K]; SLOW]> =
+            right.slow.iter().map(|slow| slow.transpose().data.0).collect();
+        let mut constants = right.constants.transpose().data.0;
+        for (part, rows) in self.rows.iter().enumerate() {
+            let (own, next) = slow[part..].split_first_mut().expect("a part");
+            forward(rows, own, next.first_mut(), &mut constants);
+        }
+        let mut known =
+            SMatrix::<f64, K, CONSTANTS>::from_data(ArrayStorage(constants)).transpose();
+        self.constants.solve_mut(&mut known);
+        let constants = known.transpose().data.0;
+        for (part, rows) in self.rows.iter().enumerate().rev() {
+            let (own, next) = slow[part..].split_first_mut().expect("a part");
+            backward(rows, own, next.first(), &constants);
+        }
+        let by_column = |rows| SMatrix::<f64, K, SLOW>::from_data(ArrayStorage(rows)).transpose();
+        Columns { slow: slow.into_iter().map(by_column).collect(), constants: known }
+    }
+
+    /// Covariance of how the states that walk do so to each part but the first from the one before it.
+    ///
+    /// Only the blocks of the inverse that this takes, from the last part back (Rauch, Tung & Striebel 1965).
+    pub fn of_walks(&self) -> Vec<Walk> {
+        let by_constants = self.of_constants();
+        let walking =
+            |block: &SlowMatrix| block.fixed_view::<SLOW_RANGES, SLOW_RANGES>(0, 0).into_owned();
+        let mut walks = vec![Walk::zeros(); self.rows.len().saturating_sub(1)];
+        // Of the part after: its own covariance, and with the constants.
+        let mut after: Option<(SlowMatrix, Between)> = None;
+        for (part, rows) in self.rows.iter().enumerate().rev() {
+            let own = SlowMatrix::from_fn(|i, j| if j < i { 0.0 } else { rows[i][j] });
+            let inverse = own
+                .solve_upper_triangular(&SlowMatrix::identity())
+                .unwrap_or_else(SlowMatrix::identity);
+            // The part's states are `forward` times the next one's, `aside` times the constants, and noise.
+            let forward = -inverse * SlowMatrix::from_fn(|i, j| rows[i][NEXT + j]);
+            let aside = -inverse * Between::from_fn(|i, j| rows[i][BORDER + j]);
+            let noise = inverse * inverse.transpose();
+            let with_constants = aside * by_constants;
+            after = Some(match after {
+                None => (noise + with_constants * aside.transpose(), with_constants),
+                Some((next, next_with_constants)) => {
+                    let with_constants = with_constants + forward * next_with_constants;
+                    let with_next = forward * next + aside * next_with_constants.transpose();
+                    let covariance = noise
+                        + with_next * forward.transpose()
+                        + with_constants * aside.transpose();
+                    let across = walking(&with_next);
+                    walks[part] =
+                        walking(&next) + walking(&covariance) - across - across.transpose();
+                    (covariance, with_constants)
+                }
+            });
+        }
+        walks
+    }
+}
+
+/// Solves for a part's own rows, and takes them out of what comes after.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn forward<const K: usize>(
+    rows: &Rows,
+    own: &mut [[f64; K]; SLOW],
+    mut next: Option<&mut [[f64; K]; SLOW]>,
+    constants: &mut [[f64; K]; CONSTANTS],
+) {
+    for (m, row) in rows.iter().enumerate() {
+        let (value, after) = own[m..].split_first_mut().expect("a row");
+        value.iter_mut().for_each(|value| *value /= row[m]);
+        for (factor, other) in row[m + 1..SLOW].iter().zip(after) {
+            subtract_times(other, *factor, value);
+        }
+        if let Some(next) = next.as_deref_mut() {
+            for (factor, other) in row[NEXT..BORDER].iter().zip(next) {
+                subtract_times(other, *factor, value);
+            }
+        }
+        for (factor, other) in row[BORDER..].iter().zip(constants.iter_mut()) {
+            subtract_times(other, *factor, value);
+        }
+    }
+}
+
+/// Solves for a part's own rows, all after it being known.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn backward<const K: usize>(
+    rows: &Rows,
+    own: &mut [[f64; K]; SLOW],
+    next: Option<&[[f64; K]; SLOW]>,
+    constants: &[[f64; K]; CONSTANTS],
+) {
+    for (m, row) in rows.iter().enumerate().rev() {
+        let (value, after) = own[m..].split_first_mut().expect("a row");
+        for (factor, other) in row[BORDER..].iter().zip(constants) {
+            subtract_times(value, *factor, other);
+        }
+        for (factor, other) in row[NEXT..BORDER].iter().zip(next.into_iter().flatten()) {
+            subtract_times(value, *factor, other);
+        }
+        for (factor, other) in row[m + 1..SLOW].iter().zip(after) {
+            subtract_times(value, *factor, other);
+        }
+        value.iter_mut().for_each(|value| *value /= row[m]);
+    }
+}
+
+#[inline(always)]
+fn subtract_times<const K: usize>(from: &mut [f64; K], factor: f64, values: &[f64; K]) {
+    for k in 0..K {
+        from[k] -= factor * values[k];
+    }
+}
+
+/// Subtracts what an eliminated part says of the next one.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn subtract(before: &Rows, block: &mut Rows) {
+    for (r, row) in block.iter_mut().enumerate() {
+        let mut sum = *row;
+        for from in before {
+            let factor = from[NEXT + r];
+            for j in 0..SLOW {
+                sum[j] -= factor * from[NEXT + j];
+            }
+            for j in BORDER..ROW {
+                sum[j] -= factor * from[j];
+            }
+        }
+        *row = sum;
+    }
+}
+
+/// Adds the products of a part's border with itself, above the diagonal.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+fma", "x86_64+avx2+fma"))]
+fn add_gram(gram: &mut [[f64; CONSTANTS]; CONSTANTS], rows: &Rows) {
+    for (i, sum) in gram.iter_mut().enumerate() {
+        for row in rows {
+            let factor = row[BORDER + i];
+            for j in 0..CONSTANTS {
+                sum[j] += factor * row[BORDER + j];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    const PARTS: usize = 5;
+
+    #[test]
+    fn walks_are_as_certain_as_their_solutions_say() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        let mut any = || rng.random_range(-1.0..1.0);
+        let slow = |any: &mut dyn FnMut() -> f64| SlowMatrix::from_fn(|_, _| any());
+        let data = Data {
+            own: (0..PARTS)
+                .map(|_| {
+                    let root = slow(&mut any);
+                    root * root.transpose() + SlowMatrix::identity() * 30.0
+                })
+                .collect(),
+            with_next: (0..PARTS).map(|_| slow(&mut any)).collect(),
+            with_constants: (0..PARTS).map(|_| Between::from_fn(|_, _| any())).collect(),
+            constants: Square::identity() * 300.0,
+            gradient: Columns::zeros(PARTS),
+        };
+        let none = vec![SlowMatrix::zeros(); PARTS];
+        let priors = SlowPrecisions { own: none.clone(), with_next: none, log_determinant: 0.0 };
+        let factor = Factor::new(&data, &Constants::repeat(1.0), &priors).expect("definite");
+        let walks = factor.of_walks();
+        assert_eq!(walks.len(), PARTS - 1);
+        for (index, found) in walks.iter().enumerate() {
+            let mut walked = Columns::<SLOW_RANGES>::zeros(PARTS);
+            for k in 0..SLOW_RANGES {
+                walked.slow[index + 1][(k, k)] = 1.0;
+                walked.slow[index][(k, k)] = -1.0;
+            }
+            let expected = walked.dot(&factor.solve(&walked));
+            assert!((found - expected).amax() < 1e-12, "{index}: {found} {expected}");
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Where a command may write: never over what it read.
+
+use std::path::Path;
+
+use super::Failure;
+
+/// Refuses to write over any of the files that were read.
+pub fn spare<'a>(out: &Path, read: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+    let Ok(target) = out.canonicalize() else { return Ok(()) };
+    let is_target = |path: &Path| path.canonicalize().is_ok_and(|path| path == target);
+    match read.into_iter().any(is_target) {
+        true => Err(Failure::Input(anyhow::anyhow!(
+            "{}: this is what was read, and is not written over; name another file",
+            out.display()
+        ))),
+        false => Ok(()),
+    }
+}
