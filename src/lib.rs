@@ -29,20 +29,20 @@
 //! | [`geometry`] | polar and geodetic coordinates, level and rigid transforms, alignment | |
 //! | [`statistics`] | medians, robust losses, covariances from data that is correlated in time | |
 //! | [`progress`] | how far long work is, and whether anyone still wants it | |
-//! | [`deployment`] | the data model; `format/` has a file a format | a reader: a file in `format/`, a variant of `Format` and a line in `recognise` (`format/mod.rs`), its part in `open/`; what a finding advises: `remedy.rs` |
-//! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field in `settings.rs`, and in what `staged.rs` compares; an interpolation: a file in `interpolation/` |
-//! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and what checked it | a better estimate of D: a file in `inter_prism/`; an unknown of the joint estimate: a place in `joint/unknowns.rs`, its size in `instrument.rs` |
+//! | [`deployment`] | the data model; `format/` has a file a format | a reader: a file in `format/`, a variant of `Format` and a line in `recognise` (`format/mod.rs`), its part in `open/`; what a finding may advise: `remedy.rs` (any room makes findings) |
+//! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field of `pipeline/settings.rs`, which `staged.rs` compares to see from which stage to run again; an interpolation: a file in `interpolation/`, a variant of its `Interpolation` |
+//! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and what checked it | a better estimate of D: a file in `inter_prism/`; an unknown of the joint estimate: its index in `joint/unknowns.rs`; how large an error of instruments or clocks usually is, noise among them: `calibration/instrument.rs` |
 //! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | |
 //! | [`analysis`] | settings, and the one path | |
 //! | [`validation`] | whether a calibration holds for another run, and which station moved | |
-//! | [`simulation`] | deployments with known truth | a preset: an arm in `scenario.rs` |
-//! | [`palette`] | the colours that mean something | |
+//! | [`simulation`] | deployments with known truth | a preset, gaps and outliers included: an arm in `scenario.rs`; an error of instruments: `errors.rs` |
+//! | [`palette`] | the colours of stations, pairs, fates and verdicts, for window, report and pictures alike | |
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |
 //! | [`font`] | the one font | |
 //! | [`glossary`] | the words of the field, explained | a term: a line in `terms.rs` |
 //! | [`export`] | JSON, text, CSV, TUM, HTML, SVG, PNG, Rerun | a writer; a field of `calibrate --json`: `json.rs`, read again by `json/earlier.rs` |
 //! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `model/pane.rs` and `window.rs`; one more series over time: a channel in `prepared/channels.rs`; an entry of a menu, with its key: a line in `actions/` |
-//! | [`command`] | the command line; prints | a subcommand: a file, and an arm in `mod.rs` |
+//! | [`command`] | the command line; prints | a subcommand: a file with its flags, and an arm in `mod.rs`; tables and files that it writes come from `export` |
 //!
 //! # Conventions
 //! Lengths are metres, angles radians, times seconds unless the name says otherwise; `a_from_b` maps frame b to

@@ -1,21 +1,23 @@
 //! The window.
 //!
 //! Panes read the [`State`] and send [`Command`]s, which change it between frames; only the layout and the view, which egui
-//! moves while it draws, change within one. Every arrow goes down:
+//! moves while it draws, change within a frame. A room imports only from rooms drawn below it, and not from its neighbours:
 //!
 //! ```text
 //! window                      one frame; how it opens; how it becomes a picture
-//! ├─ panels                   panes of text and controls, bars, dialogs
+//! ├─ panels                   panes of text and controls, bars, dialogs, toasts
 //! │  └─ actions               menus, palette and keys: which command, when it is possible
-//! ├─ keeping                  what a running window keeps for the next one
-//! ├─ scene, plots             panes that are drawn
+//! ├─ keeping                  when a running window writes its preferences and its session, for the case that it dies
+//! ├─ scene, plots             panes that are drawn: the lines that are seen, from series made in `prepared`
 //! └─ state                    everything, and the one place where it changes
-//!    ├─ persist               sessions, preferences, autosave: as files
+//!    ├─ persist               what is in the files of sessions, preferences, autosave, and how they are read again
 //!    ├─ layout                where the panes are
 //!    └─ model                 plain data: commands, what is open, timeline, undo, units, toasts, view
-//!       ├─ prepared           what is computed for drawing, and the thread that does it
-//!       ├─ jobs               work beside the window, whose outcome is a function applied to the state
-//!       └─ file_dialog, theme, words   asking for a path; colours and sizes; words explained where they stand
+//!       ├─ prepared           what is computed for drawing, statistics along the drive included; the thread that calibrates
+//!       │                     while a slider moves (`analyser.rs`)
+//!       ├─ jobs               other work beside the window, whose outcome is a function applied to the state
+//!       └─ file_dialog, theme, words   asking for a path; colours and sizes of the window itself, dark and light (those that
+//!                             mean something are in `crate::palette`); words explained on hover, where a label asks
 //! ```
 //!
 //! `panels` draws on `plots` too, where a study is a chart, and any room may take from `theme` and `words`.
@@ -25,7 +27,8 @@
 //! |---|---|
 //! | something that can be done | a variant of `model/command.rs`, an arm in `state/handle.rs`, a line with its key in `actions/`, which has a file a menu |
 //! | a setting of the scene | a field of `model/scene_options.rs`; sessions keep it whole (`persist/session.rs`) |
-//! | work that takes long | `self.jobs.start(work, take)` in `state/`; what goes on puts into `jobs.outbox()`; `jobs.rs` itself knows no job |
+//! | work that takes long | `self.jobs.start(work, take)` in `state/`: `take` gets what `work` returned, and the state; work with news before its end puts functions into `jobs.outbox()` |
+//! | something that a session remembers | a field of `persist/session.rs`, with what an older file without it means |
 //! | a button for what a finding advises | a variant of `deployment::Remedy`, an arm in `actions/remedies.rs` |
 
 mod actions;
