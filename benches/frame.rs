@@ -184,7 +184,7 @@ fn window(criterion: &mut Criterion) {
         })
     };
     let mut group = configure(criterion, "window");
-    for pane in [Pane::Residuals, Pane::Rates, Pane::Intervals] {
+    for pane in [Pane::Residuals, Pane::Rates, Pane::Intervals, Pane::Channels] {
         for _ in 0..5 {
             frame(Some(Command::ShowPane(pane)), Vec::new());
         }

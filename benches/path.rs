@@ -1,17 +1,17 @@
-//! Time of the pipeline, of method D with each prior, and of the whole path, at 2e3, 2e4 and 2e5 triplets.
+//! Time of reading, of each stage, of each calibration and of the whole path, at 2e3 to 2e6 triplets.
 //!
 //! `joint` is the whole answer by the joint estimate, checks included, here and on the published run (`joint/field`, where
 //! that data lies beside the project). On two cores of an AMD EPYC with AVX-512 the published run takes 13 ms and 27 000
 //! readings (`joint/20000`) 71 ms; the version before the joint estimate was a method of its own took 121 ms and 1.1 s on the
 //! same machine. Older machines with two cores took 2.5 times as long for both.
 //!
-//! Leaves the very triplets in `target/bench-triplets/`, where `peer_scipy.py` times scipy on them. The same
-//! problem is solved by the `levenberg-marquardt` crate beside ours.
+//! Leaves the very triplets in `target/bench-triplets/`, where `peer_scipy.py` and `peer_ceres.cpp` solve the same problem; the
+//! `levenberg-marquardt` crate does beside ours. `benches/table` runs all of them and prints the README's table.
 
 use std::hint::black_box;
 use std::sync::Arc;
 
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
 use nalgebra_peer::{DVector, Dyn, Matrix, OMatrix, OVector, Owned, U8, Vector3};
 use resect::analysis::{Analysis, Analyst, Settings};
 use resect::calibration::{self, CalibrationSettings, Method, Offer, PriorMethod};
@@ -35,7 +35,7 @@ fn benchmarks(criterion: &mut Criterion) {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/bench-triplets");
     std::fs::create_dir_all(&folder).expect("target can be written");
     field(criterion);
-    for size in [2_000, 20_000, 200_000] {
+    for size in [2_000, 20_000, 200_000, 2_000_000] {
         let deployment = deployment(size);
         let mut settings = Settings::default();
         settings.calibration.method = Some(Method::InterPrism);
@@ -46,6 +46,8 @@ fn benchmarks(criterion: &mut Criterion) {
 
         let mut group = criterion.benchmark_group("path");
         group.sample_size(if size > 100_000 { 10 } else { 40 });
+        // What takes seconds is not repeated more often than it must be.
+        group.sampling_mode(if size > 100_000 { SamplingMode::Flat } else { SamplingMode::Auto });
         group.bench_function(BenchmarkId::new("pipeline", size), |b| {
             b.iter(|| pipeline::run(black_box(&deployment), &settings.pipeline));
         });
@@ -67,13 +69,10 @@ fn benchmarks(criterion: &mut Criterion) {
                 b.iter(|| calibration::solve(&deployment, black_box(&triplets), &settings, &offer));
             });
         }
-        if size < 100_000 {
-            let (settings, offer) =
-                (CalibrationSettings::default(), Offer::of(&deployment, &triplets));
-            group.bench_function(BenchmarkId::new("joint", size), |b| {
-                b.iter(|| calibration::solve(&deployment, black_box(&triplets), &settings, &offer));
-            });
-        }
+        let (joint, offer) = (CalibrationSettings::default(), Offer::of(&deployment, &triplets));
+        group.bench_function(BenchmarkId::new("joint", size), |b| {
+            b.iter(|| calibration::solve(&deployment, black_box(&triplets), &joint, &offer));
+        });
         // Every stage runs again: the threshold of the first one alternates.
         let mut analyst = Analyst::new(Arc::clone(&deployment));
         let mut odd = false;
@@ -123,7 +122,7 @@ fn good_prior(analysis: &Analysis) -> Vector8 {
     p
 }
 
-/// Triplets, distances, the good prior and our answer, for other programs.
+/// The triplets, and as three lines distances, good prior and our answer, for other programs.
 fn write_for_peers(deployment: &Deployment, analysis: &Analysis, folder: &std::path::Path) {
     std::fs::create_dir_all(folder).expect("target can be written");
     export::csv::write_triplets(analysis, &folder.join("triplets.csv"))
@@ -133,13 +132,13 @@ fn write_for_peers(deployment: &Deployment, analysis: &Analysis, folder: &std::p
     let numbers =
         |t: &RigidTransform| [t.translation_m.x, t.translation_m.y, t.translation_m.z, t.yaw_rad()];
     let ours = [numbers(t2), numbers(t3)].concat();
-    let problem = serde_json::json!({
-        "inter_prism_m": deployment.rig.as_ref().expect("simulated").inter_prism_m,
-        "prior": good_prior(analysis).as_slice(),
-        "answer": ours,
-    });
-    std::fs::write(folder.join("problem.json"), problem.to_string())
-        .expect("target can be written");
+    let distances = deployment.rig.as_ref().expect("simulated").inter_prism_m;
+    let line = |numbers: &[f64]| {
+        let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+        numbers.join(",") + "\n"
+    };
+    let problem = [line(&distances), line(good_prior(analysis).as_slice()), line(&ours)].concat();
+    std::fs::write(folder.join("problem.csv"), problem).expect("target can be written");
 }
 
 /// Method D for the `levenberg-marquardt` crate: the same eight unknowns, all residuals, the analytic Jacobian.

@@ -1,15 +1,10 @@
 #!/usr/bin/env python3
-"""Times scipy's least_squares on the triplets that `cargo bench` left behind, and prints the table of the README.
+"""Times scipy's least_squares on the triplets that `cargo bench --bench path` left behind.
 
-    cargo bench                      # writes target/bench-triplets and target/criterion
-    python3 -m venv /tmp/venv && /tmp/venv/bin/pip install numpy scipy
-    /tmp/venv/bin/python benches/peer_scipy.py
-
-scipy gets the vectorised analytic Jacobian, its default method (`trf`) and its fastest (`lm`), and starts from the same good prior as the Rust peer (2 mm, 4 cm in z,
+A line for each number: triplets wanted, name, milliseconds (median of several). `benches/table` runs it. scipy gets the vectorised analytic Jacobian, its default method (`trf`) and its fastest (`lm`), and starts from the same good prior as the Rust peer (2 mm, 4 cm in z,
 0.06 mrad off). One thread. Its answer is checked against ours.
 """
 
-import json
 import os
 import time
 from pathlib import Path
@@ -54,41 +49,22 @@ def solve(q1, q2, q3, distances, prior, method):
     return least_squares(residuals, prior, jac=jacobian, method=method)
 
 
-def ours_ms(name, size):
-    path = TARGET / "criterion" / "path" / name / str(size) / "new" / "estimates.json"
-    return json.loads(path.read_text())["median"]["point_estimate"] / 1e6
-
-
 def main():
-    lines = []
-    columns = ["pipeline", "d-closed-form", "d-search", "whole", "peer-levenberg-marquardt"]
-    print("| triplets | pipeline | D, closed form | D, search | whole path | `levenberg-marquardt` | scipy `lm` | scipy `trf` |")
-    print("|---:|---:|---:|---:|---:|---:|---:|---:|")
-    for size in (2000, 20000, 200000):
+    for size in (2000, 20000, 200000, 2000000):
         folder = TARGET / "bench-triplets" / str(size)
         table = np.loadtxt(folder / "triplets.csv", delimiter=",", skiprows=1)
         q1, q2, q3 = (np.ascontiguousarray(table[:, i : i + 3]) for i in (2, 5, 8))
-        problem = json.loads((folder / "problem.json").read_text())
-        scipy_ms = []
+        told = (folder / "problem.csv").read_text().splitlines()
+        distances, prior, ours = (np.array(line.split(","), float) for line in told)
         for method in ("lm", "trf"):
-            times = []
+            times_ms = []
             for _ in range(9 if size < 100000 else 3):
                 start = time.perf_counter()
-                prior = np.array(problem["prior"])
-                found = solve(q1, q2, q3, problem["inter_prism_m"], prior, method)
-                times.append((time.perf_counter() - start) * 1e3)
-            off = np.abs(found.x - np.array(problem["answer"])).max()
+                found = solve(q1, q2, q3, distances, prior, method)
+                times_ms.append((time.perf_counter() - start) * 1e3)
+            off = np.abs(found.x - ours).max()
             assert off < 1e-6, f"scipy and resect disagree by {off}"
-            scipy_ms.append(float(np.median(times)))
-        ours = [ours_ms(name, size) for name in columns]
-        cells = [f"{ms:.2f}" for ms in ours] + [f"{ms:.1f}" for ms in scipy_ms]
-        print(f"| {len(table)} | " + " | ".join(cells) + " |")
-        lines.append(
-            f"{len(table)} triplets: scipy takes {scipy_ms[0] / ours[1]:.0f} (lm) and {scipy_ms[1] / ours[1]:.0f} (trf) times as long as D"
-            f" with its prior, {scipy_ms[0] / ours[3]:.0f} and {scipy_ms[1] / ours[3]:.0f} times as long as the whole path;"
-            f" the crate {ours[4] / ours[1]:.0f} times as long as D."
-        )
-    print("\nMilliseconds, medians; one thread.\n" + "\n".join(lines))
+            print(size, f"scipy-{method}", f"{np.median(times_ms):.3f}", flush=True)
 
 
 if __name__ == "__main__":

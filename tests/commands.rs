@@ -737,3 +737,53 @@ fn nothing_is_written_over_what_was_read() {
         stdout(&["report", text(folder.path()), "--out", text(&page)]);
     }
 }
+
+#[test]
+fn deployments_that_are_called_the_same_are_told_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for run in ["run1/data", "run2/data"] {
+        let path = folder.path().join(run);
+        std::fs::create_dir_all(&path).expect("made");
+        std::fs::copy(sample_folder("hd2-tunnel").join("inter_prism.csv"), path.join("tracks.csv"))
+            .expect("copied");
+        let rig = "calibration_results.csv";
+        std::fs::copy(sample_folder("hd2-tunnel").join(rig), path.join(rig)).expect("copied");
+    }
+    let place = |run: &str| folder.path().join(run).join("data").to_string_lossy().into_owned();
+    let (first, second) = (place("run1"), place("run2"));
+    let compared = stdout(&["compare", &first, &second]);
+    assert!(compared.contains("run1/data") && compared.contains("run2/data"), "{compared}");
+    let page = folder.path().join("report.html").to_string_lossy().into_owned();
+    stdout(&["report", &first, &second, "--out", &page]);
+    let page = std::fs::read_to_string(page).expect("written");
+    assert!(page.contains("run1/data") && page.contains("run2/data"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_desktop_gets_an_entry_with_icon_and_file_type_and_loses_them_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let desktop = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_resect"))
+            .arg("desktop")
+            .args(arguments)
+            .env("XDG_DATA_HOME", folder.path())
+            .output()
+            .expect("resect starts");
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+    };
+    let files = [
+        "applications/resect.desktop",
+        "icons/hicolor/256x256/apps/resect.png",
+        "mime/packages/resect.xml",
+    ];
+    desktop(&[]);
+    desktop(&[]);
+    let entry = std::fs::read_to_string(folder.path().join(files[0])).expect("written");
+    let program = env!("CARGO_BIN_EXE_resect");
+    assert!(entry.contains(&format!("Exec=\"{program}\" %F\n")), "{entry}");
+    assert!(files.iter().all(|file| folder.path().join(file).is_file()));
+    desktop(&["--remove"]);
+    desktop(&["--remove"]);
+    assert!(!files.iter().any(|file| folder.path().join(file).exists()));
+}

@@ -4,6 +4,7 @@ mod ablate;
 mod calibrate;
 mod check;
 mod compare;
+mod desktop;
 mod explain;
 mod export;
 mod output;
@@ -17,6 +18,7 @@ mod trajectory;
 mod validate;
 mod window;
 
+use std::iter::zip;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -24,6 +26,7 @@ use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 
+use crate::deployment::names::told_apart;
 use crate::deployment::{Deployment, Extras, OpenError, Source};
 use crate::progress::Progress;
 
@@ -63,6 +66,8 @@ enum Command {
     Export(export::Arguments),
     /// Explain a word of the field: τ_s, T12, mirror twin
     Explain(explain::Arguments),
+    /// Put the program into the menus of a Linux desktop, with its icon and its sessions' file type
+    Desktop(desktop::Arguments),
 }
 
 /// Why a command ends without an answer.
@@ -105,6 +110,7 @@ pub fn run() -> ExitCode {
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),
+        Some(Command::Desktop(arguments)) => desktop::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -144,4 +150,21 @@ fn load(path: &Path, extras: Extras) -> Result<(Arc<Deployment>, f64), OpenError
     let started = Instant::now();
     let deployment = Source::at(path).with(extras).open(&Progress::default())?;
     Ok((Arc::new(deployment), started.elapsed().as_secs_f64() * 1e3))
+}
+
+/// Opens several deployments, and gives those of one name longer ones that tell them apart.
+fn load_each(paths: &[PathBuf], extras: &Extras) -> Vec<Result<Arc<Deployment>, OpenError>> {
+    let mut loaded: Vec<Result<Arc<Deployment>, OpenError>> =
+        paths.iter().map(|path| Ok(load(path, extras.clone())?.0)).collect();
+    let places: Vec<PathBuf> = paths
+        .iter()
+        .map(|path| std::path::absolute(path).unwrap_or_else(|_| path.clone()))
+        .collect();
+    let named: Vec<(String, Option<&Path>)> = zip(&loaded, &places)
+        .filter_map(|(opened, place)| Some((opened.as_ref().ok()?.name.clone(), Some(&**place))))
+        .collect();
+    for (deployment, name) in zip(loaded.iter_mut().flatten(), told_apart(&named)) {
+        Arc::make_mut(deployment).name = name;
+    }
+    loaded
 }

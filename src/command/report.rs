@@ -1,14 +1,17 @@
 //! `resect report`: verdict, transforms, residuals and what they were made from, as one HTML page.
 
+use std::iter::zip;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 
 use super::output::spare;
 use super::settings_args::AnswerArguments;
-use super::{Failure, load, print};
+use super::{Failure, load_each, print};
 use crate::analysis::{Analyst, Settings};
 use crate::deployment::file_mark::marks_of;
+use crate::deployment::{Deployment, OpenError};
 use crate::export::atomic;
 use crate::export::report::{self, Chapter};
 
@@ -28,8 +31,10 @@ pub struct Arguments {
 /// older one is taken for it.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
-    let chapters: Vec<Chapter> =
-        arguments.path.iter().map(|path| chapter(path, &arguments.settings, &settings)).collect();
+    let opened = load_each(&arguments.path, &arguments.settings.extras());
+    let chapters: Vec<Chapter> = zip(&arguments.path, opened)
+        .map(|(path, opened)| chapter(path, opened, &settings))
+        .collect();
     let read = chapters.iter().flat_map(Chapter::files).map(|file| &file.path);
     spare(&arguments.out, read.chain(&arguments.path).map(PathBuf::as_path))?;
     atomic::write(&arguments.out, report::page(&chapters, report::date_of_run()))?;
@@ -52,9 +57,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-fn chapter(path: &Path, arguments: &AnswerArguments, settings: &Settings) -> Chapter {
-    match load(path, arguments.extras()) {
-        Ok((deployment, _)) => {
+fn chapter(
+    path: &Path,
+    opened: Result<Arc<Deployment>, OpenError>,
+    settings: &Settings,
+) -> Chapter {
+    match opened {
+        Ok(deployment) => {
             let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));
             let files = marks_of(&deployment);
             Chapter::Analysed { deployment, analysis, files }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::settings_args::SettingsArguments;
-use super::{Failure, load, print};
+use super::{Failure, load_each, print};
 use crate::deployment::Deployment;
 use crate::experiment::{Splits, Study};
 use crate::export::study;
@@ -34,7 +34,10 @@ pub struct StudyArguments {
 
 impl StudyArguments {
     pub fn deployments(&self) -> Result<Vec<Arc<Deployment>>, Failure> {
-        self.path.iter().map(|path| Ok(load(path, self.settings.extras())?.0)).collect()
+        load_each(&self.path, &self.settings.extras())
+            .into_iter()
+            .map(|opened| Ok(opened?))
+            .collect()
     }
 
     pub fn splits(&self) -> Result<Option<Splits>, Failure> {

@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::Value;
 
 use super::settings_args::AnswerArguments;
-use super::{Failure, load, print};
+use super::{Failure, load_each, print};
 use crate::analysis::Analyst;
 use crate::export::json::read_earlier;
 use crate::export::validation;
@@ -31,9 +31,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let earlier = read_earlier(&arguments.calibration)?;
     let mut found = Vec::new();
-    for path in &arguments.path {
-        let (deployment, _) = load(path, arguments.settings.extras())?;
-        let deployment = drive_alone(&deployment);
+    for deployment in load_each(&arguments.path, &arguments.settings.extras()) {
+        let deployment = drive_alone(&deployment?);
         let own = Analyst::new(deployment.clone()).run(&settings);
         found.push(validate(&earlier, &deployment, &own));
     }

@@ -9,6 +9,7 @@ pub mod file_mark;
 mod finding;
 pub mod format;
 mod gnss;
+pub mod names;
 mod open;
 mod overrides;
 mod printable;

@@ -12,7 +12,6 @@ pub mod flight;
 pub mod follow;
 pub mod layout_description;
 pub mod layout_presets;
-pub mod names;
 mod open_deployment;
 mod overlay;
 pub mod pane;

@@ -188,6 +188,14 @@ pub fn in_words(spread: Option<Spread>) -> String {
     )
 }
 
+/// "|e| 0.95, IQR 1.43 mm": median and quartile range where there is no room for their names, which are on hover.
+pub fn in_short(spread: Option<Spread>) -> String {
+    spread.map_or_else(
+        || "no triplets".to_owned(),
+        |Spread { median, iqr, .. }| format!("|e| {median:.2}, IQR {iqr:.2}\u{a0}mm"),
+    )
+}
+
 /// How the errors of the selected times are distributed; found once, and again when another time is selected.
 pub fn selected(ui: &egui::Ui, open: &OpenDeployment) -> Option<Arc<Distributions>> {
     let span_s = open.timeline.selection_s?.map(|time_s| time_s - open.start_s());

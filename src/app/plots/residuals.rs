@@ -173,15 +173,20 @@ impl PairPlot<'_> {
         selected: Option<&Distributions>,
     ) {
         let evaluation = &answer.evaluation;
-        let all = histogram::in_words(evaluation.inter_prism_by_pair_mm[self.pair]);
+        // One line above a plot has room for the numbers alone.
+        let (in_words, cursor): (fn(_) -> _, _) = match strip.above {
+            true => (histogram::in_short, "cursor"),
+            false => (histogram::in_words, "at the cursor"),
+        };
+        let all = in_words(evaluation.inter_prism_by_pair_mm[self.pair]);
         let mut lines = vec![pair_name(self.pair, ui.visuals().dark_mode), RichText::new(all)];
         if let Some(selected) = selected {
-            let text = histogram::in_words(selected.by_pair_mm[self.pair]);
+            let text = in_words(selected.by_pair_mm[self.pair]);
             lines.push(RichText::new(format!("selected: {text}")).strong());
         }
         let at = self.open.timeline.cursor_s.and_then(|t| analysis.triplets().nearest(t));
         if let Some(error) = at.and_then(|at| evaluation.distance_errors_mm[self.pair].get(at)) {
-            lines.push(RichText::new(format!("at the cursor {error:+.1} mm")));
+            lines.push(RichText::new(format!("{cursor} {error:+.1}\u{a0}mm")));
         }
         let hint = "Dots: the error of each triplet, apparent minus known distance. Line and band: running median, and \
                     from the lower quartile to the upper.";

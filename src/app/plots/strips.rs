@@ -53,7 +53,7 @@ pub struct Strip {
     pub plot: Rect,
     pub words: Rect,
     /// Whether the words stand above the plot and not beside it.
-    above: bool,
+    pub above: bool,
     /// Whether the time axis is below it.
     pub lowest: bool,
 }

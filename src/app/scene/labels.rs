@@ -7,6 +7,9 @@ use super::projection::Projection;
 use super::vertices::Rank;
 use crate::app::theme;
 
+/// The part of the picture that a station's point covers: nothing is written there.
+const STATION: Vec2 = Vec2::splat(9.0);
+
 /// Gives out places that are still free.
 pub struct Placer {
     area: Rect,
@@ -70,6 +73,10 @@ pub fn paint(
     placer: &mut Placer,
     dark: bool,
 ) {
+    let stations = content.labels.iter().filter(|label| label.rank == Rank::Station);
+    for at in stations.filter_map(|label| projection.screen(&label.position_m)) {
+        placer.taken.push(Rect::from_center_size(at, STATION));
+    }
     for label in content.labels.iter().rev() {
         let Some(at) = projection.screen(&label.position_m) else { continue };
         let size = if label.rank == Rank::Station { 13.0 } else { 10.5 };

@@ -2,8 +2,8 @@
 
 use super::State;
 use super::sessions::title_of_each;
-use crate::app::model::names::told_apart;
 use crate::deployment::Source;
+use crate::deployment::names::told_apart;
 
 impl State {
     /// The names of the open deployments, which tell them apart.

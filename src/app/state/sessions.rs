@@ -7,7 +7,6 @@ use std::sync::Arc;
 use super::State;
 use crate::app::layout::Layout;
 use crate::app::model::OpenDeployment;
-use crate::app::model::names::told_apart;
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::last::LastSession;
 use crate::app::persist::preferences::{Recent, remember};
@@ -15,6 +14,7 @@ use crate::app::persist::session::{
     EXTENSION, Files, SavedDeployment, SavedPin, SavedView, Session, SessionError,
 };
 use crate::app::persist::session_file;
+use crate::deployment::names::told_apart;
 use crate::deployment::{Finding, Source};
 
 /// What belongs to the session beside what is open.

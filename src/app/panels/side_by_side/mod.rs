@@ -39,7 +39,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let table = Table { columns, reference, beside: width > wanted };
             egui::Grid::new(("side by side", table.beside))
                 .num_columns(2 * table.columns.len())
-                .spacing([if table.beside { 12.0 } else { 6.0 }, 4.0])
+                .spacing([if table.beside { 12.0 } else { 4.0 }, 4.0])
                 .striped(true)
                 .show(ui, |ui| table.rows(ui, state, commands));
             ui.set_max_width(width);
@@ -92,7 +92,10 @@ impl Table<'_> {
                 self.numbers(ui, &format!("{name} of {transform}"), cell);
             }
         }
-        ui.strong("median / IQR (mm)").on_hover_text(
+        // In a narrow table its column would push the last units out of the pane.
+        let heading = RichText::new("median / IQR (mm)").strong();
+        let heading = if self.beside { heading } else { heading.small() };
+        ui.label(heading).on_hover_text(
             "The two metrics: size of the errors of distances, and of control points",
         );
         ui.end_row();

@@ -1,0 +1,117 @@
+//! `resect desktop`: the program in the menus of a Linux desktop, with its icon and the file type of its sessions.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, anyhow};
+use clap::Args;
+
+use super::{Failure, print};
+use crate::export::atomic;
+
+#[derive(Args)]
+pub struct Arguments {
+    /// Take it out of the menus again
+    #[arg(long)]
+    remove: bool,
+}
+
+/// The type of `*.resect.toml`; a session is text for whoever has no resect.
+const FILE_TYPE: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<mime-info xmlns="http://www.freedesktop.org/standards/shared-mime-info">
+  <mime-type type="application/x-resect-session">
+    <comment>resect session</comment>
+    <sub-class-of type="text/plain"/>
+    <icon name="resect"/>
+    <glob pattern="*.resect.toml" weight="80"/>
+  </mime-type>
+</mime-info>
+"#;
+
+/// Programs that make a running desktop read what is new, with the folder that they are told.
+const READ_ANEW: [(&str, &str); 2] =
+    [("update-desktop-database", "applications"), ("update-mime-database", "mime")];
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if !cfg!(target_os = "linux") {
+        let line = "desktop: menus and file types are set this way on Linux only";
+        return Err(Failure::Usage(line.to_owned()));
+    }
+    let folders = directories::BaseDirs::new()
+        .ok_or_else(|| anyhow!("no home folder is known; set HOME or XDG_DATA_HOME"))?;
+    let data = folders.data_dir();
+    let program = std::env::current_exe().context("the program's own file is not found")?;
+    for (path, bytes) in files(data, &program)? {
+        if arguments.remove {
+            match std::fs::remove_file(&path) {
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
+                other => other.with_context(|| {
+                    format!("{}: cannot be removed; remove it by hand", path.display())
+                })?,
+            }
+            print(&format!("{}: removed\n", path.display()))?;
+        } else {
+            if let Some(folder) = path.parent() {
+                // What fails here fails again below, with a line of its own.
+                _ = std::fs::create_dir_all(folder);
+            }
+            atomic::write(&path, bytes)?;
+            print(&format!("{}\n", path.display()))?;
+        }
+    }
+    for (updater, folder) in READ_ANEW {
+        let mut command = Command::new(updater);
+        command.arg(data.join(folder)).stdout(Stdio::null()).stderr(Stdio::null());
+        if !command.status().is_ok_and(|status| status.success()) {
+            print(&format!("{updater} did not run: the desktop sees it at the next login\n"))?;
+        }
+    }
+    Ok(())
+}
+
+/// What lies where in the user's data folder (freedesktop.org: desktop entry, icon theme and shared MIME info).
+fn files(data: &Path, program: &Path) -> Result<[(PathBuf, Vec<u8>); 3], Failure> {
+    let icon = include_bytes!("../../assets/icon.png").to_vec();
+    Ok([
+        (data.join("applications/resect.desktop"), entry(program)?.into_bytes()),
+        (data.join("icons/hicolor/256x256/apps/resect.png"), icon),
+        (data.join("mime/packages/resect.xml"), FILE_TYPE.into()),
+    ])
+}
+
+/// The desktop entry, which names the program by its whole path: the folder of `cargo install` is not on every desktop's.
+fn entry(program: &Path) -> Result<String, Failure> {
+    let program =
+        program.to_str().filter(|path| !path.contains(char::is_control)).ok_or_else(|| {
+            anyhow!("{}: no desktop entry can name this path; move the program", program.display())
+        })?;
+    let mut quoted = String::new();
+    for letter in program.chars() {
+        match letter {
+            // Quoted once as an argument and once more as a string.
+            '\\' => quoted.push_str(r"\\\\"),
+            '"' | '`' | '$' => quoted.extend(['\\', '\\', letter]),
+            '%' => quoted.push_str("%%"),
+            _ => quoted.push(letter),
+        }
+    }
+    Ok(format!(
+        "[Desktop Entry]\nType=Application\nName=resect\n\
+         GenericName=Calibration of robotic total stations\n\
+         Comment=Inspect, tune and calibrate deployments of three robotic total stations\n\
+         Exec=\"{quoted}\" %F\nIcon=resect\nTerminal=false\nStartupWMClass=resect\n\
+         Categories=Science;Engineering;Geoscience;\nMimeType=application/x-resect-session;\n"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_program_is_named_as_desktop_entries_quote_it() {
+        let entry = entry(Path::new("/home/a b/100%/$x/resect")).expect("an entry");
+        assert!(entry.contains("Exec=\"/home/a b/100%%/\\\\$x/resect\" %F\n"), "{entry}");
+        super::entry(Path::new("/home/a\nb/resect")).expect_err("no line may break");
+    }
+}
