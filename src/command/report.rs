@@ -8,8 +8,8 @@ use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
+use crate::atomic;
 use crate::deployment::file_mark::marks_of;
-use crate::export::atomic;
 use crate::export::report::{self, Chapter};
 
 #[derive(Args)]

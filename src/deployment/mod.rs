@@ -11,7 +11,7 @@ pub mod format;
 mod gnss;
 mod open;
 mod overrides;
-mod printable;
+pub mod printable;
 mod putting_right;
 mod reading_sense;
 mod recording;

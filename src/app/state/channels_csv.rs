@@ -1,14 +1,12 @@
 //! What the pane of channels shows, as a table for other programs.
 
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 
 use super::State;
 use crate::app::model::{Plotted, Visibility};
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::channels::Channel;
-use crate::export::atomic;
+use crate::atomic;
 
 /// What is written.
 struct Shown {
@@ -49,8 +47,8 @@ impl State {
 fn write(path: &Path, plots: &PreparedPlots, shown: &Shown, start_s: f64) -> Result<usize, String> {
     let Plotted { channel, against } = shown.plotted;
     let mut rows = 0;
-    let written = atomic::write_with(path, |part| {
-        let mut table = ::csv::Writer::from_writer(BufWriter::new(File::create(part)?));
+    let written = atomic::write_with(path, |file| {
+        let mut table = ::csv::Writer::from_writer(file);
         let mut header = vec!["series", "time_s"];
         header.extend(against.map(Channel::column));
         header.push(channel.column());
