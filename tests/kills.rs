@@ -167,19 +167,27 @@ fn kill_each(kills: usize) {
     let scenario = Preset::Warthog.scenario();
     let scenario = resect::simulation::Scenario { duration_s: DRIVE_S, ..scenario };
     write_folder(&simulate_scenario(&scenario, 1), &data).expect("writable");
-    for (seed, (name, command)) in COMMANDS.iter().enumerate() {
-        let killed = Killed::prepare(command, &data, &folder.path().join(name));
-        let mut random = ChaCha8Rng::seed_from_u64(seed as u64);
-        let half = (0..kills).filter(|number| killed.kill(*number, &mut random)).count();
-        killed.finish();
-        eprintln!(
-            "{name}: writes from {:.3} to {:.3} s; {kills} kills, {half} of them with something half-written",
-            killed.begins.as_secs_f64(),
-            killed.ends.as_secs_f64()
-        );
-        // Otherwise it is not the writing that was tried.
-        assert!(kills < 100 || half > 0, "{name}: no kill came while it wrote");
-    }
+    std::thread::scope(|scope| {
+        for (seed, (name, command)) in COMMANDS.iter().enumerate() {
+            let (data, out) = (&data, folder.path().join(name));
+            scope.spawn(move || {
+                kill_one(name, &Killed::prepare(command, data, &out), kills, seed as u64)
+            });
+        }
+    });
+}
+
+fn kill_one(name: &str, killed: &Killed, kills: usize, seed: u64) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let half = (0..kills).filter(|number| killed.kill(*number, &mut random)).count();
+    killed.finish();
+    eprintln!(
+        "{name}: writes from {:.3} to {:.3} s; {kills} kills, {half} of them with something half-written",
+        killed.begins.as_secs_f64(),
+        killed.ends.as_secs_f64()
+    );
+    // Otherwise it is not the writing that was tried.
+    assert!(kills < 100 || half > 0, "{name}: no kill came while it wrote");
 }
 
 #[test]

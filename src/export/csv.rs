@@ -53,7 +53,7 @@ fn ready_table(
 ) -> Result<Ready, WriteError> {
     atomic::ready_with(path, |file| {
         let mut table = ::csv::Writer::from_writer(file);
-        fill(&mut table).map_err(std::io::Error::from)?;
+        fill(&mut table).map_err(io_error)?;
         table.flush()
     })
 }
@@ -158,6 +158,14 @@ fn clocks(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
         table.write_record(row)?;
     }
     Ok(())
+}
+
+/// What the disk said, which a table of ours cannot go wrong without; made into another kind its remedy would be lost.
+pub fn io_error(error: ::csv::Error) -> std::io::Error {
+    match error.into_kind() {
+        ::csv::ErrorKind::Io(error) => error,
+        other => std::io::Error::other(format!("{other:?}")),
+    }
 }
 
 /// An absent number is an empty cell.

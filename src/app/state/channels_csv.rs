@@ -7,6 +7,7 @@ use crate::app::model::{Plotted, Visibility};
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::channels::Channel;
 use crate::atomic;
+use crate::export::csv::io_error;
 
 /// What is written.
 struct Shown {
@@ -52,7 +53,7 @@ fn write(path: &Path, plots: &PreparedPlots, shown: &Shown, start_s: f64) -> Res
         let mut header = vec!["series", "time_s"];
         header.extend(against.map(Channel::column));
         header.push(channel.column());
-        table.write_record(header).map_err(std::io::Error::from)?;
+        table.write_record(header).map_err(io_error)?;
         for seen in shown.plotted.seen(plots, &shown.visible) {
             for (since_s, other, value) in seen.series.rows(seen.against, shown.window_s) {
                 let mut row = vec![seen.name.clone(), (start_s + since_s).to_string()];
@@ -61,7 +62,7 @@ fn write(path: &Path, plots: &PreparedPlots, shown: &Shown, start_s: f64) -> Res
                     row.push(other.map_or_else(String::new, |other| other.to_string()));
                 }
                 row.push(value.to_string());
-                table.write_record(row).map_err(std::io::Error::from)?;
+                table.write_record(row).map_err(io_error)?;
                 rows += 1;
             }
         }
