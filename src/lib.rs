@@ -26,6 +26,7 @@
 //!
 //! | module | what is in it | what goes there next |
 //! |---|---|---|
+//! | [`atomic`] | files that are the old one or the new one, never half of it, and why one cannot be written | a remedy: `error.rs` |
 //! | [`geometry`] | polar and geodetic coordinates, level and rigid transforms, alignment | |
 //! | [`statistics`] | medians, robust losses, covariances from data that is correlated in time | |
 //! | [`progress`] | how far long work is, and whether anyone still wants it | |
@@ -52,6 +53,7 @@
 
 pub mod analysis;
 pub mod app;
+pub mod atomic;
 pub mod calibration;
 pub mod command;
 pub mod deployment;

@@ -787,3 +787,79 @@ fn the_desktop_gets_an_entry_with_icon_and_file_type_and_loses_them_again() {
     desktop(&["--remove"]);
     assert!(!files.iter().any(|file| folder.path().join(file).exists()));
 }
+
+#[test]
+fn a_session_without_a_display_is_calibrated_in_the_terminal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let session = folder.path().join("two.resect.toml");
+    let of = |name: &str, tau_s: f64| {
+        let path = sample_folder(name);
+        let thresholds = "deployment.settings.pipeline.thresholds";
+        format!("[[deployment]]\npath = {path:?}\n[{thresholds}]\ntau_s_seconds = {tau_s}\n")
+    };
+    let both = of("warthog", 1.0) + &of("hd2-tunnel", 2.0);
+    std::fs::write(&session, format!("resect_session = 1\n{both}")).expect("writable");
+    let said = stdout(&[text(&session)]);
+    assert!(said.contains("no display") && !said.contains("built-in sample"), "{said}");
+    assert!(said.contains("warthog (simulated)") && said.contains("hd2-tunnel"), "{said}");
+    // By the session's settings, not the usual ones.
+    let (path, tau) = (sample_folder("hd2-tunnel"), ["--tau-s", "2"]);
+    let own = stdout(&[&["calibrate", text(&path)][..], &tau].concat());
+    let pipeline = own.lines().find(|line| line.starts_with("pipeline")).expect("a line");
+    assert!(said.contains(pipeline), "{pipeline} is not in {said}");
+    let line = complaint(&["calibrate", text(&session)], 1);
+    assert!(line.contains("a session: `resect FILE` opens it"), "{line}");
+    std::fs::write(&session, "resect_session = 1\n").expect("writable");
+    let line = complaint(&[text(&session)], 1);
+    assert!(line.contains("without deployments") && line.contains("a display"), "{line}");
+}
+
+#[test]
+fn a_dash_is_no_file_and_a_newline_in_a_name_no_second_line() {
+    let path = sample();
+    for command in ["trajectory", "report"] {
+        let line = complaint(&[command, &path, "--out", "-"], 2);
+        assert!(line.contains("name a file"), "{line}");
+    }
+    let line = complaint(&["trajectory", &path, "--out", "no\nsuch/\u{1b}[31mx.tum"], 1);
+    assert!(line.contains("there is no folder no\\nsuch; make it"), "{line}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_back_to_its_own_folder_is_not_followed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for file in ["inter_prism.csv", "calibration_results.csv"] {
+        let from = sample_folder("hd2-tunnel").join(file);
+        std::fs::copy(from, folder.path().join(file)).expect("copied");
+    }
+    std::os::unix::fs::symlink(".", folder.path().join("again")).expect("linked");
+    let said = stdout(&["check", text(folder.path())]);
+    assert!(!said.contains("again"), "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_one_line_with_a_remedy() {
+    let path = sample();
+    for arguments in [
+        &["trajectory", &path, "--out"][..],
+        &["report", &path, "--out"],
+        #[cfg(feature = "rerun")]
+        &["export", &path, "--rrd"],
+    ] {
+        let line = complaint(&[arguments, &["/dev/full"]].concat(), 1);
+        assert!(
+            line.contains("/dev/full: cannot be written") && line.contains("make room"),
+            "{line}"
+        );
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = folder.path().join("readings.csv");
+    std::os::unix::fs::symlink("/dev/full", table).expect("linked");
+    let line = complaint(&["export", &path, "--csv", text(folder.path())], 1);
+    assert!(
+        line.contains("readings.csv: cannot be written") && line.contains("make room"),
+        "{line}"
+    );
+}

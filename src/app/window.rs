@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use eframe::egui;
 
+mod picture;
 mod shell;
 
+pub use self::picture::{offscreen_renderer, picture};
 use self::shell::{FIRST_POINTS, LEAST_POINTS, Shell};
 use super::actions;
 use super::keeping::Keeping;
@@ -235,51 +237,4 @@ pub fn open_window(start: Start) -> eframe::Result {
             Ok(Box::new(ResectWindow::keeping(creation, &start, Settings::default(), keeping)))
         }),
     )
-}
-
-/// The window as an image, drawn off the screen.
-pub fn picture(
-    deployments: Vec<(Arc<Deployment>, Source)>,
-    settings: Settings,
-    [width, height]: [u32; 2],
-    dark: bool,
-) -> anyhow::Result<image::RgbaImage> {
-    let renderer = offscreen_renderer()?;
-    let start = Start::Deployments(deployments);
-    let mut harness = egui_kittest::Harness::builder()
-        .with_size([width as f32, height as f32])
-        .with_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light })
-        .with_render_cursor(false)
-        .allow_missing_glyphs()
-        .with_accessibility_check(false)
-        .renderer(renderer)
-        .build_eframe(|creation| ResectWindow::new(creation, &start, settings));
-    harness.run_steps(1);
-    harness.state_mut().settle();
-    harness.run_steps(4);
-    harness.render().map_err(|what| anyhow::anyhow!("the picture could not be drawn: {what}"))
-}
-
-/// A GPU without a screen, or one clear line. The harness itself would panic.
-pub fn offscreen_renderer() -> anyhow::Result<egui_kittest::wgpu::WgpuTestRenderer> {
-    use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup, wgpu};
-    let render_state = |backends: wgpu::Backends| {
-        let mut setup = egui_kittest::wgpu::default_wgpu_setup();
-        if let WgpuSetup::CreateNew(create) = &mut setup {
-            create.instance_descriptor.backends &= backends;
-        }
-        let instance = pollster::block_on(setup.new_instance());
-        let configuration = WgpuConfiguration { wgpu_setup: setup, ..Default::default() };
-        let options = RendererOptions::PREDICTABLE;
-        pollster::block_on(RenderState::create(&configuration, &instance, None, options))
-    };
-    // OpenGL only when nothing better is there: looking for it complains about missing displays.
-    let state = render_state(wgpu::Backends::PRIMARY)
-        .or_else(|_| render_state(wgpu::Backends::all()))
-        .map_err(|error| {
-            anyhow::anyhow!(
-                "no graphics driver to draw with ({error}); on Debian and Ubuntu: apt install mesa-vulkan-drivers"
-            )
-        })?;
-    Ok(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state))
 }

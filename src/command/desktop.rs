@@ -7,7 +7,7 @@ use anyhow::{Context, anyhow};
 use clap::Args;
 
 use super::{Failure, print};
-use crate::export::atomic;
+use crate::atomic;
 
 #[derive(Args)]
 pub struct Arguments {

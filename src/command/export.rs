@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
 use clap::Args;
 
 use super::output::spare;
 use super::settings_args::AnswerArguments;
-use super::{Failure, load, print};
+use super::{Failure, complain, load, print};
 use crate::analysis::Analyst;
 use crate::deployment::file_mark::used_files;
 use crate::export;
@@ -37,11 +36,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     if let Err(error) = &analysis.answer {
-        eprintln!("resect: without an answer, stations are drawn in their own frames: {error}");
+        complain(&format!("without an answer, stations are drawn in their own frames: {error}"));
     }
     if let Some(folder) = &arguments.csv {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("{}: cannot be made", folder.display()))?;
         for file in export::csv::write_folder(&deployment, &analysis, folder)? {
             print(&format!("{}\n", file.display()))?;
         }

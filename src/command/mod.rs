@@ -18,6 +18,7 @@ mod trajectory;
 mod validate;
 mod window;
 
+use std::io::Write;
 use std::iter::zip;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -26,7 +27,9 @@ use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 
+use crate::atomic::WriteError;
 use crate::deployment::names::told_apart;
+use crate::deployment::printable::printable;
 use crate::deployment::{Deployment, Extras, OpenError, Source};
 use crate::progress::Progress;
 
@@ -90,7 +93,7 @@ pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) if error.use_stderr() => {
-            eprintln!("resect: {}", one_line(&error.to_string()));
+            complain(&one_line(&error.to_string()));
             return ExitCode::from(2);
         }
         // Help and version are answers.
@@ -115,11 +118,11 @@ pub fn run() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Usage(line)) => {
-            eprintln!("resect: {line}");
+            complain(&line);
             ExitCode::from(2)
         }
         Err(Failure::Input(error)) => {
-            eprintln!("resect: {error:#}");
+            complain(&format!("{error:#}"));
             ExitCode::from(1)
         }
     }
@@ -136,12 +139,20 @@ fn one_line(message: &str) -> String {
     format!("{}; see --help", said.join(" ").trim_start_matches("error: "))
 }
 
+/// Says what is wrong, in one line whatever the names in it hold.
+fn complain(line: &str) {
+    // Nobody may be there to read it; the exit code says so much as well.
+    _ = writeln!(std::io::stderr(), "resect: {}", printable(line));
+}
+
 /// Prints, and ends quietly when the reader has gone (`resect … | head`).
-fn print(text: &str) -> std::io::Result<()> {
-    use std::io::Write;
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        other => other,
+fn print(text: &str) -> Result<(), WriteError> {
+    let mut out = std::io::stdout();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(WriteError::of_file(Path::new("standard output"), error))
+        }
+        _ => Ok(()),
     }
 }
 

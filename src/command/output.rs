@@ -1,11 +1,15 @@
-//! Where a command may write: never over what it read.
+//! Where a command may write: never over what it read, and to what has a name.
 
 use std::path::Path;
 
 use super::Failure;
 
-/// Refuses to write over any of the files that were read.
+/// Refuses to write over any of the files that were read, and a dash, which elsewhere means standard output.
 pub fn spare<'a>(out: &Path, read: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+    if out == Path::new("-") {
+        let line = "`-` is no file, and nothing is written to standard output; name a file";
+        return Err(Failure::Usage(line.to_owned()));
+    }
     let Ok(target) = out.canonicalize() else { return Ok(()) };
     let is_target = |path: &Path| path.canonicalize().is_ok_and(|path| path == target);
     match read.into_iter().any(is_target) {

@@ -10,9 +10,9 @@ use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load_each, print};
 use crate::analysis::{Analyst, Settings};
+use crate::atomic;
 use crate::deployment::file_mark::marks_of;
 use crate::deployment::{Deployment, OpenError};
-use crate::export::atomic;
 use crate::export::report::{self, Chapter};
 
 #[derive(Args)]

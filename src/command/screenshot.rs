@@ -9,9 +9,9 @@ use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, print};
 use crate::app;
+use crate::atomic;
 use crate::deployment::file_mark::used_files;
 use crate::deployment::{Sample, Source};
-use crate::export::atomic;
 use crate::progress::Progress;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

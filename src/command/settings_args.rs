@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::Failure;
+use super::{Failure, complain};
 use crate::analysis::Settings;
 use crate::calibration::{Alignment, Loss, Method, PriorMethod};
 use crate::deployment::{Extras, OpenError};
@@ -139,7 +139,7 @@ impl SettingsArguments {
                     error => Failure::Usage(error.to_string()),
                 })?;
                 for finding in findings {
-                    eprintln!("resect: {}: {finding}", path.display());
+                    complain(&format!("{}: {finding}", path.display()));
                 }
                 settings
             }

@@ -8,9 +8,10 @@ use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
+use crate::atomic;
 use crate::deployment::file_mark::used_files;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, NoTrajectory, vehicle_trajectory};
-use crate::export::{atomic, tum};
+use crate::export::tum;
 
 #[derive(Args)]
 pub struct Arguments {

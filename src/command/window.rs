@@ -1,41 +1,55 @@
 //! Plain `resect`: the window, or without a display the answer in the terminal.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Failure, load, print};
+use super::{Failure, complain, load, print};
 use crate::analysis::{Analyst, Settings};
 use crate::app;
+use crate::app::persist::{hashes::HashCache, session_file};
 use crate::deployment::{Deployment, Dropped, Extras, Sample, Source, what_is};
 use crate::export::text;
+use crate::progress::Progress;
 
 pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
-    let has_display = has_display();
     // A session is opened by the window, which can leave out what is missing.
     if let [path] = paths
-        && has_display
         && what_is(path) == Dropped::Session
     {
-        let opened = app::open_window(app::Start::Session(path.clone()));
-        return opened.map_err(|error| anyhow::anyhow!("the window did not open ({error})").into());
+        return match window(app::Start::Session(path.clone())) {
+            Ok(()) => Ok(()),
+            Err(why) => in_terminal(&of_session(path)?, &why, ""),
+        };
     }
     // A path that does not open ends here, on the terminal it came from.
     let deployments = paths
         .iter()
         .map(|path| Ok((load(path, Extras::default())?.0, Source::at(std::path::absolute(path)?))))
         .collect::<Result<Vec<(Arc<Deployment>, Source)>, Failure>>()?;
-    if !has_display {
-        return without_display(deployments, "no display");
+    if deployments.is_empty() {
+        return match window(app::Start::Sample(Sample::Warthog)) {
+            Ok(()) => Ok(()),
+            Err(why) => {
+                let sample = (Arc::new(Sample::Warthog.open()?), Settings::default());
+                in_terminal(&[sample], &why, "; this is the built-in sample")
+            }
+        };
     }
-    let start = if deployments.is_empty() {
-        app::Start::Sample(Sample::Warthog)
-    } else {
-        app::Start::Deployments(deployments.clone())
-    };
-    match app::open_window(start) {
+    let read =
+        deployments.iter().map(|(deployment, _)| (Arc::clone(deployment), Settings::default()));
+    let read: Vec<_> = read.collect();
+    match window(app::Start::Deployments(deployments)) {
         Ok(()) => Ok(()),
-        Err(error) => without_display(deployments, &format!("the window did not open ({error})")),
+        Err(why) => in_terminal(&read, &why, ""),
     }
+}
+
+/// Runs the window to its end, or says why there is none.
+fn window(start: app::Start) -> Result<(), String> {
+    if !has_display() {
+        return Err("no display".to_owned());
+    }
+    app::open_window(start).map_err(|error| format!("the window did not open ({error})"))
 }
 
 /// Other systems always have one.
@@ -46,21 +60,37 @@ fn has_display() -> bool {
             .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
-fn without_display(
-    mut deployments: Vec<(Arc<Deployment>, Source)>,
-    why: &str,
-) -> Result<(), Failure> {
-    let mut what = "";
-    if deployments.is_empty() {
-        what = "; this is the built-in sample";
-        let sample = Arc::new(Sample::Warthog.open()?);
-        deployments.push((sample, Source::sample(Sample::Warthog)));
+/// The deployments of a session, each with its settings.
+fn of_session(path: &Path) -> Result<Vec<(Arc<Deployment>, Settings)>, Failure> {
+    let (session, findings) = session_file::load(path)?;
+    for finding in findings {
+        complain(&format!("{}: {finding}", path.display()));
     }
+    if session.deployments.is_empty() {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "{}: a session without deployments, which only the window can show; run resect where there is a display",
+            path.display()
+        )));
+    }
+    let (cache, progress) = (HashCache::default(), Progress::default());
+    let open = session
+        .deployments
+        .into_iter()
+        .map(|saved| Ok::<_, Failure>((Arc::new(saved.open(&cache, &progress)?), saved.settings)));
+    open.collect()
+}
+
+/// Answers where there is no window, and says what else can be done.
+fn in_terminal(
+    deployments: &[(Arc<Deployment>, Settings)],
+    why: &str,
+    what: &str,
+) -> Result<(), Failure> {
     print(&format!("{why}{what}\n\n"))?;
-    for (deployment, _) in deployments {
-        let analysis = Analyst::new(deployment.clone()).run(&Settings::default());
+    for (deployment, settings) in deployments {
+        let analysis = Analyst::new(Arc::clone(deployment)).run(settings);
         let answer = analysis.answer.clone()?;
-        print(&text::calibration(&deployment, &analysis, &answer))?;
+        print(&text::calibration(deployment, &analysis, &answer))?;
     }
     print(
         "\nwindow      run resect where there is a display (over ssh: ssh -X, or xvfb-run)\n\

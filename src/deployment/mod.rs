@@ -12,7 +12,7 @@ mod gnss;
 pub mod names;
 mod open;
 mod overrides;
-mod printable;
+pub mod printable;
 mod putting_right;
 mod reading_sense;
 mod recording;

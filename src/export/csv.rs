@@ -3,34 +3,33 @@
 //!
 //! A file each, names of columns with units, full precision: what is read back is bit for bit what was solved.
 
-use std::fs::File;
-use std::io::BufWriter;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::atomic::{self, WriteError};
 use super::summary::StationSummary;
 use crate::analysis::{Analysis, Answer};
+use crate::atomic::{self, Ready, WriteError};
 use crate::deployment::Deployment;
 use crate::pipeline::SampleFate;
 
-type Table = ::csv::Writer<BufWriter<File>>;
+type Table<'a> = ::csv::Writer<&'a mut dyn Write>;
 
 /// The tables of a folder.
 pub const TABLES: [&str; 5] =
     ["readings.csv", "triplets.csv", "residuals.csv", "transforms.csv", "clocks.csv"];
 
-/// Writes all [`TABLES`] into a folder; gives their paths. Without an answer there are readings and triplets only.
+/// Writes all [`TABLES`] into a folder, which is made if it is not there; gives their paths. Without an answer there are
+/// readings and triplets only.
 pub fn write_folder(
     deployment: &Deployment,
     analysis: &Analysis,
     folder: &Path,
 ) -> Result<Vec<PathBuf>, WriteError> {
-    let mut written = Vec::new();
+    atomic::make_folder(folder)?;
+    let mut all = Vec::new();
     let [of_readings, of_triplets, of_residuals, of_transforms, of_clocks] = TABLES;
     let mut table = |name: &str, fill: &dyn Fn(&mut Table) -> Result<(), ::csv::Error>| {
-        let path = folder.join(name);
-        write_table(&path, fill)?;
-        written.push(path);
+        all.push(ready_table(&folder.join(name), fill)?);
         Ok::<(), WriteError>(())
     };
     table(of_readings, &|table| readings(deployment, analysis, table))?;
@@ -40,21 +39,21 @@ pub fn write_folder(
         table(of_transforms, &|table| transforms(answer, table))?;
         table(of_clocks, &|table| clocks(answer, table))?;
     }
-    Ok(written)
+    atomic::place_all(all)
 }
 
 /// Writes the triplets alone, as `triplets.csv` of [`write_folder`].
 pub fn write_triplets(analysis: &Analysis, path: &Path) -> Result<(), WriteError> {
-    write_table(path, &|table| triplets(analysis, table))
+    ready_table(path, &|table| triplets(analysis, table))?.place().map(drop)
 }
 
-fn write_table(
+fn ready_table(
     path: &Path,
     fill: &dyn Fn(&mut Table) -> Result<(), ::csv::Error>,
-) -> Result<(), WriteError> {
-    atomic::write_with(path, |part| {
-        let mut table = ::csv::Writer::from_writer(BufWriter::new(File::create(part)?));
-        fill(&mut table).map_err(std::io::Error::from)?;
+) -> Result<Ready, WriteError> {
+    atomic::ready_with(path, |file| {
+        let mut table = ::csv::Writer::from_writer(file);
+        fill(&mut table).map_err(io_error)?;
         table.flush()
     })
 }
@@ -159,6 +158,14 @@ fn clocks(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
         table.write_record(row)?;
     }
     Ok(())
+}
+
+/// What the disk said, which a table of ours cannot go wrong without; made into another kind its remedy would be lost.
+pub fn io_error(error: ::csv::Error) -> std::io::Error {
+    match error.into_kind() {
+        ::csv::ErrorKind::Io(error) => error,
+        other => std::io::Error::other(format!("{other:?}")),
+    }
 }
 
 /// An absent number is an empty cell.

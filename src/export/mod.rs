@@ -1,6 +1,5 @@
 //! Answers for other programs and for people: JSON, text, CSV, HTML, pictures, and recordings for the Rerun viewer.
 
-pub mod atomic;
 mod axis;
 pub mod box_chart;
 pub mod copy;

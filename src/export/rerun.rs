@@ -13,9 +13,9 @@ use rerun::{
 };
 
 use self::blueprint::{DISTANCE_ERRORS, RATES, VERDICT};
-use super::atomic::{self, WriteError};
 use super::text;
 use crate::analysis::Analysis;
+use crate::atomic::{self, WriteError};
 use crate::deployment::{Deployment, PAIRS, Track};
 use crate::geometry::RigidTransform;
 use crate::palette::{self, Rgb};
@@ -26,6 +26,8 @@ use crate::pipeline::outlier_filter::{Rates, rates};
 pub enum RerunError {
     #[error(transparent)]
     Write(#[from] WriteError),
+    #[error("the Rerun SDK made no recording: {0}; report it, with the data")]
+    Sdk(String),
     #[error("the Rerun viewer did not start: {0}; install it with `pip install rerun-sdk=={1}`")]
     NoViewer(String, &'static str),
 }
@@ -35,17 +37,22 @@ const SDK_VERSION: &str = "0.36.3";
 
 /// Writes a recording.
 pub fn save(deployment: &Deployment, analysis: &Analysis, path: &Path) -> Result<(), RerunError> {
-    let save = |part: &Path| -> Result<(), Box<dyn std::error::Error>> {
-        // The SDK makes the file lazily and only logs a failure; find out first.
-        std::fs::File::create(part)?;
-        let recording = builder().save(part)?;
-        log_all(&recording, deployment, analysis)?;
-        Ok(recording.flush_blocking()?)
-    };
-    atomic::write_with(path, |part| {
-        save(part).map_err(|error| std::io::Error::other(error.to_string()))
-    })?;
-    Ok(())
+    let bytes = bytes(deployment, analysis).map_err(|error| RerunError::Sdk(error.to_string()))?;
+    Ok(atomic::write(path, bytes)?)
+}
+
+/// The recording as it lies in a file. The SDK would only log what it cannot write itself, as where the disk is full.
+fn bytes(
+    deployment: &Deployment,
+    analysis: &Analysis,
+) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let (recording, memory) = builder().memory()?;
+    log_all(&recording, deployment, analysis)?;
+    recording.flush_blocking()?;
+    let bytes = memory.drain_as_bytes()?;
+    // The two hold each other.
+    recording.disconnect();
+    Ok(bytes)
 }
 
 /// Starts the viewer (or uses a running one) and shows the deployment in it.
@@ -61,7 +68,8 @@ pub fn open_viewer(deployment: &Deployment, analysis: &Analysis) -> Result<(), R
 }
 
 fn builder() -> RecordingStreamBuilder {
-    RecordingStreamBuilder::new("resect").with_blueprint(blueprint::blueprint())
+    // Whatever RERUN says in the environment: who asks for a recording wants one.
+    RecordingStreamBuilder::new("resect").enabled(true).with_blueprint(blueprint::blueprint())
 }
 
 fn log_all(

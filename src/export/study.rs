@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::atomic;
 use super::box_chart;
 use super::svg::{Colours, PictureError, to_png, to_svg};
 use super::text::sigma_text;
+use crate::atomic::{self, WriteError};
 use crate::deployment::Severity;
 use crate::experiment::{Comparison, Quantiles, Study};
 
@@ -18,8 +18,8 @@ const PIXELS_PER_UNIT: f32 = 2.0;
 
 #[derive(Debug, thiserror::Error)]
 pub enum StudyFileError {
-    #[error("{}: cannot be written: {error}; choose a folder that you may write to", path.display())]
-    Io { path: PathBuf, error: std::io::Error },
+    #[error(transparent)]
+    Write(#[from] WriteError),
     #[error(transparent)]
     Picture(#[from] PictureError),
 }
@@ -202,21 +202,14 @@ pub fn comparison_json(comparison: &Comparison) -> Value {
 
 /// Writes NAME.csv, NAME.svg and NAME.png into a folder, which is made if it is not there; gives their paths.
 pub fn write(study: &Study, folder: &Path) -> Result<Vec<PathBuf>, StudyFileError> {
-    let io = |path: &Path| {
-        let path = path.to_owned();
-        move |error| StudyFileError::Io { path, error }
-    };
-    std::fs::create_dir_all(folder).map_err(io(folder))?;
+    atomic::make_folder(folder)?;
     let svg = to_svg(&box_chart::draw(study, PICTURE_SIZE), Colours::Light);
     let png = to_png(&svg, PIXELS_PER_UNIT)?;
     let files = [("csv", csv(study).into_bytes()), ("svg", svg.into_bytes()), ("png", png)];
-    let mut written = Vec::new();
-    for (extension, bytes) in files {
-        let path = folder.join(format!("{}.{extension}", study.name));
-        atomic::write(&path, bytes).map_err(|error| io(&path)(error.error))?;
-        written.push(path);
-    }
-    Ok(written)
+    let ready = files.into_iter().map(|(extension, bytes)| {
+        atomic::ready(&folder.join(format!("{}.{extension}", study.name)), bytes)
+    });
+    Ok(atomic::place_all(ready.collect::<Result<_, _>>()?)?)
 }
 
 /// One line a box; a box that is not there has empty numbers and says why.

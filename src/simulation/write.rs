@@ -1,50 +1,60 @@
 //! A simulated deployment as files: what a real one has, and the truth beside it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
 use super::{Simulated, SystematicErrors};
+use crate::atomic::{self, WriteError};
 use crate::deployment::format::{control_points, pillars, polar_csv, rig_files, rtklib_pos};
-use crate::deployment::{OpenError, pairwise_distances};
+use crate::deployment::pairwise_distances;
 use crate::geometry::Polar;
 
 /// What was simulated, by which a folder is known that may be written to again.
 const TRUTH: &str = "truth.toml";
 
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    #[error("{}: cannot be looked into: {error}; choose a folder that you may read", folder.display())]
+    Read { folder: PathBuf, error: std::io::Error },
+    #[error("{}: holds {what}; choose an empty folder", folder.display())]
+    Taken { folder: PathBuf, what: String },
+}
+
 /// Writes the deployment into a folder, which is made if it is not there. Nothing but an earlier simulation is replaced.
-pub fn write_folder(simulated: &Simulated, folder: &Path) -> Result<(), OpenError> {
-    let io = |path: &Path| {
-        let path = path.to_owned();
-        move |error| OpenError::Io { path, error }
-    };
-    std::fs::create_dir_all(folder).map_err(io(folder))?;
-    let files = files(simulated);
-    let entries: Result<Vec<_>, _> = std::fs::read_dir(folder).map_err(io(folder))?.collect();
-    let entries = entries.map_err(io(folder))?;
-    if !entries.is_empty() && !folder.join(TRUTH).is_file() {
-        return Err(OpenError::file(
-            &folder.display().to_string(),
-            format!("holds files, and no {TRUTH} that says they are simulated"),
-            "choose an empty folder",
-        ));
-    }
-    // A leftover of another deployment would be read together with this one.
-    for entry in entries {
-        let name = entry.file_name().to_string_lossy().into_owned();
+pub fn write_folder(simulated: &Simulated, folder: &Path) -> Result<(), FolderError> {
+    atomic::make_folder(folder)?;
+    let mut files = files(simulated);
+    spare_what_is_there(folder, &files)?;
+    // The truth takes its place first: where a run is killed before the last file does, the next may write here.
+    files.sort_by_key(|(name, _)| name != TRUTH);
+    let ready = files.iter().map(|(name, text)| atomic::ready(&folder.join(name), text));
+    atomic::place_all(ready.collect::<Result<_, _>>()?)?;
+    Ok(())
+}
+
+/// Refuses a folder with anything but an earlier simulation of the same files.
+fn spare_what_is_there(folder: &Path, files: &[(String, String)]) -> Result<(), FolderError> {
+    let cannot = |error| FolderError::Read { folder: folder.to_owned(), error };
+    let taken = |what| Err(FolderError::Taken { folder: folder.to_owned(), what });
+    let mut is_empty = true;
+    for entry in std::fs::read_dir(folder).map_err(cannot)? {
+        let path = entry.map_err(cannot)?.path();
+        // What a run that was killed left half-written is removed by the next.
+        let path = atomic::target_of_part(&path).unwrap_or(path);
+        is_empty &= !path.exists();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        // A leftover of another deployment would be read together with this one.
         if !files.iter().any(|(own, _)| *own == name) {
-            return Err(OpenError::file(
-                &folder.display().to_string(),
-                format!("holds `{name}`, which is not part of this deployment"),
-                "choose an empty folder",
-            ));
+            return taken(format!("`{name}`, which is not part of this deployment"));
         }
     }
-    for (name, text) in files {
-        let path = folder.join(name);
-        std::fs::write(&path, text).map_err(io(&path))?;
+    match is_empty || folder.join(TRUTH).is_file() {
+        true => Ok(()),
+        false => taken(format!("files, and no {TRUTH} that says they are simulated")),
     }
-    Ok(())
 }
 
 /// Name and text of every file.

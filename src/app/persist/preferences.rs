@@ -10,8 +10,8 @@ use super::stored::Lenient;
 use super::writer::Writer;
 use super::{keep_aside, line_of};
 use crate::app::model::{LayoutDescription, Units};
+use crate::atomic;
 use crate::deployment::{Finding, Source};
-use crate::export::atomic;
 
 /// Version of the format that this program writes.
 const VERSION: u32 = 1;
@@ -163,9 +163,7 @@ impl PreferencesFile {
             let text = toml::to_string(&StoredPreferences::new(&preferences))
                 .map_err(|error| format!("preferences cannot be kept as text: {error}"))?;
             if let Some(folder) = path.parent() {
-                std::fs::create_dir_all(folder).map_err(|error| {
-                    format!("{}: {error}; preferences are not kept", folder.display())
-                })?;
+                atomic::make_folder(folder).map_err(|error| error.to_string())?;
             }
             atomic::write(&path, text).map_err(|error| error.to_string())
         });

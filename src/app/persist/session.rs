@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::hashes::{FileMark, HashCache, used_files};
 use crate::analysis::Settings;
 use crate::app::model::{Colouring, LayoutDescription, Plotted, SceneOptions, Units, Visibility};
+use crate::atomic::WriteError;
 use crate::deployment::{Deployment, OpenError, Source};
-use crate::export::atomic::WriteError;
 use crate::export::summary::ResultSummary;
 use crate::progress::Progress;
 

@@ -1,14 +1,13 @@
 //! What the pane of channels shows, as a table for other programs.
 
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 
 use super::State;
 use crate::app::model::{Plotted, Visibility};
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::channels::Channel;
-use crate::export::atomic;
+use crate::atomic;
+use crate::export::csv::io_error;
 
 /// What is written.
 struct Shown {
@@ -49,12 +48,12 @@ impl State {
 fn write(path: &Path, plots: &PreparedPlots, shown: &Shown, start_s: f64) -> Result<usize, String> {
     let Plotted { channel, against } = shown.plotted;
     let mut rows = 0;
-    let written = atomic::write_with(path, |part| {
-        let mut table = ::csv::Writer::from_writer(BufWriter::new(File::create(part)?));
+    let written = atomic::write_with(path, |file| {
+        let mut table = ::csv::Writer::from_writer(file);
         let mut header = vec!["series", "time_s"];
         header.extend(against.map(Channel::column));
         header.push(channel.column());
-        table.write_record(header).map_err(std::io::Error::from)?;
+        table.write_record(header).map_err(io_error)?;
         for seen in shown.plotted.seen(plots, &shown.visible) {
             for (since_s, other, value) in seen.series.rows(seen.against, shown.window_s) {
                 let mut row = vec![seen.name.clone(), (start_s + since_s).to_string()];
@@ -63,7 +62,7 @@ fn write(path: &Path, plots: &PreparedPlots, shown: &Shown, start_s: f64) -> Res
                     row.push(other.map_or_else(String::new, |other| other.to_string()));
                 }
                 row.push(value.to_string());
-                table.write_record(row).map_err(std::io::Error::from)?;
+                table.write_record(row).map_err(io_error)?;
                 rows += 1;
             }
         }

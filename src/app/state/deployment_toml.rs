@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::State;
 use crate::app::model::{Asked, AskedToml};
+use crate::atomic;
 use crate::deployment::format::deployment_toml;
 use crate::deployment::{Deployment, Extras, OneOrMany, Overrides, Source, override_changes};
-use crate::export::atomic;
 
 impl State {
     /// Finds out what would be written, beside the window.

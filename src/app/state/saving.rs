@@ -6,11 +6,11 @@ use std::sync::Arc;
 use super::State;
 use crate::analysis::Analysis;
 use crate::app::file_dialog::{Answer, Question, Wanted};
+use crate::atomic;
 use crate::deployment::Deployment;
 use crate::deployment::file_mark::marks_of;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::export;
-use crate::export::atomic;
 use crate::export::report::{self, Chapter};
 
 /// A line for the user, or why it failed; `None` where the user thought better of it.

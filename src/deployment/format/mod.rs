@@ -27,6 +27,7 @@ use std::path::PathBuf;
 pub use column_mapping::ColumnMapping;
 
 use super::printable::{excerpt, printable};
+use super::what_is::SESSION_KEY;
 use crate::progress::Cancelled;
 
 /// Why a file or folder did not become a deployment: what, where, and what to do about it.
@@ -231,6 +232,9 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
     let Some(first) = lines.next() else {
         return Format::Ignored("empty");
     };
+    if first.starts_with(SESSION_KEY) {
+        return Format::Ignored("a session: `resect FILE` opens it");
+    }
     if jobxml::looks_like(text) {
         Format::JobXml
     } else if gsi::looks_like(first) {

@@ -202,6 +202,14 @@ fn below(top: &Path, path: &Path) -> String {
     path.strip_prefix(top).unwrap_or(path).to_string_lossy().into_owned()
 }
 
+/// Whether a folder is a link to one that it lies in, which would be found again and again.
+fn leads_back(path: &Path, lies_in: &Path) -> bool {
+    match (path.is_symlink(), path.canonicalize(), lies_in.canonicalize()) {
+        (true, Ok(target), Ok(lies_in)) => lies_in.starts_with(target),
+        _ => false,
+    }
+}
+
 /// Every file in a folder, and in those below it, hidden ones left out; sorted by name. What lies in it and cannot be read
 /// is [`Format::Unreadable`].
 pub fn list_folder(
@@ -225,7 +233,7 @@ pub fn list_folder(
             if hidden {
                 continue;
             } else if path.is_dir() {
-                if depth > 1 {
+                if depth > 1 && !leads_back(&path, folder) {
                     match visit(top, &path, depth - 1, progress, into) {
                         Err(OpenError::Io { .. }) => into.push(FoundFile::unreadable(&path, top)),
                         visited => visited?,

@@ -1,0 +1,73 @@
+//! The window as a picture, drawn off the screen.
+
+use std::sync::Arc;
+
+use eframe::egui;
+use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup, wgpu};
+use egui_kittest::wgpu::WgpuTestRenderer;
+
+use super::{ResectWindow, Start};
+use crate::analysis::Settings;
+use crate::deployment::{Deployment, Source};
+
+/// The harness gives up on a frame after ten seconds, which software takes for some 40 million pixels.
+const MOST_PIXELS_WITHOUT_GPU: u64 = 5120 * 2880;
+
+/// The window as an image, drawn off the screen.
+pub fn picture(
+    deployments: Vec<(Arc<Deployment>, Source)>,
+    settings: Settings,
+    [width, height]: [u32; 2],
+    dark: bool,
+) -> anyhow::Result<image::RgbaImage> {
+    let state = offscreen_state()?;
+    let adapter = state.adapter.get_info();
+    let pixels = u64::from(width) * u64::from(height);
+    if adapter.device_type == wgpu::DeviceType::Cpu && pixels > MOST_PIXELS_WITHOUT_GPU {
+        anyhow::bail!(
+            "--size {width}x{height}: without a GPU ({} draws) 5120x2880 is the most; choose a smaller size",
+            adapter.name
+        );
+    }
+    let start = Start::Deployments(deployments);
+    let mut harness = egui_kittest::Harness::builder()
+        .with_size([width as f32, height as f32])
+        .with_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light })
+        .with_render_cursor(false)
+        .allow_missing_glyphs()
+        .with_accessibility_check(false)
+        .renderer(WgpuTestRenderer::from_render_state(state))
+        .build_eframe(|creation| ResectWindow::new(creation, &start, settings));
+    harness.run_steps(1);
+    harness.state_mut().settle();
+    harness.run_steps(4);
+    harness.render().map_err(|what| {
+        anyhow::anyhow!("the picture could not be drawn ({what}); choose a smaller --size")
+    })
+}
+
+/// What draws off the screen, or one clear line. The harness itself would panic.
+pub fn offscreen_renderer() -> anyhow::Result<WgpuTestRenderer> {
+    Ok(WgpuTestRenderer::from_render_state(offscreen_state()?))
+}
+
+fn offscreen_state() -> anyhow::Result<RenderState> {
+    let render_state = |backends: wgpu::Backends| {
+        let mut setup = egui_kittest::wgpu::default_wgpu_setup();
+        if let WgpuSetup::CreateNew(create) = &mut setup {
+            create.instance_descriptor.backends &= backends;
+        }
+        let instance = pollster::block_on(setup.new_instance());
+        let configuration = WgpuConfiguration { wgpu_setup: setup, ..Default::default() };
+        let options = RendererOptions::PREDICTABLE;
+        pollster::block_on(RenderState::create(&configuration, &instance, None, options))
+    };
+    // OpenGL only when nothing better is there: looking for it complains about missing displays.
+    render_state(wgpu::Backends::PRIMARY)
+        .or_else(|_| render_state(wgpu::Backends::all()))
+        .map_err(|error| {
+            anyhow::anyhow!(
+                "no graphics driver to draw with ({error}); on Debian and Ubuntu: apt install mesa-vulkan-drivers"
+            )
+        })
+}
