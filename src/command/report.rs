@@ -9,7 +9,7 @@ use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
 use crate::deployment::file_mark::marks_of;
-use crate::export::atomic;
+use crate::export::{atomic, of_run};
 use crate::export::report::{self, Chapter};
 
 #[derive(Args)]
@@ -32,7 +32,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         arguments.path.iter().map(|path| chapter(path, &arguments.settings, &settings)).collect();
     let read = chapters.iter().flat_map(Chapter::files).map(|file| &file.path);
     spare(&arguments.out, read.chain(&arguments.path).map(PathBuf::as_path))?;
-    atomic::write(&arguments.out, report::page(&chapters, report::date_of_run()))?;
+    atomic::write(&arguments.out, report::page(&chapters, of_run::date()))?;
     let file = arguments.out.display();
     let errors: Vec<String> = chapters.iter().filter_map(|c| c.answer().err()).collect();
     let (all, without) = (chapters.len(), errors.len());

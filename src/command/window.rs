@@ -61,6 +61,7 @@ fn without_display(
         let analysis = Analyst::new(deployment.clone()).run(&Settings::default());
         let answer = analysis.answer.clone()?;
         print(&text::calibration(&deployment, &analysis, &answer))?;
+        print(&text::durations(&analysis, &answer))?;
     }
     print(
         "\nwindow      run resect where there is a display (over ssh: ssh -X, or xvfb-run)\n\
