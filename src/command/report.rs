@@ -9,8 +9,8 @@ use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use crate::analysis::{Analyst, Settings};
 use crate::deployment::file_mark::marks_of;
-use crate::export::{atomic, of_run};
 use crate::export::report::{self, Chapter};
+use crate::export::{atomic, of_run};
 
 #[derive(Args)]
 pub struct Arguments {

@@ -209,11 +209,7 @@ fn log_all(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
 }
 
 /// What the outlier filter looks at: the rates of a station from each reading to the next.
-fn log_rates(
-    recording: &mut Chunks,
-    station: usize,
-    track: &Track,
-) -> Result<()> {
+fn log_rates(recording: &mut Chunks, station: usize, track: &Track) -> Result<()> {
     let steps = track.measurements.windows(2);
     let time_s: Vec<f64> = steps.clone().map(|pair| pair[1].time_s).collect();
     let rates: Vec<Rates> = steps.map(|pair| rates(&pair[0], &pair[1])).collect();

@@ -32,7 +32,11 @@ pub fn cases() -> Vec<Case> {
     unknown.rig.as_mut().expect("a rig").prisms_m = None;
     let case = |name, methods, deployment| Case { name, deployment, methods };
     vec![
-        case("winding", &[TwoPoint, StaticGcp, InterPrism, Joint], short(Preset::Warthog, 120.0, 1)),
+        case(
+            "winding",
+            &[TwoPoint, StaticGcp, InterPrism, Joint],
+            short(Preset::Warthog, 120.0, 1),
+        ),
         case("field errors", &[StaticGcp, InterPrism, Joint], short(Preset::FieldErrors, 150.0, 2)),
         case("eights", &[InterPrism, Joint], short(Preset::FigureEight, 150.0, 4)),
         case("flat and nothing known", &[InterPrism, Joint], unknown),

@@ -41,7 +41,9 @@ pub fn tell(deployment: &Deployment, methods: &[Method]) -> Vec<Result<Answered,
         let answer = analysis.answer.map_err(|error| split(&error.to_string()).0)?;
         let mut answered = answered(&answer.calibration);
         let evaluation = &answer.evaluation;
-        answered.metrics_mm.extend(evaluation.inter_prism_mm.iter().flat_map(|s| [s.median, s.iqr]));
+        answered
+            .metrics_mm
+            .extend(evaluation.inter_prism_mm.iter().flat_map(|s| [s.median, s.iqr]));
         let mut points: Vec<_> = evaluation.control_points_mm.iter().collect();
         points.sort_by(|a, b| a.file.cmp(&b.file));
         answered.metrics_mm.extend(points.iter().map(|metric| metric.spread.median));
@@ -191,7 +193,9 @@ impl Answered {
                 if off.abs() > (within.sigmas * sigma).max(within.metres) {
                     let (which, number) = (["x", "y", "z", "yaw"][k], station + 1);
                     let sigmas = off / sigma;
-                    all.push(format!("{which} of station {number} off by {off:.1e}, {sigmas:.1e} σ"));
+                    all.push(format!(
+                        "{which} of station {number} off by {off:.1e}, {sigmas:.1e} σ"
+                    ));
                 }
             }
         }

@@ -117,14 +117,11 @@ fn other_units_of_the_same_readings_change_nothing() {
     let degrees = as_table(&files, "angle_unit = \"degrees\"\n", |[t, no, d, hz, v]| {
         format!("{t:.6};{no};{d};{};{}", hz.to_degrees(), v.to_degrees())
     });
-    let gon_and_feet = as_table(
-        &files,
-        "angle_unit = \"gon\"\nlength_unit = \"feet\"\n",
-        |[t, no, d, hz, v]| {
+    let gon_and_feet =
+        as_table(&files, "angle_unit = \"gon\"\nlength_unit = \"feet\"\n", |[t, no, d, hz, v]| {
             let gon = |rad: f64| rad.to_degrees() / 0.9;
             format!("{t:.6};{no};{};{};{}", d / 0.3048, gon(hz), gon(v))
-        },
-    );
+        });
     let millimetres_and_elevations = as_table(
         &files,
         "length_unit = \"millimetres\"\nvertical_angle = \"elevation\"\ntime_format = \"milliseconds\"\n",
