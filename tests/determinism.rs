@@ -129,7 +129,7 @@ fn files_for_other_programs() {
         ("trajectory @ --out drive.tum", 1),
         ("trajectory @ --out drive.csv", 1),
         ("export @ --csv out", 5),
-        ("simulate --preset field-errors --seed 5 --out out", 9),
+        ("simulate --preset field-errors --seed 5 --out out", 12),
     ]);
 }
 
