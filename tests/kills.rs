@@ -130,7 +130,7 @@ impl Killed {
         let parts = files.extract_if(.., |name, _| name.ends_with(".part")).count();
         assert_eq!(Vec::from_iter(files.keys()), Vec::from_iter(self.new.keys()), "kill {number}");
         for (name, found) in &files {
-            let is_whole = *found == self.old[name] || is_new(name, found, &self.new[name]);
+            let is_whole = *found == self.old[name] || *found == self.new[name];
             let arguments = &self.arguments;
             assert!(
                 is_whole,
@@ -147,18 +147,9 @@ impl Killed {
         let files = self.files();
         assert_eq!(Vec::from_iter(files.keys()), Vec::from_iter(self.new.keys()), "a part is left");
         for (name, found) in &files {
-            assert!(is_new(name, found, &self.new[name]), "{name} is another than before");
+            assert!(*found == self.new[name], "{name} is another than before");
         }
     }
-}
-
-/// Recordings have a random name and the time in them: they are new where they are as long, and end as they must.
-fn is_new(name: &str, found: &[u8], new: &[u8]) -> bool {
-    let ends = |bytes: &[u8]| {
-        bytes.len() > 32 && bytes[bytes.len() - 32..].windows(4).any(|it| it == b"FOOT")
-    };
-    let as_long = found.len().abs_diff(new.len()) < new.len() / 50;
-    found == new || name.ends_with(".rrd") && as_long && ends(found)
 }
 
 fn kill_each(kills: usize) {

@@ -34,6 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             objects.push(json::calibration(&deployment, &analysis, &answer, load_ms));
         } else {
             print(&text::calibration(&deployment, &analysis, &answer))?;
+            print(&text::durations(&analysis, &answer))?;
         }
     }
     if let (true, Some(first)) = (arguments.json, objects.first()) {

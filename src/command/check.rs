@@ -9,6 +9,7 @@ use super::{Failure, load, print};
 use crate::analysis::{Analysis, Analyst, Settings};
 use crate::calibration::{CalibrationError, Method};
 use crate::deployment::{Deployment, Extras, Finding, Severity, Track, pair_label};
+use crate::export::of_run;
 use crate::statistics::median;
 
 #[derive(Args)]
@@ -25,7 +26,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (deployment, load_ms) = load(&arguments.path, extras)?;
     let analysis = Analyst::new(deployment.clone()).run(&Settings::default());
     print(&report(&deployment, &analysis))?;
-    print(&format!("opened in {load_ms:.1} ms\n"))?;
+    if of_run::tells_durations() {
+        print(&format!("opened in {load_ms:.1} ms\n"))?;
+    }
     Ok(())
 }
 

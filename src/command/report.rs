@@ -13,6 +13,7 @@ use crate::analysis::{Analyst, Settings};
 use crate::atomic;
 use crate::deployment::file_mark::marks_of;
 use crate::deployment::{Deployment, OpenError};
+use crate::export::of_run;
 use crate::export::report::{self, Chapter};
 
 #[derive(Args)]
@@ -37,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .collect();
     let read = chapters.iter().flat_map(Chapter::files).map(|file| &file.path);
     spare(&arguments.out, read.chain(&arguments.path).map(PathBuf::as_path))?;
-    atomic::write(&arguments.out, report::page(&chapters, report::date_of_run()))?;
+    atomic::write(&arguments.out, report::page(&chapters, of_run::date()))?;
     let file = arguments.out.display();
     let errors: Vec<String> = chapters.iter().filter_map(|c| c.answer().err()).collect();
     let (all, without) = (chapters.len(), errors.len());

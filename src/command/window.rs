@@ -91,6 +91,7 @@ fn in_terminal(
         let analysis = Analyst::new(Arc::clone(deployment)).run(settings);
         let answer = analysis.answer.clone()?;
         print(&text::calibration(deployment, &analysis, &answer))?;
+        print(&text::durations(&analysis, &answer))?;
     }
     print(
         "\nwindow      run resect where there is a display (over ssh: ssh -X, or xvfb-run)\n\

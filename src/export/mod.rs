@@ -8,6 +8,7 @@ pub mod difference;
 pub mod drawing;
 mod frame;
 pub mod json;
+pub mod of_run;
 pub mod plan_view;
 pub mod report;
 #[cfg_attr(not(feature = "rerun"), path = "rerun_missing.rs")]

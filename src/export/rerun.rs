@@ -4,15 +4,20 @@
 //! A [`blueprint`] in the recording says how the viewer lays them out.
 
 mod blueprint;
+mod chunks;
 
+use std::fmt::Write;
 use std::path::Path;
 
+use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
 use rerun::{
-    LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamBuilder, Scalars, SeriesPoints,
-    TextDocument, TimeColumn,
+    EntityPath, LineStrips3D, Points3D, Radius, RecordingInfo, RecordingStreamBuilder, Scalars,
+    SeriesPoints, StoreId, StoreKind, TextDocument, TimeColumn,
 };
+use sha2::{Digest, Sha256};
 
 use self::blueprint::{DISTANCE_ERRORS, RATES, VERDICT};
+use self::chunks::Chunks;
 use super::text;
 use crate::analysis::Analysis;
 use crate::atomic::{self, WriteError};
@@ -35,48 +40,74 @@ pub enum RerunError {
 /// Version of the SDK, and so of the viewer that surely reads its recordings.
 const SDK_VERSION: &str = "0.36.3";
 
-/// Writes a recording.
-pub fn save(deployment: &Deployment, analysis: &Analysis, path: &Path) -> Result<(), RerunError> {
-    let bytes = bytes(deployment, analysis).map_err(|error| RerunError::Sdk(error.to_string()))?;
-    Ok(atomic::write(path, bytes)?)
-}
+/// By which the viewer tells whose recordings and layouts belong together.
+const APPLICATION: &str = "resect";
 
-/// The recording as it lies in a file. The SDK would only log what it cannot write itself, as where the disk is full.
-fn bytes(
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+/// Writes a recording; the same data gives the same bytes.
+pub fn save(
     deployment: &Deployment,
     analysis: &Analysis,
-) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let (recording, memory) = builder().memory()?;
-    log_all(&recording, deployment, analysis)?;
-    recording.flush_blocking()?;
-    let bytes = memory.drain_as_bytes()?;
-    // The two hold each other.
-    recording.disconnect();
-    Ok(bytes)
+    path: &Path,
+) -> std::result::Result<(), RerunError> {
+    let bytes = recording(deployment, analysis);
+    Ok(atomic::write(path, bytes.map_err(|error| RerunError::Sdk(error.to_string()))?)?)
 }
 
 /// Starts the viewer (or uses a running one) and shows the deployment in it.
-pub fn open_viewer(deployment: &Deployment, analysis: &Analysis) -> Result<(), RerunError> {
+pub fn open_viewer(
+    deployment: &Deployment,
+    analysis: &Analysis,
+) -> std::result::Result<(), RerunError> {
     let failed = |error: &dyn std::fmt::Display| {
         let first =
             error.to_string().lines().next().unwrap_or_default().trim_end_matches('.').to_owned();
         RerunError::NoViewer(first, SDK_VERSION)
     };
-    let recording = builder().spawn().map_err(|error| failed(&error))?;
-    log_all(&recording, deployment, analysis).map_err(|error| failed(&error))?;
-    recording.flush_blocking().map_err(|error| failed(&error))
-}
-
-fn builder() -> RecordingStreamBuilder {
+    let chunks = log_all(deployment, analysis).map_err(|error| failed(&error))?;
+    let (layout, activation) = layout().map_err(|error| failed(&error))?;
     // Whatever RERUN says in the environment: who asks for a recording wants one.
-    RecordingStreamBuilder::new("resect").enabled(true).with_blueprint(blueprint::blueprint())
+    let stream = RecordingStreamBuilder::new(APPLICATION).enabled(true).spawn();
+    let stream = stream.map_err(|error| failed(&error))?;
+    stream.send_blueprint(layout, activation);
+    stream.send_chunks(chunks.each());
+    stream.flush_blocking().map_err(|error| failed(&error))
 }
 
-fn log_all(
-    recording: &RecordingStream,
-    deployment: &Deployment,
-    analysis: &Analysis,
-) -> Result<(), Box<dyn std::error::Error>> {
+/// The bytes of a recording, its layout first.
+fn recording(deployment: &Deployment, analysis: &Analysis) -> Result<Vec<u8>> {
+    let chunks = log_all(deployment, analysis)?;
+    let (layout, activation) = layout()?;
+    let messages = |recording_id: &str| {
+        chunks.messages(&StoreId::new(StoreKind::Recording, APPLICATION, recording_id))
+    };
+    // Two recordings that the viewer has open may share nothing but what is the same in both.
+    let digest = Sha256::digest(chunks::bytes(&messages("")?)?);
+    let recording_id = digest[..16].iter().fold(String::new(), |mut id, byte| {
+        _ = write!(id, "{byte:02x}");
+        id
+    });
+    let activation = [LogMsg::BlueprintActivationCommand(activation)];
+    Ok(chunks::bytes(layout.iter().chain(&activation).chain(&messages(&recording_id)?))?)
+}
+
+/// The layout, and what says that it is there to be used.
+fn layout() -> Result<(Vec<LogMsg>, BlueprintActivationCommand)> {
+    let blueprint_id = StoreId::new(StoreKind::Blueprint, APPLICATION, "resect-layout");
+    let messages = blueprint::blueprint()?.messages(&blueprint_id)?;
+    let (make_active, make_default) = (true, true);
+    Ok((messages, BlueprintActivationCommand { blueprint_id, make_active, make_default }))
+}
+
+/// Everything about a deployment and its answer.
+fn log_all(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
+    let mut recording = Chunks::default();
+    let mut info = RecordingInfo::new().with_name(deployment.name.as_str());
+    if let Some(start_s) = deployment.start_s() {
+        info = info.with_start_time((start_s * 1e9) as i64);
+    }
+    recording.log_static(EntityPath::properties(), &info)?;
     let answer = analysis.answer.as_ref().ok();
     let transforms =
         answer.map_or([RigidTransform::IDENTITY; 3], |a| a.calibration.station1_from_station);
@@ -125,7 +156,7 @@ fn log_all(
         let prism = triplets.points_m[station].iter().map(|p| to_world(*p));
         recording.send_columns(
             format!("{root}/prism"),
-            [time_column(&triplets.time_s)],
+            time_column(&triplets.time_s),
             Points3D::new(prism).columns_of_unit_batches()?,
         )?;
     }
@@ -147,7 +178,7 @@ fn log_all(
         }
     }
     for (station, track) in deployment.tracks.iter().enumerate() {
-        log_rates(recording, station, track)?;
+        log_rates(&mut recording, station, track)?;
     }
     let verdict = match &analysis.answer {
         Ok(answer) => text::calibration(deployment, analysis, answer),
@@ -166,21 +197,17 @@ fn log_all(
             )?;
             recording.send_columns(
                 path,
-                [time_column(&triplets.time_s)],
+                time_column(&triplets.time_s),
                 Scalars::new(answer.evaluation.distance_errors_mm[pair].iter().copied())
                     .columns_of_unit_batches()?,
             )?;
         }
     }
-    Ok(())
+    Ok(recording)
 }
 
 /// What the outlier filter looks at: the rates of a station from each reading to the next.
-fn log_rates(
-    recording: &RecordingStream,
-    station: usize,
-    track: &Track,
-) -> Result<(), Box<dyn std::error::Error>> {
+fn log_rates(recording: &mut Chunks, station: usize, track: &Track) -> Result<()> {
     let steps = track.measurements.windows(2);
     let time_s: Vec<f64> = steps.clone().map(|pair| pair[1].time_s).collect();
     let rates: Vec<Rates> = steps.map(|pair| rates(&pair[0], &pair[1])).collect();
@@ -194,7 +221,7 @@ fn log_rates(
         recording.log_static(path.as_str(), &series)?;
         recording.send_columns(
             path,
-            [time_column(&time_s)],
+            time_column(&time_s),
             Scalars::new(rates.iter().map(of)).columns_of_unit_batches()?,
         )?;
     }

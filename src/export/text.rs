@@ -8,6 +8,7 @@ use crate::calibration::{Calibration, Details, Targets};
 use crate::deployment::Deployment;
 use crate::evaluation::Spread;
 use crate::export::difference::moved_from_published;
+use crate::export::of_run;
 
 /// Verdict, transforms with their σ, metrics and findings.
 pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> String {
@@ -75,16 +76,22 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
     for finding in of_data.chain(&calibration.findings) {
         _ = writeln!(text, "  {} {finding}", finding.severity.mark());
     }
-    _ = writeln!(
-        text,
-        "\n{:.1} ms: pipeline {:.1}, prior {:.1}, solve {:.1}, metrics {:.1}",
+    text
+}
+
+/// How long the answer took, as a line below it; nothing where outputs are compared.
+pub fn durations(analysis: &Analysis, answer: &Answer) -> String {
+    if !of_run::tells_durations() {
+        return String::new();
+    }
+    format!(
+        "\n{:.1} ms: pipeline {:.1}, prior {:.1}, solve {:.1}, metrics {:.1}\n",
         analysis.total_ms(),
         analysis.pipeline_ms,
-        calibration.prior_ms,
-        calibration.solve_ms,
+        answer.calibration.prior_ms,
+        answer.calibration.solve_ms,
         analysis.evaluation_ms
-    );
-    text
+    )
 }
 
 /// The paper's answer beside a joint estimate: what it was moved by; empty beside any other.

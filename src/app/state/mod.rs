@@ -45,6 +45,7 @@ use crate::app::model::{
     Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Playback, Plotted, Results,
     Ruler, SceneOptions, UndoStack, Units, Validations, Visibility,
 };
+use crate::export::of_run;
 use crate::progress::Progress;
 
 /// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
@@ -208,10 +209,10 @@ impl State {
         }
     }
 
-    /// How long the answer took (ms), once there is one.
+    /// How long the answer took (ms), once there is one, and unless the picture is to be compared.
     pub fn elapsed_ms(&self) -> Option<f64> {
         let (_, analysis) = self.analysed()?;
-        Some(self.fixed_elapsed_ms.unwrap_or_else(|| analysis.total_ms()))
+        self.fixed_elapsed_ms.or_else(|| of_run::tells_durations().then(|| analysis.total_ms()))
     }
 
     /// Time of the active deployment's first measurement (s).

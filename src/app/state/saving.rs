@@ -12,6 +12,7 @@ use crate::deployment::file_mark::marks_of;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::export;
 use crate::export::report::{self, Chapter};
+use crate::export::{atomic, of_run};
 
 /// A line for the user, or why it failed; `None` where the user thought better of it.
 type Told = Option<Result<String, String>>;
@@ -66,7 +67,7 @@ impl State {
             let analysis = Box::new(Analysis::clone(&analysis));
             let files = marks_of(&deployment);
             let chapter = Chapter::Analysed { deployment, analysis, files };
-            let page = report::page(&[chapter], report::date_of_run());
+            let page = report::page(&[chapter], of_run::date());
             atomic::write(path, page).map_err(|error| error.to_string())
         });
     }

@@ -61,14 +61,6 @@ impl Chapter {
     }
 }
 
-/// The date of this run: now, or what `SOURCE_DATE_EPOCH` says for pages that are compared byte by byte.
-///
-/// <https://reproducible-builds.org/specs/source-date-epoch/>
-pub fn date_of_run() -> Timestamp {
-    let given = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| seconds.parse().ok());
-    given.and_then(|seconds| Timestamp::from_second(seconds).ok()).unwrap_or_else(Timestamp::now)
-}
-
 /// The whole page: a section for each chapter, and above them a table of all where there are several.
 pub fn page(chapters: &[Chapter], date: Timestamp) -> String {
     let title = match chapters {

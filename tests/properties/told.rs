@@ -1,0 +1,215 @@
+//! What the program tells of a deployment by each method, and how two tellings are held against each other.
+
+use nalgebra::SMatrix;
+use resect::analysis::Analyst;
+use resect::calibration::{Calibration, Method, Verdict, Witness};
+use resect::deployment::{Deployment, Severity};
+use resect::geometry::{RigidTransform, wrap_to_pi};
+
+use crate::common::by;
+
+/// What a method says, without what no number of it can be compared.
+#[derive(Clone, Debug)]
+pub struct Answered {
+    pub transforms: [RigidTransform; 3],
+    pub covariance: Option<SMatrix<f64, 8, 8>>,
+    pub verdict: Verdict,
+    pub checked_by: Vec<Witness>,
+    pub findings: Vec<Said>,
+    /// Distance errors and the medians of the control points (mm).
+    pub metrics_mm: Vec<f64>,
+    /// Of a joint estimate: the same of the paper's answer beside it.
+    pub published: Option<Box<Answered>>,
+}
+
+/// A finding with its words and its numbers apart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Said {
+    pub severity: Severity,
+    pub doubt: bool,
+    pub words: String,
+    pub numbers: Vec<f64>,
+    /// How many remedies it has, and of what kind.
+    pub remedies: Vec<String>,
+}
+
+/// What every method says of a deployment, or why it has no answer.
+pub fn tell(deployment: &Deployment, methods: &[Method]) -> Vec<Result<Answered, String>> {
+    let mut analyst = Analyst::new(deployment.clone().into());
+    let each = methods.iter().map(|method| {
+        let analysis = analyst.run(&by(*method));
+        let answer = analysis.answer.map_err(|error| split(&error.to_string()).0)?;
+        let mut answered = answered(&answer.calibration);
+        let evaluation = &answer.evaluation;
+        answered
+            .metrics_mm
+            .extend(evaluation.inter_prism_mm.iter().flat_map(|s| [s.median, s.iqr]));
+        let mut points: Vec<_> = evaluation.control_points_mm.iter().collect();
+        points.sort_by(|a, b| a.file.cmp(&b.file));
+        answered.metrics_mm.extend(points.iter().map(|metric| metric.spread.median));
+        Ok(answered)
+    });
+    each.collect()
+}
+
+fn answered(calibration: &Calibration) -> Answered {
+    let said = calibration.findings.iter().map(|finding| {
+        let (words, numbers) = split(&finding.message);
+        // What a remedy shows or says has numbers of its own.
+        let remedies =
+            finding.remedies.iter().map(|remedy| split(&format!("{remedy:?}")).0).collect();
+        Said { severity: finding.severity, doubt: finding.doubt, words, numbers, remedies }
+    });
+    Answered {
+        transforms: calibration.station1_from_station,
+        covariance: calibration.covariance,
+        verdict: calibration.verdict,
+        checked_by: calibration.checked_by.clone(),
+        findings: said.collect(),
+        metrics_mm: Vec::new(),
+        published: calibration.published.as_deref().map(|beside| Box::new(answered(beside))),
+    }
+}
+
+/// A text with `#` in place of each number, and the numbers.
+fn split(text: &str) -> (String, Vec<f64>) {
+    let (mut words, mut numbers, mut digits) = (String::new(), Vec::new(), String::new());
+    for character in text.chars().chain(['\n']) {
+        if character.is_ascii_digit() || (character == '.' && !digits.is_empty()) {
+            digits.push(character);
+            continue;
+        }
+        if !digits.is_empty() {
+            let number = digits.trim_end_matches('.');
+            words += "#";
+            words += &digits[number.len()..];
+            numbers.push(number.parse().unwrap_or(f64::NAN));
+            digits.clear();
+        }
+        words.push(character);
+    }
+    words.pop();
+    (words, numbers)
+}
+
+/// How near two tellings have to be.
+#[derive(Clone, Copy)]
+pub struct Within {
+    /// Of a place or a yaw: in σ, or where that is less in metres and radians.
+    pub sigmas: f64,
+    pub metres: f64,
+    /// Of the covariance, in products of σ.
+    pub covariance: f64,
+    /// Of distance errors (mm).
+    pub millimetres: f64,
+}
+
+/// What rounding does to the same numbers.
+pub const ROUNDING: Within =
+    Within { sigmas: 1e-6, metres: 1e-9, covariance: 1e-5, millimetres: 1e-6 };
+
+/// Stamps of today are held to a quarter of a microsecond, in which a vehicle goes a quarter of a micrometre.
+pub const OF_STAMPS: Within =
+    Within { sigmas: 1e-3, metres: 1e-6, covariance: 1e-3, millimetres: 1e-3 };
+
+/// The joint estimate learns its noise by random probes along the axes of station 1 and prism by prism: in another frame, or
+/// with other numbers, it draws others, which moves the answer by thousandths of σ.
+pub const OF_PROBES: Within =
+    Within { sigmas: 0.03, metres: 1e-9, covariance: 0.03, millimetres: 0.03 };
+
+/// How near an answer in another frame, or with other numbers, has to be.
+pub fn in_another_frame(method: Method) -> Within {
+    if method == Method::Joint { OF_PROBES } else { ROUNDING }
+}
+
+impl Answered {
+    /// Where this says something else than another, but for frames and numbers of the stations.
+    pub fn says_else(&self, other: &Self, within: Within) -> Vec<String> {
+        let mut all = Vec::new();
+        if self.verdict != other.verdict {
+            all.push(format!("{:?}, not {:?}", self.verdict, other.verdict));
+        }
+        if self.checked_by != other.checked_by {
+            all.push(format!("checked by {:?}, not {:?}", self.checked_by, other.checked_by));
+        }
+        // Where a direction is free, any place along it is as good, and what is said of that place is of no other.
+        if self.verdict == Verdict::Degenerate {
+            return all;
+        }
+        let (own, others) = (self.sayings(), other.sayings());
+        all.extend(own.iter().filter(|s| !others.contains(s)).map(|s| format!("new: {s}")));
+        all.extend(others.iter().filter(|s| !own.contains(s)).map(|s| format!("missing: {s}")));
+        let far = |(a, b): &(&f64, &f64)| (*a - *b).abs() > within.millimetres;
+        let metrics = self.metrics_mm.iter().zip(&other.metrics_mm);
+        all.extend(metrics.filter(far).map(|(a, b)| format!("{a} mm, not {b}")));
+        match (&self.published, &other.published) {
+            (Some(own), Some(others)) => {
+                let beside = own.says_else(others, within);
+                all.extend(beside.into_iter().map(|what| format!("the paper's: {what}")));
+            }
+            (None, None) => {}
+            _ => all.push("only one has the paper's answer beside it".to_owned()),
+        }
+        all
+    }
+
+    fn sayings(&self) -> Vec<String> {
+        let each = self.findings.iter();
+        let mut all: Vec<_> = each
+            .map(|f| format!("{:?} {} {} {:?}", f.severity, f.doubt, f.words, f.remedies))
+            .collect();
+        all.sort();
+        all
+    }
+
+    /// Where the findings tell other numbers, beyond one in the last digit or a hundredth.
+    pub fn tells_other_numbers(&self, other: &Self) -> Vec<String> {
+        let far = |(a, b): &(&Said, &Said)| {
+            let both = a.numbers.iter().zip(&b.numbers);
+            both.into_iter().any(|(x, y)| (x - y).abs() > 0.011 * x.abs().max(1.0))
+        };
+        let both = self.findings.iter().zip(&other.findings).filter(far);
+        both.map(|(a, b)| format!("{a:?}, not {b:?}")).collect()
+    }
+
+    /// Where it does not stand where it is expected.
+    pub fn stands_elsewhere(
+        &self,
+        transforms: &[RigidTransform; 3],
+        covariance: Option<&SMatrix<f64, 8, 8>>,
+        within: Within,
+    ) -> Vec<String> {
+        let mut all = Vec::new();
+        if self.verdict == Verdict::Degenerate {
+            return all;
+        }
+        let sigma = self.covariance.map(|c| c.diagonal().map(|v| v.max(0.0).sqrt()));
+        for station in 1..3 {
+            let (found, expected) = (&self.transforms[station], &transforms[station]);
+            let metres = found.translation_m - expected.translation_m;
+            let turned = wrap_to_pi(found.yaw_rad() - expected.yaw_rad());
+            for (k, off) in [metres.x, metres.y, metres.z, turned].into_iter().enumerate() {
+                let sigma = sigma.map_or(0.0, |sigma| sigma[4 * (station - 1) + k]);
+                if off.abs() > (within.sigmas * sigma).max(within.metres) {
+                    let (which, number) = (["x", "y", "z", "yaw"][k], station + 1);
+                    let sigmas = off / sigma;
+                    all.push(format!(
+                        "{which} of station {number} off by {off:.1e}, {sigmas:.1e} σ"
+                    ));
+                }
+            }
+        }
+        if let (Some(found), Some(expected)) = (&self.covariance, covariance) {
+            let off = SMatrix::<f64, 8, 8>::from_fn(|i, j| {
+                let scale = (expected[(i, i)] * expected[(j, j)]).sqrt();
+                (found[(i, j)] - expected[(i, j)]) / scale
+            });
+            if off.amax() > within.covariance {
+                all.push(format!("covariance off by {:.1e} σ²", off.amax()));
+            }
+        } else if self.covariance.is_some() != covariance.is_some() {
+            all.push("only one has a covariance".to_owned());
+        }
+        all
+    }
+}
