@@ -11,8 +11,8 @@ use crate::deployment::Deployment;
 use crate::deployment::file_mark::marks_of;
 use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
 use crate::export;
+use crate::export::of_run;
 use crate::export::report::{self, Chapter};
-use crate::export::{atomic, of_run};
 
 /// A line for the user, or why it failed; `None` where the user thought better of it.
 type Told = Option<Result<String, String>>;
