@@ -31,7 +31,7 @@
 //! | something that a session remembers | a field of `persist/session.rs`, with what an older file without it means |
 //! | a button for what a finding advises | a variant of `deployment::Remedy`, an arm in `actions/remedies.rs` |
 
-mod actions;
+pub mod actions;
 pub mod file_dialog;
 mod jobs;
 pub mod keeping;

@@ -1,0 +1,99 @@
+//! A monkey at the window: random events against the real window and all its panes, from a seed, in a folder of its own.
+//!
+//! It holds that nothing panics, on no thread; that no frame takes the window's thread long; that what is closed is let
+//! go of; and that all that was saved, by the user or by the program for the case that it dies, is there afterwards.
+//!
+//! ```sh
+//! cargo test --release --test monkey -- --ignored --nocapture     # an hour, or RESECT_MONKEY_MINUTES
+//! RESECT_MONKEY_SEED=17 cargo test --test monkey a_monkey_breaks_nothing_in_a_short_while
+//! ```
+//! The second plays one life again; what ran beside the window may come at other frames. RESECT_MONKEY_TRACE=1 prints
+//! every act before it is done. `Open in Rerun` alone is left out (`dice::LEFT_OUT`), because it starts another program;
+//! links are never followed, for nothing here listens to what the window asks of the system.
+
+mod act;
+mod dice;
+mod life;
+mod perform;
+mod process;
+mod reached;
+mod screen;
+mod sessions;
+mod things;
+
+use std::time::{Duration, Instant};
+
+use life::Life;
+
+/// How many acts a life has: about half a minute without optimisation.
+const ACTS: usize = 700;
+const FIRST_SEED: u64 = 1;
+const MINUTES: u64 = 60;
+/// What the resident size may grow by from the first rounds to the last: some of it is the allocator's and the driver's.
+const MOST_GROWTH_MB: f64 = 64.0;
+
+fn number(variable: &str) -> Option<u64> {
+    std::env::var(variable).ok()?.parse().ok()
+}
+
+fn seed() -> u64 {
+    number("RESECT_MONKEY_SEED").unwrap_or(FIRST_SEED)
+}
+
+#[test]
+fn a_monkey_breaks_nothing_in_a_short_while() {
+    process::alone("a_monkey_breaks_nothing_in_a_short_while", |folder| {
+        let mut life = Life::new(&screen::gpu(), folder, seed());
+        life.live(ACTS);
+        eprintln!("came to {}: {}", life.reached.count(), life.reached);
+    });
+}
+
+#[test]
+fn what_is_closed_is_let_go_of() {
+    process::alone("what_is_closed_is_let_go_of", |folder| {
+        let rounds = 40;
+        let sizes_mb = Life::new(&screen::gpu(), folder, seed()).open_and_close(rounds);
+        assert_no_growth(&sizes_mb);
+    });
+}
+
+#[test]
+#[ignore = "an hour; see the head of tests/monkey/main.rs"]
+fn a_monkey_breaks_nothing_for_an_hour() {
+    process::alone("a_monkey_breaks_nothing_for_an_hour", |folder| {
+        let minutes = number("RESECT_MONKEY_MINUTES").unwrap_or(MINUTES);
+        let until = Instant::now() + Duration::from_secs(60 * minutes);
+        let gpu = screen::gpu();
+        let mut sizes_mb = Vec::new();
+        let mut slowest = Duration::ZERO;
+        for seed in seed().. {
+            let place = folder.join(seed.to_string());
+            std::fs::create_dir(&place).expect("a folder");
+            let mut life = Life::new(&gpu, &place, seed);
+            life.live(ACTS);
+            slowest = slowest.max(life.slowest());
+            drop(life);
+            std::fs::remove_dir_all(&place).expect("a folder");
+            sizes_mb.push(process::resident_mb());
+            eprintln!("seed {seed}: {:.0} MB, slowest frame {slowest:.1?}", process::resident_mb());
+            if Instant::now() > until {
+                break;
+            }
+        }
+        assert_no_growth(&sizes_mb);
+    });
+}
+
+/// Compares the second quarter with the last: in the first everything is there for the first time.
+fn assert_no_growth(sizes_mb: &[f64]) {
+    let quarter = sizes_mb.len() / 4;
+    if quarter == 0 {
+        return;
+    }
+    let largest = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+    let before = largest(&sizes_mb[quarter..2 * quarter]);
+    let after = largest(&sizes_mb[3 * quarter..]);
+    eprintln!("{before:.0} MB after the warm-up, {after:.0} MB at the end");
+    assert!(after - before < MOST_GROWTH_MB, "memory grows: {sizes_mb:.0?} MB");
+}
