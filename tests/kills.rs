@@ -116,7 +116,7 @@ impl Killed {
         }
         let mut child = self.start();
         // Every other while it writes, which is a small part of its time.
-        let span = if number % 2 == 0 {
+        let span = if number.is_multiple_of(2) {
             self.ends
         } else {
             self.wait_until_it_writes(&mut child);
@@ -162,7 +162,7 @@ fn kill_each(kills: usize) {
         for (seed, (name, command)) in COMMANDS.iter().enumerate() {
             let (data, out) = (&data, folder.path().join(name));
             scope.spawn(move || {
-                kill_one(name, &Killed::prepare(command, data, &out), kills, seed as u64)
+                kill_one(name, &Killed::prepare(command, data, &out), kills, seed as u64);
             });
         }
     });

@@ -52,7 +52,7 @@ pub fn lay_out(folder: &Path) -> Vec<PathBuf> {
         file("junk.bag", &junk),
         file("junk", &junk),
         file("renamed/readings.csv", format!("{}\n{rows}", renamed.join(",")).as_bytes()),
-        file("cut/inter_prism.csv", tracks[..tracks.len() / 3].as_bytes()),
+        file("cut/inter_prism.csv", &tracks.as_bytes()[..tracks.len() / 3]),
         file("few/inter_prism.csv", format!("{header}\n{}\n", few.join("\n")).as_bytes()),
         file("nothing/inter_prism.csv", format!("{header}\n").as_bytes()),
         file("nan/inter_prism.csv", tracks.replacen(",1", ",NaN", 500).as_bytes()),

@@ -264,6 +264,20 @@ fn parts_too_small_to_be_seen_are_the_same_when_they_are_read_again() {
     assert!(close(&again.describe().root, &layout.describe().root), "{shares:?}");
 }
 
+/// Shares whose digits are cut one by one sum to more than one, and moved whenever they were saved.
+#[test]
+fn shares_stay_the_same_to_the_last_digit_when_they_are_read_and_written_again() {
+    for share in (0..400_u16).map(|step| 0.021 + 0.002_395 * f32::from(step)) {
+        let pane = |pane: Pane| Node::Pane(pane.name().to_owned());
+        let children = vec![pane(Pane::Scene), pane(Pane::Result), pane(Pane::Findings)];
+        let root = Node::Row { shares: vec![share, 0.25 * (1.0 - share), 0.3], children };
+        let description = LayoutDescription { version: 1, follows_window: false, root };
+        let (layout, _) = Layout::of_description(&description);
+        let (again, _) = reread(&layout);
+        assert_eq!(again.describe(), layout.describe(), "{share}");
+    }
+}
+
 /// Equal but for rounding of the shares.
 fn close(a: &Node<String>, b: &Node<String>) -> bool {
     let all = |a: &[Node<String>], b: &[Node<String>]| {

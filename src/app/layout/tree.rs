@@ -82,7 +82,15 @@ fn node_at(tiles: &Tiles<Pane>, shares: &HashMap<TileId, f32>, tile: TileId) -> 
     })
 }
 
-/// Parts of one with as many digits as a window has pixels.
+/// Parts of one with as many digits as a window has pixels; they still sum to one, so that nothing moves when they are
+/// read and written again.
 fn rounded(shares: &[f32]) -> Vec<f32> {
-    normalised(shares).into_iter().map(|share| (share * 1e4).round() / 1e4).collect()
+    const PARTS: f32 = 1e4;
+    let mut parts: Vec<i32> =
+        normalised(shares).into_iter().map(|share| (share * PARTS).round() as i32).collect();
+    let rest = PARTS as i32 - parts.iter().sum::<i32>();
+    if let Some(largest) = parts.iter_mut().max() {
+        *largest += rest;
+    }
+    parts.into_iter().map(|part| part as f32 / PARTS).collect()
 }
