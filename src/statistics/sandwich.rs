@@ -18,8 +18,13 @@ use nalgebra::{DMatrix, DVector};
 
 /// A block that alone holds a direction says nothing about the error along it: leverages end here.
 const MOST_LEVERAGE: f64 = 0.9;
-/// Leverages below this need no eigenvalues: the series ends after its third term, good to a thousandth.
+/// Leverages that are together (Frobenius' norm) below this need no eigenvalues: a series gets there sooner.
+const SERIES_LEVERAGE: f64 = 0.7;
+/// Below this none of them matters much, negative ones included.
 const SMALL_LEVERAGE: f64 = 0.1;
+/// What is this much smaller is lost in rounding; the series is there after so many terms at most.
+const ROUNDING: f64 = 1e-12;
+const MOST_TERMS: u32 = 80;
 
 /// What one block of time says: its part of the information, and of the gradient at the minimum.
 pub struct Block {
@@ -59,12 +64,11 @@ pub fn covariance(blocks: &[Block], prior: Option<&Prior>) -> Option<DMatrix<f64
 
 /// (I − A)^(−1/2) g.
 fn unfollowed(leverage: DMatrix<f64>, gradient: DVector<f64>) -> DVector<f64> {
-    // A loss that sets errors aside can make a block's information negative along some directions: the trace alone is not
-    // the size of the leverages.
-    if leverage.trace() < SMALL_LEVERAGE && leverage.norm() < SMALL_LEVERAGE {
-        let once = &leverage * &gradient;
-        let twice = &leverage * &once;
-        return gradient + 0.5 * once + 0.375 * twice;
+    // A loss that sets errors aside can make a block's information negative along some directions, and the series counts
+    // these: they are nothing while they are small, and must not be there otherwise.
+    let size = leverage.norm();
+    if size < SMALL_LEVERAGE || (size < SERIES_LEVERAGE && has_no_negative(&leverage)) {
+        return by_series(&leverage, gradient);
     }
     let spectrum = leverage.symmetric_eigen();
     let mut parts = spectrum.eigenvectors.tr_mul(&gradient);
@@ -72,6 +76,32 @@ fn unfollowed(leverage: DMatrix<f64>, gradient: DVector<f64>) -> DVector<f64> {
         *part /= (1.0 - leverage.clamp(0.0, MOST_LEVERAGE)).sqrt();
     }
     spectrum.eigenvectors * parts
+}
+
+/// Whether a matrix is positive semidefinite, but for rounding.
+fn has_no_negative(leverage: &DMatrix<f64>) -> bool {
+    let mut lifted = leverage.clone();
+    for k in 0..lifted.nrows() {
+        lifted[(k, k)] += ROUNDING;
+    }
+    lifted.cholesky().is_some()
+}
+
+/// The sum of all c_k Aᵏ g with c_0 = 1 and c_k = c_(k−1) (2k − 1)/2k, until nothing is added any more.
+fn by_series(leverage: &DMatrix<f64>, mut term: DVector<f64>) -> DVector<f64> {
+    let mut sum = term.clone();
+    let mut next = term.clone();
+    let negligible = ROUNDING * sum.norm();
+    for k in 1..MOST_TERMS {
+        let power = f64::from(k);
+        next.gemv((2.0 * power - 1.0) / (2.0 * power), leverage, &term, 0.0);
+        std::mem::swap(&mut next, &mut term);
+        sum += &term;
+        if term.norm() <= negligible {
+            break;
+        }
+    }
+    sum
 }
 
 #[cfg(test)]

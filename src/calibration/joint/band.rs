@@ -66,6 +66,15 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         self.rows
     }
 
+    /// Gives its room away; what it says of the parts stays.
+    pub fn take_rows(&mut self) -> Rows<LOCAL, ROW> {
+        std::mem::take(&mut self.rows)
+    }
+
+    pub fn has_rows(&self) -> bool {
+        !self.rows.is_empty()
+    }
+
     /// Adds equations that tie four knots from `first` on by `weights`, about `SIZE` unknowns of each from `at` on: their
     /// information, their border with the part's `columns`, and their gradient.
     pub fn add<const SIZE: usize>(

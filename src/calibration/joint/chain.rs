@@ -7,7 +7,7 @@ use nalgebra::SMatrix;
 use rayon::prelude::*;
 
 use super::band::Part;
-use super::band_rows::PART;
+use super::moves::Moved;
 use super::slow_priors::SlowMatrix;
 use super::unknowns::{CONSTANTS, Constants, SLOW, Slow};
 
@@ -15,13 +15,14 @@ use super::unknowns::{CONSTANTS, Constants, SLOW, Slow};
 pub type Between = SMatrix<f64, SLOW, CONSTANTS>;
 pub type Square = SMatrix<f64, CONSTANTS, CONSTANTS>;
 
+/// Parts whose sums are made side by side.
+const AT_ONCE: usize = 512;
+
 /// One part, linear about where everything is taken to be.
 pub struct Link<'a> {
     pub part: &'a Part,
     /// Whether the next part belongs to the same stretch.
     pub tied_to_next: bool,
-    pub by_constants: &'a SMatrix<f64, PART, CONSTANTS>,
-    pub by_slow: &'a SMatrix<f64, PART, SLOW>,
 }
 
 /// A right-hand side, or a solution: `K` columns for each part's slow states and for the constants.
@@ -61,39 +62,44 @@ struct OfPart {
 }
 
 impl Data {
-    pub fn of(links: &[Link<'_>]) -> Self {
+    pub fn of(links: &[Link<'_>], moved: impl Fn(usize) -> Moved + Sync) -> Self {
         let one = |index: usize| {
             let link = &links[index];
             // Products with a transpose that is written out are several times faster than `tr_mul`.
-            let (by_slow, by_constants) = (link.by_slow.transpose(), link.by_constants.transpose());
-            let mut moved = link.part.information * link.by_constants;
+            let (own_by_constants, own_by_slow) = moved(index);
+            let (by_slow, by_constants) = (own_by_slow.transpose(), own_by_constants.transpose());
+            let mut pulled = link.part.information * own_by_constants;
             let mut coupling = SlowMatrix::zeros();
             if link.tied_to_next {
-                let next = &links[index + 1];
-                moved += link.part.with_next * next.by_constants;
-                coupling = by_slow * (link.part.with_next * next.by_slow);
+                let (next_by_constants, next_by_slow) = moved(index + 1);
+                pulled += link.part.with_next * next_by_constants;
+                coupling = by_slow * (link.part.with_next * next_by_slow);
             }
-            if let Some(before) = index.checked_sub(1).map(|i| &links[i]).filter(|l| l.tied_to_next)
+            if let Some(before) = index.checked_sub(1).filter(|before| links[*before].tied_to_next)
             {
-                moved += before.part.with_next.transpose() * before.by_constants;
+                pulled += links[before].part.with_next.transpose() * moved(before).0;
             }
             OfPart {
-                own: by_slow * (link.part.information * link.by_slow),
+                own: by_slow * (link.part.information * own_by_slow),
                 with_next: coupling,
-                with_constants: by_slow * moved,
-                constants: by_constants * moved,
+                with_constants: by_slow * pulled,
+                constants: by_constants * pulled,
                 gradient: (by_slow * link.part.gradient, by_constants * link.part.gradient),
             }
         };
-        let parts: Vec<OfPart> = (0..links.len()).into_par_iter().map(one).collect();
         let mut data = Self {
-            own: Vec::with_capacity(parts.len()),
-            with_next: Vec::with_capacity(parts.len()),
-            with_constants: Vec::with_capacity(parts.len()),
+            own: Vec::with_capacity(links.len()),
+            with_next: Vec::with_capacity(links.len()),
+            with_constants: Vec::with_capacity(links.len()),
             constants: Square::zeros(),
-            gradient: Columns::zeros(parts.len()),
+            gradient: Columns::zeros(links.len()),
         };
-        for (index, part) in parts.into_iter().enumerate() {
+        // Some at a time: what all say of the constants would take as much room as all the rest.
+        let indices: Vec<usize> = (0..links.len()).collect();
+        let some = indices.chunks(AT_ONCE);
+        let parts =
+            some.flat_map(|some| some.par_iter().map(|index| one(*index)).collect::<Vec<_>>());
+        for (index, part) in parts.enumerate() {
             data.own.push(part.own);
             data.with_next.push(part.with_next);
             data.with_constants.push(part.with_constants);

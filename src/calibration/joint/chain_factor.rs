@@ -9,7 +9,7 @@ use nalgebra::{ArrayStorage, Cholesky, Const, SMatrix};
 use super::band_rows::factorise;
 use super::chain::{Between, Columns, Data, Square};
 use super::slow_priors::{LnDeterminant, SlowMatrix, SlowPrecisions, Walk};
-use super::unknowns::{CONSTANTS, Constants, SLOW, SLOW_RANGES};
+use super::unknowns::{CONSTANTS, Constants, SLOW, SLOW_RANGES, Slow};
 
 /// Places in a row of the factor: the part's own slow states, the next part's, and the constants.
 const NEXT: usize = SLOW;
@@ -23,45 +23,44 @@ pub struct Factor {
     /// The upper factor of each part's own states, with what it has in common with the next part and the constants.
     rows: Vec<Rows>,
     constants: Cholesky<f64, Const<CONSTANTS>>,
-    /// Logarithm of the determinant, less the one of the slow priors.
-    pub log_determinant: f64,
 }
 
 impl Factor {
     /// `None` where a direction stays free.
     pub fn new(data: &Data, precision: &Constants, priors: &SlowPrecisions) -> Option<Self> {
-        let mut rows: Vec<Rows> = vec![[[0.0; ROW]; SLOW]; data.own.len()];
-        let mut gram = [[0.0; CONSTANTS]; CONSTANTS];
-        let mut log_determinant = -priors.log_determinant;
-        for part in 0..data.own.len() {
-            let own = data.own[part] + priors.own[part];
-            let next = data.with_next[part] + priors.with_next[part];
-            let border = &data.with_constants[part];
-            let (before, block) = rows[..=part].split_at_mut(part);
-            let block = &mut block[0];
-            for (i, row) in block.iter_mut().enumerate() {
-                for j in 0..SLOW {
-                    row[j] = own[(i, j)];
-                    row[NEXT + j] = next[(i, j)];
-                }
-                for j in 0..CONSTANTS {
-                    row[BORDER + j] = border[(i, j)];
-                }
-            }
-            if let Some(before) = before.last() {
-                subtract(before, block);
-            }
-            if !factorise(block) {
-                return None;
-            }
-            add_gram(&mut gram, block);
-            log_determinant += (0..SLOW).map(|i| 2.0 * block[i][i].ln()).sum::<f64>();
-        }
-        let gram = Square::from_fn(|i, j| gram[i.min(j)][i.max(j)]);
-        let constants = data.constants + Square::from_diagonal(precision) - gram;
-        let constants = constants.cholesky()?;
-        log_determinant += 2.0 * constants.ln_determinant_of_root();
-        log_determinant.is_finite().then_some(Self { rows, constants, log_determinant })
+        let mut rows: Vec<Rows> = Vec::with_capacity(data.own.len());
+        let (constants, _) =
+            factorise_chain(data, precision, priors, |_, block| rows.push(*block))?;
+        Some(Self { rows, constants })
+    }
+
+    /// The logarithm of the determinant, less the one of the slow priors, and `gᵀH⁻¹g` of a gradient g with the normal matrix H of data and priors. Of the factor no more
+    /// than one part is there at a time.
+    pub fn explained(
+        data: &Data,
+        precision: &Constants,
+        priors: &SlowPrecisions,
+        gradient: &Columns<1>,
+    ) -> Option<[f64; 2]> {
+        let by_row = |slow: &Slow| slow.transpose().data.0;
+        let mut own = gradient.slow.first().map(by_row)?;
+        let mut rest = gradient.constants.transpose().data.0;
+        let mut explained = 0.0;
+        let (constants, log_determinant) =
+            factorise_chain(data, precision, priors, |part, block| {
+                let mut next = gradient.slow.get(part + 1).map(by_row);
+                forward(block, &mut own, next.as_mut(), &mut rest);
+                explained += own.iter().map(|[value]| value * value).sum::<f64>();
+                own = next.unwrap_or(own);
+            })?;
+        let rest = Constants::from_column_slice(rest.as_flattened());
+        explained += rest.dot(&constants.solve(&rest));
+        Some([log_determinant, explained])
+    }
+
+    /// Gives its room away; what it says of the constants stays.
+    pub fn forget(&mut self) {
+        self.rows = Vec::new();
     }
 
     /// Covariance of the constants.
@@ -127,6 +126,49 @@ impl Factor {
         }
         walks
     }
+}
+
+/// Shows the rows of each part in turn; the factor of the constants, and the logarithm of the determinant less the one of the
+/// slow priors. `None` where a direction stays free.
+fn factorise_chain(
+    data: &Data,
+    precision: &Constants,
+    priors: &SlowPrecisions,
+    mut show: impl FnMut(usize, &Rows),
+) -> Option<(Cholesky<f64, Const<CONSTANTS>>, f64)> {
+    let mut gram = [[0.0; CONSTANTS]; CONSTANTS];
+    let mut log_determinant = -priors.log_determinant;
+    let mut before: Option<Rows> = None;
+    for part in 0..data.own.len() {
+        let own = data.own[part] + priors.own[part];
+        let next = data.with_next[part] + priors.with_next[part];
+        let border = &data.with_constants[part];
+        let mut block = [[0.0; ROW]; SLOW];
+        for (i, row) in block.iter_mut().enumerate() {
+            for j in 0..SLOW {
+                row[j] = own[(i, j)];
+                row[NEXT + j] = next[(i, j)];
+            }
+            for j in 0..CONSTANTS {
+                row[BORDER + j] = border[(i, j)];
+            }
+        }
+        if let Some(before) = &before {
+            subtract(before, &mut block);
+        }
+        if !factorise(&mut block) {
+            return None;
+        }
+        add_gram(&mut gram, &block);
+        log_determinant += (0..SLOW).map(|i| 2.0 * block[i][i].ln()).sum::<f64>();
+        show(part, &block);
+        before = Some(block);
+    }
+    let gram = Square::from_fn(|i, j| gram[i.min(j)][i.max(j)]);
+    let constants = data.constants + Square::from_diagonal(precision) - gram;
+    let constants = constants.cholesky()?;
+    log_determinant += 2.0 * constants.ln_determinant_of_root();
+    log_determinant.is_finite().then_some((constants, log_determinant))
 }
 
 /// Solves for a part's own rows, and takes them out of what comes after.

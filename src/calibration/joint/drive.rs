@@ -6,6 +6,10 @@ use super::unknowns::{Outlook, Station};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
+/// Rows of so many knots are kept (21 MB; half an hour of a usual drive). Those of longer drives are made twice for each
+/// step, which takes nearly twice as long, and no more room than for one stretch at a time.
+const MOST_KEPT_KNOTS: usize = 4096;
+
 /// The readings of a drive, by stretch, and what its parts look like.
 pub struct Drive {
     pub pieces: Vec<Piece>,
@@ -36,7 +40,8 @@ impl Drive {
                 let from = track.time_s.partition_point(|t| *t < stretch.start_s);
                 let to = track.time_s.partition_point(|t| *t <= stretch.end_s);
                 let both = track.time_s[from..to].iter().zip(&track.position_m[from..to]);
-                both.map(|(time_s, point_m)| Reading::new(*time_s, point_m)).collect::<Vec<_>>()
+                both.map(|(time_s, point_m)| Reading { time_s: *time_s, point_m: *point_m })
+                    .collect::<Vec<_>>()
             });
             if readings.iter().any(Vec::is_empty) {
                 continue;
@@ -44,8 +49,8 @@ impl Drive {
             for part in 0..stretch.parts {
                 drive.outlooks.push(readings.each_ref().map(|readings| {
                     let of_part = readings.iter().filter(|r| stretch.part(r.time_s) == part);
-                    let all = readings.iter().map(|reading| reading.sight);
-                    Outlook::over(of_part.map(|reading| reading.sight))
+                    let all = readings.iter().map(Reading::sight);
+                    Outlook::over(of_part.map(Reading::sight))
                         .or_else(|| Outlook::over(all))
                         .unwrap_or_default()
                 }));
@@ -61,6 +66,16 @@ impl Drive {
     /// Knots of all stretches.
     pub fn knots(&self) -> usize {
         self.pieces.iter().map(|piece| piece.stretch.knots).sum()
+    }
+
+    /// How many of the stretches, from the first on, have the rows of their motion kept from pass to pass.
+    pub fn kept_pieces(&self) -> usize {
+        let mut knots = 0;
+        let fits = |piece: &&Piece| {
+            knots += piece.stretch.knots;
+            knots <= MOST_KEPT_KNOTS
+        };
+        self.pieces.iter().take_while(fits).count()
     }
 
     /// Every so many stretches of the drive, which have about `knots` knots together.

@@ -9,9 +9,10 @@
 //! [`band`] eliminates the [`motion`], which leaves a [`chain`] of the drive's parts, with [`slow_priors`] → [`chain_factor`]:
 //! constants ([`unknowns`]) and [`slow_changes`] → and back. Nearby, [`gradients`] are enough. The [`noise`] of ranges, angles
 //! and stamps and the drive's smoothness are learned on the way as Helmert's variance components, their redundancies by random
-//! probes (Girard 1989). [`stability`] looks for stations and clocks that step, [`strain`] holds what was found against the
-//! priors, and [`contradiction`] against sizes that were said to be smaller than usual. [`summary`] makes the answer,
-//! [`in_words`] tells it, [`corrected`] puts the triplets right.
+//! probes (Girard 1989). The rows of a long drive are not kept from pass to pass but made again. [`stability`] looks for
+//! stations and clocks that step, [`strain`] holds what was found against the priors, and [`contradiction`] against sizes that
+//! were said to be smaller than usual. [`summary`] makes the answer, [`in_words`] tells it, [`corrected`] puts the triplets
+//! right.
 
 mod band;
 mod band_rows;
@@ -25,6 +26,7 @@ mod gradients;
 pub mod in_words;
 pub mod instruments;
 mod motion;
+mod moves;
 mod noise;
 mod observed;
 mod pass;
@@ -258,6 +260,7 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
             // Only near its readings does the motion leave errors that tell of anything else.
             let is_near = pass.longest_move() < longest_move;
             if is_near && by.held.is_none() {
+                pass.forget_solution();
                 if sizes.ranges_wander {
                     model.priors.wander = likeliest(&pass.data, &model, drive, &at, progress)?;
                 }
@@ -276,7 +279,7 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
             }
             pass
         };
-        let moved = pass.walk(drive, &mut at);
+        let moved = pass.walk(drive, &mut at, &by.levels);
         let converged = by.held.is_some() && moved < SMALL_STEP;
         if has_run_away(&at.constants, start) {
             return Ok(None);
@@ -290,7 +293,8 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         if holds {
             by.held = Some(pass.eliminated.iter().map(|one| one.weights.clone()).collect());
         }
-        if holds || (by.held.is_some() && moved < FAST * before) {
+        let is_kept = drive.kept_pieces() == drive.pieces.len();
+        if is_kept && (holds || (by.held.is_some() && moved < FAST * before)) {
             nearby = Some(pass);
         } else {
             spare = pass.spare();
@@ -327,7 +331,7 @@ fn learn<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
             let pass = pass::<LOCAL, ROW>(sample, &at, &by, &near, &mut spare, progress)?;
             let Some(pass) = pass else { return Ok(None) };
             let squares = pass.squares();
-            pass.walk(sample, &mut at);
+            pass.walk(sample, &mut at, &by.levels);
             spare = pass.spare();
             squares
         } else {

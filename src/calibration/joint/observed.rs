@@ -35,16 +35,17 @@ impl Levels {
     }
 }
 
-/// One reading of one station.
+/// One reading of one station, in its own frame. The directions about it are made whenever they are asked for: long drives
+/// have millions of them.
 #[derive(Clone, Debug)]
 pub struct Reading {
     pub time_s: f64,
-    pub sight: Sight,
+    pub point_m: Vector3<f64>,
 }
 
 impl Reading {
-    pub fn new(time_s: f64, point_m: &Vector3<f64>) -> Self {
-        Self { time_s, sight: Sight::at(point_m) }
+    pub fn sight(&self) -> Sight {
+        Sight::at(&self.point_m)
     }
 }
 
@@ -97,10 +98,11 @@ impl Seen {
         reading: &Reading,
     ) -> Self {
         let own = &at.stations[station];
+        let sight = &reading.sight();
         let mut late_s = own.late_s + own.drift * (reading.time_s - at.middle_s);
         let part = stretch.part(reading.time_s - late_s);
         let slow = &at.slow[part];
-        let mut placed = own.turn * own.corrected(&reading.sight) + own.place_m;
+        let mut placed = own.turn * own.corrected(sight) + own.place_m;
         if station > 0 {
             late_s += slow[PART_LATE + station - 1];
             placed += slow.fixed_rows::<3>(3 * (station - 1));
@@ -108,7 +110,6 @@ impl Seen {
         let prism = if LOCAL == 3 { 0 } else { station };
         let place = stretch.place(reading.time_s - late_s);
         let velocity = sum::<LOCAL>(at, &place, &place.velocity, prism);
-        let sight = &reading.sight;
         let axes = own.turn * Matrix3::from_columns(&[sight.along, sight.side, sight.up]);
         let along = axes.column(0).into_owned();
         let across = velocity - along * along.dot(&velocity);

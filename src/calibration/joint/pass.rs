@@ -2,19 +2,18 @@
 
 use std::mem::take;
 
-use nalgebra::SMatrix;
 use rayon::prelude::*;
 
 use super::band::{Band, PartVector, Rows};
-use super::band_rows::PART;
 use super::chain::{Columns, Data, Link};
 use super::chain_factor::Factor;
 use super::drive::Drive;
 use super::equations::{Squares, Weighing, equations};
 use super::gradients::gradients;
+use super::moves::Moves;
 use super::observed::{At, Levels, Piece};
 use super::slow_priors::{SlowPrecisions, SlowPriors};
-use super::unknowns::{CONSTANTS, Constants, DISTANCES, SLOW, Slow, Station, moves};
+use super::unknowns::{Constants, DISTANCES, Slow, Station};
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
@@ -55,7 +54,7 @@ pub struct Weigh {
 /// Room for the rows of each stretch, used again by the next pass: to ask for new memory takes as long as to fill it.
 pub type Spare<const LOCAL: usize, const ROW: usize> = Vec<Rows<LOCAL, ROW>>;
 
-/// One stretch, eliminated.
+/// One stretch, eliminated; of a long drive without the rows of its band.
 pub struct Eliminated<const LOCAL: usize, const ROW: usize> {
     pub band: Band<LOCAL, ROW>,
     pub squares: Squares,
@@ -65,7 +64,7 @@ pub struct Eliminated<const LOCAL: usize, const ROW: usize> {
 /// Everything linear about some estimates, and the step from there.
 pub struct Pass<const LOCAL: usize, const ROW: usize> {
     pub eliminated: Vec<Eliminated<LOCAL, ROW>>,
-    pub moves: Vec<(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)>,
+    pub moves: Moves,
     pub data: Data,
     pub slow_priors: SlowPrecisions,
     pub factor: Factor,
@@ -81,27 +80,34 @@ pub fn pass<const LOCAL: usize, const ROW: usize>(
     spare: &mut Spare<LOCAL, ROW>,
     progress: &Progress,
 ) -> Result<Option<Pass<LOCAL, ROW>>, Cancelled> {
-    let moves = all_moves(drive, at);
+    let moves = Moves::about(&at.constants);
     let around = Around::new(drive, at, &moves);
+    let kept = drive.kept_pieces();
     spare.resize_with(drive.pieces.len(), Rows::default);
-    let one = |(index, rows): (usize, &mut Rows<LOCAL, ROW>)| {
+    let one = |passing: &mut Rows<LOCAL, ROW>, (index, own): (usize, &mut Rows<LOCAL, ROW>)| {
         progress.check()?;
-        Ok(eliminate(&around, index, by, take(rows)))
+        let rows = if index < kept { own } else { passing };
+        let (piece, at) = around.stretch::<LOCAL>(index);
+        let held = by.held.as_ref().map(|held| &held[index][..]);
+        let mut found = eliminate(piece, &at, by, held, take(rows));
+        if let Some(found) = found.as_mut().filter(|_| index >= kept) {
+            *rows = found.band.take_rows();
+        }
+        Ok(found)
     };
-    let all: Result<Vec<_>, Cancelled> = spare.par_iter_mut().enumerate().map(one).collect();
-    let Some(eliminated) = all?.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
+    let spare = spare.par_iter_mut().enumerate();
+    let all: Result<Vec<_>, Cancelled> = spare.map_init(Rows::default, one).collect();
+    let Some(mut eliminated) = all?.into_iter().collect::<Option<Vec<_>>>() else {
+        return Ok(None);
+    };
     let parts = eliminated.iter().flat_map(|one| &one.band.parts);
     let links: Vec<_> = parts
-        .zip(&moves)
         .zip(&drive.tied_to_next)
-        .map(|((part, (by_constants, by_slow)), tied_to_next)| Link {
-            part,
-            tied_to_next: *tied_to_next,
-            by_constants,
-            by_slow,
-        })
+        .map(|(part, tied_to_next)| Link { part, tied_to_next: *tied_to_next })
         .collect();
-    let data = Data::of(&links);
+    let data = Data::of(&links, |part| moves.of(drive, part));
+    drop(links);
+    eliminated[kept..].iter_mut().for_each(|one| one.band.parts = Vec::new());
     progress.check()?;
     Ok(solved(&data, drive, at, model).map(|(slow_priors, factor, step)| Pass {
         eliminated,
@@ -149,6 +155,12 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         is_held
     }
 
+    /// Gives the room of the solution away, which [`Self::solve`] makes anew.
+    pub fn forget_solution(&mut self) {
+        self.factor.forget();
+        self.slow_priors.forget();
+    }
+
     /// The step from a place nearby, where all that is linear is about as it was: by the gradients there alone.
     pub fn turn_to(
         &mut self,
@@ -168,7 +180,8 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         };
         self.eliminated.par_iter_mut().enumerate().try_for_each(one)?;
         let parts = self.eliminated.iter().flat_map(|one| &one.band.parts);
-        let pulls = parts.zip(&self.moves).map(|(part, (by_constants, by_slow))| {
+        let pulls = parts.enumerate().map(|(index, part)| {
+            let (by_constants, by_slow) = self.moves.of(drive, index);
             (by_slow.tr_mul(&part.gradient), by_constants.tr_mul(&part.gradient))
         });
         self.data.exchange_gradient(pulls);
@@ -186,25 +199,38 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             .sqrt()
     }
 
-    /// Takes the step; its square in units of the covariance.
-    pub fn walk(&self, drive: &Drive, at: &mut Estimates) -> f64 {
+    /// Takes the step; its square in units of the covariance. The rows of a stretch that were not kept are made again.
+    pub fn walk(&self, drive: &Drive, at: &mut Estimates, levels: &Levels) -> f64 {
         let step = &self.step;
-        let of_parts: Vec<PartVector> = self
-            .moves
-            .iter()
-            .zip(&step.slow)
-            .map(|((by_constants, by_slow), slow)| by_constants * step.constants + by_slow * slow)
-            .collect();
+        let of_part = |part: usize| -> PartVector {
+            let (by_constants, by_slow) = self.moves.of(drive, part);
+            by_constants * step.constants + by_slow * step.slow[part]
+        };
+        let mut all_m = take(&mut at.coefficients_m);
+        let around = Around::new(drive, at, &self.moves);
+        // Weights are those of the pass, which settle nothing else.
+        let by = Weigh { levels: *levels, redundancy: 1.0, held: None };
+        let one = |rows: &mut Rows<LOCAL, ROW>, (index, own_m): (usize, &mut Vec<f64>)| {
+            let one = &self.eliminated[index];
+            let parts = around.first_parts[index]..around.first_parts[index + 1];
+            let of_parts: Vec<PartVector> = parts.map(of_part).collect();
+            let local = if one.band.has_rows() {
+                one.band.local_step(&of_parts)
+            } else {
+                let (piece, at) = around.stretch_at::<LOCAL>(index, own_m);
+                let found = eliminate(piece, &at, &by, Some(&one.weights), take(rows));
+                // It was held when the same was eliminated before.
+                let Some(found) = found else { return };
+                let local = found.band.local_step(&of_parts);
+                *rows = found.band.into_rows();
+                local
+            };
+            own_m.iter_mut().zip(&local).for_each(|(value, step)| *value -= step);
+        };
+        all_m.par_iter_mut().enumerate().for_each_init(Rows::default, one);
+        at.coefficients_m = all_m;
         at.constants -= step.constants;
         at.slow.iter_mut().zip(&step.slow).for_each(|(slow, step)| *slow -= step);
-        let first_parts = drive.first_parts();
-        at.coefficients_m.par_iter_mut().zip(&self.eliminated).enumerate().for_each(
-            |(index, (coefficients_m, one))| {
-                let parts = first_parts[index]..first_parts[index + 1];
-                let local = one.band.local_step(&of_parts[parts]);
-                coefficients_m.iter_mut().zip(&local).for_each(|(value, step)| *value -= step);
-            },
-        );
         step.dot(&self.data.times(step))[0]
     }
 }
@@ -218,10 +244,12 @@ pub fn move_motion<const LOCAL: usize, const ROW: usize>(
     by: &Weigh,
     progress: &Progress,
 ) -> Result<Option<Squares>, Cancelled> {
-    let around = Around::new(drive, at, &all_moves(drive, at));
+    let around = Around::new(drive, at, &Moves::about(&at.constants));
     let one = |rows: &mut Rows<LOCAL, ROW>, index: usize| {
         progress.check()?;
-        let Some(found) = eliminate(&around, index, by, take(rows)) else { return Ok(None) };
+        let (piece, at) = around.stretch::<LOCAL>(index);
+        let held = by.held.as_ref().map(|held| &held[index][..]);
+        let Some(found) = eliminate(piece, &at, by, held, take(rows)) else { return Ok(None) };
         let step = found.band.local_step(&[]);
         *rows = found.band.into_rows();
         Ok(Some((step, found.squares)))
@@ -237,18 +265,6 @@ pub fn move_motion<const LOCAL: usize, const ROW: usize>(
     Ok(Some(squares))
 }
 
-/// How the unknowns of each part move.
-fn all_moves(
-    drive: &Drive,
-    at: &Estimates,
-) -> Vec<(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)> {
-    let stations = [0, 1, 2].map(|station| Station::of(&at.constants, station));
-    let parts = drive.outlooks.iter().zip(&drive.part_times_s);
-    parts
-        .map(|(outlooks, time_s)| moves(&stations, outlooks, time_s - drive.middle_s(*time_s)))
-        .collect()
-}
-
 /// Where everything is taken to be, for each stretch of a drive.
 struct Around<'a> {
     drive: &'a Drive,
@@ -259,21 +275,27 @@ struct Around<'a> {
 }
 
 impl<'a> Around<'a> {
-    fn new(
-        drive: &'a Drive,
-        at: &'a Estimates,
-        moves: &[(SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>)],
-    ) -> Self {
+    fn new(drive: &'a Drive, at: &'a Estimates, moves: &Moves) -> Self {
+        let parts = at.slow.iter().enumerate();
         Self {
             drive,
             at,
             stations: [0, 1, 2].map(|station| Station::of(&at.constants, station)),
-            slow: moves.iter().zip(&at.slow).map(|((_, by_slow), slow)| by_slow * slow).collect(),
+            slow: parts.map(|(part, slow)| moves.of(drive, part).1 * slow).collect(),
             first_parts: drive.first_parts(),
         }
     }
 
     fn stretch<const LOCAL: usize>(&self, index: usize) -> (&Piece, At<'_>) {
+        self.stretch_at::<LOCAL>(index, &self.at.coefficients_m[index])
+    }
+
+    /// With these coefficients of its splines (m).
+    fn stretch_at<'b, const LOCAL: usize>(
+        &'b self,
+        index: usize,
+        coefficients_m: &'b [f64],
+    ) -> (&'b Piece, At<'b>) {
         let piece = &self.drive.pieces[index];
         let distances = self.at.constants.fixed_rows::<3>(DISTANCES);
         let at = At {
@@ -281,7 +303,7 @@ impl<'a> Around<'a> {
             distances_m: (LOCAL == 9).then(|| [distances[0], distances[1], distances[2]]),
             middle_s: piece.middle_s,
             slow: &self.slow[self.first_parts[index]..self.first_parts[index + 1]],
-            coefficients_m: &self.at.coefficients_m[index],
+            coefficients_m,
         };
         (piece, at)
     }
@@ -289,15 +311,14 @@ impl<'a> Around<'a> {
 
 /// `None` where the motion is not held.
 fn eliminate<const LOCAL: usize, const ROW: usize>(
-    around: &Around<'_>,
-    index: usize,
+    piece: &Piece,
+    at: &At<'_>,
     by: &Weigh,
+    held: Option<&[f64]>,
     rows: Rows<LOCAL, ROW>,
 ) -> Option<Eliminated<LOCAL, ROW>> {
-    let (piece, at) = around.stretch::<LOCAL>(index);
-    let held = by.held.as_ref().map(|held| &held[index][..]);
     let weighing = Weighing { levels: by.levels, redundancy: by.redundancy, held };
-    let mut found = equations(piece, &at, &weighing, rows);
+    let mut found = equations(piece, at, &weighing, rows);
     let is_held = found.band.eliminate();
     found.squares.taken_up = found.band.taken_up;
     let (band, squares, weights) = (found.band, found.squares, found.weights);

@@ -178,11 +178,12 @@ fn unlikeliness(
     at: &Estimates,
 ) -> Option<f64> {
     let slow_priors = SlowPrecisions::new(priors, &drive.part_times_s)?;
-    let factor = Factor::new(data, &model.precision, &slow_priors)?;
     let gradient = with_priors(data, model, &slow_priors, at);
+    let [log_determinant, explained] =
+        Factor::explained(data, &model.precision, &slow_priors, &gradient)?;
     let pulls = slow_priors.times(&at.slow);
     let held: f64 = at.slow.iter().zip(&pulls).map(|(slow, pull)| slow.dot(pull)).sum();
-    Some(factor.log_determinant + held - gradient.dot(&factor.solve(&gradient))[0])
+    Some(log_determinant + held - explained)
 }
 
 /// Variance of how stations 2 and 3 walk against station 1, which walks as well.

@@ -99,6 +99,11 @@ impl SlowPrecisions {
         Some(Self { own, with_next, log_determinant })
     }
 
+    /// Gives its room away.
+    pub fn forget(&mut self) {
+        (self.own, self.with_next) = (Vec::new(), Vec::new());
+    }
+
     /// Precisions as if slow states were known a thousand times better.
     pub fn stiffer(&self) -> Self {
         let more = |all: &[SlowMatrix]| all.iter().map(|matrix| matrix * 1e6).collect();

@@ -2,107 +2,323 @@
 //! readings that their covariance matrix can be factored.
 //!
 //! With `K = exp(−Δt²/2ℓ²) + (σ_n²/σ_f²) I` and the line's basis `H` under a flat prior (Rasmussen & Williams 2006,
-//! sections 2.2 and 2.7).
+//! sections 2.2 and 2.7). In units of `σ_f²`. With `K = UᵀU` all that is asked comes from columns that were
+//! multiplied by `U⁻ᵀ`: the line, the positions, and either the identity or the covariances with instants.
 
-use nalgebra::{Cholesky, DMatrix, Dyn};
+use nalgebra::{DMatrix, Vector2};
 
-/// Readings whose covariances, in units of `σ_f²`, are factored.
-pub struct Window<'a> {
-    times_s: &'a [f64],
-    length_scale_s: f64,
-    noise_ratio: f64,
-    /// `exp(−Δt²/2ℓ²)` between readings.
-    pub correlation: DMatrix<f64>,
-    /// Cholesky factor of `K`, the correlation with the noise ratio on its diagonal.
-    factor: Cholesky<f64, Dyn>,
-    /// `H`: one column of ones, and one of times if there are two readings or more.
-    line: DMatrix<f64>,
-    /// `K⁻¹ H`.
-    weighted_line: DMatrix<f64>,
-    /// Cholesky factor of `Hᵀ K⁻¹ H`, what the readings know of the line.
-    line_factor: Cholesky<f64, Dyn>,
+use super::elimination::{LANES, contract, eliminate, padded, products_with};
+use super::kernel::{correlations, correlations_and_changes};
+
+/// What a kernel is like: its length scale, and the variance of noise `σ_n²/σ_f²`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kernel {
+    pub length_scale_s: f64,
+    pub noise_ratio: f64,
 }
 
-impl<'a> Window<'a> {
-    /// Factors the covariances of readings at these times, with a kernel of this length scale and noise of variance
-    /// `σ_n²/σ_f²`.
-    pub fn new(times_s: &'a [f64], length_scale_s: f64, noise_ratio: f64) -> Self {
-        let correlation = correlation(times_s, times_s, length_scale_s);
-        let mut kernel = correlation.clone();
-        for i in 0..times_s.len() {
-            kernel[(i, i)] += noise_ratio;
-        }
-        let factor = Cholesky::new(kernel).expect("noise keeps the kernel positive");
-        let line = line(times_s, times_s);
-        let weighted_line = factor.solve(&line);
-        let line_factor = Cholesky::new(line.tr_mul(&weighted_line)).expect("stamps differ");
-        Self {
-            times_s,
-            length_scale_s,
-            noise_ratio,
-            correlation,
-            factor,
-            line,
-            weighted_line,
-            line_factor,
-        }
-    }
-
+/// What the readings say of a kernel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Evidence {
+    /// `yᵀPy` of all axes with `P = K⁻¹ − K⁻¹H (HᵀK⁻¹H)⁻¹ HᵀK⁻¹`: the weights of readings once any line is taken out.
+    pub energy_m2: f64,
+    /// Its derivatives by `ln ℓ` and by the logarithm of the noise ratio.
+    pub energy_slope: Vector2<f64>,
     /// `ln |K| + ln |HᵀK⁻¹H|`.
-    pub fn ln_determinants(&self) -> f64 {
-        self.factor.ln_determinant() + self.line_factor.ln_determinant()
-    }
+    pub volume: f64,
+    pub volume_slope: Vector2<f64>,
+}
 
-    /// `P = K⁻¹ − K⁻¹H (HᵀK⁻¹H)⁻¹ HᵀK⁻¹`: the weights of readings once any line is taken out.
-    pub fn projector(&self) -> DMatrix<f64> {
-        let known = &self.weighted_line * self.line_factor.inverse();
-        self.factor.inverse() - known * self.weighted_line.transpose()
+/// Weighs positions (m) with one column for each axis, two at most, at increasing times.
+pub fn evidence(times_s: &[f64], positions_m: &DMatrix<f64>, kernel: Kernel) -> Evidence {
+    let order = padded(times_s.len());
+    let mut rows = Rows::new(times_s, positions_m, order);
+    let staircase = rows.beside();
+    // ∂K/∂ln ℓ above the diagonal, by rows.
+    let mut changes = vec![0.0; order * order];
+    rows.fill(times_s, kernel, |i, t_s, times_s, row| {
+        let changes = &mut changes[i * order..(i + 1) * order];
+        let from = order - times_s.len();
+        let (found, changes) = (&mut row[from..order], &mut changes[from..]);
+        correlations_and_changes(t_s, times_s, kernel.length_scale_s, found, changes);
+        changes[..i - from].fill(0.0);
+        row[staircase + i] = 1.0;
+    });
+    for i in 0..times_s.len() {
+        changes[i * order + times_s.len()..(i + 1) * order].fill(0.0);
     }
-
-    /// Weighs positions with one column for each axis: the best line's coefficients, what it leaves, and `K⁻¹` times
-    /// that, which is `P y`.
-    pub fn weigh(&self, positions_m: &DMatrix<f64>) -> [DMatrix<f64>; 3] {
-        let coefficients = self.line_factor.solve(&self.weighted_line.tr_mul(positions_m));
-        let rest_m = positions_m - &self.line * &coefficients;
-        let weights = self.factor.solve(&rest_m);
-        [coefficients, rest_m, weights]
+    let Eliminated { rows, line, rest_m, lists } = rows.eliminate(kernel.noise_ratio, staircase);
+    // `P = XᵀX − GᵀG` with X = U⁻ᵀ and G = QᵀX; and `P y` are the weights of readings.
+    let lower = (&rows.values[staircase..], rows.width);
+    let found = products_with(lower, &lists, order, true);
+    let (known, weights) = found.with_lists.split_at(2);
+    let square = |lists: &[Vec<f64>]| lists.iter().map(|list| dot(list, list)).sum::<f64>();
+    let trace = found.squares.iter().sum::<f64>() - square(known);
+    let [volume_change, energy_change] = contract(lower, [known, weights], &changes, order);
+    let ln_pivots: f64 = (0..times_s.len()).map(|i| rows.row(i)[i].ln()).sum();
+    Evidence {
+        energy_m2: square(&rest_m),
+        energy_slope: -Vector2::new(2.0 * energy_change, kernel.noise_ratio * square(weights)),
+        volume: 2.0 * (ln_pivots + line.ln_size()),
+        volume_slope: Vector2::new(2.0 * volume_change, kernel.noise_ratio * trace),
     }
+}
 
-    /// Positions (m) at some instants, one column for each axis, and their standard deviations in units of `σ_f`
-    /// (eq. 2.41 and 2.42 with a flat prior).
-    pub fn predict(
-        &self,
-        positions_m: &DMatrix<f64>,
-        instants_s: &[f64],
-    ) -> (DMatrix<f64>, Vec<f64>) {
-        let [coefficients, _, weights] = self.weigh(positions_m);
-        let mut cross = correlation(self.times_s, instants_s, self.length_scale_s);
-        let line = line(self.times_s, instants_s);
-        let points_m = cross.tr_mul(&weights) + &line * coefficients;
+/// Positions (m) at some instants, one column for each axis, and their standard deviations in units of `σ_f` (eq. 2.41
+/// and 2.42 with a flat prior).
+pub fn predict(
+    times_s: &[f64],
+    positions_m: &DMatrix<f64>,
+    kernel: Kernel,
+    instants_s: &[f64],
+) -> (DMatrix<f64>, Vec<f64>) {
+    let (count, room) = (instants_s.len(), padded(instants_s.len()));
+    let mut rows = Rows::new(times_s, positions_m, room);
+    let (beside, width) = (rows.beside(), rows.width);
+    let order = padded(times_s.len());
+    let instants = in_vectors(instants_s);
+    rows.fill(times_s, kernel, |_, t_s, times_s, row| {
+        let from = order - times_s.len();
+        correlations(t_s, times_s, kernel.length_scale_s, &mut row[from..order]);
+        correlations(t_s, &instants, kernel.length_scale_s, &mut row[beside..]);
+    });
+    let Eliminated { rows, line, rest_m, lists } = rows.eliminate(kernel.noise_ratio, width);
+    let found = products_with((&rows.values[beside..], width), &lists, room, false);
+    let (of_line, points_m) = found.with_lists.split_at(2);
+    // Weights that add to one cannot average the noise further down; rounding could.
+    let least = kernel.noise_ratio / times_s.len() as f64;
+    let at = |i: usize| line_at(times_s, instants_s[i]);
+    let points_m = DMatrix::from_fn(count, rest_m.len(), |i, axis| {
+        let [level, slope] = line.coefficients_m[axis];
+        points_m[axis][i] + level + slope * at(i)[1]
+    });
+    let sigma = (0..count).map(|i| {
         // What the readings near an instant leave unsaid of the line there.
-        let mut unsaid = line.transpose() - self.weighted_line.tr_mul(&cross);
-        self.line_factor.l_dirty().solve_lower_triangular_mut(&mut unsaid);
-        self.factor.l_dirty().solve_lower_triangular_mut(&mut cross);
-        // Weights that add to one cannot average the noise further down; rounding could.
-        let least = self.noise_ratio / self.times_s.len() as f64;
-        let sigma = cross.column_iter().zip(unsaid.column_iter()).map(|(known, unsaid)| {
-            (1.0 - known.norm_squared() + unsaid.norm_squared()).max(least).sqrt()
-        });
-        (points_m, sigma.collect())
+        let unsaid = line.in_basis(at(i));
+        let unsaid: f64 =
+            of_line.iter().zip(unsaid).map(|(said, all)| (all - said[i]).powi(2)).sum();
+        (1.0 - found.squares[i] + unsaid).max(least).sqrt()
+    });
+    (points_m, sigma.collect())
+}
+
+/// Times in whole vectors: the last is repeated.
+fn in_vectors(times_s: &[f64]) -> Vec<f64> {
+    let mut filled = times_s.to_vec();
+    filled.resize(padded(times_s.len()), times_s.last().copied().unwrap_or_default());
+    filled
+}
+
+/// `[K | H, y, …]`: the readings' covariances with the line, the positions and more beside them, by rows.
+struct Rows {
+    values: Vec<f64>,
+    width: usize,
+    /// Rows that there are; as many follow as make tiles come out even, of zeros and a one on the diagonal.
+    readings: usize,
+    axes: usize,
+}
+
+impl Rows {
+    /// The line and the positions, with room for `more` columns.
+    fn new(times_s: &[f64], positions_m: &DMatrix<f64>, more: usize) -> Self {
+        let (readings, axes) = (times_s.len(), positions_m.ncols());
+        let order = padded(readings);
+        let width = order + padded(2 + axes) + more;
+        let mut rows = Self { values: vec![0.0; order * width], width, readings, axes };
+        for (i, t_s) in times_s.iter().enumerate() {
+            let row = rows.row_mut(i);
+            row[order..order + 2].copy_from_slice(&line_at(times_s, *t_s));
+            for axis in 0..axes {
+                row[order + 2 + axis] = positions_m[(i, axis)];
+            }
+        }
+        for i in readings..order {
+            rows.row_mut(i)[i] = 1.0;
+        }
+        rows
+    }
+
+    /// Asks `write` for the covariances of each reading, given by its number and time, with those from the same vector
+    /// on, whose times it is told.
+    fn fill(
+        &mut self,
+        times_s: &[f64],
+        kernel: Kernel,
+        mut write: impl FnMut(usize, f64, &[f64], &mut [f64]),
+    ) {
+        let (in_vectors, order, readings) =
+            (in_vectors(times_s), padded(self.readings), self.readings);
+        for (i, t_s) in times_s.iter().enumerate() {
+            let row = self.row_mut(i);
+            write(i, *t_s, &in_vectors[i / LANES * LANES..], row);
+            row[readings..order].fill(0.0);
+            row[i] += kernel.noise_ratio;
+        }
+    }
+
+    fn row(&self, i: usize) -> &[f64] {
+        &self.values[i * self.width..(i + 1) * self.width]
+    }
+
+    fn row_mut(&mut self, i: usize) -> &mut [f64] {
+        &mut self.values[i * self.width..(i + 1) * self.width]
+    }
+
+    /// The first column after the positions.
+    fn beside(&self) -> usize {
+        padded(self.readings) + padded(2 + self.axes)
+    }
+
+    fn eliminate(mut self, noise_ratio: f64, staircase: usize) -> Eliminated {
+        let order = padded(self.readings);
+        eliminate(&mut self.values, self.width, order, staircase, noise_ratio.min(1.0));
+        let column = |j: usize| (0..self.readings).map(|i| self.row(i)[order + j]).collect();
+        let mut line = Line::new(column(0), (self.readings > 1).then(|| column(1)));
+        let rest_m: Vec<Vec<f64>> =
+            (0..self.axes).map(|axis| line.take_out(column(2 + axis))).collect();
+        let mut lists = vec![[0.0; 4]; order];
+        for (place, list) in (0..).zip(&line.basis).chain((2..).zip(&rest_m)) {
+            lists.iter_mut().zip(list).for_each(|(lists, value)| lists[place] = *value);
+        }
+        Eliminated { rows: self, line, rest_m, lists }
     }
 }
 
-fn correlation(a_s: &[f64], b_s: &[f64], length_scale_s: f64) -> DMatrix<f64> {
-    let scale = -0.5 / length_scale_s.powi(2);
-    DMatrix::from_fn(a_s.len(), b_s.len(), |i, j| (scale * (a_s[i] - b_s[j]).powi(2)).exp())
+/// What is left once `U⁻ᵀ` was applied.
+struct Eliminated {
+    rows: Rows,
+    line: Line,
+    /// The positions less their best line, one list for each axis.
+    rest_m: Vec<Vec<f64>>,
+    /// The line's basis and these, side by side.
+    lists: Vec<[f64; 4]>,
 }
 
-/// The line's basis at some instants, centred and scaled to the readings so that both columns weigh alike.
-fn line(readings_s: &[f64], instants_s: &[f64]) -> DMatrix<f64> {
-    let last = readings_s.len() - 1;
-    let (middle_s, half_s) =
-        ((readings_s[0] + readings_s[last]) / 2.0, (readings_s[last] - readings_s[0]) / 2.0);
-    DMatrix::from_fn(instants_s.len(), readings_s.len().min(2), |i, j| {
-        if j == 0 { 1.0 } else { (instants_s[i] - middle_s) / half_s }
-    })
+/// The best line, and what the readings know of it: `U⁻ᵀH = Q Lᵀ`.
+struct Line {
+    /// `Q`: one column, or two if there are two readings or more.
+    basis: Vec<Vec<f64>>,
+    /// `L`: its diagonal, and what is below.
+    diagonal: [f64; 2],
+    below: f64,
+    /// Of each axis: the position in the middle (m) and half the way.
+    coefficients_m: Vec<[f64; 2]>,
+}
+
+impl Line {
+    fn new(mut ones: Vec<f64>, times: Option<Vec<f64>>) -> Self {
+        let size = normalise(&mut ones);
+        let (mut diagonal, mut below) = ([size, 1.0], 0.0);
+        let mut basis = vec![ones];
+        if let Some(mut times) = times {
+            below = subtract_along(&basis[0], &mut times);
+            diagonal[1] = normalise(&mut times);
+            basis.push(times);
+        }
+        Self { basis, diagonal, below, coefficients_m: Vec::new() }
+    }
+
+    /// `½ ln |HᵀK⁻¹H|`.
+    fn ln_size(&self) -> f64 {
+        self.diagonal[0].ln() + self.diagonal[1].ln()
+    }
+
+    /// Takes the best line out of an axis and remembers it.
+    fn take_out(&mut self, mut column_m: Vec<f64>) -> Vec<f64> {
+        let mut along = [0.0; 2];
+        for (along, basis) in along.iter_mut().zip(&self.basis) {
+            *along = subtract_along(basis, &mut column_m);
+        }
+        let slope = along[1] / self.diagonal[1];
+        self.coefficients_m.push([(along[0] - self.below * slope) / self.diagonal[0], slope]);
+        column_m
+    }
+
+    /// `L⁻¹` times the line's functions at an instant.
+    fn in_basis(&self, at: [f64; 2]) -> [f64; 2] {
+        let level = at[0] / self.diagonal[0];
+        [level, (at[1] - self.below * level) / self.diagonal[1]]
+    }
+}
+
+/// The line's functions at an instant, centred and scaled to the readings so that both weigh alike.
+fn line_at(times_s: &[f64], t_s: f64) -> [f64; 2] {
+    let (first_s, last_s) = (times_s[0], times_s[times_s.len() - 1]);
+    let half_s = 0.5 * (last_s - first_s);
+    [1.0, if half_s > 0.0 { (t_s - 0.5 * (first_s + last_s)) / half_s } else { 0.0 }]
+}
+
+/// Takes out of a column what is along a direction of size one, and says how much that was.
+fn subtract_along(direction: &[f64], column: &mut [f64]) -> f64 {
+    let along = dot(direction, column);
+    for (value, direction) in column.iter_mut().zip(direction) {
+        *value -= along * direction;
+    }
+    along
+}
+
+/// Gives a column the size one, and says what it was.
+fn normalise(column: &mut [f64]) -> f64 {
+    let size = dot(column, column).sqrt();
+    for value in column.iter_mut() {
+        *value /= size;
+    }
+    size
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::interpolation::tests::{series_of, wander};
+
+    /// Whole vectors of readings, and some less and more than that.
+    #[test]
+    fn evidence_is_the_textbook_s() {
+        let kernel = Kernel { length_scale_s: 2.5, noise_ratio: 1e-3 };
+        for count in [3, 7, 8, 9, 40, 61] {
+            let series = series_of(&wander(count, 6));
+            let times_s = &series.time_s;
+            let y_m = DMatrix::from_fn(count, 2, |i, j| {
+                series.position_m[i][j] - series.position_m[0][j]
+            });
+            let apart = |i: usize, j: usize| (times_s[i] - times_s[j]) / kernel.length_scale_s;
+            let correlation =
+                DMatrix::from_fn(count, count, |i, j| (-0.5 * apart(i, j).powi(2)).exp());
+            let change =
+                DMatrix::from_fn(count, count, |i, j| apart(i, j).powi(2) * correlation[(i, j)]);
+            let noise = DMatrix::identity(count, count) * kernel.noise_ratio;
+            let line = DMatrix::from_fn(count, 2, |i, j| line_at(times_s, times_s[i])[j]);
+            let factor = (correlation + noise).cholesky().expect("positive");
+            let known = (line.tr_mul(&factor.solve(&line))).cholesky().expect("positive");
+            let weighted = factor.solve(&line);
+            let projector = factor.inverse() - &weighted * known.inverse() * weighted.transpose();
+            let weights = &projector * &y_m;
+
+            let found = evidence(times_s, &y_m, kernel);
+            let expected = [
+                y_m.dot(&weights),
+                factor.ln_determinant() + known.ln_determinant(),
+                -weights.dot(&(&change * &weights)),
+                -kernel.noise_ratio * weights.norm_squared(),
+                projector.dot(&change),
+                kernel.noise_ratio * projector.trace(),
+            ];
+            let found = [
+                found.energy_m2,
+                found.volume,
+                found.energy_slope.x,
+                found.energy_slope.y,
+                found.volume_slope.x,
+                found.volume_slope.y,
+            ];
+            for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let off = (found - expected).abs();
+                assert!(off < 1e-8 * (1.0 + expected.abs()), "{k} of {count}: {found} {expected}");
+            }
+        }
+    }
 }

@@ -9,16 +9,17 @@ const NEGLIGIBLE: f64 = 1e-3;
 
 /// Least place of a smooth function in a box, by BFGS (Nocedal & Wright 2006, ch. 6) with steps clipped to the box.
 ///
-/// `curvature` is the size of a second derivative, for the first step.
-pub fn in_box(
+/// `curvature` is the size of a second derivative, for the first step. What `evaluate` tells beside value and slope comes
+/// with the place.
+pub fn in_box<More>(
     start: Vector2<f64>,
     (low, high): (Vector2<f64>, Vector2<f64>),
     curvature: f64,
-    evaluate: impl Fn(&Vector2<f64>) -> (f64, Vector2<f64>),
-) -> Vector2<f64> {
+    evaluate: impl Fn(&Vector2<f64>) -> (f64, Vector2<f64>, More),
+) -> (Vector2<f64>, More) {
     let clip = |place: Vector2<f64>| place.sup(&low).inf(&high);
     let mut place = clip(start);
-    let (mut value, mut slope) = evaluate(&place);
+    let (mut value, mut slope, mut more) = evaluate(&place);
     let fresh = Matrix2::identity() / curvature;
     let mut inverse_hessian = fresh;
     for _ in 0..50 {
@@ -39,11 +40,11 @@ pub fn in_box(
         }
         let accepted = (0..12).find_map(|halvings| {
             let trial = clip(place + step * 0.5_f64.powi(halvings));
-            let (trial_value, trial_slope) = evaluate(&trial);
+            let found = evaluate(&trial);
             let promised = downhill.dot(&(trial - place));
-            (trial_value <= value - 1e-4 * promised).then_some((trial, trial_value, trial_slope))
+            (found.0 <= value - 1e-4 * promised).then_some((trial, found))
         });
-        let Some((trial, trial_value, trial_slope)) = accepted else { break };
+        let Some((trial, (trial_value, trial_slope, trial_more))) = accepted else { break };
         let (moved, turned) = (trial - place, trial_slope - slope);
         let bend = moved.dot(&turned);
         if bend > 1e-9 {
@@ -51,9 +52,9 @@ pub fn in_box(
             inverse_hessian =
                 flatten * inverse_hessian * flatten.transpose() + moved * moved.transpose() / bend;
         }
-        (place, value, slope) = (trial, trial_value, trial_slope);
+        (place, value, slope, more) = (trial, trial_value, trial_slope, trial_more);
     }
-    place
+    (place, more)
 }
 
 /// The place of the least value; each is asked once.
@@ -98,14 +99,14 @@ mod tests {
         let rosenbrock = |p: &Vector2<f64>| {
             let (a, b) = (1.0 - p.x, p.y - p.x * p.x);
             let slope = Vector2::new(-2.0 * a - 400.0 * p.x * b, 200.0 * b);
-            (a * a + 100.0 * b * b, slope)
+            (a * a + 100.0 * b * b, slope, ())
         };
         let open = (Vector2::repeat(-5.0), Vector2::repeat(5.0));
-        let found = in_box(Vector2::new(-1.2, 1.0), open, 100.0, rosenbrock);
+        let (found, ()) = in_box(Vector2::new(-1.2, 1.0), open, 100.0, rosenbrock);
         assert!((found - Vector2::repeat(1.0)).norm() < 0.1, "{found}");
         // With a wall in the way the best place on the wall: y = x² there.
         let walled = (Vector2::repeat(-5.0), Vector2::new(0.5, 5.0));
-        let found = in_box(Vector2::new(-1.2, 1.0), walled, 100.0, rosenbrock);
+        let (found, ()) = in_box(Vector2::new(-1.2, 1.0), walled, 100.0, rosenbrock);
         assert!((found - Vector2::new(0.5, 0.25)).norm() < 0.02, "{found}");
     }
 

@@ -4,6 +4,8 @@
 //! noise included, and say how well each position is known.
 
 mod dense;
+mod elimination;
+mod kernel;
 mod linear;
 mod minimise;
 pub mod squared_exponential;
@@ -135,21 +137,30 @@ impl Series {
 }
 
 /// Asks `predict` for each interval's instants, given by the interval's number, its readings, and in seconds from its
-/// start.
+/// start; intervals side by side.
 fn by_interval(
     track: &FilteredTrack,
     intervals: &[Interval],
     (time_s, interval): (&[f64], &[u32]),
-    mut predict: impl FnMut(usize, &Series, &[f64], &mut Estimate) -> Result<(), Cancelled>,
+    predict: impl Fn(usize, &Series, &[f64]) -> Result<Estimate, Cancelled> + Sync,
 ) -> Result<Estimate, Cancelled> {
-    let mut estimate = Estimate::default();
-    let mut asked = time_s.iter();
-    for same in interval.chunk_by(|a, b| a == b) {
-        let index = same[0] as usize;
+    let mut asked = time_s;
+    let pieces: Vec<_> = interval
+        .chunk_by(|a, b| a == b)
+        .map(|same| {
+            let (own, others) = asked.split_at(same.len());
+            asked = others;
+            (same[0] as usize, own)
+        })
+        .collect();
+    let of_piece = |&(index, times_s): &(usize, &[f64])| {
         let start_s = intervals[index].start_s;
-        let instants: Vec<f64> = asked.by_ref().take(same.len()).map(|t| t - start_s).collect();
-        let series = Series::new(track, &intervals[index]);
-        predict(index, &series, &instants, &mut estimate)?;
-    }
-    Ok(estimate)
+        let instants: Vec<f64> = times_s.iter().map(|t| t - start_s).collect();
+        predict(index, &Series::new(track, &intervals[index]), &instants)
+    };
+    let found: Vec<Estimate> = pieces.par_iter().map(of_piece).collect::<Result<_, _>>()?;
+    Ok(Estimate {
+        points_m: found.iter().flat_map(|piece| &piece.points_m).copied().collect(),
+        sigma_m: found.iter().flat_map(|piece| &piece.sigma_m).copied().collect(),
+    })
 }

@@ -9,10 +9,12 @@
 //! of eq. 5.9 and the explicit basis of section 2.7).
 
 use nalgebra::{DMatrix, Vector2, Vector3};
+use rayon::prelude::*;
 
 use super::{
     AXIS_GROUPS, Allowance, Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval,
-    dense::Window, minimise,
+    dense::{self, Kernel},
+    minimise,
 };
 use crate::pipeline::{FilteredTrack, Interval};
 use crate::progress::{Cancelled, Progress};
@@ -36,9 +38,14 @@ pub struct Hyperparameters {
 }
 
 impl Hyperparameters {
-    /// `σ_n²/σ_f²`.
-    fn ratio(&self) -> f64 {
-        (self.noise_m / self.signal_m).powi(2)
+    fn kernel(&self) -> Kernel {
+        let noise_ratio = (self.noise_m / self.signal_m).powi(2);
+        Kernel { length_scale_s: self.length_scale_s, noise_ratio }
+    }
+
+    /// `(ln ℓ, ln σ_n²/σ_f²)`: where a search finds them.
+    fn place(&self) -> Vector2<f64> {
+        Vector2::new(self.length_scale_s.ln(), self.kernel().noise_ratio.ln())
     }
 }
 
@@ -54,8 +61,8 @@ pub fn at(
     progress: &Progress,
 ) -> Result<Estimate, Cancelled> {
     let learned = learn(track, intervals, progress)?;
-    by_interval(track, intervals, instants, |index, series, instants_s, estimate| {
-        predict(series, &learned[index], instants_s, (estimate, progress))
+    by_interval(track, intervals, instants, |index, series, instants_s| {
+        predict(series, &learned[index], instants_s, progress)
     })
 }
 
@@ -89,7 +96,7 @@ pub fn learn(
     // All is told before the first begins.
     let allowances: Vec<_> =
         series.iter().map(|own| [0, 1].map(|_| Allowance::new(progress, own.len()))).collect();
-    series.iter().zip(allowances).map(learn_own).collect()
+    series.par_iter().zip(allowances).map(learn_own).collect()
 }
 
 /// Positions along some axes from a place nearby, so that rounding is that of small numbers.
@@ -154,15 +161,13 @@ impl Likelihood {
     }
 
     fn learn_from(&self, start: &Hyperparameters, go_on: &GoOn<'_>) -> Hyperparameters {
-        self.climb(Vector2::new(start.length_scale_s.ln(), start.ratio().ln()), go_on)
+        self.climb(start.place(), go_on)
     }
 
     fn climb(&self, start: Vector2<f64>, go_on: &GoOn<'_>) -> Hyperparameters {
-        let best = minimise::in_box(start, self.limits, 0.5 * self.freedom, |at| {
-            let (value, slope, _) = self.evaluate(at, go_on);
-            (value, slope)
-        });
-        let (_, _, signal_m2) = self.evaluate(&best, go_on);
+        let curvature = 0.5 * self.freedom;
+        let look = |at: &Vector2<f64>| self.evaluate(at, go_on);
+        let (best, signal_m2) = minimise::in_box(start, self.limits, curvature, look);
         Hyperparameters {
             length_scale_s: best.x.exp(),
             signal_m: signal_m2.sqrt(),
@@ -173,33 +178,21 @@ impl Likelihood {
     /// Minus the log-likelihood but for a constant, its gradient over `(ln ℓ, ln σ_n²/σ_f²)`, and the `σ_f²` (m²)
     /// that is best with these. Nothing of meaning where `go_on` ends it early.
     fn evaluate(&self, at: &Vector2<f64>, go_on: &GoOn<'_>) -> (f64, Vector2<f64>, f64) {
-        let (length_scale_s, ratio) = (at.x.exp(), at.y.exp());
+        let kernel = Kernel { length_scale_s: at.x.exp(), noise_ratio: at.y.exp() };
         // Of `yᵀ P y`, and of the log-determinants.
-        let least_m2 = self.freedom * LEAST_NOISE_M.powi(2) / ratio;
+        let least_m2 = self.freedom * LEAST_NOISE_M.powi(2) / kernel.noise_ratio;
         let (mut energy_m2, mut energy_slope) = (least_m2, Vector2::new(0.0, -least_m2));
         let (mut volume, mut volume_slope) = (0.0, Vector2::zeros());
         for (times_s, positions_m) in &self.chunks {
             if !go_on(times_s.len()) {
                 break;
             }
-            let window = Window::new(times_s, length_scale_s, ratio);
             let axes = positions_m.ncols() as f64;
-            let [_, rest_m, weights] = window.weigh(positions_m);
-            energy_m2 += weights.dot(&rest_m);
-            volume += axes * window.ln_determinants();
-            let projector = window.projector();
-            let outer = &weights * weights.transpose();
-            for j in 0..times_s.len() {
-                volume_slope.y += axes * ratio * projector[(j, j)];
-                energy_slope.y -= ratio * outer[(j, j)];
-                for i in 0..j {
-                    let change = 2.0
-                        * ((times_s[i] - times_s[j]) / length_scale_s).powi(2)
-                        * window.correlation[(i, j)];
-                    volume_slope.x += axes * change * projector[(i, j)];
-                    energy_slope.x -= change * outer[(i, j)];
-                }
-            }
+            let found = dense::evidence(times_s, positions_m, kernel);
+            energy_m2 += found.energy_m2;
+            energy_slope += found.energy_slope;
+            volume += axes * found.volume;
+            volume_slope += axes * found.volume_slope;
         }
         let value = 0.5 * (self.freedom * energy_m2.ln() + volume);
         let slope = 0.5 * (self.freedom / energy_m2 * energy_slope + volume_slope);
@@ -207,14 +200,15 @@ impl Likelihood {
     }
 }
 
-/// Appends the positions at sorted instants of one interval. A long one goes window by window, each with margins that
+/// Positions at sorted instants of one interval. A long one goes window by window, each with margins that
 /// overlap its neighbours: readings many length scales away have next to no say.
 fn predict(
     series: &Series,
     learned: &[Hyperparameters; 2],
     instants_s: &[f64],
-    (estimate, progress): (&mut Estimate, &Progress),
-) -> Result<(), Cancelled> {
+    progress: &Progress,
+) -> Result<Estimate, Cancelled> {
+    let mut estimate = Estimate::default();
     let cores = if series.len() <= CORE + 2 * MARGIN { 1 } else { series.len().div_ceil(CORE) };
     let mut asked = 0;
     for core in 0..cores {
@@ -225,9 +219,13 @@ fn predict(
         let near = from.saturating_sub(MARGIN)..(to + MARGIN).min(series.len());
         let (times_s, near_m) = (&series.time_s[near.clone()], &series.position_m[near]);
         let [(level_m, level_sigma), (vertical_m, vertical_sigma)] = std::array::from_fn(|group| {
-            let window =
-                Window::new(times_s, learned[group].length_scale_s, learned[group].ratio());
-            window.predict(&columns_m(near_m, AXIS_GROUPS[group]), &instants_s[asked..until])
+            let positions_m = columns_m(near_m, AXIS_GROUPS[group]);
+            dense::predict(
+                times_s,
+                &positions_m,
+                learned[group].kernel(),
+                &instants_s[asked..until],
+            )
         });
         for i in 0..until - asked {
             let moved_m = Vector3::new(level_m[(i, 0)], level_m[(i, 1)], vertical_m[(i, 0)]);
@@ -238,7 +236,7 @@ fn predict(
         }
         asked = until;
     }
-    Ok(())
+    Ok(estimate)
 }
 
 #[cfg(test)]
@@ -274,8 +272,7 @@ mod tests {
         let series = series_of(&wander(40, 3));
         let learned = Hyperparameters { length_scale_s: 2.5, signal_m: 3.0, noise_m: 0.02 };
         let instants_s: Vec<_> = (0..60).map(|k| 0.25 * f64::from(k)).collect();
-        let mut found = Estimate::default();
-        predict(&series, &[learned; 2], &instants_s, (&mut found, &Progress::default()))
+        let found = predict(&series, &[learned; 2], &instants_s, &Progress::default())
             .expect("nobody cancels it");
         let kernel = |a: f64, b: f64| {
             learned.signal_m.powi(2) * (-0.5 * ((a - b) / learned.length_scale_s).powi(2)).exp()
@@ -292,14 +289,14 @@ mod tests {
         let series = series_of(&wander(400, 4));
         let learned = Hyperparameters { length_scale_s: 3.0, signal_m: 3.0, noise_m: 0.002 };
         let instants_s: Vec<_> = (0..1600).map(|k| 0.1 * f64::from(k)).collect();
-        let mut found = Estimate::default();
-        predict(&series, &[learned; 2], &instants_s, (&mut found, &Progress::default()))
+        let found = predict(&series, &[learned; 2], &instants_s, &Progress::default())
             .expect("nobody cancels it");
-        let window = Window::new(&series.time_s, learned.length_scale_s, learned.ratio());
+        let positions_m = columns_m(&series.position_m, &[0, 1]);
         let (moved_m, sigma) =
-            window.predict(&columns_m(&series.position_m, &[0, 1, 2]), &instants_s);
+            dense::predict(&series.time_s, &positions_m, learned.kernel(), &instants_s);
         for i in 0..instants_s.len() {
-            let off_m = found.points_m[i] - series.position_m[0] - moved_m.row(i).transpose();
+            let off_m =
+                (found.points_m[i] - series.position_m[0]).xy() - moved_m.row(i).transpose();
             let sigma_m = learned.signal_m * sigma[i];
             assert!(off_m.amax() < 0.25 * sigma_m, "{off_m} of {sigma_m} at {}", instants_s[i]);
             assert!((found.sigma_m[i].x / sigma_m - 1.0).abs() < 0.05, "at {}", instants_s[i]);
@@ -313,8 +310,7 @@ mod tests {
             let likelihood =
                 Likelihood::new(&[series_of(&track)], AXIS_GROUPS[0], usize::MAX).expect("enough");
             let found = likelihood.learn_afresh();
-            let place = Vector2::new(found.length_scale_s.ln(), found.ratio().ln());
-            let (least, ..) = likelihood.evaluate(&place, &|_| true);
+            let (least, ..) = likelihood.evaluate(&found.place(), &|_| true);
             for (i, j) in (0..15).flat_map(|i| (0..15).map(move |j| (i, j))) {
                 let share = Vector2::new(f64::from(i), f64::from(j)) / 14.0;
                 let (low, high) = likelihood.limits;

@@ -11,6 +11,7 @@
 //! of it too small.
 
 use nalgebra::{Matrix2, RowVector2, SMatrix, Vector2, Vector3};
+use rayon::prelude::*;
 
 use super::{
     Allowance, Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval, minimise,
@@ -35,9 +36,9 @@ pub fn at(
     progress: &Progress,
 ) -> Result<Estimate, Cancelled> {
     let learned = learn(track, intervals, progress)?;
-    by_interval(track, intervals, instants, |index, series, instants_s, estimate| {
-        predict(series, &learned[index], instants_s, estimate);
-        progress.check()
+    by_interval(track, intervals, instants, |index, series, instants_s| {
+        progress.check()?;
+        Ok(predict(series, &learned[index], instants_s))
     })
 }
 
@@ -58,7 +59,7 @@ pub fn learn(
         let own = own.map_or(&[][..], std::slice::from_ref);
         Ok(learn_together(own, allowance)?.unwrap_or(shared))
     };
-    series.iter().zip(of_each).map(alone).collect()
+    series.par_iter().zip(of_each).map(alone).collect()
 }
 
 fn readings(series: &[Series]) -> usize {
@@ -201,13 +202,13 @@ fn drift(elapsed_s: f64, ratio: f64) -> Matrix2<f64> {
     ratio * Matrix2::new(square * elapsed_s / 3.0, square / 2.0, square / 2.0, elapsed_s)
 }
 
-/// Appends the positions at sorted instants of one interval.
+/// Positions at sorted instants of one interval.
 fn predict(
     series: &Series,
     [level, vertical]: &[Hyperparameters; 2],
     instants_s: &[f64],
-    estimate: &mut Estimate,
-) {
+) -> Estimate {
+    let mut estimate = Estimate::default();
     let in_plane = smooth(series, [0, 1], level, instants_s);
     let in_height = smooth(series, [2], vertical, instants_s);
     // Weights that add to one cannot average the noise further down; rounding could.
@@ -218,6 +219,7 @@ fn predict(
         estimate.points_m.push(Vector3::new(xy.mean[(0, 0)], xy.mean[(0, 1)], z.mean[(0, 0)]));
         estimate.sigma_m.push(Vector3::new(level_m, level_m, vertical_m));
     }
+    estimate
 }
 
 /// What all readings say of the state at each instant: once forth and once back over readings and instants together.
@@ -276,8 +278,7 @@ mod tests {
         let mut instants_s: Vec<_> = (0..60).map(|k| 0.25 * f64::from(k)).collect();
         instants_s.extend(&series.time_s);
         instants_s.sort_by(f64::total_cmp);
-        let mut found = Estimate::default();
-        predict(&series, &[learned; 2], &instants_s, &mut found);
+        let found = predict(&series, &[learned; 2], &instants_s);
         let kernel = |a: f64, b: f64| {
             let shorter = a.min(b);
             learned.density_m2_per_s3 * shorter.powi(2) * (shorter / 3.0 + (a - b).abs() / 2.0)

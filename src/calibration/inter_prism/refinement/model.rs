@@ -47,13 +47,18 @@ pub fn transforms(state: &State) -> [RigidTransform; 3] {
     [LevelTransform::IDENTITY.into(), one(0), one(1)]
 }
 
-/// Apparent minus estimated distance of each pair at one instant (m), and its derivatives.
-pub struct Distances {
+/// Apparent minus estimated distance of each pair at one instant (m).
+pub struct Residuals {
     pub residual_m: [f64; 3],
-    pub derivative: [State; 3],
     /// Unit vectors from the second prism of each pair to the first (station 1's frame), and how far they are apart.
     direction: [Vector3<f64>; 3],
     length_m: [f64; 3],
+}
+
+/// The same, with how it moves with the unknowns.
+pub struct Distances {
+    pub residuals: Residuals,
+    pub derivative: [State; 3],
     /// How each station's placed point moves with the unknowns of [`places`].
     moves: [[Vector3<f64>; 8]; 3],
     /// Where each station looks (station 1's frame).
@@ -66,28 +71,56 @@ fn places(slot: usize) -> [usize; 8] {
     [at, at + 1, at + 2, at + 3, CLOCKS + slot, DRIFTS + slot, tilt, tilt + 1]
 }
 
+/// Where each station sees its prism in its own frame, and the direction it looks in.
+fn seen(
+    data: &MovingTriplets<'_>,
+    index: usize,
+    state: &State,
+) -> ([Vector3<f64>; 3], [Vector3<f64>; 3]) {
+    let sights = data
+        .triplets
+        .points_m
+        .each_ref()
+        .map(|points_m| points_m[index].try_normalize(1e-9).unwrap_or_default());
+    let points_m = std::array::from_fn(|station| {
+        let seen_m = match station.checked_sub(1) {
+            None => data.triplets.points_m[0][index],
+            Some(slot) => data.at_true_time(station, index, clock(state, slot)),
+        };
+        seen_m - sights[station] * state[CONSTANT]
+    });
+    (points_m, sights)
+}
+
+/// The distances alone, for whoever asks how large errors are.
+pub fn residuals(
+    data: &MovingTriplets<'_>,
+    index: usize,
+    state: &State,
+    station1_from_station: &[RigidTransform; 3],
+) -> Residuals {
+    let (points_m, _) = seen(data, index, state);
+    let [_, second, third] = station1_from_station;
+    Residuals::between(&[points_m[0], second.apply(&points_m[1]), third.apply(&points_m[2])], state)
+}
+
 pub fn distances(
     data: &MovingTriplets<'_>,
     index: usize,
     state: &State,
     station1_from_station: &[RigidTransform; 3],
 ) -> Distances {
+    let (points_m, sights) = seen(data, index, state);
     let mut moves = [[Vector3::zeros(); 8]; 3];
-    let sight = |station: usize| {
-        let point = &data.triplets.points_m[station][index];
-        point.try_normalize(1e-9).unwrap_or_default()
-    };
-    let shorter = |station: usize| sight(station) * state[CONSTANT];
-    let sights = std::array::from_fn(|k| station1_from_station[k].rotate(&sight(k)));
-    let mut placed = [data.triplets.points_m[0][index] - shorter(0); 3];
+    let sights = std::array::from_fn(|k| station1_from_station[k].rotate(&sights[k]));
+    let mut placed = points_m;
     for station in 1..3 {
-        let slot = station - 1;
         let transform = &station1_from_station[station];
-        let point = data.at_true_time(station, index, clock(state, slot)) - shorter(station);
+        let point = &points_m[station];
         let moving = transform.rotate(&data.velocity_m_per_s[station][index]);
-        let turned = transform.rotate(&point);
+        let turned = transform.rotate(point);
         placed[station] = turned + transform.translation_m;
-        let tilted_by = |axis: Vector3<f64>| transform.rotate(&axis.cross(&point));
+        let tilted_by = |axis: Vector3<f64>| transform.rotate(&axis.cross(point));
         moves[station] = [
             Vector3::x(),
             Vector3::y(),
@@ -100,54 +133,65 @@ pub fn distances(
             tilted_by(Vector3::y()),
         ];
     }
-    let between = PAIRS.map(|(a, b)| placed[a] - placed[b]);
-    let length_m = between.map(|between| between.norm().max(1e-9));
-    let mut result = Distances {
-        residual_m: std::array::from_fn(|pair| length_m[pair] - state[DISTANCES + pair]),
-        derivative: [State::zeros(); 3],
-        direction: std::array::from_fn(|pair| between[pair] / length_m[pair]),
-        length_m,
-        moves,
-        sights,
-    };
+    let residuals = Residuals::between(&placed, state);
+    let mut result = Distances { residuals, derivative: [State::zeros(); 3], moves, sights };
     for pair in 0..3 {
-        result.derivative[pair] = result.along(pair, &result.direction[pair]);
-        result.derivative[pair][DISTANCES + pair] = -1.0;
+        let mut derivative = State::zeros();
+        result.add_along(pair, &result.residuals.direction[pair], &mut derivative);
+        derivative[DISTANCES + pair] = -1.0;
+        result.derivative[pair] = derivative;
     }
     result
 }
 
-impl Distances {
-    /// How far a pair's separation moves along a vector with each unknown.
-    fn along(&self, pair: usize, vector: &Vector3<f64>) -> State {
-        let mut moved = State::zeros();
-        let (a, b) = PAIRS[pair];
-        moved[CONSTANT] = vector.dot(&(self.sights[b] - self.sights[a]));
-        for (station, sign) in [(a, 1.0), (b, -1.0)].into_iter().filter(|(s, _)| *s > 0) {
-            for (place, step) in places(station - 1).into_iter().zip(&self.moves[station]) {
-                moved[place] += sign * vector.dot(step);
-            }
+impl Residuals {
+    /// Of prisms that are placed there (m, station 1's frame).
+    fn between(placed: &[Vector3<f64>; 3], state: &State) -> Self {
+        let between = PAIRS.map(|(a, b)| placed[a] - placed[b]);
+        let length_m = between.map(|between| between.norm().max(1e-9));
+        Self {
+            residual_m: std::array::from_fn(|pair| length_m[pair] - state[DISTANCES + pair]),
+            direction: std::array::from_fn(|pair| between[pair] / length_m[pair]),
+            length_m,
         }
-        moved
     }
 
     /// Variance of a pair's distance out of the covariance of its separation (m²).
     pub fn variance_along_m2(&self, pair: usize, covariance_m2: &Matrix3<f64>) -> f64 {
         self.direction[pair].dot(&(covariance_m2 * self.direction[pair]))
     }
+}
 
-    /// What noise alone makes of derivative × residual, on average: with noise n of covariance Σ on a separation of length
-    /// d along u, the residual is u·n + nᵀ(I − uuᵀ)n/2d and u itself turns by (I − uuᵀ)n/d, so that
+impl Distances {
+    /// Adds how far a pair's separation moves along a vector with each unknown.
+    fn add_along(&self, pair: usize, vector: &Vector3<f64>, moved: &mut State) {
+        let (a, b) = PAIRS[pair];
+        moved[CONSTANT] += vector.dot(&(self.sights[b] - self.sights[a]));
+        for (station, sign) in [(a, 1.0), (b, -1.0)].into_iter().filter(|(s, _)| *s > 0) {
+            for (place, step) in places(station - 1).into_iter().zip(&self.moves[station]) {
+                moved[place] += sign * vector.dot(step);
+            }
+        }
+    }
+
+    /// Adds what noise alone makes of derivative × residual, on average, times a weight: with noise n of covariance Σ on a
+    /// separation of length d along u, the residual is u·n + nᵀ(I − uuᵀ)n/2d and u itself turns by (I − uuᵀ)n/d, so that
     /// E[r u] = (I − uuᵀ)Σu/d + u tr((I − uuᵀ)Σ)/2d. Where the data holds a direction weakly, as height against distance on
     /// level ground, a sum that is off by this moves the answer by centimetres.
-    pub fn noise_pull(&self, pair: usize, covariance_m2: &Matrix3<f64>) -> State {
-        let (unit, length_m) = (&self.direction[pair], self.length_m[pair]);
+    pub fn add_noise_pull(
+        &self,
+        pair: usize,
+        covariance_m2: &Matrix3<f64>,
+        weight: f64,
+        pull: &mut State,
+    ) {
+        let (unit, length_m) = (&self.residuals.direction[pair], self.residuals.length_m[pair]);
         let pulled = covariance_m2 * unit;
         let along = unit.dot(&pulled);
         let longer_m = (covariance_m2.trace() - along) / (2.0 * length_m);
-        let mut pull = self.along(pair, &((pulled - along * unit) / length_m + longer_m * unit));
-        pull[DISTANCES + pair] = -longer_m;
-        pull
+        let turned = (pulled - along * unit) / length_m + longer_m * unit;
+        self.add_along(pair, &(weight * turned), pull);
+        pull[DISTANCES + pair] -= weight * longer_m;
     }
 }
 
@@ -200,8 +244,9 @@ mod tests {
         {
             state[place] = value;
         }
-        let at = |state: &State| distances(&data, 1, state, &transforms(state));
-        let here = at(&state);
+        let at = |state: &State| residuals(&data, 1, state, &transforms(state));
+        let here = distances(&data, 1, &state, &transforms(&state));
+        assert_eq!(here.residuals.residual_m, at(&state).residual_m);
         for unknown in 0..UNKNOWNS {
             let step = 1e-6;
             let (mut up, mut down) = (state, state);

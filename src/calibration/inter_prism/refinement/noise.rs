@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 
 use super::INSTRUMENT;
-use super::model::{State, distances, transforms};
+use super::model::{State, residuals, transforms};
 use crate::calibration::Loss;
 use crate::calibration::MovingTriplets;
 use crate::deployment::PAIRS;
@@ -34,7 +34,7 @@ impl Noise {
         let placed = transforms(state);
         let mut ratios = Vec::with_capacity(3 * self.covariance_m2.len());
         for (index, covariances) in self.covariance_m2.iter().enumerate() {
-            let found = distances(data, index, state, &placed);
+            let found = residuals(data, index, state, &placed);
             for (pair, covariance_m2) in covariances.iter().enumerate() {
                 let stated_m = found.variance_along_m2(pair, covariance_m2).sqrt();
                 ratios.push(found.residual_m[pair] / stated_m.max(1e-9));
@@ -82,7 +82,7 @@ pub fn loss_scale(
     };
     let placed = transforms(state);
     let errors = (0..data.triplets.len()).flat_map(|index| {
-        let residual_m = distances(data, index, state, &placed).residual_m;
+        let residual_m = residuals(data, index, state, &placed).residual_m;
         [0, 1, 2].map(|pair| residual_m[pair] * noise.weights[index][pair].sqrt())
     });
     Some(scale * sigma_of_errors(errors)?.max(LEAST_SIGMA))

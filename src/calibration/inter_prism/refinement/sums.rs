@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use super::model::{Matrix, State, distances, reduced, reduced_vector, transforms};
+use multiversion::multiversion;
+
+use super::model::{Matrix, State, UNKNOWNS, distances, reduced, reduced_vector, transforms};
 use super::noise::Noise;
 use crate::calibration::Loss;
 use crate::calibration::MovingTriplets;
@@ -55,25 +57,54 @@ pub fn by_block(
     let placed = transforms(state);
     let of_block = |block: &Range<usize>| {
         let mut sums = Sums::zeros();
+        // Most errors are of a size where weight and slope are the same, and have one matrix in common.
+        let mut excess = Matrix::zeros();
         for index in block.clone() {
             let found = distances(data, index, state, &placed);
             for pair in 0..3 {
                 let stated = noise.weights[index][pair];
-                let residual = found.residual_m[pair];
+                let residual = found.residuals.residual_m[pair];
                 let size = residual.abs() * stated.sqrt();
                 let Influence { weight, slope } = influence(loss, size, scale);
                 let (weight, slope) = (stated * weight, stated * slope);
                 let derivative = &found.derivative[pair];
-                sums.normal.ger(weight, derivative, derivative, 1.0);
-                sums.hessian.ger(slope, derivative, derivative, 1.0);
-                sums.gradient += weight * residual * derivative;
-                sums.by_noise += slope * found.noise_pull(pair, &noise.covariance_m2[index][pair]);
+                add_square(sums.hessian.as_mut_slice(), derivative.as_slice(), slope);
+                if weight != slope {
+                    add_square(excess.as_mut_slice(), derivative.as_slice(), weight - slope);
+                }
+                sums.gradient.axpy(weight * residual, derivative, 1.0);
+                let covariance_m2 = &noise.covariance_m2[index][pair];
+                found.add_noise_pull(pair, covariance_m2, slope, &mut sums.by_noise);
             }
         }
+        sums.hessian.fill_upper_triangle_with_lower_triangle();
+        excess.fill_upper_triangle_with_lower_triangle();
+        sums.normal = sums.hessian + excess;
         sums.gradient -= sums.by_noise;
         sums
     };
     blocks.iter().map(of_block).collect()
+}
+
+/// Numbers of a column that are worked on at once.
+const LANES: usize = 4;
+
+/// Adds w J Jᵀ on and below the diagonal. A pair moves with half of the unknowns: the other columns need no work.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+fn add_square(matrix: &mut [f64], derivative: &[f64], weight: f64) {
+    let (rows, _) = derivative.as_chunks::<LANES>();
+    for (place, column) in matrix.chunks_exact_mut(UNKNOWNS).enumerate() {
+        let factor = weight * derivative[place];
+        if factor == 0.0 {
+            continue;
+        }
+        let (column, _) = column.as_chunks_mut::<LANES>();
+        for k in place / LANES..UNKNOWNS / LANES {
+            for l in 0..LANES {
+                column[k][l] += factor * rows[k][l];
+            }
+        }
+    }
 }
 
 /// What an error of this size counts.
