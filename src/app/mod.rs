@@ -4,7 +4,8 @@
 //! moves while it draws, change within a frame. A room imports only from rooms drawn below it, and not from its neighbours:
 //!
 //! ```text
-//! window                      one frame; how it opens; how it becomes a picture
+//! picture                     the window as a picture, drawn off the screen
+//! └ window                    one frame; how it opens
 //! ├─ panels                   panes of text and controls, bars, dialogs, toasts
 //! │  └─ actions               menus, palette and keys: which command, when it is possible
 //! ├─ keeping                  when a running window writes its preferences and its session, for the case that it dies
@@ -39,6 +40,7 @@ mod layout;
 mod model;
 mod panels;
 pub mod persist;
+mod picture;
 mod plots;
 mod prepared;
 mod scene;
@@ -54,7 +56,8 @@ pub use model::{
     Ruler, RulerEnd, Run, SceneOptions, StudyKind, StudyOptions, StudyResult, TimeUnit, Timeline,
     Units, ViewPreset, Visibility, toasts,
 };
+pub use picture::{offscreen_renderer, picture};
 pub use prepared::channels::Channel;
 pub use scene::SceneView;
 pub use state::State;
-pub use window::{ResectWindow, Start, offscreen_renderer, open_window, picture};
+pub use window::{ResectWindow, Start, open_window};

@@ -1,14 +1,12 @@
-//! The window itself: one frame, how it opens, and how it becomes a picture.
+//! The window itself: one frame, and how it opens.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui;
 
-mod picture;
 mod shell;
 
-pub use self::picture::{offscreen_renderer, picture};
 use self::shell::{FIRST_POINTS, LEAST_POINTS, Shell};
 use super::actions;
 use super::keeping::Keeping;
@@ -28,6 +26,8 @@ use crate::deployment::{Deployment, Sample, Source};
 pub enum Start {
     Sample(Sample),
     Deployments(Vec<(Arc<Deployment>, Source)>),
+    /// Those that could be opened, and of each other one why not.
+    Partly(Vec<(Arc<Deployment>, Source)>, Vec<String>),
     /// The session of this file.
     Session(PathBuf),
 }
@@ -66,10 +66,10 @@ impl ResectWindow {
             Start::Sample(_) if restored => {}
             Start::Sample(sample) => state.open_placeholder(*sample),
             Start::Session(path) => state.open_session(path.clone()),
-            Start::Deployments(deployments) => {
-                for (deployment, source) in deployments {
-                    state.add(Arc::clone(deployment), Some(source.clone()));
-                }
+            Start::Deployments(deployments) => add_each(&mut state, deployments),
+            Start::Partly(deployments, why_not) => {
+                add_each(&mut state, deployments);
+                why_not.iter().for_each(|line| state.toasts.error(line));
             }
         }
         let scene = SceneView::new(creation.wgpu_render_state.as_ref());
@@ -209,6 +209,12 @@ impl Panes<'_> {
             Pane::Guide => panels::guide::ui(ui, self.state, self.commands),
             Pane::ControlPoints => panels::control_points::ui(ui, self.state, self.commands),
         }
+    }
+}
+
+fn add_each(state: &mut State, deployments: &[(Arc<Deployment>, Source)]) {
+    for (deployment, source) in deployments {
+        state.add(Arc::clone(deployment), Some(source.clone()));
     }
 }
 

@@ -41,6 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .ok_or_else(|| anyhow!("no home folder is known; set HOME or XDG_DATA_HOME"))?;
     let data = folders.data_dir();
     let program = std::env::current_exe().context("the program's own file is not found")?;
+    let mut changed = false;
     for (path, bytes) in files(data, &program)? {
         if arguments.remove {
             match std::fs::remove_file(&path) {
@@ -58,6 +59,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             atomic::write(&path, bytes)?;
             print(&format!("{}\n", path.display()))?;
         }
+        changed = true;
+    }
+    if !changed {
+        return Ok(print("nothing to remove\n")?);
     }
     for (updater, folder) in READ_ANEW {
         let mut command = Command::new(updater);

@@ -1,5 +1,6 @@
 //! Plain `resect`: the window, or without a display the answer in the terminal.
 
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -21,12 +22,7 @@ pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
             Err(why) => in_terminal(&of_session(path)?, &why, ""),
         };
     }
-    // A path that does not open ends here, on the terminal it came from.
-    let deployments = paths
-        .iter()
-        .map(|path| Ok((load(path, Extras::default())?.0, Source::at(std::path::absolute(path)?))))
-        .collect::<Result<Vec<(Arc<Deployment>, Source)>, Failure>>()?;
-    if deployments.is_empty() {
+    if paths.is_empty() {
         return match window(app::Start::Sample(Sample::Warthog)) {
             Ok(()) => Ok(()),
             Err(why) => {
@@ -35,13 +31,33 @@ pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
             }
         };
     }
+    let (mut deployments, mut why_not) = (Vec::new(), Vec::new());
+    for path in paths {
+        match opened(path) {
+            Ok(deployment) => deployments.push(deployment),
+            // What does not open ends here, on the terminal it came from; of several, the window shows the others. Where
+            // there is no terminal, as behind a menu, only the window can say why.
+            Err(error) => {
+                let is_alone = paths.len() == 1 && std::io::stderr().is_terminal();
+                if is_alone || !has_display() {
+                    return Err(error.into());
+                }
+                complain(&format!("{error:#}"));
+                why_not.push(format!("{error:#}"));
+            }
+        }
+    }
     let read =
         deployments.iter().map(|(deployment, _)| (Arc::clone(deployment), Settings::default()));
     let read: Vec<_> = read.collect();
-    match window(app::Start::Deployments(deployments)) {
+    match window(app::Start::Partly(deployments, why_not)) {
         Ok(()) => Ok(()),
         Err(why) => in_terminal(&read, &why, ""),
     }
+}
+
+fn opened(path: &Path) -> anyhow::Result<(Arc<Deployment>, Source)> {
+    Ok((load(path, Extras::default())?.0, Source::at(std::path::absolute(path)?)))
 }
 
 /// Runs the window to its end, or says why there is none.

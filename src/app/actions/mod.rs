@@ -137,6 +137,11 @@ pub fn all(state: &State) -> Vec<Action> {
     actions
 }
 
+/// Keys as they stand on a keyboard: Ctrl+P, ?.
+pub fn keys_in_words(ctx: &egui::Context, keys: &KeyboardShortcut) -> String {
+    ctx.format_shortcut(keys).replace("Questionmark", "?")
+}
+
 /// What the keys of this frame ask for. Keys without Ctrl are left to a widget that has the focus.
 pub fn from_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let pressed = |event: &egui::Event| matches!(event, egui::Event::Key { pressed: true, .. });

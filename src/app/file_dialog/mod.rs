@@ -43,8 +43,8 @@ pub enum Wanted {
     ToOpen { folder: bool },
     /// A folder to write into.
     Folder,
-    /// A file to write, with the name that is proposed.
-    NewFile { name: String },
+    /// A file to write, with the name that is proposed, and what is put behind a name that is typed without any ending.
+    NewFile { name: String, extension: String },
 }
 
 impl Question {
@@ -59,6 +59,7 @@ impl Question {
     /// A file to write, named after a deployment, which may be called anything.
     pub fn new_file(title: impl Into<String>, name: &str, extension: &str) -> Self {
         let name = name.replace(['/', '\\', ':'], "_");
-        Self::new(title, Wanted::NewFile { name: format!("{name}.{extension}") })
+        let name = format!("{name}.{extension}");
+        Self::new(title, Wanted::NewFile { name, extension: extension.to_owned() })
     }
 }

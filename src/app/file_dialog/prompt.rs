@@ -214,7 +214,7 @@ impl PathPrompt {
             _ => folder,
         };
         self.text = with_separator(&folder);
-        if let Wanted::NewFile { name } = &self.question.wanted {
+        if let Wanted::NewFile { name, .. } = &self.question.wanted {
             self.text += name;
         }
         self.starts_at.clone_from(&folder);
@@ -234,8 +234,13 @@ impl PathPrompt {
             let path = self.folder.join(&entry.name);
             return if entry.is_folder { self.go_to(path) } else { self.take_file(path) };
         }
-        if let Wanted::NewFile { .. } = self.question.wanted {
-            return self.take_file(self.typed_path());
+        if let Wanted::NewFile { extension, .. } = &self.question.wanted {
+            let mut typed = self.typed_path();
+            // Other programs know a file by its ending; a folder that is there is gone into.
+            if typed.extension().is_none() && !self.typed_name().is_empty() && !typed.is_dir() {
+                typed.set_extension(extension);
+            }
+            return self.take_file(typed);
         }
         let typed = self.typed_path();
         // "…/folder/" is the folder itself; without the separator one looks into it first.

@@ -97,7 +97,7 @@ fn a_path_without_a_root_is_followed_as_it_is_typed() {
 
 #[test]
 fn a_file_that_is_there_is_not_replaced_unasked() {
-    let mut desk = Desk::new(Wanted::NewFile { name: "run.html".to_owned() });
+    let mut desk = Desk::new(new_file());
     let fresh = desk.path("field/run.html");
     assert_eq!(desk.handle(PromptCommand::Accept), PromptStep::Chosen(fresh));
     let notes = desk.path("field/notes.txt");
@@ -115,7 +115,7 @@ fn a_file_that_is_there_is_not_replaced_unasked() {
 
 #[test]
 fn a_folder_is_made_where_something_is_saved() {
-    let mut desk = Desk::new(Wanted::NewFile { name: "run.html".to_owned() });
+    let mut desk = Desk::new(new_file());
     let typed = desk.path("field/other.html").display().to_string();
     desk.handle(PromptCommand::Type(typed));
     for (name, said) in
@@ -143,4 +143,23 @@ fn what_was_read_too_late_is_dropped() {
     assert!(matches!(desk.prompt.handle(PromptCommand::GoUp), PromptStep::Read(_)));
     desk.prompt.take(old);
     assert!(desk.prompt.is_reading());
+}
+
+/// A report that is to be written.
+fn new_file() -> Wanted {
+    Wanted::NewFile { name: "run.html".to_owned(), extension: "html".to_owned() }
+}
+
+#[test]
+fn a_name_without_an_ending_gets_one_and_another_ending_stays() {
+    let mut desk = Desk::new(new_file());
+    for (typed, file) in [("field/day", "field/day.html"), ("field/day.htm", "field/day.htm")] {
+        let typed = desk.path(typed).display().to_string();
+        assert_eq!(desk.enter(&typed), PromptStep::Chosen(desk.path(file)));
+    }
+    // What is there under that name is not replaced unasked either.
+    std::fs::write(desk.path("field/day.html"), "old").expect("written");
+    let typed = desk.path("field/day").display().to_string();
+    assert_eq!(desk.enter(&typed), PromptStep::Stay);
+    assert_eq!(desk.prompt.overwrite, Some(desk.path("field/day.html")));
 }

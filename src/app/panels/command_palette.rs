@@ -83,8 +83,8 @@ fn lines<'a>(
             let mut button = egui::Button::selectable(index == chosen, text)
                 .min_size(egui::vec2(ui.available_width(), 0.0));
             if let Some(keys) = &action.shortcut {
-                button =
-                    button.right_text(egui::RichText::new(ui.ctx().format_shortcut(keys)).weak());
+                button = button
+                    .right_text(egui::RichText::new(actions::keys_in_words(ui.ctx(), keys)).weak());
             }
             let response = ui.add(button);
             if index == chosen && moved {

@@ -8,18 +8,22 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;
 
+/// Width of a column with room for a name or a number (points).
+const COLUMN: f32 = 60.0;
+
+/// Numbers first: names of files are wide, and may be out of sight.
 const COLUMNS: [(&str, &str); 8] = [
     (
         "point",
         "The letter of its set in the scene, and its number; a click brings the camera to it",
     ),
-    ("set", "The file it was read from"),
-    ("used", "Whether the answer rests on it; what it does not rest on tells whether it is right"),
     ("station", "The station whose reading it is"),
     ("x (mm)", "What the station makes of it, from the mean of the stations, in station 1's frame"),
     ("y (mm)", "The same along y"),
     ("z (mm)", "The same upwards"),
     ("length (mm)", "How far the station's version is from the mean"),
+    ("used", "Whether the answer rests on it; what it does not rest on tells whether it is right"),
+    ("set", "The file it was read from"),
 ];
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
@@ -33,18 +37,27 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.label(why_none(state));
             return;
         }
-        egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-            egui::Grid::new("control points").striped(true).spacing([12.0, 2.0]).show(ui, |ui| {
+        egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
+            // The heads stay where the rows scroll, so both have columns of one width.
+            grid("heads of control points").show(ui, |ui| {
                 for (title, hint) in COLUMNS {
                     ui.label(RichText::new(title).small().weak()).on_hover_text(hint);
                 }
                 ui.end_row();
-                for point in &points {
-                    rows(ui, point, commands);
-                }
+            });
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                grid("control points").striped(true).show(ui, |ui| {
+                    for point in &points {
+                        rows(ui, point, commands);
+                    }
+                });
             });
         });
     });
+}
+
+fn grid(name: &str) -> egui::Grid {
+    egui::Grid::new(name).min_col_width(COLUMN).spacing([8.0, 2.0])
 }
 
 /// A row for each station that measured the point.
@@ -60,14 +73,8 @@ fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
                 commands.push(Command::ShowPane(Pane::Scene));
                 commands.push(Command::ComeTo(point.mean_m));
             }
-            ui.label(&point.file);
-            ui.label(match (point.used, point.pillar) {
-                (true, _) => "used",
-                (false, true) => "no, pillar",
-                (false, false) => "no",
-            });
         } else {
-            (0..3).for_each(|_| _ = ui.label(""));
+            ui.weak(&point.name);
         }
         let colour = theme::readable(palette::STATIONS[station], dark);
         ui.label(RichText::new((station + 1).to_string()).color(colour));
@@ -75,6 +82,14 @@ fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
             ui.monospace(format!("{:+7.2}", 1e3 * axis_m));
         }
         ui.monospace(format!("{:6.2}", 1e3 * residual_m.norm()));
+        if row == 0 {
+            ui.label(match (point.used, point.pillar) {
+                (true, _) => "used",
+                (false, true) => "pillar",
+                (false, false) => "no",
+            });
+            ui.label(&point.file);
+        }
         ui.end_row();
     }
 }

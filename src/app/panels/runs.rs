@@ -114,7 +114,8 @@ fn one(
         .map_or_else(|_| "no result".to_owned(), |summary| summary.verdict_in_words());
     ui.horizontal(|ui| {
         // The words get what the rest of the line leaves.
-        let room = egui::vec2(ui.available_width() - RIGHT_OF_A_RUN, ui.spacing().interact_size.y);
+        let width = (ui.available_width() - RIGHT_OF_A_RUN).max(0.0);
+        let room = egui::vec2(width, ui.spacing().interact_size.y);
         let left = egui::Layout::left_to_right(egui::Align::Center);
         let button = ui.allocate_ui_with_layout(room, left, |ui| {
             ui.add(egui::Button::selectable(current, format!("{number}  {changed}")).truncate())

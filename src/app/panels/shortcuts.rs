@@ -72,7 +72,10 @@ pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
                                     // What it acts on now is said by the menu.
                                     let general =
                                         Some(action.in_general).filter(|it| !it.is_empty());
-                                    (ctx.format_shortcut(&keys), general.unwrap_or(&action.name))
+                                    (
+                                        actions::keys_in_words(ctx, &keys),
+                                        general.unwrap_or(&action.name),
+                                    )
                                 })
                                 .collect();
                             if !rows.is_empty() {

@@ -94,10 +94,13 @@ fn run_or_cancel(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let options = &state.studies.options;
     match &state.studies.running {
         Some((_, progress)) => {
-            ui.add(egui::ProgressBar::new(progress.share().unwrap_or(0.0)).show_percentage());
-            if ui.button("Cancel").clicked() {
-                commands.push(Command::CancelStudy);
-            }
+            // In the line of Run: nothing moves under the pointer when the study ends.
+            ui.horizontal(|ui| {
+                if ui.button("Cancel").clicked() {
+                    commands.push(Command::CancelStudy);
+                }
+                ui.add(egui::ProgressBar::new(progress.share().unwrap_or(0.0)).show_percentage());
+            });
         }
         None => {
             ui.horizontal(|ui| {

@@ -80,7 +80,7 @@ const MOST_IN_A_SECTION: usize = 8;
 fn entry(ui: &mut egui::Ui, action: &Action, commands: &mut Commands) {
     let mut button = egui::Button::selectable(action.on == Some(true), action.name.as_str());
     if let Some(keys) = &action.shortcut {
-        button = button.shortcut_text(ui.ctx().format_shortcut(keys));
+        button = button.shortcut_text(actions::keys_in_words(ui.ctx(), keys));
     }
     let response = ui.add_enabled(action.command.is_some(), button);
     let response =

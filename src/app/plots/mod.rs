@@ -91,6 +91,22 @@ fn close_marks(input: GridInput) -> Vec<GridMark> {
     marks_apart(&input, 20.0)
 }
 
+/// Two round marks on both sides of zero, for an axis so short that zero alone would be left, which is no scale.
+fn marks_about_zero(input: &GridInput) -> Option<[GridMark; 2]> {
+    let (low, high) = input.bounds;
+    let most = 0.95 * high.min(-low);
+    if most <= 0.0 {
+        return None;
+    }
+    let decade = 10_f64.powf(most.log10().floor());
+    let times = [5.0, 2.0, 1.0].into_iter().find(|times| times * decade <= most)?;
+    let value = times * decade;
+    // A number's height, by egui_plot's least step of eight points.
+    let is_room = 2.0 * value > 12.0 / 8.0 * input.base_step_size;
+    let mark = |value: f64| GridMark { value, step_size: 4.0 * value.abs() };
+    is_room.then(|| [mark(-value), mark(value)])
+}
+
 /// Round marks, the strong ones at least so far apart (points).
 fn marks_apart(input: &GridInput, points: f64) -> Vec<GridMark> {
     // egui_plot's least step is eight points wide.
@@ -103,6 +119,10 @@ fn marks_apart(input: &GridInput, points: f64) -> Vec<GridMark> {
     let step = times * decade;
     let fine = step / f64::from(parts);
     let (low, high) = input.bounds;
+    let strong = (high / step).floor() - (low / step).ceil() + 1.0;
+    if let Some(marks) = marks_about_zero(input).filter(|_| strong < 2.0) {
+        return marks.to_vec();
+    }
     ((low / fine).ceil() as i64..=(high / fine).floor() as i64)
         .map(|index| {
             let whole = index.rem_euclid(i64::from(parts)) == 0;

@@ -186,7 +186,9 @@ impl PairPlot<'_> {
         }
         let at = self.open.timeline.cursor_s.and_then(|t| analysis.triplets().nearest(t));
         if let Some(error) = at.and_then(|at| evaluation.distance_errors_mm[self.pair].get(at)) {
-            lines.push(RichText::new(format!("{cursor} {error:+.1}\u{a0}mm")));
+            // Adding zero makes a rounded -0.0 a plain one.
+            let error_mm = (10.0 * error).round() / 10.0 + 0.0;
+            lines.push(RichText::new(format!("{cursor} {error_mm:+.1}\u{a0}mm")));
         }
         let hint = "Dots: the error of each triplet, apparent minus known distance. Line and band: running median, and \
                     from the lower quartile to the upper.";

@@ -1,7 +1,7 @@
 //! The grid behind the data: lines at round metres of station 1's frame, as near to each other as the zoom has room for, and
 //! the numbers along its edges.
 
-use eframe::egui::Pos2;
+use eframe::egui::{Pos2, Rect, Vec2};
 use nalgebra::Vector3;
 
 use super::projection::Projection;
@@ -16,6 +16,8 @@ const UPRIGHT: f32 = 0.1;
 /// Numbers stand this far outside of their line, and this far from each other (points on the screen).
 const NUMBER_OUT: f32 = 12.0;
 const NUMBERS_APART: f32 = 46.0;
+/// What a number takes that says which axis it is on (points on the screen).
+const NAMED: Vec2 = Vec2::new(70.0, 14.0);
 /// A line that has this part of the numbers that another has is mostly in the picture.
 const MOSTLY: f32 = 0.6;
 
@@ -111,7 +113,14 @@ impl Grid {
 
     /// Coordinates along a line near each of the two edges that face the eye: the outermost line that is mostly in the
     /// picture, where the edge itself is not.
-    pub fn numbers(&self, projection: &Projection, eye_m: &Vector3<f32>) -> Vec<GridNumber> {
+    ///
+    /// The one of each axis that names it stands where nothing that lies over the picture covers it.
+    pub fn numbers(
+        &self,
+        projection: &Projection,
+        eye_m: &Vector3<f32>,
+        covered: &[Rect],
+    ) -> Vec<GridNumber> {
         [0, 1]
             .into_iter()
             .flat_map(|of| {
@@ -123,7 +132,7 @@ impl Grid {
                     rows.reverse();
                 }
                 let mut rows: Vec<_> =
-                    rows.into_iter().map(|row| self.row(projection, of, row)).collect();
+                    rows.into_iter().map(|row| self.row(projection, of, row, covered)).collect();
                 let most = rows.iter().map(Vec::len).max().unwrap_or(0);
                 let enough = |row: &Vec<GridNumber>| row.len() as f32 >= MOSTLY * most as f32;
                 rows.iter().position(enough).map_or(Vec::new(), |at| rows.swap_remove(at))
@@ -133,7 +142,13 @@ impl Grid {
 
     /// Numbers along one of the plane's axes beside one of the lines in its direction, as far as they are in the picture;
     /// the last says what they are.
-    fn row(&self, projection: &Projection, of: usize, row: i32) -> Vec<GridNumber> {
+    fn row(
+        &self,
+        projection: &Projection,
+        of: usize,
+        row: i32,
+        covered: &[Rect],
+    ) -> Vec<GridNumber> {
         let at = |line: i32, row: i32| {
             let place = self.place(if of == 0 { [line, row] } else { [row, line] });
             projection.screen(&place)
@@ -153,7 +168,13 @@ impl Grid {
         let gaps = numbers.windows(2).map(|two| two[0].1.at.distance(two[1].1.at));
         let step = step_between(gaps.fold(f32::INFINITY, f32::min));
         numbers.retain(|(line, _)| line % step == 0);
-        if let Some((line, number)) = numbers.last_mut() {
+        let has_room = |(_, number): &(i32, GridNumber)| {
+            let place = Rect::from_center_size(number.at, NAMED);
+            projection.rect.shrink(5.0).contains_rect(place)
+                && !covered.iter().any(|other| other.intersects(place))
+        };
+        let named = numbers.iter().rposition(has_room).unwrap_or(numbers.len().saturating_sub(1));
+        if let Some((line, number)) = numbers.get_mut(named) {
             let axis = ["x", "y", "z"][self.along[of]];
             number.text = format!("{axis} = {} m", self.number(of, *line));
         }
@@ -193,7 +214,7 @@ mod tests {
     fn seen(camera: &Camera) -> (Grid, Vec<GridNumber>, Rect) {
         let rect = Rect::from_min_max(Pos2::ZERO, Pos2::new(1200.0, 800.0));
         let grid = Grid::of(camera, rect.height(), &LOW, &HIGH);
-        let numbers = grid.numbers(&Projection::new(camera, rect), &camera.eye_m());
+        let numbers = grid.numbers(&Projection::new(camera, rect), &camera.eye_m(), &[]);
         (grid, numbers, rect)
     }
 
@@ -215,6 +236,25 @@ mod tests {
                 let next = numbers.get(index + 1).filter(|_| !number.text.contains('='));
                 assert!(next.is_none_or(|next| apart(next) > 0.9 * NUMBERS_APART));
             }
+        }
+    }
+
+    #[test]
+    fn an_axis_is_named_where_nothing_covers_its_name() {
+        let camera =
+            Camera { target_m: (LOW + HIGH) / 2.0, distance_m: 130.0, ..Camera::default() };
+        let (grid, numbers, rect) = seen(&camera);
+        let names = |numbers: &[GridNumber]| -> Vec<Pos2> {
+            numbers.iter().filter(|it| it.text.contains('=')).map(|it| it.at).collect()
+        };
+        let before = names(&numbers);
+        let legend = Rect::from_center_size(before[0], Vec2::splat(40.0));
+        let projection = Projection::new(&camera, rect);
+        let after = names(&grid.numbers(&projection, &camera.eye_m(), &[legend]));
+        assert_eq!(after.len(), before.len());
+        for at in after {
+            let name = Rect::from_center_size(at, NAMED);
+            assert!(!name.intersects(legend) && rect.contains_rect(name), "{at}");
         }
     }
 

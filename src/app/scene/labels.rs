@@ -3,6 +3,7 @@
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Vec2};
 
 use super::SceneContent;
+use super::grid::GridNumber;
 use super::projection::Projection;
 use super::vertices::Rank;
 use crate::app::theme;
@@ -77,6 +78,18 @@ pub fn paint(
     for at in stations.filter_map(|label| projection.screen(&label.position_m)) {
         placer.taken.push(Rect::from_center_size(at, STATION));
     }
+    let numbers: Vec<GridNumber> = content
+        .grid
+        .iter()
+        .flat_map(|grid| grid.numbers(projection, eye_m, &placer.taken))
+        .collect();
+    let (names, numbers): (Vec<_>, Vec<_>) =
+        numbers.into_iter().partition(|number| number.text.contains('='));
+    let colour = theme::faint(dark);
+    // Numbers say nothing where nothing says of which axis they are.
+    for name in names {
+        text_at(painter, placer, name.at, name.text, 10.0, colour);
+    }
     for label in content.labels.iter().rev() {
         let Some(at) = projection.screen(&label.position_m) else { continue };
         let size = if label.rank == Rank::Station { 13.0 } else { 10.5 };
@@ -86,8 +99,7 @@ pub fn paint(
             painter.galley(place.min, galley, colour);
         }
     }
-    let colour = theme::faint(dark);
-    for number in content.grid.iter().flat_map(|grid| grid.numbers(projection, eye_m)) {
+    for number in numbers {
         text_at(painter, placer, number.at, number.text, 10.0, colour);
     }
 }

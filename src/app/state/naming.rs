@@ -2,6 +2,8 @@
 
 use super::State;
 use super::sessions::title_of_each;
+use crate::analysis::Settings;
+use crate::app::persist::session::SavedDeployment;
 use crate::deployment::Source;
 use crate::deployment::names::told_apart;
 
@@ -23,6 +25,19 @@ impl State {
     /// The names of what is being read, which tell them apart.
     pub fn opening_names(&self) -> Vec<String> {
         title_of_each(self.opening.iter().map(|opening| &opening.source))
+    }
+
+    /// Whether anyone would miss what is open: settings, pins or drives that no session's file has.
+    pub(super) fn is_unsaved(&self) -> bool {
+        let now = self.session();
+        match &self.session.kept {
+            Some(kept) => !kept.is_same_work(&now),
+            // As the program opens data by itself, it is opened again at any time.
+            None => {
+                let is_tuned = |saved: &SavedDeployment| saved.settings != Settings::default();
+                !now.pins.is_empty() || now.deployments.iter().any(is_tuned)
+            }
+        }
     }
 
     /// Which deployment is shown, in which session, and whether that is saved as it is.

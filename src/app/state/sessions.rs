@@ -224,7 +224,12 @@ impl State {
         self.session.done(number);
         match result {
             Ok((session, findings)) => {
+                let unsaved = self.is_unsaved();
                 self.clear();
+                if unsaved {
+                    let kept = "what was open had changes that were not saved; File › Reopen what was open last brings it back";
+                    self.toasts.warning(kept);
+                }
                 // The program's own file is not where the user saves.
                 let last = self.session.last.as_ref().and_then(LastSession::path);
                 self.session.path = (last != Some(path.as_path())).then_some(path);

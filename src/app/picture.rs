@@ -6,7 +6,7 @@ use eframe::egui;
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup, wgpu};
 use egui_kittest::wgpu::WgpuTestRenderer;
 
-use super::{ResectWindow, Start};
+use super::window::{ResectWindow, Start};
 use crate::analysis::Settings;
 use crate::deployment::{Deployment, Source};
 
