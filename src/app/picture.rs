@@ -37,8 +37,14 @@ pub fn picture(
         .allow_missing_glyphs()
         .with_accessibility_check(false)
         .renderer(WgpuTestRenderer::from_render_state(state))
-        .build_eframe(|creation| ResectWindow::new(creation, &start, settings));
+        .build_eframe(|creation| {
+            // Before the first frame: what it has not seen could look another way later, by how fast the answer came.
+            let mut window = ResectWindow::new(creation, &start, settings);
+            window.settle();
+            window
+        });
     harness.run_steps(1);
+    // What the first frame asked for.
     harness.state_mut().settle();
     harness.run_steps(4);
     harness.render().map_err(|what| {

@@ -8,28 +8,31 @@ use super::projection::Projection;
 use super::vertices::Rank;
 use crate::app::theme;
 
-/// The part of the picture that a station's point covers: nothing is written there.
+/// The part of the picture that a station's point covers.
 const STATION: Vec2 = Vec2::splat(9.0);
 
 /// Gives out places that are still free.
 pub struct Placer {
     area: Rect,
     taken: Vec<Rect>,
+    /// What is covered only where there is no other room.
+    spared: Vec<Rect>,
 }
 
 impl Placer {
     /// A placer that places nothing outside of the area, or on what is taken.
     pub fn new(area: Rect, taken: Vec<Rect>) -> Self {
-        Self { area: area.shrink(4.0), taken }
+        Self { area: area.shrink(4.0), taken, spared: Vec::new() }
     }
 
     /// The first of some places that is free; it is taken from now on.
     pub fn place(&mut self, places: impl IntoIterator<Item = Rect>) -> Option<Rect> {
-        let free = |place: &Rect| {
-            self.area.contains_rect(*place)
-                && !self.taken.iter().any(|other| other.intersects(*place))
-        };
-        let place = places.into_iter().find(free)?;
+        let is_on = |some: &[Rect], place: &Rect| some.iter().any(|it| it.intersects(*place));
+        let free = places
+            .into_iter()
+            .filter(|place| self.area.contains_rect(*place) && !is_on(&self.taken, place));
+        let free: Vec<Rect> = free.collect();
+        let place = *free.iter().find(|place| !is_on(&self.spared, place)).or(free.first())?;
         self.taken.push(place);
         Some(place)
     }
@@ -76,7 +79,7 @@ pub fn paint(
 ) {
     let stations = content.labels.iter().filter(|label| label.rank == Rank::Station);
     for at in stations.filter_map(|label| projection.screen(&label.position_m)) {
-        placer.taken.push(Rect::from_center_size(at, STATION));
+        placer.spared.push(Rect::from_center_size(at, STATION));
     }
     let numbers: Vec<GridNumber> = content
         .grid
@@ -149,6 +152,17 @@ mod tests {
             assert!(area.contains_rect(*place));
             assert!(places[..index].iter().all(|other| !other.intersects(*place)), "{place}");
         }
+        // A station's point is covered only where everything else is taken.
+        let mut placer = Placer::new(area, Vec::new());
+        let at = Pos2::new(100.0, 100.0);
+        let above = placer.beside(at, Vec2::new(40.0, 12.0)).expect("room");
+        let mut placer = Placer::new(area, Vec::new());
+        placer.spared.push(above);
+        let elsewhere = placer.beside(at, Vec2::new(40.0, 12.0)).expect("room");
+        assert!(!elsewhere.intersects(above));
+        let mut placer = Placer::new(area, Vec::new());
+        placer.spared.push(area);
+        assert_eq!(placer.beside(at, Vec2::new(40.0, 12.0)), Some(above));
         // What is not in the picture has no label.
         assert_eq!(placer.beside(Pos2::new(150.0, -30.0), Vec2::new(40.0, 12.0)), None);
     }
