@@ -5,7 +5,7 @@ use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Vec2};
 use super::SceneContent;
 use super::grid::GridNumber;
 use super::projection::Projection;
-use super::vertices::Rank;
+use super::vertices::{Label, Rank};
 use crate::app::theme;
 
 /// The part of the picture that a station's point covers.
@@ -68,7 +68,7 @@ pub fn ground_shape(place: Rect, dark: bool) -> Shape {
     Shape::rect_filled(place, 4.0, colour)
 }
 
-/// Paints names of stations and points, as far as there is room, and then the grid's numbers.
+/// Paints names of stations, of the axes and of points, as far as there is room, and then the grid's numbers.
 pub fn paint(
     painter: &Painter,
     projection: &Projection,
@@ -77,15 +77,17 @@ pub fn paint(
     placer: &mut Placer,
     dark: bool,
 ) {
-    let stations = content.labels.iter().filter(|label| label.rank == Rank::Station);
-    for at in stations.filter_map(|label| projection.screen(&label.position_m)) {
+    let (stations, points): (Vec<_>, Vec<_>) =
+        content.labels.iter().rev().partition(|label| label.rank == Rank::Station);
+    for at in stations.iter().filter_map(|label| projection.screen(&label.position_m)) {
         placer.spared.push(Rect::from_center_size(at, STATION));
     }
-    let numbers: Vec<GridNumber> = content
-        .grid
-        .iter()
-        .flat_map(|grid| grid.numbers(projection, eye_m, &placer.taken))
-        .collect();
+    for label in stations {
+        beside_its_point(painter, projection, placer, label, 13.0, dark);
+    }
+    let covered = [placer.taken.as_slice(), &placer.spared].concat();
+    let numbers: Vec<GridNumber> =
+        content.grid.iter().flat_map(|grid| grid.numbers(projection, eye_m, &covered)).collect();
     let (names, numbers): (Vec<_>, Vec<_>) =
         numbers.into_iter().partition(|number| number.text.contains('='));
     let colour = theme::faint(dark);
@@ -93,17 +95,28 @@ pub fn paint(
     for name in names {
         text_at(painter, placer, name.at, name.text, 10.0, colour);
     }
-    for label in content.labels.iter().rev() {
-        let Some(at) = projection.screen(&label.position_m) else { continue };
-        let size = if label.rank == Rank::Station { 13.0 } else { 10.5 };
-        let colour = theme::readable(label.colour, dark);
-        let galley = painter.layout_no_wrap(label.text.clone(), FontId::proportional(size), colour);
-        if let Some(place) = placer.beside(at, galley.size()) {
-            painter.galley(place.min, galley, colour);
-        }
+    for label in points {
+        beside_its_point(painter, projection, placer, label, 10.5, dark);
     }
     for number in numbers {
         text_at(painter, placer, number.at, number.text, 10.0, colour);
+    }
+}
+
+/// Paints a name beside what it names, if there is room.
+fn beside_its_point(
+    painter: &Painter,
+    projection: &Projection,
+    placer: &mut Placer,
+    label: &Label,
+    size: f32,
+    dark: bool,
+) {
+    let Some(at) = projection.screen(&label.position_m) else { return };
+    let colour = theme::readable(label.colour, dark);
+    let galley = painter.layout_no_wrap(label.text.clone(), FontId::proportional(size), colour);
+    if let Some(place) = placer.beside(at, galley.size()) {
+        painter.galley(place.min, galley, colour);
     }
 }
 
