@@ -5,8 +5,6 @@ use std::panic::AssertUnwindSafe;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
-use eframe::egui;
-
 /// What comes of a job.
 pub type Outcome<S> = Box<dyn FnOnce(&mut S) + Send>;
 

@@ -5,8 +5,6 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
-use eframe::egui;
-
 use super::persist::Folders;
 use super::persist::autosave::{Autosave, Recovered};
 use super::persist::hashes::HashCache;

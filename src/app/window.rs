@@ -3,8 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use eframe::egui;
-
 mod shell;
 
 use self::shell::{FIRST_POINTS, LEAST_POINTS, Shell};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Key, Modifiers, PointerButton, Pos2, Theme, Vec2};
+use egui::{Key, Modifiers, PointerButton, Pos2, Theme, Vec2};
 use resect::app::Command;
 
 #[derive(Clone, Debug)]

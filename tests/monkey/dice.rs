@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Key, Modifiers, PointerButton, Pos2, Rect, Theme, Vec2};
+use egui::{Key, Modifiers, PointerButton, Pos2, Rect, Theme, Vec2};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use resect::app::{Command, Picked, StudyKind, StudyOptions, actions};
@@ -291,7 +291,7 @@ fn targets(screen: &Screen) -> Vec<(bool, Rect)> {
         layers
             .filter(|widget| widget.enabled && widget.sense.interactive())
             .map(|widget| {
-                let over = widget.layer_id.order != eframe::egui::Order::Background;
+                let over = widget.layer_id.order != egui::Order::Background;
                 (over, widget.interact_rect.intersect(whole))
             })
             .filter(|(_, rect)| rect.is_positive())

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{
+use egui::{
     Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase,
 };
 use resect::app::Command;

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::App;
-use eframe::egui::{
+use eframe::egui_wgpu::{RenderState, Renderer, RendererOptions};
+use egui::{
     self, Event, HoveredFile, Modifiers, Pos2, RawInput, Rect, Theme, Vec2, ViewportCommand,
     ViewportId,
 };
-use eframe::egui_wgpu::{RenderState, Renderer, RendererOptions, wgpu};
 use resect::analysis::Settings;
 use resect::app::file_dialog::PromptCommand;
 use resect::app::keeping::Keeping;

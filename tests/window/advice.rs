@@ -1,7 +1,7 @@
 //! What findings advise can be done where they stand: by a button, or from the command palette, and never by a flag.
 
-use eframe::egui::Theme;
-use eframe::egui::accesskit::Role;
+use egui::Theme;
+use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{AngleUnit, Command, Pane, Units};
 use resect::calibration::Method;
@@ -49,9 +49,9 @@ fn the_joint_estimate_is_taken_where_a_finding_advises_it_and_given_back() {
 
     // The palette has it as well.
     send(&mut harness, Command::ShowPalette);
-    harness.event(eframe::egui::Event::Text("advice joint".to_owned()));
+    harness.event(egui::Event::Text("advice joint".to_owned()));
     settle(&mut harness);
-    harness.key_press(eframe::egui::Key::Enter);
+    harness.key_press(egui::Key::Enter);
     settle(&mut harness);
     assert_eq!(method(&harness), Method::Joint);
 }

@@ -1,10 +1,10 @@
 //! What the window asks before it goes on: which files, topics and columns are what, and what files are for.
 
-use eframe::egui::Vec2;
+use egui::Vec2;
 use std::path::Path;
 
-use eframe::egui::Theme;
-use eframe::egui::accesskit::Role;
+use egui::Theme;
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use resect::app::{Asked, Command, Pane, ResectWindow, Units};
 use resect::deployment::{ColumnMapping, OneOrMany, Overrides, Question, Source, Topic};
@@ -85,7 +85,7 @@ fn a_session_waits_for_the_answer_to_what_its_data_leaves_open() {
             let tracks = open[0].source.as_ref().and_then(|it| it.extras.put_right.tracks.clone());
             assert_eq!(tracks, Some(OneOrMany::One("b.csv".into())));
         } else {
-            harness.key_press(eframe::egui::Key::Escape);
+            harness.key_press(egui::Key::Escape);
             settle(&mut harness);
             assert_eq!(harness.state().state.open.len(), 1, "the others are opened");
             assert_eq!(harness.state().state.session.missing.len(), 1);
@@ -107,7 +107,7 @@ fn a_question_can_be_left() {
     let name = shown(&harness).deployment.name.clone();
     send(&mut harness, Command::OpenSource(Source::at(&drive)));
     snapshot_of(&mut harness, Part::Middle(Vec2::new(640.0, 320.0)), "asked-tracks-light");
-    harness.key_press(eframe::egui::Key::Escape);
+    harness.key_press(egui::Key::Escape);
     settle(&mut harness);
     assert!(harness.state().state.asked().is_none());
     assert_eq!(shown(&harness).deployment.name, name);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::Theme;
+use egui::Theme;
 use egui_kittest::kittest::Queryable;
 use resect::app::{Channel, Command, LengthUnit, Pane, Plotted, Units};
 

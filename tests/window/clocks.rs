@@ -1,6 +1,6 @@
 //! The pane of the clocks.
 
-use eframe::egui::Theme;
+use egui::Theme;
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane};
 use resect::calibration::Method;

@@ -1,6 +1,6 @@
 //! Drives of one set-up, solved together in the window.
 
-use eframe::egui::{Key, Modifiers, Theme};
+use egui::{Key, Modifiers, Theme};
 use resect::app::Command;
 use resect::calibration::Verdict;
 use resect::deployment::Source;

@@ -1,7 +1,7 @@
 //! The words of the field where they stand, and the guide.
 
-use eframe::egui::accesskit::Role;
-use eframe::egui::{Event, Key, Modifiers, OutputCommand, Theme, Vec2};
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, OutputCommand, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Overlay, Pane};
 use resect::glossary::{self, Term};

@@ -3,7 +3,7 @@
 //! Reference pictures are in `screenshots/`; Mesa's software Vulkan is the one rasteriser. After an intended change run
 //! `UPDATE_SNAPSHOTS=1 cargo test --test window` and look at the new pictures before committing them.
 
-use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Theme, Vec2};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, image_snapshot_options};
 use resect::analysis::Settings;

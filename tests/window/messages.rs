@@ -1,6 +1,6 @@
 //! What the window says: where it stands, how long, and by which names.
 
-use eframe::egui::{Theme, Vec2};
+use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane};
 use resect::deployment::Source;

@@ -1,7 +1,7 @@
 //! Everything that can be used has a name that a screen reader can say, and can be reached with Tab.
 
-use eframe::egui::accesskit::{Action, Node, Role};
-use eframe::egui::{Key, Modifiers, Theme};
+use egui::accesskit::{Action, Node, Role};
+use egui::{Key, Modifiers, Theme};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{Command, LayoutPreset, Pane};
 

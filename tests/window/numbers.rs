@@ -1,7 +1,7 @@
 //! What is typed into a field for a number and is none stays there, and says why.
 
-use eframe::egui::accesskit::Role;
-use eframe::egui::{Event, Key, Theme};
+use egui::accesskit::Role;
+use egui::{Event, Key, Theme};
 use egui_kittest::kittest::Queryable;
 
 use crate::harness::{LARGE, Window, press, settings, settle, type_and_enter_at_once, window};
@@ -41,6 +41,6 @@ fn escape_gives_garbage_up() {
     let mut harness = window(LARGE, Theme::Dark);
     let before = settings(&harness);
     type_garbage(&mut harness);
-    press(&mut harness, eframe::egui::Modifiers::NONE, Key::Escape);
+    press(&mut harness, egui::Modifiers::NONE, Key::Escape);
     assert_eq!((settings(&harness), left_in_the_field(&harness)), (before, None));
 }

@@ -1,6 +1,6 @@
 //! Each pane in its main states, dark and light.
 
-use eframe::egui::{Event, Key, Modifiers, Theme, Vec2};
+use egui::{Event, Key, Modifiers, Theme, Vec2};
 use resect::app::{
     Colouring, Command, LayoutPreset, Pane, Picked, PictureTo, Ruler, RulerEnd, ViewPreset,
 };

@@ -1,7 +1,7 @@
 //! Playing in the scene: the rig at the time cursor or its ghosts, the trail behind it, and the camera that goes with it.
 
-use eframe::egui::accesskit::Role;
-use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Theme, Vec2};
+use egui::accesskit::Role;
+use egui::{Context, Event, Key, Modifiers, PointerButton, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use nalgebra::Vector3;
 use resect::app::{Camera, Command, Pane, SceneOptions, ViewPreset};
@@ -90,10 +90,10 @@ fn the_camera_goes_with_the_rig_and_only_turns_and_zooms_beside() {
     let beside = picture(&harness).center() + Vec2::new(100.0, 50.0);
     harness.hover_at(beside);
     harness.event(Event::MouseWheel {
-        unit: eframe::egui::MouseWheelUnit::Line,
+        unit: egui::MouseWheelUnit::Line,
         delta: Vec2::new(0.0, 8.0),
-        phase: eframe::egui::TouchPhase::Move,
-        source: eframe::egui::MouseWheelSource::Unknown,
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Unknown,
         modifiers: Modifiers::NONE,
     });
     arrive(&mut harness);

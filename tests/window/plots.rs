@@ -1,6 +1,6 @@
 //! The plots over time, driven by the names of their widgets.
 
-use eframe::egui::{
+use egui::{
     self, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Theme, TouchPhase, Vec2,
 };
 use egui_kittest::kittest::Queryable;

@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::accesskit::Role;
-use eframe::egui::{Event, Key, Modifiers, Theme};
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable;
 use resect::app::persist::hashes::HashCache;
 use resect::app::persist::session_file;

@@ -1,7 +1,7 @@
 //! Results in the window, driven by the names of the widgets: copying, pinning, the history of runs, and the reading
 //! that was picked.
 
-use eframe::egui::{OutputCommand, Theme, accesskit::Role};
+use egui::{OutputCommand, Theme, accesskit::Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{AngleUnit, Command, LengthUnit, Pane, Picked, Units};
 use resect::calibration::{Loss, Method};
@@ -179,7 +179,7 @@ fn the_history_names_what_changed_and_brings_it_back() {
         // By the keyboard, as by the mouse.
         run.focus();
         harness.run_steps(2);
-        harness.key_press(eframe::egui::Key::Enter);
+        harness.key_press(egui::Key::Enter);
         settle(&mut harness);
         let settings = *harness.state().state.settings();
         assert_eq!(settings.pipeline.thresholds.tau_l_seconds, 20.0);

@@ -1,7 +1,7 @@
 //! The scene, driven by mouse and keyboard.
 
-use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Pos2, Rect, Theme, Vec2};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset};
 

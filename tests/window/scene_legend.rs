@@ -1,7 +1,7 @@
 //! What the legend hides, what the strip says of it, and what the camera makes of it.
 
-use eframe::egui::accesskit::Role;
-use eframe::egui::{Theme, Vec2};
+use egui::accesskit::Role;
+use egui::{Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{Command, LayoutPreset, SceneOptions, ViewPreset, Visibility};
 use resect::pipeline::SampleFate;

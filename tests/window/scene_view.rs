@@ -1,7 +1,7 @@
 //! How the scene is looked at: from the sides, near and far, and back.
 
-use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Theme, Vec2};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{Command, LayoutPreset, Pane, Picked, SceneOptions, ViewPreset};
 
@@ -67,13 +67,11 @@ fn a_double_click_comes_to_a_point_and_beside_everything_goes_back() {
     assert!((camera(&harness).distance_m - near.distance_m).abs() < 1e-3);
     let nothing = |harness: &mut Window| {
         let edge = picture(harness);
-        (1..40).map(|step| edge.right_bottom() - eframe::egui::vec2(20.0 * step as f32, 8.0)).find(
-            |at| {
-                harness.hover_at(*at);
-                harness.run_steps(2);
-                harness.state().state.hover_s.is_none()
-            },
-        )
+        (1..40).map(|step| edge.right_bottom() - egui::vec2(20.0 * step as f32, 8.0)).find(|at| {
+            harness.hover_at(*at);
+            harness.run_steps(2);
+            harness.state().state.hover_s.is_none()
+        })
     };
     let beside = nothing(&mut harness).expect("a place beside everything");
     double_click(&mut harness, beside);
@@ -96,11 +94,11 @@ fn the_camera_cannot_be_lost_and_the_grid_goes_with_it() {
     harness.hover_at(middle);
     for zoom in [40.0, -40.0] {
         for _ in 0..40 {
-            harness.event(eframe::egui::Event::MouseWheel {
-                unit: eframe::egui::MouseWheelUnit::Line,
-                delta: eframe::egui::vec2(0.0, zoom),
-                phase: eframe::egui::TouchPhase::Move,
-                source: eframe::egui::MouseWheelSource::Unknown,
+            harness.event(egui::Event::MouseWheel {
+                unit: egui::MouseWheelUnit::Line,
+                delta: egui::vec2(0.0, zoom),
+                phase: egui::TouchPhase::Move,
+                source: egui::MouseWheelSource::Unknown,
                 modifiers: Modifiers::NONE,
             });
             harness.run_steps(2);

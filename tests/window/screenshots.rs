@@ -1,6 +1,6 @@
 //! The window as pictures.
 
-use eframe::egui::{Theme, Vec2};
+use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::analysis::Settings;
 use resect::app::{Command, Pane, StudyKind};
@@ -87,11 +87,11 @@ fn a_threshold_can_be_typed() {
     let mut harness = window(LARGE, Theme::Dark);
     let before = triplets(&harness);
     // A click on the number turns it into a text field with everything selected.
-    harness.get_by_role_and_label(eframe::egui::accesskit::Role::SpinButton, "τ_l  length").click();
+    harness.get_by_role_and_label(egui::accesskit::Role::SpinButton, "τ_l  length").click();
     harness.run_steps(2);
-    harness.event(eframe::egui::Event::Text("25".to_owned()));
+    harness.event(egui::Event::Text("25".to_owned()));
     harness.run_steps(2);
-    harness.key_press(eframe::egui::Key::Enter);
+    harness.key_press(egui::Key::Enter);
     settle(&mut harness);
     assert_eq!(harness.state().state.settings().pipeline.thresholds.tau_l_seconds, 25.0);
     assert!(triplets(&harness) < before);
@@ -119,7 +119,7 @@ fn copy_gives_the_text_of_the_command_line() {
     harness.run_steps(1);
     let copied =
         harness.output().platform_output.commands.iter().find_map(|command| match command {
-            eframe::egui::OutputCommand::CopyText(text) => Some(text.clone()),
+            egui::OutputCommand::CopyText(text) => Some(text.clone()),
             _ => None,
         });
     let copied = copied.expect("something was copied");
@@ -148,7 +148,7 @@ fn a_click_in_the_residuals_moves_the_cursor() {
 #[derive(Debug)]
 struct Dropped(std::path::PathBuf);
 
-impl eframe::egui::DroppedFile for Dropped {
+impl egui::DroppedFile for Dropped {
     fn path(&self) -> &std::path::Path {
         &self.0
     }

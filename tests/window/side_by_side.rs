@@ -1,7 +1,7 @@
 //! Results beside each other: open deployments and pinned results, what differs, and what cannot be compared.
 
-use eframe::egui::Theme;
-use eframe::egui::accesskit::Role;
+use egui::Theme;
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane};
 use resect::calibration::Method;
@@ -13,7 +13,7 @@ use crate::harness::{
 };
 
 /// The sample's joint estimate, pinned, with the answer of method D beside it.
-fn pinned(size: eframe::egui::Vec2, theme: Theme) -> Window {
+fn pinned(size: egui::Vec2, theme: Theme) -> Window {
     let mut harness = window(size, theme);
     click(&mut harness, "Pin");
     set(&mut harness, |s| {

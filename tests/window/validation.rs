@@ -1,6 +1,6 @@
 //! Whether one open deployment's calibration holds for the others, in the window.
 
-use eframe::egui::Theme;
+use egui::Theme;
 use egui_kittest::kittest::Queryable;
 use resect::app::{AngleUnit, Command, Pane, Units};
 use resect::simulation::Preset;

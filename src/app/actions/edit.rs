@@ -1,6 +1,6 @@
 //! Undo, and the switches of the settings.
 
-use eframe::egui::{Key, Modifiers};
+use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
 use crate::analysis::Settings;

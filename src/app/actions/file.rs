@@ -1,6 +1,6 @@
 //! Opening, sessions, and what is written for other programs.
 
-use eframe::egui::{Key, Modifiers};
+use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
 use crate::app::model::{Command, PictureTo};

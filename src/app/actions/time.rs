@@ -1,6 +1,6 @@
 //! Moving through time.
 
-use eframe::egui::{Key, Modifiers};
+use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
 use crate::app::model::Command;

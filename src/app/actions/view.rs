@@ -1,6 +1,6 @@
 //! What is shown, and how.
 
-use eframe::egui::{self, Key};
+use egui::{self, Key};
 
 use super::{Action, Menu};
 use crate::app::model::plotted::APART;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use eframe::egui::Vec2;
+use egui::Vec2;
 use egui_tiles::{Container, LinearDir, Tile, TileId, Tiles};
 
 use crate::app::model::pane::Pane;

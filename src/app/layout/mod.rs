@@ -12,7 +12,6 @@ mod tree;
 
 use std::collections::HashMap;
 
-use eframe::egui;
 use egui_tiles::{Tile, TileId, Tree};
 
 use crate::app::model::layout_description::Node;

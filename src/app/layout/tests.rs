@@ -1,4 +1,4 @@
-use eframe::egui::Vec2;
+use egui::Vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use proptest::prelude::*;

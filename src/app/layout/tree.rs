@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 
-use eframe::egui;
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 
 use crate::app::model::layout_description::{Node, normalised};

@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use eframe::egui;
-
 use super::Units;
 use super::studies::StudyOptions;
 use super::{Asked, AskedAnswer, Lookup, Palette, Picked, Plotted, Visibility};

@@ -3,8 +3,6 @@
 //! A drag sends many settings; it is one step. egui's own `Undoer` merges whatever comes within a second, also two
 //! different switches, and cannot name a step; this one merges changes of the same setting only.
 
-use eframe::egui;
-
 use super::Units;
 use crate::analysis::{Settings, setting_changes};
 use crate::deployment::Extras;

@@ -2,7 +2,7 @@
 
 mod columns;
 
-use eframe::egui::{self, RichText};
+use egui::{self, RichText};
 
 use crate::app::model::{
     Asked, AskedAnswer, AskedFiles, AskedStations, AskedToml, AskedTracks, Command, Commands,

@@ -1,7 +1,5 @@
 //! What is open: the deployments, and of the active one stations with their counts and visibility, files, rig.
 
-use eframe::egui;
-
 use super::{finding, heading, put_right, scrolled};
 use crate::app::model::{Command, Commands, OpenDeployment, Visibility};
 use crate::app::state::State;

@@ -1,7 +1,5 @@
 //! Everything that the readers, the pipeline and the solver noticed.
 
-use eframe::egui;
-
 use super::{finding, heading, scrolled};
 use crate::app::model::Commands;
 use crate::app::state::State;

@@ -1,7 +1,5 @@
 //! The words of the field, to be looked up: those that F1 was pressed on, or all that have what is typed.
 
-use eframe::egui;
-
 use crate::app::model::{Command, Commands, Lookup};
 use crate::app::words;
 use crate::glossary;

@@ -1,7 +1,5 @@
 //! Every minimum of the cost that the search found, folded away under the mirror twin.
 
-use eframe::egui;
-
 use crate::app::model::Units;
 use crate::app::words;
 use crate::calibration::inter_prism::InterPrismDetails;

@@ -28,8 +28,6 @@ pub mod toasts;
 pub mod top_bar;
 pub mod validation;
 
-use eframe::egui;
-
 use crate::app::actions::remedies;
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;

@@ -3,7 +3,7 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{self, Shape, Stroke};
+use egui::{self, Shape, Stroke};
 
 use super::scrolled;
 use crate::analysis::{Analysis, Settings};

@@ -2,8 +2,6 @@
 
 use std::time::Duration;
 
-use eframe::egui;
-
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::progress::Progress;

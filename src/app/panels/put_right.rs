@@ -4,7 +4,7 @@
 mod files;
 mod times;
 
-use eframe::egui::{self, RichText};
+use egui::{self, RichText};
 
 use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;

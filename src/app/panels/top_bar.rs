@@ -1,7 +1,6 @@
 //! The bar at the top: the menus, the deployment's name, what is under way, units and theme.
 
-use eframe::egui;
-use eframe::egui::containers::menu::{MenuButton, MenuConfig};
+use egui::containers::menu::{MenuButton, MenuConfig};
 
 use crate::app::actions::{self, Action, Menu};
 use crate::app::model::Commands;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use eframe::egui::ThemePreference;
+use egui::ThemePreference;
 use serde::{Deserialize, Serialize};
 
 use super::stored::Lenient;

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use eframe::egui::{self, RichText};
+use egui::{self, RichText};
 use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
 use super::strips::strips;

@@ -19,7 +19,6 @@ mod threshold;
 mod time_plot;
 mod times;
 
-use eframe::egui;
 use egui_plot::{GridInput, GridMark};
 
 use crate::analysis::{Analysis, Answer};

@@ -1,6 +1,5 @@
 //! The paper's search of the prior: what each speed limit τ_v led to, which runs agreed, which was chosen.
 
-use eframe::egui;
 use egui_plot::{AxisHints, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
 use super::{LABELS, answer, log_axis, round_marks};

@@ -1,8 +1,8 @@
 //! Where plots over time are in their panes: in all panes of the same width at the same place, so that what happened at
 //! one time stands under each other in all of them.
 
-use eframe::egui::text::LayoutJob;
-use eframe::egui::{self, Align, FontSelection, Rect, RichText, TextStyle};
+use egui::text::LayoutJob;
+use egui::{self, Align, FontSelection, Rect, RichText, TextStyle};
 use egui_plot::{AxisHints, GridInput, GridMark};
 
 use super::times::Times;

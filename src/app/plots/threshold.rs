@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{
+use egui::{
     self, CursorIcon, EventFilter, Key, Pos2, Rect, Response, Sense, Stroke, Vec2, accesskit,
 };
 

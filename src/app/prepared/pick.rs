@@ -2,7 +2,7 @@
 //!
 //! Points are grouped in boxes, boxes in boxes; a box is opened only if its picture reaches the pointer.
 
-use eframe::egui::{Pos2, Rect};
+use egui::{Pos2, Rect};
 use nalgebra::{Matrix4, Vector3, Vector4};
 use rayon::prelude::*;
 
@@ -83,7 +83,7 @@ impl PickView {
 
     fn on_screen(&self, clip: &Vector4<f32>) -> Pos2 {
         let half = 0.5 * self.rect.size();
-        self.rect.center() + eframe::egui::vec2(clip.x / clip.w * half.x, -clip.y / clip.w * half.y)
+        self.rect.center() + egui::vec2(clip.x / clip.w * half.x, -clip.y / clip.w * half.y)
     }
 
     /// No point of a box is seen nearer to the pointer than this; `None` if none is seen at all.
@@ -266,7 +266,7 @@ mod tests {
             let view = PickView {
                 clip_from_points: camera.clip_from_world(rect.aspect_ratio()),
                 rect,
-                pointer: rect.center() + eframe::egui::vec2(x, y),
+                pointer: rect.center() + egui::vec2(x, y),
                 reach_points: 12.0,
             };
             let shown = |index: usize| index % 3 != hidden;

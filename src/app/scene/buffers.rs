@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use eframe::egui_wgpu::wgpu;
+use wgpu;
 
 use super::colouring::PointColour;
 use super::vertices::Layer;

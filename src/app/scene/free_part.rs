@@ -1,6 +1,6 @@
 //! What of the picture is not covered by the controls and the legend.
 
-use eframe::egui::Rect;
+use egui::Rect;
 
 use crate::app::model::Frame;
 
@@ -39,7 +39,7 @@ pub fn frame(picture: Rect, free: Rect) -> Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eframe::egui::Pos2;
+    use egui::Pos2;
 
     fn rect(left: f32, top: f32, right: f32, bottom: f32) -> Rect {
         Rect::from_min_max(Pos2::new(left, top), Pos2::new(right, bottom))

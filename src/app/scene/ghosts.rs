@@ -1,6 +1,6 @@
 //! Ghosts: prisms at a time of which there is no triplet, each where it was last read.
 
-use eframe::egui::{Painter, Pos2, Shape, Stroke, Vec2};
+use egui::{Painter, Pos2, Shape, Stroke, Vec2};
 use nalgebra::Vector3;
 
 use super::projection::Projection;

@@ -1,7 +1,7 @@
 //! The grid behind the data: lines at round metres of station 1's frame, as near to each other as the zoom has room for, and
 //! the numbers along its edges.
 
-use eframe::egui::{Pos2, Rect, Vec2};
+use egui::{Pos2, Rect, Vec2};
 use nalgebra::Vector3;
 
 use super::projection::Projection;
@@ -206,7 +206,7 @@ fn step_between(square: f32) -> i32 {
 mod tests {
     use super::*;
     use crate::app::model::{Frame, ViewPreset};
-    use eframe::egui::Rect;
+    use egui::Rect;
 
     const LOW: Vector3<f32> = Vector3::new(-6.0, -20.0, -1.0);
     const HIGH: Vector3<f32> = Vector3::new(74.0, 31.0, 2.0);

@@ -1,6 +1,6 @@
 //! What mouse and keyboard do to the camera, and what a click means.
 
-use eframe::egui::{self, EventFilter, Key, Modifiers, Rect};
+use egui::{self, EventFilter, Key, Modifiers, Rect};
 
 use super::content::SceneContent;
 use super::projection::Projection;

@@ -1,6 +1,6 @@
 //! Text over the picture, none on top of another.
 
-use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Vec2};
 
 use super::SceneContent;
 use super::grid::GridNumber;

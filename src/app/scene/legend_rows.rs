@@ -1,6 +1,6 @@
 //! What the legend lists, and what of the scene is hidden, in words.
 
-use eframe::egui::Color32;
+use egui::Color32;
 
 use super::SceneContent;
 use crate::analysis::Analysis;

@@ -1,6 +1,6 @@
 //! The five ways in which the scene's vertices become pixels.
 
-use eframe::egui_wgpu::wgpu;
+use wgpu;
 
 use super::colouring::PointColour;
 use super::vertices::{LineVertex, PointVertex};

@@ -1,6 +1,6 @@
 //! The projection from the world to the screen.
 
-use eframe::egui::{Pos2, Rect, Vec2};
+use egui::{Pos2, Rect, Vec2};
 use nalgebra::{Matrix4, Vector3, Vector4};
 
 use crate::app::model::Camera;

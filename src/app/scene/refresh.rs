@@ -1,7 +1,5 @@
 //! Making what the scene shows anew, as far as the state has changed.
 
-use eframe::egui;
-
 use super::SceneContent;
 use super::trail::Trail;
 use super::view::{Built, SceneView};

@@ -6,8 +6,7 @@
 
 use std::sync::Arc;
 
-use eframe::egui_wgpu::{RenderState, wgpu};
-use eframe::{egui, egui_wgpu};
+use eframe::egui_wgpu::{self, RenderState};
 use nalgebra::Matrix4;
 
 use super::buffers::{CloudBuffers, LayerBuffers};

@@ -5,7 +5,7 @@ use super::projection::Projection;
 use super::vertices::{LineVertex, PointVertex, WORLD, f32s, opaque};
 use crate::app::model::{Ruler, RulerEnd};
 use crate::palette::Rgb;
-use eframe::egui::Pos2;
+use egui::Pos2;
 
 /// A click this near (points) to a prism, a station or a control point means it, even where readings are nearer.
 const SNAP_POINTS: f32 = 11.0;

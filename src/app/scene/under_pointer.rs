@@ -1,6 +1,6 @@
 //! What the pointer is on, and what is said about it.
 
-use eframe::egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, Vec2};
+use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, Vec2};
 use nalgebra::Vector3;
 
 use super::SceneContent;

@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use eframe::egui;
-
 use super::State;
 use super::put_right::{self, Extra};
 use crate::analysis::Settings;

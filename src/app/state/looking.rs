@@ -37,7 +37,6 @@ impl State {
 mod tests {
     use super::*;
     use crate::app::model::Command;
-    use eframe::egui;
 
     #[test]
     fn what_looks_elsewhere_ends_following_and_what_only_turns_does_not() {

@@ -26,8 +26,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use eframe::egui;
-
 pub use asking::OpenPrompt;
 pub use hovering::Hovering;
 pub use opening::Opening;

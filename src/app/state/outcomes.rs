@@ -113,7 +113,6 @@ impl State {
 
 #[cfg(test)]
 mod tests {
-    use eframe::egui;
 
     use super::*;
     use crate::calibration::Method;

@@ -1,7 +1,5 @@
 //! The scene as a picture, with what is written over it: the window's own pixels, cut to the pane.
 
-use eframe::egui;
-
 use super::State;
 use crate::app::model::PictureTo;
 

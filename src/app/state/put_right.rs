@@ -3,8 +3,6 @@
 
 use std::path::PathBuf;
 
-use eframe::egui;
-
 use super::State;
 use crate::app::file_dialog::{Question, Wanted};
 use crate::app::model::undo::{Change, Changed, Moment};

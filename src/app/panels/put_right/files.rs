@@ -1,6 +1,6 @@
 //! Files of the rig and of control points.
 
-use eframe::egui::{self, RichText};
+use egui::{self, RichText};
 
 use super::{Shown, name};
 use crate::app::model::{Command, Commands};

@@ -1,7 +1,5 @@
 //! The span of time that is used, and single readings that do not count.
 
-use eframe::egui;
-
 use super::{Shown, name};
 use crate::app::state::put_right::{masked, with_span, within};
 use crate::deployment::Extras;

@@ -1,7 +1,5 @@
 //! The paper's answer beside a joint estimate: what it was moved by, and the way to it.
 
-use eframe::egui;
-
 use super::difference_row;
 use crate::app::model::{Command, Commands};
 use crate::app::panels::heading;

@@ -3,7 +3,7 @@
 
 mod columns;
 
-use eframe::egui::{self, RichText};
+use egui::{self, RichText};
 
 use self::columns::{Cell, Column, Whose, columns};
 use super::result::{NOTABLE_SIGMAS, badge};
