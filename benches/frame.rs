@@ -12,7 +12,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, SamplingMode, criterion_group, criterion_main};
 use eframe::App;
 use eframe::egui_wgpu::RenderState;
-use egui::{self, Event, Modifiers, PointerButton, Pos2, RawInput, Rect};
+use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect};
 use resect::analysis::Settings;
 use resect::app::{Colouring, Command, Pane, ResectWindow, SceneView, Start, State};
 use resect::deployment::Deployment;

@@ -1,6 +1,6 @@
 //! Colours and spacing of the window, dark and light.
 
-use egui::{self, Color32, FontFamily, FontId, TextStyle};
+use egui::{Color32, FontFamily, FontId, TextStyle};
 
 use crate::deployment::Severity;
 use crate::palette::Rgb;

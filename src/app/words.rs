@@ -1,6 +1,6 @@
 //! Words of the field where they stand: explained on hover, and by F1 where the pointer or the focus is.
 
-use egui::{self, CursorIcon, Id, Response, RichText, Sense};
+use egui::{CursorIcon, Id, Response, RichText, Sense};
 
 use crate::calibration::Method;
 use crate::glossary::{self, Term};

@@ -7,8 +7,7 @@ use std::time::Duration;
 use eframe::App;
 use eframe::egui_wgpu::{RenderState, Renderer, RendererOptions};
 use egui::{
-    self, Event, HoveredFile, Modifiers, Pos2, RawInput, Rect, Theme, Vec2, ViewportCommand,
-    ViewportId,
+    Event, HoveredFile, Modifiers, Pos2, RawInput, Rect, Theme, Vec2, ViewportCommand, ViewportId,
 };
 use resect::analysis::Settings;
 use resect::app::file_dialog::PromptCommand;

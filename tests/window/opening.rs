@@ -1,6 +1,6 @@
 //! Opening and saving in the window, driven by the names of its widgets.
 
-use egui::{self, Event, HoveredFile, Key, Modifiers, Theme, Vec2};
+use egui::{Event, HoveredFile, Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::Command;
 use resect::app::file_dialog::PromptCommand;

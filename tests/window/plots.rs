@@ -1,7 +1,7 @@
 //! The plots over time, driven by the names of their widgets.
 
 use egui::{
-    self, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Theme, TouchPhase, Vec2,
+    Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Theme, TouchPhase, Vec2,
 };
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane, TimeUnit, Units};

@@ -1,7 +1,7 @@
 //! The workspace driven by the names of its widgets: what a user does, and what must come of it.
 
 use egui::accesskit::Role;
-use egui::{self, Key, Modifiers, Theme, Vec2};
+use egui::{Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Overlay, Pane, Ruler, RulerEnd, StudyResult, Units};
 use resect::simulation::{Preset, simulate};

@@ -7,7 +7,7 @@ pub mod remedies;
 mod time;
 mod view;
 
-use egui::{self, Key, KeyboardShortcut, Modifiers};
+use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::state::State;
 use crate::app::model::{Command, Commands, Pane};

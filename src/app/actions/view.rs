@@ -1,6 +1,6 @@
 //! What is shown, and how.
 
-use egui::{self, Key};
+use egui::Key;
 
 use super::{Action, Menu};
 use crate::app::model::plotted::APART;

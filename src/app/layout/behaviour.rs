@@ -1,7 +1,7 @@
 //! How tabs look and what can be done to them.
 
 use egui::style::ScrollAnimation;
-use egui::{self, Align2, Rect, Sense, Stroke, TextStyle, WidgetInfo, vec2};
+use egui::{Align2, Rect, Sense, Stroke, TextStyle, WidgetInfo, vec2};
 use egui_tiles::{
     Behavior, Container, EditAction, SimplificationOptions, TabState, Tile, TileId, Tiles,
     UiResponse,

@@ -2,7 +2,7 @@
 
 mod columns;
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use crate::app::model::{
     Asked, AskedAnswer, AskedFiles, AskedStations, AskedToml, AskedTracks, Command, Commands,

@@ -1,6 +1,6 @@
 //! The command palette: type what you want to do.
 
-use egui::{self, Key};
+use egui::Key;
 
 use crate::app::actions::{self, Action};
 use crate::app::model::{Command, Commands, Palette};

@@ -1,6 +1,6 @@
 //! The control points, one by one: what each station makes of them, and whether the answer rests on them.
 
-use egui::{self, RichText, Role, WidgetInfo};
+use egui::{RichText, Role, WidgetInfo};
 
 use crate::app::model::{Command, Commands, Pane};
 use crate::app::prepared::control_points::{PointResidual, residuals};

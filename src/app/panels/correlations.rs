@@ -1,6 +1,6 @@
 //! How the errors of the eight numbers go together: their correlations as a table, shaded by size.
 
-use egui::{self, Align2, Color32, FontId, Rect, Sense, Vec2};
+use egui::{Align2, Color32, FontId, Rect, Sense, Vec2};
 use nalgebra::SMatrix;
 
 use crate::app::theme;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{self, Align2, Color32, FontId};
+use egui::{Align2, Color32, FontId};
 
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;

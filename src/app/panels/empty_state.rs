@@ -1,6 +1,6 @@
 //! What the scene's pane shows while nothing is open: what the program is, and what to do first.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use crate::app::model::{Command, Commands, Pane};
 use crate::app::state::SessionState;

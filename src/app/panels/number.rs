@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
-use egui::{self, Key, RichText, emath::Numeric};
+use egui::{Key, RichText, emath::Numeric};
 
 use crate::app::theme;
 use crate::deployment::Severity;

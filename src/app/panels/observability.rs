@@ -1,6 +1,6 @@
 //! What the drive holds: a bar for each direction, from the least held to the best, and what to drive next.
 
-use egui::{self, Color32, Rect, RichText, Sense, Vec2};
+use egui::{Color32, Rect, RichText, Sense, Vec2};
 
 use crate::app::theme;
 use crate::app::words;

@@ -1,6 +1,6 @@
 //! The dialog for a path inside the window: for systems that have none of their own.
 
-use egui::{self, Key, Modifiers, RichText};
+use egui::{Key, Modifiers, RichText};
 
 use crate::app::file_dialog::{Entry, PathPrompt, PromptCommand, Wanted};
 use crate::app::model::{Command, Commands};

@@ -3,7 +3,7 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{self, Shape, Stroke};
+use egui::{Shape, Stroke};
 
 use super::scrolled;
 use crate::analysis::{Analysis, Settings};

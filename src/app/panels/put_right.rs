@@ -4,7 +4,7 @@
 mod files;
 mod times;
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;

@@ -1,6 +1,6 @@
 //! One raw reading, picked in the scene or in a plot: its numbers, what became of it, and why.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use super::{heading, scrolled};
 use crate::analysis::{Analysis, Settings};

@@ -1,6 +1,6 @@
 //! The session's results: those that were pinned, and every run with what it changed.
 
-use egui::{self, RichText, WidgetInfo};
+use egui::{RichText, WidgetInfo};
 
 use super::result::badge;
 use super::{heading, scrolled, use_pinned};

@@ -1,6 +1,6 @@
 //! The sheet of shortcuts, from the same table as the menus, and what the mouse does.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use crate::app::actions::{self, Menu};
 use crate::app::model::{Command, Commands};

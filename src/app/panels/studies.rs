@@ -1,6 +1,6 @@
 //! The paper's studies: what to run, how far it is, and the picture of what came of it.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use super::{finding, number, scrolled};
 use crate::app::model::studies::{StudyKind, StudyOptions};

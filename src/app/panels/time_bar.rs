@@ -1,6 +1,6 @@
 //! The bar at the bottom: play, speed, where the cursor is, and the whole drive in one line.
 
-use egui::{self, Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
+use egui::{Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
 
 use crate::app::model::time_scale::decimals;
 use crate::app::model::{

@@ -1,6 +1,6 @@
 //! The toasts, in a strip of their own above the bar of time: they cover no data and no number.
 
-use egui::{self, Color32, RichText, accesskit};
+use egui::{Color32, RichText, accesskit};
 
 use crate::app::model::toasts::{Toast, ToastLevel, Toasts};
 use crate::app::model::{Command, Commands, Units};

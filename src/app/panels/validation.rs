@@ -1,6 +1,6 @@
 //! Whether the active deployment's calibration holds for the other open ones: a verdict and a test for each station.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use super::{finding, heading};
 use crate::app::model::{Command, Commands, Units};

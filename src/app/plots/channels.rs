@@ -1,6 +1,6 @@
 //! Any channel over time, or against another one.
 
-use egui::{self, FontId, RichText, Stroke};
+use egui::{FontId, RichText, Stroke};
 use egui_plot::{AxisHints, HoverPosition, Plot, PlotPoint, PlotPoints, Points};
 
 use super::channel_units::{per_stored, unit, with_unit};

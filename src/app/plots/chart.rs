@@ -1,6 +1,6 @@
 //! A drawing, as files show it, painted in the window.
 
-use egui::{self, Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, Vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, Vec2};
 
 use crate::app::theme;
 use crate::export::drawing::{Anchor, Drawing, Ink, Mark};

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use egui::{self, RichText};
+use egui::RichText;
 use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
 use super::strips::strips;

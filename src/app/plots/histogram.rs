@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{self, Color32, FontId, RichText};
+use egui::{Color32, FontId, RichText};
 use egui_plot::{AxisHints, Line, Plot, PlotPoints, PlotResponse, VLine};
 
 use super::navigation::{self, Moved};

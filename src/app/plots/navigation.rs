@@ -1,6 +1,6 @@
 //! Moving about in a plot over time. Every pane moves the one window of time, so all of them move.
 
-use egui::{self, Key, PointerButton};
+use egui::{Key, PointerButton};
 use egui_plot::PlotTransform;
 
 use super::times::Times;

@@ -5,7 +5,7 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{self, RichText, Stroke};
+use egui::{RichText, Stroke};
 use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
 use super::strips::{Strip, strips};

@@ -1,7 +1,7 @@
 //! Distance errors over time, a strip a pair: dots under their running median and quartiles, with the kept intervals behind
 //! and the time cursor.
 
-use egui::{self, RichText};
+use egui::RichText;
 use egui_plot::{
     FilledArea, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi,
 };

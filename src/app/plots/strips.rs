@@ -2,7 +2,7 @@
 //! one time stands under each other in all of them.
 
 use egui::text::LayoutJob;
-use egui::{self, Align, FontSelection, Rect, RichText, TextStyle};
+use egui::{Align, FontSelection, Rect, RichText, TextStyle};
 use egui_plot::{AxisHints, GridInput, GridMark};
 
 use super::times::Times;

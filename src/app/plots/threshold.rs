@@ -2,9 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{
-    self, CursorIcon, EventFilter, Key, Pos2, Rect, Response, Sense, Stroke, Vec2, accesskit,
-};
+use egui::{CursorIcon, EventFilter, Key, Pos2, Rect, Response, Sense, Stroke, Vec2, accesskit};
 
 use crate::app::theme;
 use crate::app::words;

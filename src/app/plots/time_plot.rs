@@ -1,6 +1,6 @@
 //! What all plots over time share: one window of time, one cursor, one selection, and one way to move about.
 
-use egui::{self, Pos2, Rect, Stroke};
+use egui::{Pos2, Rect, Stroke};
 use egui_plot::{AxisHints, Plot, PlotTransform, PlotUi};
 
 use super::navigation::{self, Moved};

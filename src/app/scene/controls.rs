@@ -1,6 +1,6 @@
 //! Buttons in the scene's corner: where to look from, the ruler, and what colours mean.
 
-use egui::{self, Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
+use egui::{Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
 
 use crate::app::model::{Colouring, Command, Commands, Ruler, SceneOptions, ViewPreset};
 use crate::app::state::State;

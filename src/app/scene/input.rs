@@ -1,6 +1,6 @@
 //! What mouse and keyboard do to the camera, and what a click means.
 
-use egui::{self, EventFilter, Key, Modifiers, Rect};
+use egui::{EventFilter, Key, Modifiers, Rect};
 
 use super::content::SceneContent;
 use super::projection::Projection;

@@ -1,6 +1,6 @@
 //! Which colour is what in the scene, with counts; a click on a row shows or hides what it names.
 
-use egui::{self, Color32, Rect, RichText, Role, Sense, Vec2, WidgetInfo};
+use egui::{Color32, Rect, RichText, Role, Sense, Vec2, WidgetInfo};
 
 use super::legend_rows::{self, Row, Swatch};
 use super::{SceneContent, labels};

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use egui::{
-    self, Align2, Color32, FontId, Galley, Mesh, Painter, Pos2, Rect, Role, Sense, Shape, Stroke,
-    Vec2, WidgetInfo,
+    Align2, Color32, FontId, Galley, Mesh, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Vec2,
+    WidgetInfo,
 };
 
 use super::SceneContent;

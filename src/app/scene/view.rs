@@ -1,6 +1,6 @@
 //! The scene pane: the picture, what is written over it, and what was hovered.
 
-use egui::{self, Align2, Color32, FontId, Pos2, Rect, Sense, StrokeKind, Vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, StrokeKind, Vec2};
 
 use super::input::{click, move_camera, take_keys};
 use super::labels::{self, Placer};

@@ -1,6 +1,6 @@
 //! The window among those of the system: how large it opens, and what its title says.
 
-use egui::{self, Vec2, ViewportCommand};
+use egui::{Vec2, ViewportCommand};
 
 /// How large the window opens where nobody chose a size, and how small it may be made (points).
 pub const FIRST_POINTS: [f32; 2] = [1600.0, 1000.0];

@@ -1,6 +1,6 @@
 //! Which column of a table is what, with the first rows as text and as they are understood.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use super::trouble;
 use crate::app::model::{Asked, AskedColumns, Command, Commands, TableHead};

@@ -4,7 +4,7 @@ mod doubts;
 mod headless;
 mod steps;
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use self::doubts::{DOUBTS, Doubt};
 use self::steps::{Part, STEPS, Step};

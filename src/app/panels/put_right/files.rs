@@ -1,6 +1,6 @@
 //! Files of the rig and of control points.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use super::{Shown, name};
 use crate::app::model::{Command, Commands};

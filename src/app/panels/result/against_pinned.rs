@@ -1,6 +1,6 @@
 //! What changed against a pinned result: transforms, metrics, settings.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use super::difference_row;
 use crate::app::model::{Command, Commands, OpenDeployment, Pin, Units};

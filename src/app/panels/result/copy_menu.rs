@@ -1,6 +1,6 @@
 //! The transforms for the clipboard, in the forms that other programs take.
 
-use egui::{self, PopupCloseBehavior, containers::menu};
+use egui::{PopupCloseBehavior, containers::menu};
 
 use crate::app::model::{Command, Commands};
 use crate::calibration::Verdict;

@@ -1,6 +1,6 @@
 //! What was estimated beside the transforms, and what their σ are made of, as tables.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use crate::analysis::Analysis;
 use crate::app::model::estimates::column;

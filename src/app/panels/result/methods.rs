@@ -1,6 +1,6 @@
 //! What only one method knows: the mirror twin of D, the pairs of A, the frame of B.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use crate::app::model::Units;
 use crate::app::panels::{heading, minima, observability};

@@ -1,6 +1,6 @@
 //! The paper's two metrics of the answer.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use crate::app::panels::heading;
 use crate::app::words;

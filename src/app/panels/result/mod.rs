@@ -9,7 +9,7 @@ mod metrics;
 mod published;
 mod transforms;
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use super::put_right::distance_fields;
 use super::{correlations, finding, heading, scrolled};

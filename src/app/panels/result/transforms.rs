@@ -1,6 +1,6 @@
 //! The two transforms as numbers.
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use crate::app::model::estimates::{Shown, column};
 use crate::app::model::{AngleUnit, Units};

@@ -3,7 +3,7 @@
 
 mod columns;
 
-use egui::{self, RichText};
+use egui::RichText;
 
 use self::columns::{Cell, Column, Whose, columns};
 use super::result::{NOTABLE_SIGMAS, badge};

@@ -1,6 +1,6 @@
 //! One row a station with its readings and silences, and one with the spans that all three have in common.
 
-use egui::{self, Align2, Color32, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2};
+use egui::{Align2, Color32, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2};
 use egui_plot::{GridMark, Plot};
 
 use super::super::strips::{Strip, bare_axis};

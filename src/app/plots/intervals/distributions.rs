@@ -1,6 +1,6 @@
 //! How long the silences and the intervals are, on logarithmic axes, with τ_s and τ_l as lines to drag.
 
-use egui::{self, Color32, Rect, RichText};
+use egui::{Color32, Rect, RichText};
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform};
 
 use super::super::time_plot::still;

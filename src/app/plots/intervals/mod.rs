@@ -4,7 +4,7 @@
 mod chart;
 mod distributions;
 
-use egui::{self, Rect};
+use egui::Rect;
 
 use super::threshold::Threshold;
 use super::time_plot;
