@@ -9,11 +9,12 @@ mod chunks;
 use std::fmt::Write;
 use std::path::Path;
 
-use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
-use rerun::{
-    EntityPath, LineStrips3D, Points3D, Radius, RecordingInfo, RecordingStreamBuilder, Scalars,
-    SeriesPoints, StoreId, StoreKind, TextDocument, TimeColumn,
+use re_sdk::external::re_log_types::{BlueprintActivationCommand, LogMsg};
+use re_sdk::{EntityPath, RecordingInfo, RecordingStreamBuilder, StoreId, StoreKind, TimeColumn};
+use re_sdk_types::archetypes::{
+    LineStrips3D, Points3D, Scalars, SeriesPoints, TextDocument, ViewCoordinates,
 };
+use re_sdk_types::components::Radius;
 use sha2::{Digest, Sha256};
 
 use self::blueprint::{DISTANCE_ERRORS, RATES, VERDICT};
@@ -116,7 +117,7 @@ fn log_all(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
     let places_points =
         answer.is_none_or(|a| a.calibration.placing_control_points(deployment).is_some());
     let triplets = analysis.triplets();
-    recording.log_static("world", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    recording.log_static("world", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
     for station in 0..3 {
         let to_world = |p: nalgebra::Vector3<f64>| {
             let p = transforms[station].apply(&p);

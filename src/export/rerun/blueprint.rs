@@ -1,17 +1,17 @@
 //! How the Rerun viewer opens a recording: scene, distance errors, rates and verdict, each where one looks for it.
 
-use rerun::blueprint::components::{
-    ColumnShare, ContainerKind, IncludedContent, PanelState, QueryExpression, RootContainer,
-    RowShare, ViewClass,
-};
-use rerun::components::Name;
-use rerun::datatypes::{Float32, Uuid};
-use rerun::external::re_sdk_types::blueprint::archetypes::{
+use re_sdk::log::ChunkResult;
+use re_sdk::{AsComponents, TimePoint, Timeline};
+use re_sdk_types::blueprint::archetypes::{
     ContainerBlueprint, PanelBlueprint, TimePanelBlueprint, ViewBlueprint, ViewContents,
     ViewportBlueprint,
 };
-use rerun::log::ChunkResult;
-use rerun::{AsComponents, TimePoint, Timeline};
+use re_sdk_types::blueprint::components::{
+    ColumnShare, ContainerKind, IncludedContent, PanelState, QueryExpression, RootContainer,
+    RowShare, ViewClass,
+};
+use re_sdk_types::components::Name;
+use re_sdk_types::datatypes::{Float32, Uuid};
 
 use super::chunks::Chunks;
 

@@ -1,11 +1,11 @@
 //! What a recording is made of, numbered in its order: the SDK numbers by the clock and at random, and no two files of the
 //! same data would be alike.
 
-use rerun::external::re_log_encoding::{EncodeError, Encoder};
-use rerun::external::re_log_types::external::re_tuid::Tuid;
-use rerun::external::re_log_types::{ArrowMsg, LogMsg, SetStoreInfo, StoreInfo, StoreSource};
-use rerun::log::{Chunk, ChunkId, ChunkResult, RowId};
-use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimeColumn, TimePoint};
+use re_sdk::external::re_log_encoding::{EncodeError, Encoder};
+use re_sdk::external::re_log_types::external::re_tuid::Tuid;
+use re_sdk::external::re_log_types::{ArrowMsg, LogMsg, SetStoreInfo, StoreInfo, StoreSource};
+use re_sdk::log::{Chunk, ChunkId, ChunkResult, RowId};
+use re_sdk::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimeColumn, TimePoint};
 
 /// Everything that is logged into one store, in its order.
 #[derive(Default)]
