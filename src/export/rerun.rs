@@ -10,7 +10,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use re_sdk::external::re_log_types::{BlueprintActivationCommand, LogMsg};
-use re_sdk::{EntityPath, RecordingInfo, RecordingStreamBuilder, StoreId, StoreKind, TimeColumn};
+use re_sdk::log::TimeColumn;
+use re_sdk::{EntityPath, RecordingInfo, RecordingStreamBuilder, StoreId, StoreKind};
 use re_sdk_types::archetypes::{
     LineStrips3D, Points3D, Scalars, SeriesPoints, TextDocument, ViewCoordinates,
 };

@@ -4,8 +4,8 @@
 use re_sdk::external::re_log_encoding::{EncodeError, Encoder};
 use re_sdk::external::re_log_types::external::re_tuid::Tuid;
 use re_sdk::external::re_log_types::{ArrowMsg, LogMsg, SetStoreInfo, StoreInfo, StoreSource};
-use re_sdk::log::{Chunk, ChunkId, ChunkResult, RowId};
-use re_sdk::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimeColumn, TimePoint};
+use re_sdk::log::{Chunk, ChunkId, ChunkResult, RowId, TimeColumn};
+use re_sdk::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimePoint};
 
 /// Everything that is logged into one store, in its order.
 #[derive(Default)]
