@@ -8,12 +8,12 @@ mod chunks;
 
 use std::fmt::Write;
 use std::path::Path;
+use std::process::{Command, Stdio};
 
-use re_sdk::external::re_log_types::{BlueprintActivationCommand, LogMsg};
-use re_sdk::log::TimeColumn;
-use re_sdk::{EntityPath, RecordingInfo, RecordingStreamBuilder, StoreId, StoreKind};
+use re_chunk::TimeColumn;
+use re_log_types::{BlueprintActivationCommand, EntityPath, LogMsg, StoreId, StoreKind};
 use re_sdk_types::archetypes::{
-    LineStrips3D, Points3D, Scalars, SeriesPoints, TextDocument, ViewCoordinates,
+    LineStrips3D, Points3D, RecordingInfo, Scalars, SeriesPoints, TextDocument, ViewCoordinates,
 };
 use re_sdk_types::components::Radius;
 use sha2::{Digest, Sha256};
@@ -58,23 +58,25 @@ pub fn save(
 }
 
 /// Starts the viewer (or uses a running one) and shows the deployment in it.
+///
+/// The viewer is a program of its own, `rerun`, which opens recordings.
 pub fn open_viewer(
     deployment: &Deployment,
     analysis: &Analysis,
 ) -> std::result::Result<(), RerunError> {
-    let failed = |error: &dyn std::fmt::Display| {
-        let first =
-            error.to_string().lines().next().unwrap_or_default().trim_end_matches('.').to_owned();
-        RerunError::NoViewer(first, SDK_VERSION)
-    };
-    let chunks = log_all(deployment, analysis).map_err(|error| failed(&error))?;
-    let (layout, activation) = layout().map_err(|error| failed(&error))?;
-    // Whatever RERUN says in the environment: who asks for a recording wants one.
-    let stream = RecordingStreamBuilder::new(APPLICATION).enabled(true).spawn();
-    let stream = stream.map_err(|error| failed(&error))?;
-    stream.send_blueprint(layout, activation);
-    stream.send_chunks(chunks.each());
-    stream.flush_blocking().map_err(|error| failed(&error))
+    let path = std::env::temp_dir().join(format!("resect-{}.rrd", std::process::id()));
+    save(deployment, analysis, &path)?;
+    let viewer = Command::new("rerun")
+        .arg(&path)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    let mut viewer =
+        viewer.map_err(|error| RerunError::NoViewer(error.to_string(), SDK_VERSION))?;
+    // Who waits for nobody leaves the ended viewer in the system's table.
+    std::thread::spawn(move || viewer.wait());
+    Ok(())
 }
 
 /// The bytes of a recording, its layout first.

@@ -1,7 +1,8 @@
 //! How the Rerun viewer opens a recording: scene, distance errors, rates and verdict, each where one looks for it.
 
-use re_sdk::log::ChunkResult;
-use re_sdk::{AsComponents, TimePoint, Timeline};
+use re_chunk::ChunkResult;
+use re_log_types::{TimePoint, Timeline};
+use re_sdk_types::AsComponents;
 use re_sdk_types::blueprint::archetypes::{
     ContainerBlueprint, PanelBlueprint, TimePanelBlueprint, ViewBlueprint, ViewContents,
     ViewportBlueprint,

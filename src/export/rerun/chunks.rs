@@ -1,11 +1,13 @@
 //! What a recording is made of, numbered in its order: the SDK numbers by the clock and at random, and no two files of the
 //! same data would be alike.
 
-use re_sdk::external::re_log_encoding::{EncodeError, Encoder};
-use re_sdk::external::re_log_types::external::re_tuid::Tuid;
-use re_sdk::external::re_log_types::{ArrowMsg, LogMsg, SetStoreInfo, StoreInfo, StoreSource};
-use re_sdk::log::{Chunk, ChunkId, ChunkResult, RowId, TimeColumn};
-use re_sdk::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimePoint};
+use re_chunk::{Chunk, ChunkId, ChunkResult, RowId, TimeColumn};
+use re_log_encoding::{EncodeError, Encoder};
+use re_log_types::external::re_tuid::Tuid;
+use re_log_types::{
+    ArrowMsg, EntityPath, LogMsg, SetStoreInfo, StoreId, StoreInfo, StoreSource, TimePoint,
+};
+use re_sdk_types::{AsComponents, SerializedComponentColumn};
 
 /// Everything that is logged into one store, in its order.
 #[derive(Default)]
@@ -63,10 +65,6 @@ impl Chunks {
             messages.push(LogMsg::ArrowMsg(store_id.clone(), message));
         }
         Ok(messages)
-    }
-
-    pub fn each(self) -> impl Iterator<Item = Chunk> {
-        self.all.into_iter()
     }
 }
 
