@@ -94,6 +94,10 @@ impl ResectWindow {
 
 impl eframe::App for ResectWindow {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        if self.shell.take_unseen() {
+            ui.ctx().request_repaint();
+            return;
+        }
         self.state.take_outcomes();
         self.state.keep_replaced();
         let now_s = ui.input(|input| input.time);
@@ -167,6 +171,11 @@ impl eframe::App for ResectWindow {
         }
     }
 
+    /// What is seen before the first frame, and where a window that grows is not drawn yet.
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+
     fn on_exit(&mut self) {
         self.state.finish();
         if let Some((keeping, ctx)) = self.keeping.take() {
@@ -235,7 +244,8 @@ pub fn open_window(start: Start) -> eframe::Result {
     if let Some(icon) = icon {
         viewport = viewport.with_icon(icon);
     }
-    let mut options = eframe::NativeOptions { viewport, ..Default::default() };
+    // There are no gradients for which dithering would do anything.
+    let mut options = eframe::NativeOptions { viewport, dithering: false, ..Default::default() };
     // Kept, for drivers are not loaded twice then.
     let _probe = match &mut options.wgpu_options.wgpu_setup {
         WgpuSetup::CreateNew(setup) => {
@@ -247,7 +257,9 @@ pub fn open_window(start: Start) -> eframe::Result {
         "resect",
         options,
         Box::new(move |creation| {
-            Ok(Box::new(ResectWindow::keeping(creation, &start, Settings::default(), keeping)))
+            let mut window = ResectWindow::keeping(creation, &start, Settings::default(), keeping);
+            window.shell = Shell::of_system();
+            Ok(Box::new(window))
         }),
     )
 }

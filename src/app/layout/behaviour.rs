@@ -39,7 +39,6 @@ pub const SIMPLIFICATION: SimplificationOptions = SimplificationOptions {
 
 impl Behavior<Pane> for PaneBehaviour<'_> {
     fn pane_ui(&mut self, ui: &mut egui::Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
-        ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
         (self.draw)(*pane, ui);
         UiResponse::None
     }

@@ -13,9 +13,21 @@ const BARS: Vec2 = Vec2::new(16.0, 96.0);
 pub struct Shell {
     title: String,
     fitted: bool,
+    /// The next frame is drawn before the system shows the window.
+    unseen: bool,
 }
 
 impl Shell {
+    /// Of a window that the system shows after its first frame, as eframe does.
+    pub fn of_system() -> Self {
+        Self { unseen: true, ..Self::default() }
+    }
+
+    /// Whether nobody will see this frame: without a graphics card, one takes a tenth of a second.
+    pub fn take_unseen(&mut self) -> bool {
+        std::mem::take(&mut self.unseen)
+    }
+
     /// Tells the system what is another than before.
     pub fn frame(&mut self, ctx: &egui::Context, title: String) {
         if title != self.title {
