@@ -38,10 +38,13 @@ use crate::deployment::Finding;
 /// What takes less is not worth a word.
 const SHORTEST_WAIT: std::time::Duration = std::time::Duration::from_millis(250);
 
+/// Around a pane's content (points).
+const MARGIN: f32 = 8.0;
+
 /// A pane's content with a margin, scrolling where it does not fit.
 fn scrolled(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
+        egui::Frame::new().inner_margin(MARGIN).show(ui, |ui| {
             ui.set_width(ui.available_width());
             add(ui);
         });

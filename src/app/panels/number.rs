@@ -30,6 +30,19 @@ pub fn read(text: &str, unit: &str) -> Result<f64, String> {
     }
 }
 
+/// As [`read`], and a number outside of the bounds is an error too.
+fn read_within(text: &str, unit: &str, bounds: &RangeInclusive<f64>) -> Result<f64, String> {
+    let value = read(text, unit)?;
+    let (least, most) = (bounds.start(), bounds.end());
+    if bounds.contains(&value) {
+        Ok(value)
+    } else if value < *least {
+        Err(format!("{value} is below {least}, the least there is here"))
+    } else {
+        Err(format!("{value} is above {most}, the most there is here"))
+    }
+}
+
 /// What was typed and cannot be read, and the value that the field has meanwhile.
 #[derive(Clone)]
 struct Unread {
@@ -48,10 +61,11 @@ pub fn field<N: Numeric>(
 ) -> egui::Response {
     let id = ui.scope_id().with(("unread", label));
     let now = value.to_f64();
+    let bounds = range.start().to_f64()..=range.end().to_f64();
     let unread: Option<Unread> = ui.data(|data| data.get_temp(id));
     // Set by other means since, it has a value that nobody typed over.
     if let Some(mut unread) = unread.filter(|unread| unread.value == now) {
-        let (response, mended) = mend(ui, &mut unread.text, unit, now);
+        let (response, mended) = mend(ui, &mut unread.text, unit, &bounds, now);
         let escaped = ui.input(|input| input.key_pressed(Key::Escape));
         if mended.is_some() || escaped {
             ui.data_mut(|data| data.remove::<Unread>(id));
@@ -59,14 +73,14 @@ pub fn field<N: Numeric>(
             ui.data_mut(|data| data.insert_temp(id, unread));
         }
         let Some(new) = mended.filter(|_| !escaped) else { return response };
-        *value = N::from_f64(new.clamp(range.start().to_f64(), range.end().to_f64()));
+        *value = N::from_f64(new);
         let mut response = response;
         response.mark_changed();
         return response;
     }
     let refused = RefCell::new(None);
     let parse = |text: &str| {
-        let read = read(text, unit).ok();
+        let read = read_within(text, unit, &bounds).ok();
         *refused.borrow_mut() = read.is_none().then(|| text.to_owned());
         read
     };
@@ -85,16 +99,17 @@ fn mend(
     ui: &mut egui::Ui,
     text: &mut String,
     unit: &str,
+    bounds: &RangeInclusive<f64>,
     now: f64,
 ) -> (egui::Response, Option<f64>) {
     let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
-    let why = read(text, unit).err();
+    let why = read_within(text, unit, bounds).err();
     if why.is_some() {
         ui.label(RichText::new(sign).color(colour));
     }
     let field = egui::TextEdit::singleline(text).desired_width(64.0).text_color(colour);
     let response = ui.add(field);
-    let mended = read(text, unit).ok().filter(|_| response.lost_focus());
+    let mended = read_within(text, unit, bounds).ok().filter(|_| response.lost_focus());
     let why = why.map_or(String::new(), |why| format!("{why}; "));
     let unit = unit.trim();
     let hint = format!("{why}it is still {now} {unit}. Put it right, or press Escape");
@@ -121,6 +136,14 @@ mod tests {
         for (text, unit, value) in numbers {
             assert_eq!(read(text, unit), Ok(value), "{text}");
         }
+    }
+
+    #[test]
+    fn a_number_out_of_bounds_is_refused_and_not_another_one_taken_for_it() {
+        assert_eq!(read_within("200", "", &(1.0..=200.0)), Ok(200.0));
+        let why = read_within("10000", "", &(1.0..=200.0)).expect_err("too many");
+        assert_eq!(why, "10000 is above 200, the most there is here");
+        assert!(read_within("0", "", &(1.0..=200.0)).is_err_and(|why| why.contains("below 1")));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use egui::RichText;
 
-use super::{finding, number, scrolled};
+use super::{MARGIN, finding, number, scrolled};
 use crate::app::model::studies::{StudyKind, StudyOptions};
 use crate::app::model::{Command, Commands};
 use crate::app::plots::chart;
@@ -13,14 +13,18 @@ use crate::experiment::{Parameter, Sweep};
 use crate::export::box_chart;
 
 const OPTIONS_WIDTH: f32 = 256.0;
-const OPTIONS_HEIGHT: f32 = 132.0;
 const NARROW_WIDTH: f32 = 600.0;
+/// In a narrow pane the picture keeps at least this share of the height; options that need more are scrolled.
+const PICTURE_SHARE: f32 = 0.5;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let whole = ui.available_rect_before_wrap();
-    // In a narrow pane the picture needs all of the width.
+    // In a narrow pane the picture needs all of the width, and the options are as high as they were drawn last.
+    let id = ui.scope_id().with("options");
+    let drawn: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(0.0);
     let (first, second) = if whole.width() < NARROW_WIDTH {
-        whole.split_top_bottom_at_y(whole.top() + OPTIONS_HEIGHT)
+        let most = (1.0 - PICTURE_SHARE) * whole.height();
+        whole.split_top_bottom_at_y(whole.top() + drawn.min(most))
     } else {
         whole.split_left_right_at_x(whole.left() + OPTIONS_WIDTH)
     };
@@ -28,7 +32,14 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         egui::UiBuilder::new().max_rect(rect).layout(egui::Layout::top_down(egui::Align::Min))
     };
     ui.scope_builder(column(first), |ui| {
-        scrolled(ui, |ui| options(ui, state, commands));
+        scrolled(ui, |ui| {
+            options(ui, state, commands);
+            let height = ui.min_rect().height() + 2.0 * MARGIN;
+            if (height - drawn).abs() > 0.5 {
+                ui.data_mut(|data| data.insert_temp(id, height));
+                ui.ctx().request_repaint();
+            }
+        });
     });
     ui.scope_builder(column(second), |ui| picture(ui, state));
 }

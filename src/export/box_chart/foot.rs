@@ -41,8 +41,9 @@ impl Foot {
             chart.groups.iter().map(|group| level(&group.note, SMALL)).collect();
         let upwards = labels.is_none();
         let longest = 0.26 * height;
+        let abreast = ((slot / LABEL_LINE) as usize).clamp(1, 3);
         let labels = labels.unwrap_or_else(|| {
-            chart.groups.iter().map(|group| wrap(&group.label, LABEL, longest, 1)).collect()
+            chart.groups.iter().map(|group| wrap(&group.label, LABEL, longest, abreast)).collect()
         });
         // Beside an upright name a note has no room: the caption tells how many values there are.
         let notes =
@@ -51,7 +52,7 @@ impl Foot {
             labels.into_iter().zip(notes).map(|(label, note)| GroupText { label, note }).collect();
         let depth = |group: &GroupText| {
             if upwards {
-                return group.label.iter().map(|line| text_width(line, LABEL)).sum();
+                return group.label.iter().map(|line| text_width(line, LABEL)).fold(0.0, f32::max);
             }
             LABEL_LINE * group.label.len() as f32 + SMALL_LINE * group.note.len() as f32
         };
@@ -79,9 +80,11 @@ impl Foot {
         for (index, group) in self.groups.iter().enumerate().step_by(self.every) {
             let x = left + slot * (index as f32 + 0.5);
             if self.upwards {
-                marks.extend(group.label.iter().map(|line| {
-                    Mark::upwards([x, top + GAP], line, LABEL, Ink::Text, Anchor::Right)
-                }));
+                let first = x - 0.5 * LABEL_LINE * (group.label.len() as f32 - 1.0);
+                for (index, line) in group.label.iter().enumerate() {
+                    let at = [first + LABEL_LINE * index as f32, top + GAP];
+                    marks.push(Mark::upwards(at, line, LABEL, Ink::Text, Anchor::Right));
+                }
                 continue;
             }
             let mut y = top + GAP + 0.5 * LABEL_LINE;

@@ -16,6 +16,9 @@ use crate::export::difference::moved_from_published;
 use crate::export::text;
 use crate::geometry::LevelTransform;
 
+/// Gon a radian: 400 to the circle.
+const GON_PER_RAD: f64 = 200.0 / std::f64::consts::PI;
+
 pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
     let Answer { calibration, evaluation, .. } = answer;
     html! {
@@ -88,6 +91,13 @@ fn transforms(calibration: &Calibration) -> Markup {
                     @for (station, transform) in stations() {
                         td.number { (format!("{:.5}", transform.yaw_rad().to_degrees())) }
                         td.sigma { (degrees(sigma(station).map(|s| s.yaw_rad))) }
+                    }
+                }
+                tr {
+                    th { "yaw (gon)" }
+                    @for (station, transform) in stations() {
+                        td.number { (format!("{:.5}", transform.yaw_rad() * GON_PER_RAD)) }
+                        td.sigma { (thousandths(sigma(station).map(|s| s.yaw_rad * GON_PER_RAD), 2, "mgon")) }
                     }
                 }
                 @if tilted { tr {
