@@ -10,7 +10,7 @@ use super::{Failure, load, print};
 use crate::analysis::Analyst;
 use crate::atomic;
 use crate::deployment::file_mark::used_files;
-use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, NoTrajectory, vehicle_trajectory};
+use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, NoTrajectory, trajectory_by};
 use crate::export::tum;
 
 #[derive(Args)]
@@ -37,11 +37,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     let answer = analysis.answer.clone()?;
-    let (trajectory, frame) = vehicle_trajectory(
+    let (trajectory, frame) = trajectory_by(
         &deployment,
         analysis.triplets(),
         analysis.offer.targets,
-        answer.calibration.placing_tracks(&deployment),
+        &answer.calibration,
         arguments.max_error / 1e3,
     )
     .map_err(|why| match why {
@@ -85,8 +85,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     ))?;
     if let Some(sigma) = trajectory.middle_sigma() {
         print(&format!(
-            "typical σ, from the spread of the inter-prism errors and given the calibration: {:.1} mm in position, {:.2} mrad \
-             in orientation\n",
+            "typical σ, {}: {:.1} mm in position, {:.2} mrad in orientation\n",
+            if calibration.joint().is_some() {
+                "from readings, calibration, clocks and rig"
+            } else {
+                "from the spread of the inter-prism errors and given the calibration"
+            },
             sigma.position_m * 1e3,
             sigma.orientation_rad * 1e3
         ))?;

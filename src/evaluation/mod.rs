@@ -1,6 +1,7 @@
 //! How good an answer is, by the paper's two metrics.
 
 pub mod gnss;
+pub mod rig_motion;
 pub mod trajectory;
 pub mod vehicle;
 

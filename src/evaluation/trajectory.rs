@@ -15,8 +15,19 @@ pub struct Pose {
     /// Covariance of the position (m), then of the rotation vector θ in station 1's frame (rad): the true orientation
     /// is exp(θ) times this one.
     pub covariance: Matrix6<f64>,
+    /// How it moves, where the motion is known and not only points.
+    pub twist: Option<Twist>,
     /// The largest |apparent − known distance| between two prisms: what no pose can explain.
     pub inter_prism_error_m: f64,
+}
+
+/// How a vehicle moves: all in station 1's frame, the velocity that of the vehicle's origin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Twist {
+    pub velocity_m_per_s: Vector3<f64>,
+    pub rate_rad_per_s: Vector3<f64>,
+    /// Covariance of the velocity, then of the rate.
+    pub covariance: Matrix6<f64>,
 }
 
 /// Poses in order of time.
@@ -105,6 +116,7 @@ pub fn align_rig(rig_m: &[Vector3<f64>; 3], observed: &ObservedRig) -> Option<Po
         position_m: station1_from_vehicle.translation_m,
         orientation: station1_from_vehicle.rotation.into(),
         covariance: inverse * noise * inverse,
+        twist: None,
         inter_prism_error_m: (0..PAIRS.len())
             .map(|pair| (apparent_m[pair] - known_m[pair]).abs())
             .fold(0.0, f64::max),

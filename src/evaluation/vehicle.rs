@@ -2,11 +2,15 @@
 
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
-use super::trajectory::{ObservedRig, Trajectory, rig_from_distances, trajectory};
-use crate::calibration::Targets;
+use super::rig_motion::rig_pose;
+use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
+use crate::calibration::joint::RIGID_M;
+use crate::calibration::joint::prisms::Instants;
+use crate::calibration::{Calibration, Targets};
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
 use crate::pipeline::Triplets;
+use crate::progress::Progress;
 use crate::statistics::sigma_of_errors;
 
 /// Epochs with a larger inter-prism error are left out of trajectories unless asked for otherwise (m).
@@ -75,6 +79,51 @@ pub fn prisms_in_vehicle(rig: &Rig) -> Option<([Vector3<f64>; 3], VehicleFrame)>
     Some((standing.map(|prism| back * prism), VehicleFrame::Reading))
 }
 
+/// Poses at the instants of triplets by an answer: of the motion, where the joint estimate found one, with all that is open
+/// about it; elsewhere of each triplet by itself, which knows nothing of the calibration's own errors.
+pub fn trajectory_by(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    targets: Targets,
+    calibration: &Calibration,
+    largest_inter_prism_error_m: f64,
+) -> Result<(Trajectory, VehicleFrame), NoTrajectory> {
+    let placing = calibration.placing_tracks(deployment);
+    let limit_m = largest_inter_prism_error_m;
+    let by_triplets = || vehicle_trajectory(deployment, triplets, targets, placing, limit_m);
+    let Some((joint, distances_m)) =
+        calibration.joint().and_then(|joint| Some((joint, joint.distances_m?)))
+    else {
+        return by_triplets();
+    };
+    let inter_prism_m = distances_m.map(|distance| distance.value);
+    let (prisms_m, frame) = rig_of(deployment, &|rig| Rig { inter_prism_m, ..rig.clone() })?;
+    let rig_sigma_m = match frame {
+        // Two prisms share the error of their distance.
+        VehicleFrame::Given => joint.sizes.inter_prism_m * std::f64::consts::FRAC_1_SQRT_2,
+        VehicleFrame::Reading | VehicleFrame::Triangle => RIGID_M,
+    };
+    let instants = joint.solution.instants(&triplets.time_s, &Progress::default());
+    // Nobody cancels it.
+    let Ok(Instants::Rig(instants)) = instants else { return by_triplets() };
+    let poses: Vec<Pose> = instants
+        .iter()
+        .filter_map(|at| rig_pose(&prisms_m, rig_sigma_m, at))
+        .filter(|pose| pose.inter_prism_error_m <= limit_m)
+        .collect();
+    let dropped = triplets.len() - poses.len();
+    Ok((Trajectory { poses, dropped }, frame))
+}
+
+fn rig_of(
+    deployment: &Deployment,
+    shaped: &dyn Fn(&Rig) -> Rig,
+) -> Result<([Vector3<f64>; 3], VehicleFrame), NoTrajectory> {
+    let name = || deployment.name.clone();
+    let rig = deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?;
+    prisms_in_vehicle(&shaped(rig)).ok_or_else(|| NoTrajectory::PrismsOnALine(name()))
+}
+
 /// One pose for every triplet whose inter-prism distances are within the limit.
 ///
 /// `station1_from_station` is what places the tracks ([`crate::calibration::Calibration::placing_tracks`]).
@@ -91,10 +140,9 @@ pub fn vehicle_trajectory(
     }
     let station1_from_station =
         station1_from_station.ok_or_else(|| NoTrajectory::OtherFrame(name()))?;
-    let rig = deployment.rig.as_ref().ok_or_else(|| NoTrajectory::NoRig(name()))?;
-    let (prisms_m, frame) =
-        prisms_in_vehicle(rig).ok_or_else(|| NoTrajectory::PrismsOnALine(name()))?;
-    let observed = observed(triplets, station1_from_station, &rig.inter_prism_m);
+    let (prisms_m, frame) = rig_of(deployment, &Rig::clone)?;
+    let inter_prism_m = deployment.rig.as_ref().map_or([0.0; 3], |rig| rig.inter_prism_m);
+    let observed = observed(triplets, station1_from_station, &inter_prism_m);
     Ok((trajectory(&prisms_m, observed, largest_inter_prism_error_m), frame))
 }
 

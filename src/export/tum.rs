@@ -20,9 +20,11 @@ pub fn tum(trajectory: &Trajectory, header: &str) -> String {
 }
 
 /// Poses with the largest inter-prism error, six standard deviations and the upper triangle of the covariance of
-/// (position, rotation vector in station 1's frame).
+/// (position, rotation vector in station 1's frame); where the motion is known, velocity and angular rate with theirs.
 pub fn csv(trajectory: &Trajectory) -> String {
     const PARTS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+    const MOVING: [&str; 6] =
+        ["vx_m_per_s", "vy_m_per_s", "vz_m_per_s", "wx_rad_per_s", "wy_rad_per_s", "wz_rad_per_s"];
     let mut header = "timestamp_s,x_m,y_m,z_m,qx,qy,qz,qw,inter_prism_error_m".to_owned();
     for (index, part) in PARTS.iter().enumerate() {
         header += &format!(",sigma_{part}_{}", if index < 3 { "m" } else { "rad" });
@@ -30,6 +32,13 @@ pub fn csv(trajectory: &Trajectory) -> String {
     for row in 0..6 {
         for column in row..6 {
             header += &format!(",cov_{}_{}", PARTS[row], PARTS[column]);
+        }
+    }
+    let moving = trajectory.poses.iter().all(|pose| pose.twist.is_some());
+    if moving {
+        header += &format!(",{}", MOVING.join(","));
+        for part in MOVING {
+            header += &format!(",sigma_{part}");
         }
     }
     let mut text = header + "\n";
@@ -46,6 +55,14 @@ pub fn csv(trajectory: &Trajectory) -> String {
         for row in 0..6 {
             for column in row..6 {
                 _ = write!(text, ",{:.6e}", pose.covariance[(row, column)]);
+            }
+        }
+        if let Some(twist) = pose.twist.as_ref().filter(|_| moving) {
+            for value in twist.velocity_m_per_s.iter().chain(&twist.rate_rad_per_s) {
+                _ = write!(text, ",{value:.6}");
+            }
+            for index in 0..6 {
+                _ = write!(text, ",{:.7}", twist.covariance[(index, index)].max(0.0).sqrt());
             }
         }
         text.push('\n');

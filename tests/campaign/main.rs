@@ -10,6 +10,7 @@ mod beyond;
 #[path = "../common/mod.rs"]
 mod common;
 mod cramer_rao;
+mod poses;
 
 use common::{analyse, by};
 use cramer_rao::Drawn;

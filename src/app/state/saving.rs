@@ -9,7 +9,7 @@ use crate::app::file_dialog::{Answer, Question, Wanted};
 use crate::atomic;
 use crate::deployment::Deployment;
 use crate::deployment::file_mark::marks_of;
-use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
+use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, trajectory_by};
 use crate::export;
 use crate::export::of_run;
 use crate::export::report::{self, Chapter};
@@ -142,11 +142,11 @@ impl State {
 
 fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<String, String> {
     let answer = analysis.answer.as_ref().map_err(ToString::to_string)?;
-    let (trajectory, _) = vehicle_trajectory(
+    let (trajectory, _) = trajectory_by(
         deployment,
         analysis.triplets(),
         analysis.offer.targets,
-        answer.calibration.placing_tracks(deployment),
+        &answer.calibration,
         LARGEST_POSE_ERROR_M,
     )
     .map_err(|error| error.to_string())?;

@@ -71,6 +71,11 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         std::mem::take(&mut self.rows)
     }
 
+    /// Rows by knot: once eliminated, each is the knot's own factor and how it is tied to the next knots and the border.
+    pub fn rows(&self) -> &Rows<LOCAL, ROW> {
+        &self.rows
+    }
+
     pub fn has_rows(&self) -> bool {
         !self.rows.is_empty()
     }
@@ -261,18 +266,18 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use nalgebra::{DMatrix, DVector};
     use rand::{RngExt, SeedableRng};
 
-    const LOCAL: usize = 3;
-    const ROW: usize = TIED * LOCAL + BORDER;
-    const KNOTS: usize = 40;
+    pub const LOCAL: usize = 3;
+    pub const ROW: usize = TIED * LOCAL + BORDER;
+    pub const KNOTS: usize = 40;
 
     /// A band of random equations in three parts, and the same as one dense matrix and gradient over all local unknowns and
     /// those of one part that the whole drive has.
-    fn example() -> (Band<LOCAL, ROW>, DMatrix<f64>, DVector<f64>) {
+    pub fn example() -> (Band<LOCAL, ROW>, DMatrix<f64>, DVector<f64>) {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
         let first_knots = vec![0, 13, 26];
         let mut band = Band::<LOCAL, ROW>::new(Vec::new(), KNOTS, first_knots);

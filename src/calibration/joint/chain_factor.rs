@@ -25,6 +25,14 @@ pub struct Factor {
     constants: Cholesky<f64, Const<CONSTANTS>>,
 }
 
+/// What is known of the slow states of a part.
+pub struct SlowCovariance {
+    pub own: SlowMatrix,
+    pub with_constants: Between,
+    /// With the part after it; `None` of the last.
+    pub with_next: Option<SlowMatrix>,
+}
+
 impl Factor {
     /// `None` where a direction stays free.
     pub fn new(data: &Data, precision: &Constants, priors: &SlowPrecisions) -> Option<Self> {
@@ -90,15 +98,27 @@ impl Factor {
     }
 
     /// Covariance of how the states that walk do so to each part but the first from the one before it.
-    ///
-    /// Only the blocks of the inverse that this takes, from the last part back (Rauch, Tung & Striebel 1965).
     pub fn of_walks(&self) -> Vec<Walk> {
-        let by_constants = self.of_constants();
         let walking =
             |block: &SlowMatrix| block.fixed_view::<SLOW_RANGES, SLOW_RANGES>(0, 0).into_owned();
         let mut walks = vec![Walk::zeros(); self.rows.len().saturating_sub(1)];
-        // Of the part after: its own covariance, and with the constants.
-        let mut after: Option<(SlowMatrix, Between)> = None;
+        let mut after: Option<SlowMatrix> = None;
+        self.each_covariance(|part, found| {
+            if let (Some(next), Some(with_next)) = (after, &found.with_next) {
+                let across = walking(with_next);
+                walks[part] = walking(&next) + walking(&found.own) - across - across.transpose();
+            }
+            after = Some(found.own);
+        });
+        walks
+    }
+
+    /// Shows the covariance of each part's slow states, from the last part back.
+    ///
+    /// Only the blocks of the inverse that this takes (Rauch, Tung & Striebel 1965).
+    pub fn each_covariance(&self, mut show: impl FnMut(usize, &SlowCovariance)) {
+        let by_constants = self.of_constants();
+        let mut after: Option<SlowCovariance> = None;
         for (part, rows) in self.rows.iter().enumerate().rev() {
             let own = SlowMatrix::from_fn(|i, j| if j < i { 0.0 } else { rows[i][j] });
             let inverse = own
@@ -108,23 +128,20 @@ impl Factor {
             let forward = -inverse * SlowMatrix::from_fn(|i, j| rows[i][NEXT + j]);
             let aside = -inverse * Between::from_fn(|i, j| rows[i][BORDER + j]);
             let noise = inverse * inverse.transpose();
-            let with_constants = aside * by_constants;
-            after = Some(match after {
-                None => (noise + with_constants * aside.transpose(), with_constants),
-                Some((next, next_with_constants)) => {
-                    let with_constants = with_constants + forward * next_with_constants;
-                    let with_next = forward * next + aside * next_with_constants.transpose();
-                    let covariance = noise
-                        + with_next * forward.transpose()
-                        + with_constants * aside.transpose();
-                    let across = walking(&with_next);
-                    walks[part] =
-                        walking(&next) + walking(&covariance) - across - across.transpose();
-                    (covariance, with_constants)
-                }
+            let mut with_constants = aside * by_constants;
+            let mut covariance = noise;
+            let with_next = after.as_ref().map(|next| {
+                with_constants += forward * next.with_constants;
+                forward * next.own + aside * next.with_constants.transpose()
             });
+            covariance += with_constants * aside.transpose();
+            if let Some(with_next) = &with_next {
+                covariance += with_next * forward.transpose();
+            }
+            let found = SlowCovariance { own: covariance, with_constants, with_next };
+            show(part, &found);
+            after = Some(found);
         }
-        walks
     }
 }
 
@@ -282,7 +299,12 @@ mod tests {
             gradient: Columns::zeros(PARTS),
         };
         let none = vec![SlowMatrix::zeros(); PARTS];
-        let priors = SlowPrecisions { own: none.clone(), with_next: none, log_determinant: 0.0 };
+        let priors = SlowPrecisions {
+            own: none.clone(),
+            with_next: none,
+            log_determinant: 0.0,
+            settled_shares: Vec::new(),
+        };
         let factor = Factor::new(&data, &Constants::repeat(1.0), &priors).expect("definite");
         let walks = factor.of_walks();
         assert_eq!(walks.len(), PARTS - 1);

@@ -11,6 +11,7 @@ use crate::statistics::median;
 const MOST_KEPT_KNOTS: usize = 4096;
 
 /// The readings of a drive, by stretch, and what its parts look like.
+#[derive(Clone, Debug)]
 pub struct Drive {
     pub pieces: Vec<Piece>,
     /// Where the readings of each station point at, by part over all stretches.

@@ -12,9 +12,10 @@
 //! probes (Girard 1989). The rows of a long drive are not kept from pass to pass but made again. [`stability`] looks for
 //! stations and clocks that step, [`strain`] holds what was found against the priors, and [`contradiction`] against sizes that
 //! were said to be smaller than usual. [`summary`] makes the answer, [`in_words`] tells it, [`corrected`] puts the triplets
-//! right.
+//! right, and [`prisms`] has the motion at any instant, by [`band_covariance`] with how certain it is.
 
 mod band;
+mod band_covariance;
 mod band_rows;
 mod chain;
 mod chain_factor;
@@ -30,6 +31,7 @@ mod moves;
 mod noise;
 mod observed;
 mod pass;
+pub mod prisms;
 mod slow_changes;
 mod slow_priors;
 mod stability;
@@ -37,14 +39,17 @@ mod strain;
 mod summary;
 mod unknowns;
 
+use std::sync::Arc;
+
 use nalgebra::{SMatrix, SVector};
 
 use self::band_rows::{BORDER, MOTION_BORDER, TIED};
 use self::contradiction::Contradiction;
 use self::drive::Drive;
 use self::noise::{FIRST_LEVELS, learned};
-pub use self::observed::Levels;
+pub use self::observed::{Levels, RIGID_M};
 use self::pass::{Estimates, Model, Pass, Spare, Weigh, move_motion, pass};
+use self::prisms::Solution;
 use self::slow_changes::{add_steps, is_usual, likeliest, likeliest_clocks_s2, measured};
 pub use self::slow_priors::Wander;
 pub use self::stability::{Step, Stepped};
@@ -114,6 +119,8 @@ pub struct JointEstimate {
     pub stepped: Vec<Step>,
     pub converged: bool,
     pub steps: usize,
+    /// From which the motion can be had.
+    pub solution: Arc<Solution>,
 }
 
 /// The clocks of one drive.
@@ -198,13 +205,13 @@ pub fn estimate(
             Some(_) => {
                 const ROW: usize = TIED * RIG;
                 solve::<RIG, { ROW + BORDER }, { ROW + MOTION_BORDER }>(
-                    &drive, triplets, &start, sizes, progress,
+                    drive, triplets, &start, sizes, progress,
                 )
             }
             None => {
                 const ROW: usize = TIED * PRISM;
                 solve::<PRISM, { ROW + BORDER }, { ROW + MOTION_BORDER }>(
-                    &drive, triplets, &start, sizes, progress,
+                    drive, triplets, &start, sizes, progress,
                 )
             }
         }?;
@@ -216,7 +223,7 @@ pub fn estimate(
 }
 
 fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
-    drive: &Drive,
+    drive: Drive,
     triplets: &Triplets,
     start: &Constants,
     sizes: &ErrorSizes,
@@ -236,9 +243,9 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     // What a share of the drive leaves open of the constants, the whole one may move.
     let longest_move = NEAR_SIGMAS * (drive.knots() as f64 / sample.knots() as f64).sqrt();
     if sample.pieces.len() < drive.pieces.len() {
-        at = Estimates::start(drive, triplets, &at.constants, LOCAL / 3);
+        at = Estimates::start(&drive, triplets, &at.constants, LOCAL / 3);
         for _ in 0..MOTION_STEPS {
-            if move_motion::<LOCAL, MOTION>(drive, &mut at, &by, progress)?.is_none() {
+            if move_motion::<LOCAL, MOTION>(&drive, &mut at, &by, progress)?.is_none() {
                 return Ok(None);
             }
         }
@@ -252,25 +259,25 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
     for steps in 1..=MOST_STEPS {
         let mut holds = false;
         let pass = if let Some(mut pass) = nearby.take() {
-            pass.turn_to(drive, &at, &by.levels, &model, progress)?;
+            pass.turn_to(&drive, &at, &by.levels, &model, progress)?;
             pass
         } else {
-            let pass = pass::<LOCAL, ROW>(drive, &at, &by, &model, &mut spare, progress)?;
+            let pass = pass::<LOCAL, ROW>(&drive, &at, &by, &model, &mut spare, progress)?;
             let Some(mut pass) = pass else { return Ok(None) };
             // Only near its readings does the motion leave errors that tell of anything else.
             let is_near = pass.longest_move() < longest_move;
             if is_near && by.held.is_none() {
                 pass.forget_solution();
                 if sizes.ranges_wander {
-                    model.priors.wander = likeliest(&pass.data, &model, drive, &at, progress)?;
+                    model.priors.wander = likeliest(&pass.data, &model, &drive, &at, progress)?;
                 }
                 // What jumps has its room by now, and is not taken for what walks.
                 if looks + 1 == LOOKS {
-                    model.priors.clocks_s2 = likeliest_clocks_s2(&pass.data, &model, drive, &at);
+                    model.priors.clocks_s2 = likeliest_clocks_s2(&pass.data, &model, &drive, &at);
                 }
                 let known = stepped.len();
-                add_steps(&mut stepped, &pass.data, &mut model, drive, &at, progress)?;
-                if !pass.solve(drive, &at, &model) {
+                add_steps(&mut stepped, &pass.data, &mut model, &drive, &at, progress)?;
+                if !pass.solve(&drive, &at, &model) {
                     return Ok(None);
                 }
                 // Readings about a step that nothing allowed for seem worse than they are.
@@ -279,14 +286,15 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
             }
             pass
         };
-        let moved = pass.walk(drive, &mut at, &by.levels);
+        let moved = pass.walk(&drive, &mut at, &by.levels);
         let converged = by.held.is_some() && moved < SMALL_STEP;
         if has_run_away(&at.constants, start) {
             return Ok(None);
         }
         if converged || steps == MOST_STEPS {
-            let mut found = pass.summary(drive, &model, &at, by.levels, sizes, LOCAL == 9);
-            found.stepped = measured(&stepped, &pass.factor, &model, drive, &at);
+            let solution = Solution { drive, at, by, model, sizes: *sizes, prisms: LOCAL / 3 };
+            let mut found = pass.summary(solution);
+            found.stepped = measured(&stepped, &pass.factor, &found.solution);
             (found.converged, found.steps) = (converged, steps);
             return Ok(Some(found));
         }

@@ -50,7 +50,7 @@ impl Reading {
 }
 
 /// A stretch with its readings by station.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Piece {
     pub stretch: Stretch,
     pub readings: [Vec<Reading>; 3],

@@ -18,7 +18,7 @@ use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
 /// Everything unknown.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Estimates {
     pub constants: Constants,
     pub slow: Vec<Slow>,
@@ -38,6 +38,7 @@ impl Estimates {
 }
 
 /// What is known beforehand.
+#[derive(Clone, Debug)]
 pub struct Model {
     pub precision: Constants,
     pub start: Constants,
@@ -45,6 +46,7 @@ pub struct Model {
 }
 
 /// What equations count by; the weights are by stretch.
+#[derive(Clone, Debug)]
 pub struct Weigh {
     pub levels: Levels,
     pub redundancy: f64,
@@ -197,6 +199,30 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             .zip_map(&variance, |step, variance| step.powi(2) / variance)
             .max()
             .sqrt()
+    }
+
+    /// Shows the eliminated motion of each stretch; `None` where one that was not kept cannot be made again.
+    pub fn with_bands<T: Send>(
+        &self,
+        drive: &Drive,
+        at: &Estimates,
+        levels: &Levels,
+        show: impl Fn(usize, &Band<LOCAL, ROW>) -> T + Sync,
+    ) -> Vec<Option<T>> {
+        let around = Around::new(drive, at, &self.moves);
+        let by = Weigh { levels: *levels, redundancy: 1.0, held: None };
+        let one = |rows: &mut Rows<LOCAL, ROW>, index: usize| {
+            let one = &self.eliminated[index];
+            if one.band.has_rows() {
+                return Some(show(index, &one.band));
+            }
+            let (piece, at) = around.stretch::<LOCAL>(index);
+            let found = eliminate(piece, &at, &by, Some(&one.weights), take(rows))?;
+            let shown = show(index, &found.band);
+            *rows = found.band.into_rows();
+            Some(shown)
+        };
+        (0..drive.pieces.len()).into_par_iter().map_init(Rows::default, one).collect()
     }
 
     /// Takes the step; its square in units of the covariance. The rows of a stretch that were not kept are made again.

@@ -1,12 +1,13 @@
 //! What changes slowly, or at once: how far stations may settle, how ranges wander, and which steps there are.
 
-use nalgebra::{Matrix4, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix4, SMatrix, SVector, Vector3, Vector4};
 use rayon::prelude::*;
 
 use super::chain::Data;
 use super::chain_factor::Factor;
 use super::drive::Drive;
 use super::pass::{Estimates, Model, with_priors};
+use super::prisms::Solution;
 use super::slow_priors::{SlowPrecisions, SlowPriors, Wander};
 use super::stability::{self, Step, Stepped};
 use super::unknowns::{Constants, Slow};
@@ -81,13 +82,8 @@ fn clearest_step(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> O
 }
 
 /// Known steps, as large as the whole solution makes them; where there is none, a station that moved slowly.
-pub fn measured(
-    known: &[Step],
-    factor: &Factor,
-    model: &Model,
-    drive: &Drive,
-    at: &Estimates,
-) -> Vec<Step> {
+pub fn measured(known: &[Step], factor: &Factor, solution: &Solution) -> Vec<Step> {
+    let Solution { drive, at, model, .. } = solution;
     let usual =
         SlowPriors { station_steps: Vec::new(), clock_steps: Vec::new(), ..model.priors.clone() };
     let Some(usual) = SlowPrecisions::new(&usual, &drive.part_times_s) else {
@@ -188,13 +184,37 @@ fn unlikeliness(
 
 /// Variance of how stations 2 and 3 walk against station 1, which walks as well.
 fn settling(sizes: &ErrorSizes, start: &Constants) -> SMatrix<f64, 8, 8> {
-    let own = SVector::<f64, 4>::new(
+    let (own, by_first) = (own_settling(sizes), by_station_1(start));
+    let both = SVector::<f64, 8>::from_fn(|k, _| own[k % 4]);
+    SMatrix::from_diagonal(&both) + by_first * Matrix4::from_diagonal(&own) * by_first.transpose()
+}
+
+/// How far station 1 has moved and turned (m, rad) where stations 2 and 3 walked against it, and the variance that this
+/// leaves after a whole drive: what is known of three that walk alike, of which two differences are seen.
+pub fn station_1_by_slow(
+    sizes: &ErrorSizes,
+    start: &Constants,
+) -> (SMatrix<f64, 4, 8>, Matrix4<f64>) {
+    let own = Matrix4::from_diagonal(&own_settling(sizes));
+    let with_slow = own * by_station_1(start).transpose();
+    let Some(both) = settling(sizes, start).cholesky() else { return (SMatrix::zeros(), own) };
+    let by_slow = with_slow * both.inverse();
+    (by_slow, own - by_slow * with_slow.transpose())
+}
+
+/// Variance of how far one station walks during a drive, along x, y, z (m²) and about z (rad²).
+fn own_settling(sizes: &ErrorSizes) -> Vector4<f64> {
+    Vector4::new(
         sizes.settling_m.powi(2),
         sizes.settling_m.powi(2),
         sizes.settling_m.powi(2),
         sizes.settling_rad.powi(2),
     )
-    .map(|variance| variance.max(1e-14));
+    .map(|variance| variance.max(1e-14))
+}
+
+/// How stations 2 and 3 move and turn in the frame of station 1 when that does.
+fn by_station_1(start: &Constants) -> SMatrix<f64, 8, 4> {
     let mut by_first = SMatrix::<f64, 8, 4>::zeros();
     for slot in 0..2 {
         let place: Vector3<f64> = start.fixed_rows::<3>(4 * slot).into();
@@ -202,6 +222,5 @@ fn settling(sizes: &ErrorSizes, start: &Constants) -> SMatrix<f64, 8, 8> {
         turned.fixed_view_mut::<3, 1>(0, 3).copy_from(&Vector3::z().cross(&place));
         by_first.fixed_rows_mut::<4>(4 * slot).copy_from(&-turned);
     }
-    let both = SVector::<f64, 8>::from_fn(|k, _| own[k % 4]);
-    SMatrix::from_diagonal(&both) + by_first * Matrix4::from_diagonal(&own) * by_first.transpose()
+    by_first
 }

@@ -41,6 +41,8 @@ pub struct SlowPrecisions {
     pub own: Vec<SlowMatrix>,
     pub with_next: Vec<SlowMatrix>,
     pub log_determinant: f64,
+    /// How much of what a whole drive settles by has settled until each part, where nothing steps.
+    pub settled_shares: Vec<f64>,
 }
 
 impl SlowPrecisions {
@@ -63,6 +65,7 @@ impl SlowPrecisions {
         let mut with_next = vec![SlowMatrix::zeros(); time_s.len()];
         let mut log_determinant = 0.0;
         let variance_m2 = priors.wander.sigma_m.powi(2);
+        let mut settled_shares = Vec::with_capacity(time_s.len());
         for part in 0..time_s.len() {
             let since_s = match part {
                 // From the set-up to the first part.
@@ -70,6 +73,7 @@ impl SlowPrecisions {
                 _ => time_s[part] - time_s[part - 1],
             };
             let usual = if restarts(part) { 1.0 } else { (since_s / whole_s).max(1e-4) };
+            settled_shares.push(settled_shares.last().unwrap_or(&0.0) + usual);
             let share = |steps: &[usize]| if steps.contains(&part) { STEP } else { usual };
             let (stations, clocks) = (share(&priors.station_steps), share(&priors.clock_steps));
             let clocks_s2 =
@@ -96,7 +100,7 @@ impl SlowPrecisions {
                 }
             }
         }
-        Some(Self { own, with_next, log_determinant })
+        Some(Self { own, with_next, log_determinant, settled_shares })
     }
 
     /// Gives its room away.
@@ -107,8 +111,12 @@ impl SlowPrecisions {
     /// Precisions as if slow states were known a thousand times better.
     pub fn stiffer(&self) -> Self {
         let more = |all: &[SlowMatrix]| all.iter().map(|matrix| matrix * 1e6).collect();
-        let log_determinant = self.log_determinant;
-        Self { own: more(&self.own), with_next: more(&self.with_next), log_determinant }
+        Self {
+            own: more(&self.own),
+            with_next: more(&self.with_next),
+            log_determinant: self.log_determinant,
+            settled_shares: self.settled_shares.clone(),
+        }
     }
 
     /// Precision of how stations 2 and 3 and their clocks walk to a part from the one before it.

@@ -1,32 +1,25 @@
 //! What an estimate is told as: the answer, its covariance and what that is made of.
 
+use std::sync::Arc;
+
 use nalgebra::{SVector, Vector3};
 
 use super::chain::Columns;
-use super::drive::Drive;
-use super::observed::Levels;
-use super::pass::{Estimates, Model, Pass};
+use super::pass::{Pass, Weigh};
+use super::prisms::Solution;
 use super::strain::Strain;
 use super::unknowns::{
     CLOCKS, COLLIMATIONS, CONSTANTS, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES,
     SLOW, SLOW_CLOCKS, SLOW_RANGES,
 };
 use super::{DriveClocks, JointEstimate};
-use crate::calibration::ErrorSizes;
 use crate::calibration::Estimate;
 use crate::geometry::LevelTransform;
 
 impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
-    /// `rig` is whether there are distances.
-    pub fn summary(
-        &self,
-        drive: &Drive,
-        model: &Model,
-        at: &Estimates,
-        levels: Levels,
-        sizes: &ErrorSizes,
-        rig: bool,
-    ) -> JointEstimate {
+    pub fn summary(&self, solution: Solution) -> JointEstimate {
+        let Solution { drive, at, by: Weigh { levels, .. }, model, sizes, prisms } = &solution;
+        let rig = *prisms == 3;
         let parts = at.slow.len();
         // The answer: where the stations stood on average over the parts.
         let mut wanted = Columns::<8>::zeros(parts);
@@ -36,8 +29,8 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         }
         let by = self.factor.solve(&wanted);
         let covariance = wanted.dot(&by);
-        let solution = Columns::<1> { slow: at.slow.clone(), constants: at.constants };
-        let mean = wanted.dot(&solution);
+        let states = Columns::<1> { slow: at.slow.clone(), constants: at.constants };
+        let mean = wanted.dot(&states);
         let level = |slot: usize| {
             let at = mean.fixed_rows::<4>(4 * slot);
             LevelTransform::new(Vector3::new(at[0], at[1], at[2]), at[3])
@@ -97,7 +90,7 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
                         wanted.slow[*part][(SLOW_CLOCKS + slot, slot)] = 1.0 / own.len() as f64;
                     }
                 }
-                let value = wanted.dot(&solution);
+                let value = wanted.dot(&states);
                 let variance = wanted.dot(&self.factor.solve(&wanted)).diagonal();
                 let late_s = [0, 1].map(|slot| Estimate {
                     value: value[slot],
@@ -123,12 +116,13 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             collimations_rad: [0, 1, 2].map(|station| estimate(COLLIMATIONS + station)),
             contradictions: self.contradictions(model, at),
             strain: Strain::new(&(at.constants - model.start), &model.precision, &constants),
-            levels,
+            levels: *levels,
             wander: model.priors.wander,
             sizes: *sizes,
             stepped: Vec::new(),
             converged: false,
             steps: 0,
+            solution: Arc::new(solution),
         }
     }
 }

@@ -163,6 +163,31 @@ impl Outlook {
     }
 }
 
+/// How what a station reads during a part moves with its own constants, and with its own slow states (m).
+pub fn shifts(
+    own: &Station,
+    outlook: &Outlook,
+    station: usize,
+) -> (SMatrix<f64, 3, CONSTANTS>, SMatrix<f64, 3, SLOW>) {
+    let turned = |vector: Vector3<f64>| own.turn * vector;
+    let along = -turned(outlook.along);
+    let columns = [
+        (LEANS + 2 * station, turned(Vector3::x().cross(&outlook.point_m))),
+        (LEANS + 2 * station + 1, turned(Vector3::y().cross(&outlook.point_m))),
+        (OFFSETS + station, along),
+        (SCALES + station, -turned(outlook.point_m)),
+        (INDICES + station, turned(outlook.up_m)),
+        (COLLIMATIONS + station, -turned(outlook.side_m)),
+    ];
+    let mut by_constants = SMatrix::<f64, 3, CONSTANTS>::zeros();
+    for (column, vector) in &columns {
+        by_constants.fixed_view_mut::<3, 1>(0, *column).copy_from(vector);
+    }
+    let mut by_slow = SMatrix::<f64, 3, SLOW>::zeros();
+    by_slow.fixed_view_mut::<3, 1>(0, SLOW_RANGES + station).copy_from(&along);
+    (by_constants, by_slow)
+}
+
 /// How the unknowns of a part move with the constants, and with what is slow.
 pub fn moves(
     stations: &[Station; 3],
@@ -172,16 +197,7 @@ pub fn moves(
     let mut by_constants = SMatrix::<f64, PART, CONSTANTS>::zeros();
     let mut by_slow = SMatrix::<f64, PART, SLOW>::zeros();
     for (station, (own, outlook)) in stations.iter().zip(outlooks).enumerate() {
-        let turned = |vector: Vector3<f64>| own.turn * vector;
-        let along = -turned(outlook.along);
-        let columns = [
-            (LEANS + 2 * station, turned(Vector3::x().cross(&outlook.point_m))),
-            (LEANS + 2 * station + 1, turned(Vector3::y().cross(&outlook.point_m))),
-            (OFFSETS + station, along),
-            (SCALES + station, -turned(outlook.point_m)),
-            (INDICES + station, turned(outlook.up_m)),
-            (COLLIMATIONS + station, -turned(outlook.side_m)),
-        ];
+        let (shift_by_constants, shift_by_slow) = shifts(own, outlook, station);
         // A shift of station 1 is one of the other two, the other way.
         let shifted: &[(usize, f64)] = match station {
             0 => &[(0, -1.0), (3, -1.0)],
@@ -189,16 +205,15 @@ pub fn moves(
             _ => &[(3, 1.0)],
         };
         for (row, sign) in shifted {
-            for (column, vector) in &columns {
-                by_constants.fixed_view_mut::<3, 1>(*row, *column).copy_from(&(vector * *sign));
-            }
-            let ranges = SLOW_RANGES + station;
-            by_slow.fixed_view_mut::<3, 1>(*row, ranges).copy_from(&(along * *sign));
+            let mut rows = by_constants.fixed_rows_mut::<3>(*row);
+            rows += shift_by_constants * *sign;
+            let mut rows = by_slow.fixed_rows_mut::<3>(*row);
+            rows += shift_by_slow * *sign;
         }
         by_constants[(PART_LATENCIES + station, LATENCIES + station)] = 1.0;
         by_constants[(PART_DISTANCES + station, DISTANCES + station)] = 1.0;
         let Some(slot) = station.checked_sub(1) else { continue };
-        let arm = Vector3::z().cross(&turned(outlook.point_m));
+        let arm = Vector3::z().cross(&(own.turn * outlook.point_m));
         for axis in 0..3 {
             by_constants[(3 * slot + axis, 4 * slot + axis)] = 1.0;
             by_slow[(3 * slot + axis, 4 * slot + axis)] = 1.0;

@@ -1,0 +1,203 @@
+//! Where the prisms were at any instant of a solution, how fast they moved, and how certain that is.
+//!
+//! The splines that the estimate has, and the covariance of four knots ([`super::band_covariance`]) with all that the parts of
+//! the drive leave open ([`super::chain_factor`]): readings, transforms, clocks, instruments, and stations that settle. An
+//! instant between two stretches has no motion, and none is made up.
+
+use nalgebra::{DMatrix, SMatrix, SVector, Vector3, Vector4};
+
+use super::band::Band;
+use super::band_covariance::{Window, each_window};
+use super::band_rows::{BORDER, PART, TIED};
+use super::drive::Drive;
+use super::motion::Place;
+use super::pass::{Estimates, Model, Pass, Spare, Weigh, pass};
+use super::slow_changes::station_1_by_slow;
+use super::unknowns::{CONSTANTS, SLOW, Slow};
+use crate::calibration::ErrorSizes;
+use crate::progress::{Cancelled, Progress};
+
+/// What an estimate found, from which its motion can be had again.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    pub(super) drive: Drive,
+    pub(super) at: Estimates,
+    pub(super) by: Weigh,
+    pub(super) model: Model,
+    pub(super) sizes: ErrorSizes,
+    pub(super) prisms: usize,
+}
+
+/// The prisms at one instant in the frame of station 1 as it was set up: x, y, z of each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instant<const N: usize> {
+    pub time_s: f64,
+    pub position_m: SVector<f64, N>,
+    pub velocity_m_per_s: SVector<f64, N>,
+    /// Covariance of the positions, of positions with velocities, and of the velocities.
+    pub position_covariance: SMatrix<f64, N, N>,
+    pub between_covariance: SMatrix<f64, N, N>,
+    pub velocity_covariance: SMatrix<f64, N, N>,
+}
+
+/// The instants that are inside of stretches, in order of time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Instants {
+    /// Of the three prisms of a rig.
+    Rig(Vec<Instant<9>>),
+    /// Of the one that all stations follow.
+    Prism(Vec<Instant<3>>),
+}
+
+impl Solution {
+    /// The motion at some times (s, in the stamps of station 1).
+    pub fn instants(&self, time_s: &[f64], progress: &Progress) -> Result<Instants, Cancelled> {
+        const RIG: usize = 9;
+        const PRISM: usize = 3;
+        Ok(if self.prisms == 3 {
+            const ROW: usize = TIED * RIG + BORDER;
+            Instants::Rig(self.moved::<RIG, ROW>(time_s, progress)?)
+        } else {
+            const ROW: usize = TIED * PRISM + BORDER;
+            Instants::Prism(self.moved::<PRISM, ROW>(time_s, progress)?)
+        })
+    }
+
+    fn moved<const LOCAL: usize, const ROW: usize>(
+        &self,
+        time_s: &[f64],
+        progress: &Progress,
+    ) -> Result<Vec<Instant<LOCAL>>, Cancelled> {
+        let drive = &self.drive;
+        let mut spare = Spare::default();
+        let pass =
+            pass::<LOCAL, ROW>(drive, &self.at, &self.by, &self.model, &mut spare, progress)?;
+        let Some(pass) = pass else { return Ok(Vec::new()) };
+        let frames = self.frames(&pass);
+        let first_parts = drive.first_parts();
+        let of_stretch = |index: usize, band: &Band<LOCAL, ROW>| {
+            let stretch = &drive.pieces[index].stretch;
+            let inside = |t: &f64| (stretch.start_s..=stretch.end_s).contains(t);
+            let mut all: Vec<(Place, f64)> =
+                time_s.iter().filter(|t| inside(t)).map(|t| (stretch.place(*t), *t)).collect();
+            all.sort_by(|a, b| a.1.total_cmp(&b.1));
+            let mut found = Vec::with_capacity(all.len());
+            each_window(band, |window| {
+                while let Some((place, time_s)) = all.pop_if(|(p, _)| p.first == window.first) {
+                    let frame = &frames[first_parts[index] + stretch.part(time_s)];
+                    let knots = &self.at.coefficients_m[index][LOCAL * place.first..];
+                    found.push(instant::<LOCAL>(time_s, &place, knots, window, frame));
+                }
+            });
+            found.reverse();
+            found
+        };
+        let found = pass.with_bands(drive, &self.at, &self.by.levels, of_stretch);
+        progress.check()?;
+        let mut found: Vec<Instant<LOCAL>> = found.into_iter().flatten().flatten().collect();
+        found.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        Ok(found)
+    }
+
+    /// What each part of the drive leaves open.
+    fn frames<const LOCAL: usize, const ROW: usize>(&self, pass: &Pass<LOCAL, ROW>) -> Vec<Frame> {
+        let drive = &self.drive;
+        let (by_slow, left) = station_1_by_slow(&self.sizes, &self.model.start);
+        let of_constants = pass.factor.of_constants();
+        let mut frames = vec![Frame::default(); drive.part_times_s.len()];
+        let shares = &pass.slow_priors.settled_shares;
+        pass.factor.each_covariance(|part, slow| {
+            let (part_by_constants, part_by_slow) = pass.moves.of(drive, part);
+            let (seen_by_constants, seen_by_slow) = pass.moves.of_station_1(drive, part);
+            let mut constants = SMatrix::<f64, OPEN, CONSTANTS>::zeros();
+            constants.fixed_rows_mut::<PART>(0).copy_from(&part_by_constants);
+            constants.fixed_rows_mut::<3>(PART).copy_from(&seen_by_constants);
+            let mut by_states = SMatrix::<f64, OPEN, SLOW>::zeros();
+            by_states.fixed_rows_mut::<PART>(0).copy_from(&part_by_slow);
+            by_states.fixed_rows_mut::<3>(PART).copy_from(&seen_by_slow);
+            let mut settled = by_states.fixed_view_mut::<4, 8>(PART, 0);
+            settled += by_slow;
+            let across = constants * slow.with_constants.transpose() * by_states.transpose();
+            let mut covariance = constants * of_constants * constants.transpose()
+                + by_states * slow.own * by_states.transpose()
+                + across
+                + across.transpose();
+            let mut open = covariance.fixed_view_mut::<4, 4>(PART, PART);
+            open += left * shares[part];
+            let state: &Slow = &self.at.slow[part];
+            frames[part] = Frame { moved: by_slow * state.fixed_rows::<8>(0), covariance };
+        });
+        frames
+    }
+}
+
+/// The unknowns of a part, and how station 1 and what it reads are shifted (m) and turned (rad).
+const OPEN: usize = PART + 4;
+
+/// How station 1 stood during a part against its set-up, and what is open about it and the part.
+#[derive(Clone)]
+struct Frame {
+    moved: Vector4<f64>,
+    covariance: SMatrix<f64, OPEN, OPEN>,
+}
+
+impl Default for Frame {
+    fn default() -> Self {
+        Self { moved: Vector4::zeros(), covariance: SMatrix::zeros() }
+    }
+}
+
+/// `knots` are the coefficients from the place's first knot on.
+fn instant<const LOCAL: usize>(
+    time_s: f64,
+    place: &Place,
+    knots: &[f64],
+    window: &Window,
+    frame: &Frame,
+) -> Instant<LOCAL> {
+    let sum = |weights: &[f64; TIED]| {
+        SVector::<f64, LOCAL>::from_fn(|i, _| {
+            weights.iter().enumerate().map(|(k, weight)| weight * knots[LOCAL * k + i]).sum()
+        })
+    };
+    let (read_m, velocity_m_per_s) = (sum(&place.position), sum(&place.velocity));
+    let by_knots =
+        |weights: &[f64; TIED]| {
+            DMatrix::from_fn(LOCAL, TIED * LOCAL, |i, j| {
+                if j % LOCAL == i { weights[j / LOCAL] } else { 0.0 }
+            })
+        };
+    let (places, rates) = (by_knots(&place.position), by_knots(&place.velocity));
+    let mut place_by_open = DMatrix::zeros(LOCAL, OPEN);
+    place_by_open.view_mut((0, 0), (LOCAL, PART)).copy_from(&(&places * &window.by_part));
+    let mut rate_by_open = DMatrix::zeros(LOCAL, OPEN);
+    rate_by_open.view_mut((0, 0), (LOCAL, PART)).copy_from(&(&rates * &window.by_part));
+    let (mut position_m, mut velocity) = (read_m, velocity_m_per_s);
+    for prism in 0..LOCAL / 3 {
+        let at = 3 * prism;
+        let arm = Vector3::z().cross(&read_m.fixed_rows::<3>(at));
+        let turning = Vector3::z().cross(&velocity_m_per_s.fixed_rows::<3>(at));
+        for axis in 0..3 {
+            place_by_open[(at + axis, PART + axis)] = 1.0;
+            place_by_open[(at + axis, PART + 3)] = arm[axis];
+            rate_by_open[(at + axis, PART + 3)] = turning[axis];
+            position_m[at + axis] += frame.moved[axis] + frame.moved[3] * arm[axis];
+            velocity[at + axis] += frame.moved[3] * turning[axis];
+        }
+    }
+    let open = DMatrix::from_column_slice(OPEN, OPEN, frame.covariance.as_slice());
+    let covariance = |a: &DMatrix<f64>, a_by_open: &DMatrix<f64>, b: &DMatrix<f64>, b_by_open| {
+        let b_by_open: &DMatrix<f64> = b_by_open;
+        let all =
+            a * &window.covariance * b.transpose() + a_by_open * &open * b_by_open.transpose();
+        SMatrix::<f64, LOCAL, LOCAL>::from_column_slice(all.as_slice())
+    };
+    Instant {
+        time_s,
+        position_m,
+        velocity_m_per_s: velocity,
+        position_covariance: covariance(&places, &place_by_open, &places, &place_by_open),
+        between_covariance: covariance(&places, &place_by_open, &rates, &rate_by_open),
+        velocity_covariance: covariance(&rates, &rate_by_open, &rates, &rate_by_open),
+    }
+}

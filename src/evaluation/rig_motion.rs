@@ -1,0 +1,161 @@
+//! The pose and the twist of a vehicle from where its three prisms are and how they move, with all that is open about both.
+
+use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, UnitQuaternion, Vector3, Vector6};
+
+use super::trajectory::{Pose, Twist};
+use crate::calibration::joint::prisms::Instant;
+use crate::deployment::pairwise_distances;
+use crate::geometry::align_rigid;
+
+/// Steps towards the pose: the first is within millimetres.
+const STEPS: usize = 4;
+
+/// The pose that the prisms allow best, weighed by their covariance and by how well the rig itself is known: `rig_m` are the
+/// prisms in the vehicle's frame, `rig_sigma_m` how far each may be off along any axis. `None` of prisms on a line.
+///
+/// Gauss & Newton about the unweighted pose, and the covariance of generalised least squares, (JᵀΣ⁻¹J)⁻¹ (Förstner & Wrobel
+/// 2016, "Photogrammetric Computer Vision", chapter 4). The twist is the same with the velocities.
+pub fn rig_pose(rig_m: &[Vector3<f64>; 3], rig_sigma_m: f64, at: &Instant<9>) -> Option<Pose> {
+    let points_m = [0, 1, 2].map(|prism| at.position_m.fixed_rows::<3>(3 * prism).into_owned());
+    let start = align_rigid(&points_m, rig_m)?;
+    let (mut position_m, mut orientation) =
+        (start.translation_m, UnitQuaternion::from(start.rotation));
+    let open = SMatrix::<f64, 9, 9>::identity() * rig_sigma_m.powi(2);
+    let weight = (at.position_covariance + open).cholesky()?.inverse();
+    let mut covariance = Matrix6::zeros();
+    for _ in 0..STEPS {
+        let design = design(rig_m, &orientation);
+        let mut error = SVector::<f64, 9>::zeros();
+        for (prism, own_m) in rig_m.iter().enumerate() {
+            let expected = position_m + orientation * own_m;
+            error.fixed_rows_mut::<3>(3 * prism).copy_from(&(points_m[prism] - expected));
+        }
+        let (step, left) = solve(&design, &weight, &error)?;
+        position_m += step.fixed_rows::<3>(0);
+        orientation = UnitQuaternion::from_scaled_axis(step.fixed_rows::<3>(3)) * orientation;
+        covariance = left;
+    }
+    // Masts that flex do so slowly: the rig's own error hardly moves.
+    let weight = at.velocity_covariance.cholesky()?.inverse();
+    let (rates, left) = solve(&design(rig_m, &orientation), &weight, &at.velocity_m_per_s)?;
+    let (apparent_m, known_m) = (pairwise_distances(&points_m), pairwise_distances(rig_m));
+    let twist = Twist {
+        velocity_m_per_s: rates.fixed_rows::<3>(0).into(),
+        rate_rad_per_s: rates.fixed_rows::<3>(3).into(),
+        covariance: left,
+    };
+    Some(Pose {
+        time_s: at.time_s,
+        position_m,
+        orientation,
+        covariance,
+        twist: Some(twist),
+        inter_prism_error_m: (0..3)
+            .map(|pair| (apparent_m[pair] - known_m[pair]).abs())
+            .fold(0.0, f64::max),
+    })
+}
+
+/// How the prisms move with the position and a turn about station 1's axes: δq = δp + θ × R r.
+fn design(rig_m: &[Vector3<f64>; 3], orientation: &UnitQuaternion<f64>) -> SMatrix<f64, 9, 6> {
+    let mut design = SMatrix::<f64, 9, 6>::zeros();
+    for (prism, own_m) in rig_m.iter().enumerate() {
+        let lever = (orientation * own_m).cross_matrix();
+        design.fixed_view_mut::<3, 3>(3 * prism, 0).copy_from(&Matrix3::identity());
+        design.fixed_view_mut::<3, 3>(3 * prism, 3).copy_from(&-lever);
+    }
+    design
+}
+
+fn solve(
+    design: &SMatrix<f64, 9, 6>,
+    weight: &SMatrix<f64, 9, 9>,
+    error: &SVector<f64, 9>,
+) -> Option<(Vector6<f64>, Matrix6<f64>)> {
+    let pulled = design.transpose() * weight;
+    let covariance = (pulled * design).cholesky()?.inverse();
+    Some((covariance * (pulled * error), covariance))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::RigidTransform;
+    use nalgebra::Rotation3;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn rig() -> [Vector3<f64>; 3] {
+        [Vector3::new(0.4, 0.1, 0.8), Vector3::new(-0.5, 0.3, 0.9), Vector3::new(0.0, -0.6, 0.7)]
+    }
+
+    fn moving() -> (RigidTransform, Vector3<f64>, Vector3<f64>) {
+        let station1_from_vehicle = RigidTransform {
+            rotation: Rotation3::from_euler_angles(0.2, -0.3, 1.2),
+            translation_m: Vector3::new(20.0, -35.0, 1.5),
+        };
+        (station1_from_vehicle, Vector3::new(0.9, 0.2, 0.0), Vector3::new(0.02, -0.01, 0.3))
+    }
+
+    fn exact() -> Instant<9> {
+        let (pose, velocity, rate) = moving();
+        let all = |of: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
+            SVector::<f64, 9>::from_iterator(rig().iter().flat_map(|p| of(p).data.0[0]))
+        };
+        Instant {
+            time_s: 7.0,
+            position_m: all(&|p| pose.apply(p)),
+            velocity_m_per_s: all(&|p| velocity + rate.cross(&pose.rotate(p))),
+            position_covariance: SMatrix::identity() * 1e-6,
+            between_covariance: SMatrix::zeros(),
+            velocity_covariance: SMatrix::identity() * 1e-4,
+        }
+    }
+
+    #[test]
+    fn prisms_without_an_error_give_pose_and_twist_exactly() {
+        let (truth, velocity, rate) = moving();
+        let pose = rig_pose(&rig(), 1e-3, &exact()).expect("a triangle");
+        assert!((pose.position_m - truth.translation_m).norm() < 1e-12);
+        assert!(pose.orientation.angle_to(&truth.rotation.into()) < 1e-12);
+        let twist = pose.twist.expect("it moves");
+        assert!((twist.velocity_m_per_s - velocity).norm() < 1e-12);
+        assert!((twist.rate_rad_per_s - rate).norm() < 1e-12);
+        let line = [0.0, 1.0, 3.0].map(|s| Vector3::new(s, 2.0 * s, 0.5));
+        assert_eq!(rig_pose(&line, 1e-3, &exact()), None);
+    }
+
+    /// Errors that prisms have in common, as those of a calibration are, beside their own, and a rig that is off.
+    #[test]
+    fn the_covariance_is_that_of_a_monte_carlo() {
+        const DRAWS: usize = 4000;
+        const RIG_SIGMA_M: f64 = 0.001;
+        let (truth, ..) = moving();
+        let mut root = SMatrix::<f64, 9, 9>::identity() * 0.001;
+        for prism in 0..3 {
+            let mut common = root.fixed_view_mut::<3, 1>(3 * prism, 0);
+            common += Vector3::new(0.004, -0.002, 0.003);
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let mut mahalanobis = 0.0;
+        for _ in 0..DRAWS {
+            let error = root * SVector::<f64, 9>::from_fn(|_, _| normal());
+            let at = Instant {
+                position_m: exact().position_m + error,
+                position_covariance: root * root.transpose(),
+                ..exact()
+            };
+            let given_m = rig().map(|p| p.map(|value| value + RIG_SIGMA_M * normal()));
+            let pose = rig_pose(&given_m, RIG_SIGMA_M, &at).expect("a triangle");
+            let moved = pose.position_m - truth.translation_m;
+            let turned =
+                (pose.orientation * UnitQuaternion::from(truth.rotation).inverse()).scaled_axis();
+            let error = Vector6::from_iterator(moved.iter().chain(&turned).copied());
+            mahalanobis += error.dot(&(pose.covariance.try_inverse().expect("full rank") * error));
+        }
+        let mean = mahalanobis / DRAWS as f64;
+        assert!((mean / 6.0 - 1.0).abs() < 0.06, "Mahalanobis distance {mean} of 6 unknowns");
+    }
+}
