@@ -156,3 +156,97 @@ fn the_csv_has_the_covariance_and_the_field_data_its_poses() {
     assert!((1950..=2032).contains(&poses), "{poses}");
     assert!(open(&path).is_ok());
 }
+
+/// What the command writes as CSV: times, positions and their σ.
+fn csv_of(arguments: &[&str]) -> Vec<[f64; 5]> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("drive.csv");
+    let output = resect()
+        .arg("trajectory")
+        .arg(sample_folder("warthog"))
+        .args(arguments)
+        .arg("--out")
+        .arg(&file)
+        .output()
+        .expect("runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = std::fs::read_to_string(&file).expect("written");
+    let row = |line: &str| {
+        let numbers: Vec<f64> =
+            line.split(',').map(|field| field.parse().expect("a number")).collect();
+        let sigma = (9..12).map(|k| numbers[k].powi(2)).sum::<f64>().sqrt();
+        [numbers[0], numbers[1], numbers[2], numbers[3], sigma]
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+#[test]
+fn poses_are_had_at_a_rate_and_at_the_stamps_of_a_file() {
+    let at_triplets = csv_of(&[]);
+    let at_rate = csv_of(&["--rate", "20"]);
+    for pose in &at_rate {
+        let steps = 20.0 * (pose[0] - at_rate[0][0]);
+        assert!((steps - steps.round()).abs() < 1e-3, "{}", pose[0]);
+    }
+    assert!(at_rate.windows(2).all(|pair| pair[1][0] > pair[0][0]), "each once, in order");
+    assert!((1.9..2.1).contains(&(at_rate.len() as f64 / at_triplets.len() as f64)));
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let stamps = folder.path().join("stamps.txt");
+    let mut text = "# timestamp tx\n".to_owned();
+    for pose in at_triplets.iter().rev().step_by(7) {
+        text += &format!("{:.6} 0\n", pose[0]);
+    }
+    // Long after the drive there is nothing.
+    text += "1760009999.0 0\n";
+    std::fs::write(&stamps, text).expect("written");
+    let at_stamps = csv_of(&["--at", stamps.to_str().expect("UTF-8")]);
+    assert_eq!(at_stamps.len(), at_triplets.len().div_ceil(7));
+    for pose in &at_stamps {
+        let same = at_triplets.iter().find(|other| other[0] == pose[0]).expect("a triplet's time");
+        assert!((0..3).all(|k| (pose[1 + k] - same[1 + k]).abs() < 2e-5), "{pose:?} {same:?}");
+    }
+}
+
+#[test]
+fn a_pose_is_less_certain_where_readings_end_and_none_is_made_up_in_a_gap() {
+    let poses = csv_of(&["--rate", "10"]);
+    let (mut ends, mut middles) = (Vec::new(), Vec::new());
+    for stretch in poses.chunk_by(|a, b| b[0] - a[0] < 0.15).filter(|stretch| stretch.len() > 60) {
+        ends.push(stretch[0][4]);
+        middles.push(stretch[stretch.len() / 2][4]);
+    }
+    assert!(ends.len() > 5, "the drive has gaps");
+    let median = |mut all: Vec<f64>| {
+        all.sort_by(f64::total_cmp);
+        all[all.len() / 2]
+    };
+    let (end, middle) = (median(ends), median(middles));
+    assert!(end > 1.15 * middle, "{end} at the ends, {middle} in the middle");
+}
+
+#[test]
+fn what_cannot_be_had_is_said_in_a_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let words = folder.path().join("words.txt");
+    std::fs::write(&words, "time\nnoon\n").expect("written");
+    let words = words.to_str().expect("UTF-8");
+    let cases: [(&[&str], &str); 5] = [
+        (&["--rate", "5", "--method", "inter-prism"], "--method joint"),
+        (&["--rate", "nan"], "--rate is NaN Hz"),
+        (&["--at", words], "words.txt:2: the first column is no time"),
+        (&["--at", "/no/such/file"], "/no/such/file"),
+        (&["--at", "/tmp"], "no file"),
+    ];
+    for (arguments, expected) in cases {
+        let output = resect()
+            .arg("trajectory")
+            .arg(sample_folder("warthog"))
+            .args(arguments)
+            .output()
+            .expect("runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && said.contains(expected), "{arguments:?}: {said}");
+        assert_eq!(said.trim().lines().count(), 1, "{said}");
+    }
+}

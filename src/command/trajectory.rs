@@ -1,6 +1,6 @@
 //! `resect trajectory`: the vehicle's poses in six degrees of freedom.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -10,7 +10,7 @@ use super::{Failure, load, print};
 use crate::analysis::Analyst;
 use crate::atomic;
 use crate::deployment::file_mark::used_files;
-use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, NoTrajectory, trajectory_by};
+use crate::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, NoTrajectory, trajectory_by};
 use crate::export::tum;
 
 #[derive(Args)]
@@ -24,9 +24,18 @@ pub struct Arguments {
     /// Leave out epochs with an inter-prism error above this (mm)
     #[arg(long, value_name = "MM", default_value_t = 1e3 * LARGEST_POSE_ERROR_M, allow_negative_numbers = true)]
     max_error: f64,
+    /// Poses at even steps, so many a second, instead of at the triplets (the joint estimate only)
+    #[arg(long, value_name = "HZ", conflicts_with = "at", allow_negative_numbers = true)]
+    rate: Option<f64>,
+    /// Poses at the times in the first column of this file (s; TUM, CSV), instead of at the triplets (the joint estimate only)
+    #[arg(long, value_name = "FILE")]
+    at: Option<PathBuf>,
     #[command(flatten)]
     settings: AnswerArguments,
 }
+
+/// More poses a second than any sensor has stamps.
+const MOST_HZ: f64 = 10_000.0;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
@@ -34,6 +43,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let line = format!("--max-error is {} mm; it must be above zero", arguments.max_error);
         return Err(Failure::Usage(line));
     }
+    if let Some(hz) = arguments.rate.filter(|hz| !(0.0..=MOST_HZ).contains(hz) || *hz == 0.0) {
+        let line = format!("--rate is {hz} Hz; it must be above 0 and {MOST_HZ} at most");
+        return Err(Failure::Usage(line));
+    }
+    let times_s = arguments.at.as_deref().map(times_of).transpose()?;
+    let wanted = match (&times_s, arguments.rate) {
+        (Some(times_s), _) => Instants::At(times_s),
+        (None, Some(hz)) => Instants::Rate(hz),
+        (None, None) => Instants::Triplets,
+    };
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     let answer = analysis.answer.clone()?;
@@ -42,6 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         analysis.triplets(),
         analysis.offer.targets,
         &answer.calibration,
+        wanted,
         arguments.max_error / 1e3,
     )
     .map_err(|why| match why {
@@ -50,7 +70,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     if trajectory.poses.is_empty() {
         return Err(Failure::Input(anyhow::anyhow!(
-            "{}: no pose: all {} epochs have an inter-prism error above {} mm; check the distances, or raise --max-error",
+            "{}: no pose: all {} epochs have an inter-prism error above {} mm or lie outside of the drive; check the \
+             distances and times, or raise --max-error",
             deployment.name,
             trajectory.dropped,
             arguments.max_error,
@@ -96,4 +117,35 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         ))?;
     }
     Ok(())
+}
+
+/// The numbers that begin the lines of a file (s): those of TUM, CSV, or a bare list. Comments and one header are left out.
+fn times_of(path: &Path) -> Result<Vec<f64>, anyhow::Error> {
+    let unreadable = |why: std::io::Error| anyhow::anyhow!("{}: {why}", path.display());
+    // To read a pipe would wait for whoever writes to it.
+    let is_file = path.metadata().map_err(unreadable)?.is_file();
+    anyhow::ensure!(is_file, "{}: no file; give TUM or CSV", path.display());
+    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let mut times_s = Vec::new();
+    let mut headers = 0;
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with(['#', '%']) {
+            continue;
+        }
+        let first = line.split([',', ';', ' ', '\t']).next().unwrap_or_default().trim();
+        match first.parse::<f64>() {
+            // EuRoC counts nanoseconds.
+            Ok(time) if time.is_finite() && time.abs() > 1e15 => times_s.push(1e-9 * time),
+            Ok(time_s) if time_s.is_finite() => times_s.push(time_s),
+            _ if times_s.is_empty() && headers == 0 => headers += 1,
+            _ => anyhow::bail!(
+                "{}:{}: the first column is no time in seconds; give TUM or CSV whose first column is",
+                path.display(),
+                index + 1
+            ),
+        }
+    }
+    anyhow::ensure!(!times_s.is_empty(), "{}: there are no times in it", path.display());
+    Ok(times_s)
 }

@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use super::rig_motion::rig_pose;
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
 use crate::calibration::joint::RIGID_M;
-use crate::calibration::joint::prisms::Instants;
+use crate::calibration::joint::prisms::{Instants as Prisms, Solution};
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
@@ -33,6 +33,10 @@ pub enum NoTrajectory {
          method C or D"
     )]
     OtherFrame(String),
+    #[error(
+        "{0}: by this method there are poses at the triplets only; the joint estimate has them at any time (--method joint)"
+    )]
+    NoMotion(String),
 }
 
 /// What the vehicle's frame is.
@@ -79,13 +83,53 @@ pub fn prisms_in_vehicle(rig: &Rig) -> Option<([Vector3<f64>; 3], VehicleFrame)>
     Some((standing.map(|prism| back * prism), VehicleFrame::Reading))
 }
 
-/// Poses at the instants of triplets by an answer: of the motion, where the joint estimate found one, with all that is open
-/// about it; elsewhere of each triplet by itself, which knows nothing of the calibration's own errors.
+/// When poses are wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Instants<'a> {
+    /// At those of the triplets.
+    Triplets,
+    /// At even steps from whole seconds on, so many a second.
+    Rate(f64),
+    /// At these times (s).
+    At(&'a [f64]),
+}
+
+impl Instants<'_> {
+    /// The times in their order (s).
+    fn times_s(self, triplets: &Triplets, solution: &Solution) -> Vec<f64> {
+        match self {
+            Self::Triplets => triplets.time_s.clone(),
+            Self::Rate(hz) => {
+                // Stretches that one long one was cut into meet at one instant.
+                let mut last = f64::NEG_INFINITY;
+                let mut times_s = Vec::new();
+                for [start_s, end_s] in solution.spans_s() {
+                    let mut step = (start_s * hz).ceil().max(last + 1.0);
+                    while step / hz <= end_s {
+                        times_s.push(step / hz);
+                        last = step;
+                        step += 1.0;
+                    }
+                }
+                times_s
+            }
+            Self::At(times_s) => {
+                let mut times_s = times_s.to_vec();
+                times_s.sort_by(f64::total_cmp);
+                times_s
+            }
+        }
+    }
+}
+
+/// Poses by an answer: of the motion, where the joint estimate found one, with all that is open about it; elsewhere of each
+/// triplet by itself, which knows nothing of the calibration's own errors and of no other instants.
 pub fn trajectory_by(
     deployment: &Deployment,
     triplets: &Triplets,
     targets: Targets,
     calibration: &Calibration,
+    wanted: Instants<'_>,
     largest_inter_prism_error_m: f64,
 ) -> Result<(Trajectory, VehicleFrame), NoTrajectory> {
     let placing = calibration.placing_tracks(deployment);
@@ -94,7 +138,10 @@ pub fn trajectory_by(
     let Some((joint, distances_m)) =
         calibration.joint().and_then(|joint| Some((joint, joint.distances_m?)))
     else {
-        return by_triplets();
+        return match wanted {
+            Instants::Triplets => by_triplets(),
+            _ => Err(NoTrajectory::NoMotion(deployment.name.clone())),
+        };
     };
     let inter_prism_m = distances_m.map(|distance| distance.value);
     let (prisms_m, frame) = rig_of(deployment, &|rig| Rig { inter_prism_m, ..rig.clone() })?;
@@ -103,15 +150,16 @@ pub fn trajectory_by(
         VehicleFrame::Given => joint.sizes.inter_prism_m * std::f64::consts::FRAC_1_SQRT_2,
         VehicleFrame::Reading | VehicleFrame::Triangle => RIGID_M,
     };
-    let instants = joint.solution.instants(&triplets.time_s, &Progress::default());
-    // Nobody cancels it.
-    let Ok(Instants::Rig(instants)) = instants else { return by_triplets() };
+    let times_s = wanted.times_s(triplets, &joint.solution);
+    let found = joint.solution.instants(&times_s, &Progress::default());
+    // Nobody cancels it, and there are three.
+    let Ok(Prisms::Rig(instants)) = found else { return by_triplets() };
     let poses: Vec<Pose> = instants
         .iter()
         .filter_map(|at| rig_pose(&prisms_m, rig_sigma_m, at))
         .filter(|pose| pose.inter_prism_error_m <= limit_m)
         .collect();
-    let dropped = triplets.len() - poses.len();
+    let dropped = times_s.len() - poses.len();
     Ok((Trajectory { poses, dropped }, frame))
 }
 

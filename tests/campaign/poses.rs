@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use resect::analysis::Analysis;
 use resect::calibration::Method;
 use resect::evaluation::trajectory::{ObservedRig, Pose, align_rig};
-use resect::evaluation::vehicle::{trajectory_by, vehicle_trajectory};
+use resect::evaluation::vehicle::{Instants, trajectory_by, vehicle_trajectory};
 use resect::simulation::{EPOCH_S, ErrorKind, Preset, Simulated, simulate_scenario};
 
 use super::common::{analyse, by};
@@ -59,7 +59,14 @@ fn seen(preset: Preset, seed: u64, rig_sigma_m: f64) -> Vec<Seen> {
     let analysis = analyse(&deployment, &by(Method::Joint));
     let Ok(answer) = &analysis.answer else { return Vec::new() };
     let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
-    let found = trajectory_by(&deployment, triplets, targets, &answer.calibration, f64::INFINITY);
+    let found = trajectory_by(
+        &deployment,
+        triplets,
+        targets,
+        &answer.calibration,
+        Instants::Triplets,
+        f64::INFINITY,
+    );
     let placing = answer.calibration.placing_tracks(&deployment);
     let lines = vehicle_trajectory(&deployment, triplets, targets, placing, f64::INFINITY);
     let (Ok((found, _)), Ok((lines, _))) = (found, lines) else { return Vec::new() };

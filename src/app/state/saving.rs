@@ -9,7 +9,7 @@ use crate::app::file_dialog::{Answer, Question, Wanted};
 use crate::atomic;
 use crate::deployment::Deployment;
 use crate::deployment::file_mark::marks_of;
-use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, trajectory_by};
+use crate::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, trajectory_by};
 use crate::export;
 use crate::export::of_run;
 use crate::export::report::{self, Chapter};
@@ -147,6 +147,7 @@ fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<Strin
         analysis.triplets(),
         analysis.offer.targets,
         &answer.calibration,
+        Instants::Triplets,
         LARGEST_POSE_ERROR_M,
     )
     .map_err(|error| error.to_string())?;

@@ -50,7 +50,7 @@ pub enum Instants {
 }
 
 impl Solution {
-    /// The motion at some times (s, in the stamps of station 1).
+    /// The motion at some times in their order (s, in the stamps of station 1).
     pub fn instants(&self, time_s: &[f64], progress: &Progress) -> Result<Instants, Cancelled> {
         const RIG: usize = 9;
         const PRISM: usize = 3;
@@ -77,10 +77,10 @@ impl Solution {
         let first_parts = drive.first_parts();
         let of_stretch = |index: usize, band: &Band<LOCAL, ROW>| {
             let stretch = &drive.pieces[index].stretch;
-            let inside = |t: &f64| (stretch.start_s..=stretch.end_s).contains(t);
+            let from = time_s.partition_point(|t| *t < stretch.start_s);
+            let to = time_s.partition_point(|t| *t <= stretch.end_s);
             let mut all: Vec<(Place, f64)> =
-                time_s.iter().filter(|t| inside(t)).map(|t| (stretch.place(*t), *t)).collect();
-            all.sort_by(|a, b| a.1.total_cmp(&b.1));
+                time_s[from..to].iter().map(|t| (stretch.place(*t), *t)).collect();
             let mut found = Vec::with_capacity(all.len());
             each_window(band, |window| {
                 while let Some((place, time_s)) = all.pop_if(|(p, _)| p.first == window.first) {
@@ -94,9 +94,12 @@ impl Solution {
         };
         let found = pass.with_bands(drive, &self.at, &self.by.levels, of_stretch);
         progress.check()?;
-        let mut found: Vec<Instant<LOCAL>> = found.into_iter().flatten().flatten().collect();
-        found.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        Ok(found)
+        Ok(found.into_iter().flatten().flatten().collect())
+    }
+
+    /// Start and end of what has a motion (s), each stretch by itself.
+    pub fn spans_s(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.drive.pieces.iter().map(|piece| [piece.stretch.start_s, piece.stretch.end_s])
     }
 
     /// What each part of the drive leaves open.
