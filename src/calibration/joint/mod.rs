@@ -294,7 +294,8 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         if converged || steps == MOST_STEPS {
             let solution = Solution { drive, at, by, model, sizes: *sizes, prisms: LOCAL / 3 };
             let mut found = pass.summary(solution);
-            found.stepped = measured(&stepped, &pass.factor, &found.solution);
+            let Solution { model, drive, at, .. } = &*found.solution;
+            found.stepped = measured(&stepped, &pass.factor, model, drive, at);
             (found.converged, found.steps) = (converged, steps);
             return Ok(Some(found));
         }

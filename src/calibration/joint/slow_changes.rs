@@ -7,7 +7,6 @@ use super::chain::Data;
 use super::chain_factor::Factor;
 use super::drive::Drive;
 use super::pass::{Estimates, Model, with_priors};
-use super::prisms::Solution;
 use super::slow_priors::{SlowPrecisions, SlowPriors, Wander};
 use super::stability::{self, Step, Stepped};
 use super::unknowns::{Constants, Slow};
@@ -82,8 +81,13 @@ fn clearest_step(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> O
 }
 
 /// Known steps, as large as the whole solution makes them; where there is none, a station that moved slowly.
-pub fn measured(known: &[Step], factor: &Factor, solution: &Solution) -> Vec<Step> {
-    let Solution { drive, at, model, .. } = solution;
+pub fn measured(
+    known: &[Step],
+    factor: &Factor,
+    model: &Model,
+    drive: &Drive,
+    at: &Estimates,
+) -> Vec<Step> {
     let usual =
         SlowPriors { station_steps: Vec::new(), clock_steps: Vec::new(), ..model.priors.clone() };
     let Some(usual) = SlowPrecisions::new(&usual, &drive.part_times_s) else {
