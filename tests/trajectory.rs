@@ -7,8 +7,10 @@ use std::process::Command;
 use common::{analyse, answer, by, of_field, published, sample_folder};
 use resect::calibration::Method;
 use resect::deployment::{Sample, open};
-use resect::evaluation::vehicle::{NoTrajectory, VehicleFrame, vehicle_trajectory};
-use resect::simulation::{Preset, simulate};
+use resect::evaluation::vehicle::{
+    Instants, NoTrajectory, VehicleFrame, prism_by, vehicle_trajectory,
+};
+use resect::simulation::{EPOCH_S, Preset, simulate};
 
 const LIMIT_M: f64 = 0.020;
 
@@ -249,4 +251,30 @@ fn what_cannot_be_had_is_said_in_a_line() {
         assert!(!output.status.success() && said.contains(expected), "{arguments:?}: {said}");
         assert_eq!(said.trim().lines().count(), 1, "{said}");
     }
+}
+
+#[test]
+fn one_prism_has_positions_that_are_as_certain_as_they_say() {
+    let (mut covered, mut all) = (0, 0);
+    for seed in 0..4 {
+        let simulated = simulate(Preset::SinglePrism, seed);
+        let deployment = simulated.deployment().expect("valid");
+        let analysis = analyse(&deployment, &by(Method::Joint));
+        let calibration = &answer(&analysis).calibration;
+        let triplets = analysis.triplets();
+        let positions = prism_by(&deployment, triplets, calibration, Instants::Rate(5.0))
+            .expect("the joint estimate has a motion");
+        for at in &positions {
+            let truth = &simulated.truth;
+            let true_m = truth.motion.position_m(&truth.prisms_m[0], at.time_s - EPOCH_S);
+            let error = at.position_m - true_m;
+            let inverse = at.position_covariance.try_inverse().expect("full rank");
+            // 95 % of χ² with three degrees of freedom.
+            covered += usize::from(error.dot(&(inverse * error)) < 7.815);
+            all += 1;
+        }
+    }
+    assert!(all > 2000, "{all}");
+    let share = covered as f64 / all as f64;
+    assert!(share > 0.9, "{share}");
 }

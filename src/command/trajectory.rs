@@ -7,18 +7,23 @@ use clap::Args;
 use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
-use crate::analysis::Analyst;
+use crate::analysis::{Analysis, Analyst};
 use crate::atomic;
+use crate::calibration::joint::prisms::Instant;
+use crate::calibration::{Calibration, Targets};
+use crate::deployment::Deployment;
 use crate::deployment::file_mark::used_files;
-use crate::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, NoTrajectory, trajectory_by};
+use crate::evaluation::vehicle::{
+    Instants, LARGEST_POSE_ERROR_M, NoTrajectory, prism_by, trajectory_by,
+};
 use crate::export::tum;
 
 #[derive(Args)]
 pub struct Arguments {
     /// Folder or file with the stations' tracks
     path: PathBuf,
-    /// File to write: TUM (timestamp tx ty tz qx qy qz qw), or CSV with the covariance if it ends in .csv; TUM on the
-    /// terminal if none
+    /// File to write: TUM (timestamp tx ty tz qx qy qz qw), or CSV with covariance and velocity if it ends in .csv; TUM on
+    /// the terminal if none
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Leave out epochs with an inter-prism error above this (mm)
@@ -56,6 +61,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     let answer = analysis.answer.clone()?;
+    if analysis.offer.targets == Targets::OnePrism {
+        return one_prism(arguments, &deployment, &analysis, &answer.calibration, wanted);
+    }
     let (trajectory, frame) = trajectory_by(
         &deployment,
         analysis.triplets(),
@@ -88,8 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(file) = &arguments.out else {
         return Ok(print(&tum::tum(&trajectory, &header))?);
     };
-    let csv = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-    let text = if csv { tum::csv(&trajectory) } else { tum::tum(&trajectory, &header) };
+    let text = if is_csv(file) { tum::csv(&trajectory) } else { tum::tum(&trajectory, &header) };
     spare(file, used_files(&deployment))?;
     atomic::write(file, text)?;
     print(&format!(
@@ -117,6 +124,45 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         ))?;
     }
     Ok(())
+}
+
+/// Positions of the prism that all stations follow.
+fn one_prism(
+    arguments: &Arguments,
+    deployment: &Deployment,
+    analysis: &Analysis,
+    calibration: &Calibration,
+    wanted: Instants<'_>,
+) -> Result<(), Failure> {
+    let positions = prism_by(deployment, analysis.triplets(), calibration, wanted)?;
+    if positions.is_empty() {
+        let why = format!("{}: no position: all times lie outside of the drive", deployment.name);
+        return Err(Failure::Input(anyhow::Error::msg(why)));
+    }
+    let by =
+        format!("by {}, verdict {}", calibration.method.in_words(), calibration.verdict_in_words());
+    let header = format!("{}: frame of station 1, {by}", deployment.name);
+    let Some(file) = &arguments.out else {
+        return Ok(print(&tum::prism_tum(&positions, &header))?);
+    };
+    spare(file, used_files(deployment))?;
+    let text =
+        if is_csv(file) { tum::prism_csv(&positions) } else { tum::prism_tum(&positions, &header) };
+    atomic::write(file, text)?;
+    let sigma_m = |at: &Instant<3>| (at.position_covariance.trace() / 3.0).sqrt();
+    let mut sigmas_m: Vec<f64> = positions.iter().map(sigma_m).collect();
+    sigmas_m.sort_by(f64::total_cmp);
+    Ok(print(&format!(
+        "{}: {} positions of the one prism, frame of station 1\n{by}\n\
+         typical σ, from readings, calibration and clocks: {:.1} mm\n",
+        file.display(),
+        positions.len(),
+        1e3 * sigmas_m[sigmas_m.len() / 2],
+    ))?)
+}
+
+fn is_csv(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"))
 }
 
 /// The numbers that begin the lines of a file (s): those of TUM, CSV, or a bare list. Comments and one header are left out.

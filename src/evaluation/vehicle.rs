@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use super::rig_motion::rig_pose;
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
 use crate::calibration::joint::RIGID_M;
-use crate::calibration::joint::prisms::{Instants as Prisms, Solution};
+use crate::calibration::joint::prisms::{Instant, Instants as Prisms, Solution};
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
@@ -19,7 +19,10 @@ pub const LARGEST_POSE_ERROR_M: f64 = 0.020;
 /// Why there are no poses.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoTrajectory {
-    #[error("{0}: all stations follow one prism, which has a position but no orientation")]
+    #[error(
+        "{0}: all stations follow one prism, which has no orientation; its positions come from the joint estimate alone \
+         (--method joint)"
+    )]
     OnePrism(String),
     #[error(
         "{0}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, or name a file of \
@@ -161,6 +164,22 @@ pub fn trajectory_by(
         .collect();
     let dropped = times_s.len() - poses.len();
     Ok((Trajectory { poses, dropped }, frame))
+}
+
+/// Positions of the one prism that all stations follow, from the motion that the joint estimate found.
+pub fn prism_by(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    calibration: &Calibration,
+    wanted: Instants<'_>,
+) -> Result<Vec<Instant<3>>, NoTrajectory> {
+    let none = || NoTrajectory::OnePrism(deployment.name.clone());
+    let solution = &calibration.joint().ok_or_else(none)?.solution;
+    let times_s = wanted.times_s(triplets, solution);
+    match solution.instants(&times_s, &Progress::default()) {
+        Ok(Prisms::Prism(found)) => Ok(found),
+        _ => Err(none()),
+    }
 }
 
 fn rig_of(

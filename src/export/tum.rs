@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::calibration::joint::prisms::Instant;
 use crate::evaluation::trajectory::Trajectory;
 
 /// `timestamp tx ty tz qx qy qz qw`, one pose a line: the format of the TUM RGB-D benchmark. The header says where the
@@ -63,6 +64,48 @@ pub fn csv(trajectory: &Trajectory) -> String {
             }
             for index in 0..6 {
                 _ = write!(text, ",{:.7}", twist.covariance[(index, index)].max(0.0).sqrt());
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Positions of one prism as TUM. It has no orientation, for which the format has no room: 0 0 0 1 stands there.
+pub fn prism_tum(positions: &[Instant<3>], header: &str) -> String {
+    let mut text = format!(
+        "# {header}; positions of one prism, no orientation\n# timestamp tx ty tz qx qy qz qw\n"
+    );
+    for at in positions {
+        let t = &at.position_m;
+        _ = writeln!(text, "{:.6} {:.6} {:.6} {:.6} 0 0 0 1", at.time_s, t.x, t.y, t.z);
+    }
+    text
+}
+
+/// Positions and velocities of one prism, with their standard deviations and the upper triangle of the position's covariance.
+pub fn prism_csv(positions: &[Instant<3>]) -> String {
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    let mut text = "timestamp_s,x_m,y_m,z_m,vx_m_per_s,vy_m_per_s,vz_m_per_s".to_owned();
+    AXES.iter().for_each(|axis| text += &format!(",sigma_{axis}_m"));
+    AXES.iter().for_each(|axis| text += &format!(",sigma_v{axis}_m_per_s"));
+    for row in 0..3 {
+        AXES[row..].iter().for_each(|column| text += &format!(",cov_{}_{column}", AXES[row]));
+    }
+    text.push('\n');
+    for at in positions {
+        _ = write!(text, "{:.6}", at.time_s);
+        for value in at.position_m.iter().chain(&at.velocity_m_per_s) {
+            _ = write!(text, ",{value:.6}");
+        }
+        for covariance in [&at.position_covariance, &at.velocity_covariance] {
+            for axis in 0..3 {
+                _ = write!(text, ",{:.7}", covariance[(axis, axis)].max(0.0).sqrt());
+            }
+        }
+        for row in 0..3 {
+            for column in row..3 {
+                _ = write!(text, ",{:.6e}", at.position_covariance[(row, column)]);
             }
         }
         text.push('\n');

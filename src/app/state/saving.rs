@@ -7,9 +7,10 @@ use super::State;
 use crate::analysis::Analysis;
 use crate::app::file_dialog::{Answer, Question, Wanted};
 use crate::atomic;
+use crate::calibration::Targets;
 use crate::deployment::Deployment;
 use crate::deployment::file_mark::marks_of;
-use crate::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, trajectory_by};
+use crate::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, prism_by, trajectory_by};
 use crate::export;
 use crate::export::of_run;
 use crate::export::report::{self, Chapter};
@@ -142,15 +143,6 @@ impl State {
 
 fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<String, String> {
     let answer = analysis.answer.as_ref().map_err(ToString::to_string)?;
-    let (trajectory, _) = trajectory_by(
-        deployment,
-        analysis.triplets(),
-        analysis.offer.targets,
-        &answer.calibration,
-        Instants::Triplets,
-        LARGEST_POSE_ERROR_M,
-    )
-    .map_err(|error| error.to_string())?;
     let calibration = &answer.calibration;
     let header = format!(
         "{}: frame of station 1, by {}, verdict {}",
@@ -158,5 +150,15 @@ fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<Strin
         calibration.method.in_words(),
         calibration.verdict_in_words()
     );
-    Ok(export::tum::tum(&trajectory, &header))
+    let (triplets, targets, wanted) =
+        (analysis.triplets(), analysis.offer.targets, Instants::Triplets);
+    if targets == Targets::OnePrism {
+        let positions = prism_by(deployment, triplets, calibration, wanted);
+        return positions
+            .map(|positions| export::tum::prism_tum(&positions, &header))
+            .map_err(|why| why.to_string());
+    }
+    trajectory_by(deployment, triplets, targets, calibration, wanted, LARGEST_POSE_ERROR_M)
+        .map(|(trajectory, _)| export::tum::tum(&trajectory, &header))
+        .map_err(|why| why.to_string())
 }
