@@ -157,8 +157,8 @@ fn factorise_chain(
     let mut log_determinant = -priors.log_determinant;
     let mut before: Option<Rows> = None;
     for part in 0..data.own.len() {
-        let own = data.own[part] + priors.own[part];
-        let next = data.with_next[part] + priors.with_next[part];
+        let own = data.own[part] + priors.own(part);
+        let next = data.with_next[part] + priors.with_next(part);
         let border = &data.with_constants[part];
         let mut block = [[0.0; ROW]; SLOW];
         for (i, row) in block.iter_mut().enumerate() {
@@ -276,6 +276,7 @@ fn add_gram(gram: &mut [[f64; CONSTANTS]; CONSTANTS], rows: &Rows) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::slow_priors::{SlowPriors, Wander};
     use super::*;
     use rand::{RngExt, SeedableRng};
 
@@ -298,13 +299,17 @@ mod tests {
             constants: Square::identity() * 300.0,
             gradient: Columns::zeros(PARTS),
         };
-        let none = vec![SlowMatrix::zeros(); PARTS];
-        let priors = SlowPrecisions {
-            own: none.clone(),
-            with_next: none,
-            log_determinant: 0.0,
-            settled_shares: Vec::new(),
+        let priors = SlowPriors {
+            settling: SMatrix::identity(),
+            clocks_s2: 2.0,
+            wander: Wander { sigma_m: 0.5, correlation_s: 5.0 },
+            restarts_s: Vec::new(),
+            restarted_s2: 1.0,
+            station_steps: vec![2],
+            clock_steps: vec![3],
         };
+        let times_s: Vec<f64> = (0..PARTS).map(|part| 6.0 * part as f64).collect();
+        let priors = SlowPrecisions::new(&priors, &times_s).expect("nothing is known exactly");
         let factor = Factor::new(&data, &Constants::repeat(1.0), &priors).expect("definite");
         let walks = factor.of_walks();
         assert_eq!(walks.len(), PARTS - 1);

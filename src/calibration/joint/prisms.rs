@@ -108,7 +108,7 @@ impl Solution {
         let (by_slow, left) = station_1_by_slow(&self.sizes, &self.model.start);
         let of_constants = pass.factor.of_constants();
         let mut frames = vec![Frame::default(); drive.part_times_s.len()];
-        let shares = &pass.slow_priors.settled_shares;
+        let shares = pass.slow_priors.settled_shares();
         pass.factor.each_covariance(|part, slow| {
             let (part_by_constants, part_by_slow) = pass.moves.of(drive, part);
             let (seen_by_constants, seen_by_slow) = pass.moves.of_station_1(drive, part);

@@ -36,13 +36,27 @@ pub struct SlowPriors {
     pub clock_steps: Vec<usize>,
 }
 
-/// The priors of the slow states as precisions: of each, and of each with the next one.
+/// The priors of the slow states as precisions. Their matrices are made whenever they are asked for: kept, those of a long
+/// drive would take more room than its readings.
+#[derive(Clone)]
 pub struct SlowPrecisions {
-    pub own: Vec<SlowMatrix>,
-    pub with_next: Vec<SlowMatrix>,
+    /// Precision of how stations 2 and 3 walk during a whole drive.
+    settling: SMatrix<f64, 8, 8>,
+    comings: Vec<Coming>,
     pub log_determinant: f64,
-    /// How much of what a whole drive settles by has settled until each part, where nothing steps.
-    pub settled_shares: Vec<f64>,
+}
+
+/// How the states of a part come from those of the part before it, or of the first from the set-up.
+#[derive(Clone, Copy)]
+struct Coming {
+    /// The share of a whole drive's variance that stations walk by, and the one where nothing steps.
+    stations: f64,
+    usual: f64,
+    /// Precision of how each clock walks (1/s²).
+    clocks: f64,
+    /// The share of the ranges' errors that stays, and the precision of what is new (1/m²).
+    kept: f64,
+    fresh: f64,
 }
 
 impl SlowPrecisions {
@@ -61,76 +75,99 @@ impl SlowPrecisions {
         let whole_s = ((time_s.last()? - time_s.first()? - paused_s) / drives).max(1.0);
         let settled = priors.settling.cholesky()?;
         let (settling, settled) = (settled.inverse(), 2.0 * settled.ln_determinant_of_root());
-        let mut own = vec![SlowMatrix::zeros(); time_s.len()];
-        let mut with_next = vec![SlowMatrix::zeros(); time_s.len()];
         let mut log_determinant = 0.0;
         let variance_m2 = priors.wander.sigma_m.powi(2);
-        let mut settled_shares = Vec::with_capacity(time_s.len());
-        for part in 0..time_s.len() {
+        let coming = |part: usize| {
             let since_s = match part {
                 // From the set-up to the first part.
                 0 => 0.5 * whole_s * drives / time_s.len() as f64,
                 _ => time_s[part] - time_s[part - 1],
             };
             let usual = if restarts(part) { 1.0 } else { (since_s / whole_s).max(1e-4) };
-            settled_shares.push(settled_shares.last().unwrap_or(&0.0) + usual);
             let share = |steps: &[usize]| if steps.contains(&part) { STEP } else { usual };
             let (stations, clocks) = (share(&priors.station_steps), share(&priors.clock_steps));
             let clocks_s2 =
                 if restarts(part) { priors.restarted_s2 } else { clocks * priors.clocks_s2 };
-            let mut step = SlowMatrix::zeros();
-            step.fixed_view_mut::<8, 8>(0, 0).copy_from(&(settling / stations));
-            for clock in SLOW_CLOCKS..SLOW_RANGES {
-                step[(clock, clock)] = clocks_s2.recip();
-            }
-            own[part] += step;
             log_determinant -= settled + 8.0 * stations.ln() + 2.0 * clocks_s2.ln();
             let kept = if part == 0 { 0.0 } else { (-since_s / priors.wander.correlation_s).exp() };
             let fresh = 1.0 / (variance_m2 * (1.0 - kept * kept).max(1e-6));
-            for range in SLOW_RANGES..SLOW {
-                own[part][(range, range)] += fresh;
+            for _ in SLOW_RANGES..SLOW {
                 log_determinant += fresh.ln();
             }
-            if part > 0 {
-                own[part - 1] += step;
-                with_next[part - 1] -= step;
-                for range in SLOW_RANGES..SLOW {
-                    own[part - 1][(range, range)] += kept * kept * fresh;
-                    with_next[part - 1][(range, range)] -= kept * fresh;
-                }
-            }
-        }
-        Some(Self { own, with_next, log_determinant, settled_shares })
+            Coming { stations, usual, clocks: clocks_s2.recip(), kept, fresh }
+        };
+        let comings = (0..time_s.len()).map(coming).collect();
+        Some(Self { settling, comings, log_determinant })
     }
 
     /// Gives its room away.
     pub fn forget(&mut self) {
-        (self.own, self.with_next) = (Vec::new(), Vec::new());
+        self.comings = Vec::new();
     }
 
     /// Precisions as if slow states were known a thousand times better.
     pub fn stiffer(&self) -> Self {
-        let more = |all: &[SlowMatrix]| all.iter().map(|matrix| matrix * 1e6).collect();
-        Self {
-            own: more(&self.own),
-            with_next: more(&self.with_next),
-            log_determinant: self.log_determinant,
-            settled_shares: self.settled_shares.clone(),
+        const MORE: f64 = 1e6;
+        let stiffer = |coming: &Coming| Coming {
+            clocks: coming.clocks * MORE,
+            fresh: coming.fresh * MORE,
+            ..*coming
+        };
+        let comings = self.comings.iter().map(stiffer).collect();
+        Self { settling: self.settling * MORE, comings, log_determinant: self.log_determinant }
+    }
+
+    /// Precision of a part's own states.
+    pub fn own(&self, part: usize) -> SlowMatrix {
+        let (to, next) = (self.comings[part], self.comings.get(part + 1));
+        let mut own = SlowMatrix::zeros();
+        let mut walk = self.of_walk(part);
+        let mut fresh = to.fresh;
+        if let Some(next) = next {
+            walk += self.of_walk(part + 1);
+            fresh += next.kept * next.kept * next.fresh;
         }
+        own.fixed_view_mut::<SLOW_RANGES, SLOW_RANGES>(0, 0).copy_from(&walk);
+        (SLOW_RANGES..SLOW).for_each(|range| own[(range, range)] = fresh);
+        own
+    }
+
+    /// What a part's states have in common with those of the part after it.
+    pub fn with_next(&self, part: usize) -> SlowMatrix {
+        let mut both = SlowMatrix::zeros();
+        let Some(next) = self.comings.get(part + 1) else { return both };
+        let walk = -self.of_walk(part + 1);
+        both.fixed_view_mut::<SLOW_RANGES, SLOW_RANGES>(0, 0).copy_from(&walk);
+        (SLOW_RANGES..SLOW).for_each(|range| both[(range, range)] = -next.kept * next.fresh);
+        both
     }
 
     /// Precision of how stations 2 and 3 and their clocks walk to a part from the one before it.
     pub fn of_walk(&self, part: usize) -> Walk {
-        -self.with_next[part - 1].fixed_view::<SLOW_RANGES, SLOW_RANGES>(0, 0)
+        let to = self.comings[part];
+        let mut walk = Walk::zeros();
+        walk.fixed_view_mut::<8, 8>(0, 0).copy_from(&(self.settling / to.stations));
+        (SLOW_CLOCKS..SLOW_RANGES).for_each(|clock| walk[(clock, clock)] = to.clocks);
+        walk
     }
 
     /// Precision of how all that walks from the first part to the last; `None` where that is known exactly.
     pub fn of_whole_walk(&self) -> Option<Walk> {
         let mut covariance = Walk::zeros();
-        for part in 1..self.own.len() {
+        for part in 1..self.comings.len() {
             covariance += self.of_walk(part).cholesky()?.inverse();
         }
         Some(covariance.cholesky()?.inverse())
+    }
+
+    /// How much of what a whole drive settles by has settled until each part, where nothing steps.
+    pub fn settled_shares(&self) -> Vec<f64> {
+        let mut settled = 0.0;
+        let until = |coming: &Coming| {
+            settled += coming.usual;
+            settled
+        };
+        self.comings.iter().map(until).collect()
     }
 
     /// The product of the precisions and slow states.
@@ -138,18 +175,14 @@ impl SlowPrecisions {
         &self,
         slow: &[SMatrix<f64, SLOW, K>],
     ) -> Vec<SMatrix<f64, SLOW, K>> {
-        (0..slow.len())
-            .map(|part| {
-                let mut product = self.own[part] * slow[part];
-                if part + 1 < slow.len() {
-                    product += self.with_next[part] * slow[part + 1];
-                }
-                if part > 0 {
-                    product += self.with_next[part - 1].tr_mul(&slow[part - 1]);
-                }
-                product
-            })
-            .collect()
+        let mut product: Vec<_> =
+            slow.iter().enumerate().map(|(part, own)| self.own(part) * own).collect();
+        for part in 1..slow.len() {
+            let both = self.with_next(part - 1);
+            product[part - 1] += both * slow[part];
+            product[part] += both.tr_mul(&slow[part - 1]);
+        }
+        product
     }
 }
 
