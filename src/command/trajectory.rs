@@ -31,7 +31,7 @@ pub struct Arguments {
     max_error: f64,
     /// Poses at even steps, so many a second, instead of at the triplets (the joint estimate only)
     #[arg(long, value_name = "HZ", conflicts_with = "at", allow_negative_numbers = true)]
-    rate: Option<f64>,
+    pose_rate: Option<f64>,
     /// Poses at the times in the first column of this file (s; TUM, CSV), instead of at the triplets (the joint estimate only)
     #[arg(long, value_name = "FILE")]
     at: Option<PathBuf>,
@@ -48,12 +48,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let line = format!("--max-error is {} mm; it must be above zero", arguments.max_error);
         return Err(Failure::Usage(line));
     }
-    if let Some(hz) = arguments.rate.filter(|hz| !(0.0..=MOST_HZ).contains(hz) || *hz == 0.0) {
-        let line = format!("--rate is {hz} Hz; it must be above 0 and {MOST_HZ} at most");
+    if let Some(hz) = arguments.pose_rate.filter(|hz| !(0.0..=MOST_HZ).contains(hz) || *hz == 0.0) {
+        let line = format!("--pose-rate is {hz} Hz; it must be above 0 and {MOST_HZ} at most");
         return Err(Failure::Usage(line));
     }
     let times_s = arguments.at.as_deref().map(times_of).transpose()?;
-    let wanted = match (&times_s, arguments.rate) {
+    let wanted = match (&times_s, arguments.pose_rate) {
         (Some(times_s), _) => Instants::At(times_s),
         (None, Some(hz)) => Instants::Rate(hz),
         (None, None) => Instants::Triplets,
