@@ -28,6 +28,8 @@ use life::Life;
 /// How many acts a life has: about half a minute without optimisation.
 const ACTS: usize = 700;
 const FIRST_SEED: u64 = 1;
+/// A life comes to about thirty of what [`reached`] looks for.
+const LEAST_REACHED: usize = 22;
 const MINUTES: u64 = 60;
 /// What the resident size may grow by from the first rounds to the last: some of it is the allocator's and the driver's.
 const MOST_GROWTH_MB: f64 = 64.0;
@@ -46,6 +48,7 @@ fn a_monkey_breaks_nothing_in_a_short_while() {
         let mut life = Life::new(&screen::gpu(), folder, seed());
         life.live(ACTS);
         eprintln!("came to {}: {}", life.reached.count(), life.reached);
+        assert!(life.reached.count() >= LEAST_REACHED, "it hardly tried: {}", life.reached);
     });
 }
 
