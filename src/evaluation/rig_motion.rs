@@ -108,7 +108,6 @@ mod tests {
             position_m: all(&|p| pose.apply(p)),
             velocity_m_per_s: all(&|p| velocity + rate.cross(&pose.rotate(p))),
             position_covariance: SMatrix::identity() * 1e-6,
-            between_covariance: SMatrix::zeros(),
             velocity_covariance: SMatrix::identity() * 1e-4,
         }
     }

@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use super::rig_motion::rig_pose;
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
 use crate::calibration::joint::RIGID_M;
-use crate::calibration::joint::prisms::{Instant, Instants as Prisms, Solution};
+use crate::calibration::joint::prisms::{Instant, Prisms, Solution};
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};

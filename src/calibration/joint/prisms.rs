@@ -34,15 +34,14 @@ pub struct Instant<const N: usize> {
     pub time_s: f64,
     pub position_m: SVector<f64, N>,
     pub velocity_m_per_s: SVector<f64, N>,
-    /// Covariance of the positions, of positions with velocities, and of the velocities.
+    /// Covariance of the positions, and of the velocities.
     pub position_covariance: SMatrix<f64, N, N>,
-    pub between_covariance: SMatrix<f64, N, N>,
     pub velocity_covariance: SMatrix<f64, N, N>,
 }
 
 /// The instants that are inside of stretches, in order of time.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Instants {
+pub enum Prisms {
     /// Of the three prisms of a rig.
     Rig(Vec<Instant<9>>),
     /// Of the one that all stations follow.
@@ -51,15 +50,15 @@ pub enum Instants {
 
 impl Solution {
     /// The motion at some times in their order (s, in the stamps of station 1).
-    pub fn instants(&self, time_s: &[f64], progress: &Progress) -> Result<Instants, Cancelled> {
+    pub fn instants(&self, time_s: &[f64], progress: &Progress) -> Result<Prisms, Cancelled> {
         const RIG: usize = 9;
         const PRISM: usize = 3;
         Ok(if self.prisms == 3 {
             const ROW: usize = TIED * RIG + BORDER;
-            Instants::Rig(self.moved::<RIG, ROW>(time_s, progress)?)
+            Prisms::Rig(self.moved::<RIG, ROW>(time_s, progress)?)
         } else {
             const ROW: usize = TIED * PRISM + BORDER;
-            Instants::Prism(self.moved::<PRISM, ROW>(time_s, progress)?)
+            Prisms::Prism(self.moved::<PRISM, ROW>(time_s, progress)?)
         })
     }
 
@@ -189,18 +188,16 @@ fn instant<const LOCAL: usize>(
         }
     }
     let open = DMatrix::from_column_slice(OPEN, OPEN, frame.covariance.as_slice());
-    let covariance = |a: &DMatrix<f64>, a_by_open: &DMatrix<f64>, b: &DMatrix<f64>, b_by_open| {
-        let b_by_open: &DMatrix<f64> = b_by_open;
+    let covariance = |knots: &DMatrix<f64>, by_open: &DMatrix<f64>| {
         let all =
-            a * &window.covariance * b.transpose() + a_by_open * &open * b_by_open.transpose();
+            knots * &window.covariance * knots.transpose() + by_open * &open * by_open.transpose();
         SMatrix::<f64, LOCAL, LOCAL>::from_column_slice(all.as_slice())
     };
     Instant {
         time_s,
         position_m,
         velocity_m_per_s: velocity,
-        position_covariance: covariance(&places, &place_by_open, &places, &place_by_open),
-        between_covariance: covariance(&places, &place_by_open, &rates, &rate_by_open),
-        velocity_covariance: covariance(&rates, &rate_by_open, &rates, &rate_by_open),
+        position_covariance: covariance(&places, &place_by_open),
+        velocity_covariance: covariance(&rates, &rate_by_open),
     }
 }
