@@ -8,7 +8,7 @@ use common::{analyse, answer, by, of_field, published, sample_folder};
 use resect::calibration::Method;
 use resect::deployment::{Sample, open};
 use resect::evaluation::vehicle::{
-    Instants, NoTrajectory, VehicleFrame, prism_by, vehicle_trajectory,
+    Instants, NoTrajectory, VehicleFrame, prism_by, trajectory_by, vehicle_trajectory,
 };
 use resect::simulation::{EPOCH_S, Preset, simulate};
 
@@ -281,4 +281,23 @@ fn one_prism_has_positions_that_are_as_certain_as_they_say() {
     assert!(all > 2000, "{all}");
     let share = covered as f64 / all as f64;
     assert!(share > 0.9, "{share}");
+}
+
+/// The motion goes on smoothly and keeps the rig's distances; a pose there would look better than what was read.
+#[test]
+fn no_pose_of_the_motion_stands_where_the_readings_contradict_the_rig() {
+    let deployment = Sample::Warthog.open().expect("built in");
+    let analysis = analyse(&deployment, &by(Method::Joint));
+    let calibration = &answer(&analysis).calibration;
+    let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
+    let dropped = |limit_m: f64| {
+        let wanted = Instants::Triplets;
+        let (found, _) =
+            trajectory_by(&deployment, triplets, targets, calibration, wanted, limit_m)
+                .expect("three prisms");
+        assert!(found.poses.iter().all(|pose| pose.inter_prism_error_m <= limit_m));
+        found.dropped
+    };
+    assert_eq!(dropped(f64::INFINITY), 0);
+    assert!(dropped(0.002) > dropped(0.005) && dropped(0.005) > 0);
 }

@@ -17,7 +17,7 @@ pub struct Pose {
     pub covariance: Matrix6<f64>,
     /// How it moves, where the motion is known and not only points.
     pub twist: Option<Twist>,
-    /// The largest |apparent − known distance| between two prisms: what no pose can explain.
+    /// The largest |apparent − known distance| between two prisms, as read around the instant: what no pose can explain.
     pub inter_prism_error_m: f64,
 }
 

@@ -6,7 +6,7 @@ use super::rig_motion::rig_pose;
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
 use crate::calibration::joint::RIGID_M;
 use crate::calibration::joint::prisms::{Instant, Prisms, Solution};
-use crate::calibration::{Calibration, Targets};
+use crate::calibration::{Calibration, Targets, distance_errors_m};
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
 use crate::pipeline::Triplets;
@@ -86,7 +86,7 @@ pub fn prisms_in_vehicle(rig: &Rig) -> Option<([Vector3<f64>; 3], VehicleFrame)>
     Some((standing.map(|prism| back * prism), VehicleFrame::Reading))
 }
 
-/// When poses are wanted.
+/// The instants at which poses are wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Instants<'a> {
     /// At those of the triplets.
@@ -157,9 +157,24 @@ pub fn trajectory_by(
     let found = joint.solution.instants(&times_s, &Progress::default());
     // Nobody cancels it, and there are three.
     let Ok(Prisms::Rig(instants)) = found else { return by_triplets() };
+    let station1_from_station =
+        placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
+    // The motion keeps the rig's distances whatever was read; what the readings around an instant say is held against it.
+    let errors_m = distance_errors_m(triplets, station1_from_station, &inter_prism_m);
+    let read_m = |time_s: f64| {
+        let after = triplets.time_s.partition_point(|other| *other < time_s);
+        let is_there = triplets.time_s.get(after) == Some(&time_s);
+        let around = if is_there { after..after + 1 } else { after.saturating_sub(1)..after + 1 };
+        let around = around.start..around.end.min(triplets.len());
+        errors_m.iter().flat_map(|pair| &pair[around.clone()]).fold(0.0, |m, e| e.abs().max(m))
+    };
+    let with_error = |pose: Pose| {
+        let inter_prism_error_m = pose.inter_prism_error_m.max(read_m(pose.time_s));
+        Pose { inter_prism_error_m, ..pose }
+    };
     let poses: Vec<Pose> = instants
         .iter()
-        .filter_map(|at| rig_pose(&prisms_m, rig_sigma_m, at))
+        .filter_map(|at| rig_pose(&prisms_m, rig_sigma_m, at).map(with_error))
         .filter(|pose| pose.inter_prism_error_m <= limit_m)
         .collect();
     let dropped = times_s.len() - poses.len();

@@ -154,7 +154,7 @@ fn summarise(name: &str, all: &[&Seen]) -> Summary {
     summary
 }
 
-/// By place, and of all.
+/// Simulates so many drives; gives what their poses are worth by place, and all of them.
 fn campaign(count: u64, rig_sigma_m: f64) -> (Vec<(Place, Summary)>, Summary) {
     let all: Vec<(usize, Seen)> = (0..count)
         .into_par_iter()

@@ -38,7 +38,7 @@ use crate::deployment::Finding;
 /// What takes less is not worth a word.
 const SHORTEST_WAIT: std::time::Duration = std::time::Duration::from_millis(250);
 
-/// Around a pane's content (points).
+/// Space around a pane's content (points).
 const MARGIN: f32 = 8.0;
 
 /// A pane's content with a margin, scrolling where it does not fit.

@@ -30,7 +30,7 @@ pub fn read(text: &str, unit: &str) -> Result<f64, String> {
     }
 }
 
-/// As [`read`], and a number outside of the bounds is an error too.
+/// Reads a number as [`read`] does, and refuses one outside of the bounds.
 fn read_within(text: &str, unit: &str, bounds: &RangeInclusive<f64>) -> Result<f64, String> {
     let value = read(text, unit)?;
     let (least, most) = (bounds.start(), bounds.end());

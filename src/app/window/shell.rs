@@ -18,7 +18,7 @@ pub struct Shell {
 }
 
 impl Shell {
-    /// Of a window that the system shows after its first frame, as eframe does.
+    /// Makes the shell of a window that the system shows after its first frame, as eframe does.
     pub fn of_system() -> Self {
         Self { unseen: true, ..Self::default() }
     }

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DMatrixView};
 use super::band::Band;
 use super::band_rows::{FIRST_PART, PART, TIED};
 
-/// Four knots from the first on.
+/// How certain four knots that follow each other are.
 pub struct Window {
     pub first: usize,
     /// Covariance of their unknowns, were those of the parts known: 4 × `LOCAL` each way.
