@@ -217,7 +217,8 @@ pub fn solve_jointly(
     let plain = calibration
         .station1_from_station
         .map(|transform| LevelTransform::new(transform.translation_m, transform.yaw_rad()));
-    let Some(joint) = joint::estimate(triplets, &plain, None, &settings.errors, progress)? else {
+    let triplets = || Cow::Borrowed(triplets);
+    let Some(joint) = joint::estimate(&triplets, &plain, None, &settings.errors, progress)? else {
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
         let line = "the readings do not hold all that the joint estimate asks of them: these are the aligned tracks";
         calibration.findings.insert(0, Finding::warning(line));

@@ -14,15 +14,27 @@ pub fn distance_errors_m(
     inter_prism_m: &[f64; 3],
 ) -> [Vec<f64>; 3] {
     let mut errors: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(triplets.len()));
-    for index in 0..triplets.len() {
-        let placed: [Vector3<f64>; 3] = std::array::from_fn(|station| {
-            station1_from_station[station].apply(&triplets.points_m[station][index])
-        });
-        for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
-            errors[pair].push((placed[a] - placed[b]).norm() - inter_prism_m[pair]);
-        }
+    for found in each_distance_error_m(&triplets.points_m, station1_from_station, inter_prism_m) {
+        errors.iter_mut().zip(found).for_each(|(errors, error)| errors.push(error));
     }
     errors
+}
+
+/// The same, one triplet after the other, of points by station (m, each in its station's frame).
+pub fn each_distance_error_m(
+    points_m: &[Vec<Vector3<f64>>; 3],
+    station1_from_station: &[RigidTransform; 3],
+    inter_prism_m: &[f64; 3],
+) -> impl Iterator<Item = [f64; 3]> {
+    (0..points_m[0].len()).map(move |index| {
+        let placed: [Vector3<f64>; 3] = std::array::from_fn(|station| {
+            station1_from_station[station].apply(&points_m[station][index])
+        });
+        std::array::from_fn(|pair| {
+            let (a, b) = PAIRS[pair];
+            (placed[a] - placed[b]).norm() - inter_prism_m[pair]
+        })
+    })
 }
 
 /// Median distance between what two stations make of a control point (m); `None` where no two stations share one.

@@ -36,13 +36,15 @@ pub use estimate::{Estimate, Quantity};
 pub use extras::Extra;
 pub use instrument::ErrorSizes;
 pub use method::{Method, Offer};
-pub use misfits::distance_errors_m;
-pub use moving_triplets::{Clock, MovingTriplets, velocities_m_per_s, with_clocks};
+pub use misfits::{distance_errors_m, each_distance_error_m};
+pub use moving_triplets::{Clock, MovingTriplets, velocity_m_per_s, with_clocks};
 pub use settings::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
 pub use solve::{solve, solve_while};
 pub use targets::Targets;
 pub use verdict::Verdict;
 pub use witness::Witness;
+
+use std::borrow::Cow;
 
 use nalgebra::{SMatrix, Vector3};
 
@@ -184,9 +186,11 @@ impl Calibration {
     /// `None` where nothing was.
     pub fn corrected(&self, triplets: &Triplets) -> Option<Triplets> {
         match &self.details {
-            Details::InterPrism(details) => Some(details.refinement.as_ref()?.corrected(triplets)),
+            Details::InterPrism(details) => {
+                Some(details.refinement.as_ref()?.corrected(Cow::Borrowed(triplets)))
+            }
             Details::DynamicGcp(dynamic_gcp::DynamicGcpDetails { joint: Some(joint), .. }) => {
-                Some(joint.corrected(triplets))
+                Some(joint.corrected(Cow::Borrowed(triplets)))
             }
             _ => Some(with_clocks(triplets, self.clocks()?)),
         }

@@ -53,29 +53,35 @@ impl<'a> MovingTriplets<'a> {
 /// A step this many times the usual one bridges triplets that were left out.
 const BRIDGE: f64 = 1.5;
 
-pub fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
-    let last = triplets.len().saturating_sub(1);
-    let longest_s = BRIDGE * usual_step_s(triplets).unwrap_or(f64::INFINITY);
-    let velocity = |station: usize| {
-        let points = &triplets.points_m[station];
-        let at = |i: usize| {
-            let same = |j: usize| {
-                let apart_s = (triplets.time_s[j] - triplets.time_s[i]).abs();
-                triplets.interval[j] == triplets.interval[i] && apart_s <= longest_s
-            };
-            let before = if i > 0 && same(i - 1) { i - 1 } else { i };
-            let after = if i < last && same(i + 1) { i + 1 } else { i };
-            let span_s = triplets.time_s[after] - triplets.time_s[before];
-            if span_s > 0.0 { (points[after] - points[before]) / span_s } else { Vector3::zeros() }
-        };
-        (0..triplets.len()).step_by(stride).map(at).collect()
+fn velocities(triplets: &Triplets, stride: usize) -> [Vec<Vector3<f64>>; 3] {
+    let of =
+        |points: &Vec<_>| velocity_m_per_s(&triplets.time_s, &triplets.interval, points, stride);
+    triplets.points_m.each_ref().map(of)
+}
+
+/// Velocities at every `stride`-th of some points in one frame (m/s), with the points' times (s) and intervals.
+pub fn velocity_m_per_s(
+    time_s: &[f64],
+    interval: &[u32],
+    points_m: &[Vector3<f64>],
+    stride: usize,
+) -> Vec<Vector3<f64>> {
+    let last = points_m.len().saturating_sub(1);
+    let longest_s = BRIDGE * usual_step_s(time_s, interval).unwrap_or(f64::INFINITY);
+    let at = |i: usize| {
+        let same =
+            |j: usize| interval[j] == interval[i] && (time_s[j] - time_s[i]).abs() <= longest_s;
+        let before = if i > 0 && same(i - 1) { i - 1 } else { i };
+        let after = if i < last && same(i + 1) { i + 1 } else { i };
+        let span_s = time_s[after] - time_s[before];
+        if span_s > 0.0 { (points_m[after] - points_m[before]) / span_s } else { Vector3::zeros() }
     };
-    [velocity(0), velocity(1), velocity(2)]
+    (0..points_m.len()).step_by(stride).map(at).collect()
 }
 
 /// The median step between triplets of one interval (s).
-fn usual_step_s(triplets: &Triplets) -> Option<f64> {
-    let pairs = triplets.time_s.windows(2).zip(triplets.interval.windows(2));
+fn usual_step_s(time_s: &[f64], interval: &[u32]) -> Option<f64> {
+    let pairs = time_s.windows(2).zip(interval.windows(2));
     median(pairs.filter(|(_, i)| i[0] == i[1]).map(|(t, _)| t[1] - t[0]))
 }
 
@@ -85,11 +91,6 @@ pub fn middle_s(triplets: &Triplets) -> f64 {
         (Some(first), Some(last)) => 0.5 * (first + last),
         _ => 0.0,
     }
-}
-
-/// Velocities of the three prisms at each triplet, each in its station's frame (m/s).
-pub fn velocities_m_per_s(triplets: &Triplets) -> [Vec<Vector3<f64>>; 3] {
-    velocities(triplets, 1)
 }
 
 /// The triplets as they would be had the clocks of stations 2 and 3 been right.

@@ -39,6 +39,10 @@ pub fn solve_while(
     }
 }
 
+/// Of so many triplets the paper's method takes a hundredth of the joint estimate's time, and side by side both would take
+/// room for all of them.
+const LONG: usize = 100_000;
+
 /// Calibrates by the joint estimate, and by the paper's method for the same data, so that the paper's numbers are there, and
 /// what moved them.
 fn jointly_beside_published(
@@ -54,7 +58,11 @@ fn jointly_beside_published(
         let settings = settings.plain(method);
         answer_by(method, deployment, triplets, &settings, offer, progress)
     };
-    let (published, joint) = rayon::join(|| by(published_method), || by(Method::Joint));
+    let (published, joint) = if triplets.len() < LONG {
+        rayon::join(|| by(published_method), || by(Method::Joint))
+    } else {
+        (by(published_method), by(Method::Joint))
+    };
     progress.check()?;
     // What one check has tried serves the other.
     let mut tried = sense::Tried::default();

@@ -24,15 +24,25 @@ pub struct CentredTriplets {
 
 impl CentredTriplets {
     pub fn new(triplets: &Triplets, inter_prism_m: [f64; 3]) -> Self {
-        let centre_m = triplets
-            .points_m
-            .each_ref()
-            .map(|points| points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64);
-        let coordinates = std::array::from_fn(|station| {
-            let centre = centre_m[station];
-            let points = &triplets.points_m[station];
-            std::array::from_fn(|axis| points.iter().map(|p| p[axis] - centre[axis]).collect())
-        });
+        let points_m = triplets.points_m.each_ref();
+        Self::of(points_m.map(|points| centred(&points.iter())), inter_prism_m)
+    }
+
+    /// Some of the triplets, about their own centroids.
+    pub fn some(triplets: &Triplets, instants: &[usize], inter_prism_m: [f64; 3]) -> Self {
+        let points_m = triplets.points_m.each_ref();
+        let some = |points: &Vec<_>| centred(&instants.iter().map(|i| &points[*i]));
+        Self::of(points_m.map(some), inter_prism_m)
+    }
+
+    /// Points by station (m, each in its station's frame), which give their room away one station after the other.
+    pub fn from_points(points_m: [Vec<Vector3<f64>>; 3], inter_prism_m: [f64; 3]) -> Self {
+        Self::of(points_m.map(|points| centred(&points.iter())), inter_prism_m)
+    }
+
+    fn of(stations: [(Vector3<f64>, [Vec<f64>; 3]); 3], inter_prism_m: [f64; 3]) -> Self {
+        let centre_m = stations.each_ref().map(|(centre_m, _)| *centre_m);
+        let coordinates = stations.map(|(_, coordinates)| coordinates);
         Self { centre_m, coordinates, inter_prism_m }
     }
 
@@ -146,6 +156,16 @@ impl CentredTriplets {
         }
         errors
     }
+}
+
+/// Centroid of some points (m), and their coordinates about it by axis.
+fn centred<'a>(
+    points_m: &(impl ExactSizeIterator<Item = &'a Vector3<f64>> + Clone),
+) -> (Vector3<f64>, [Vec<f64>; 3]) {
+    let count = points_m.len().max(1) as f64;
+    let centre_m = points_m.clone().sum::<Vector3<f64>>() / count;
+    let along = |axis: usize| points_m.clone().map(|p| p[axis] - centre_m[axis]).collect();
+    (centre_m, std::array::from_fn(along))
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
 //! Triplets that cannot be right, such as those of a station that followed another prism for a while: which they are, and
 //! how far they pull an answer by least squares.
 
+use nalgebra::Vector3;
+
 use super::{CentredTriplets, Minimum, NormalEquations};
-use crate::calibration::distance_errors_m;
+use crate::calibration::each_distance_error_m;
 use crate::calibration::{TransformSigma, Verdict};
 use crate::deployment::{Finding, Remedy};
 use crate::geometry::RigidTransform;
-use crate::pipeline::Triplets;
 use crate::statistics::median;
 
 /// A triplet is wild when one of its distances is off by more than both: bends and stops make 20 mm of chords. Wild ones
@@ -96,14 +97,13 @@ fn mostly_left_out(time_s: &[f64], kept_s: &[f64]) -> Option<[f64; 2]> {
     Some([time_s[first], time_s[last + length - 1]])
 }
 
-/// Triplets that fit an answer.
+/// Triplets that fit an answer, out of points by station (m, each in its station's frame).
 pub fn fitting_triplets(
-    triplets: &Triplets,
+    points_m: &[Vec<Vector3<f64>>; 3],
     station1_from_station: &[RigidTransform; 3],
     inter_prism_m: &[f64; 3],
 ) -> Vec<usize> {
-    let [first, second, third] = distance_errors_m(triplets, station1_from_station, inter_prism_m);
-    fitting((0..triplets.len()).map(|i| [first[i], second[i], third[i]]))
+    fitting(each_distance_error_m(points_m, station1_from_station, inter_prism_m))
 }
 
 /// What the wild triplets do to an answer by least squares: a finding where they move it by more than it is certain.

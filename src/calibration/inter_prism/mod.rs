@@ -33,6 +33,7 @@ mod squared_cost;
 mod sums;
 mod twins;
 mod uncertainty;
+mod used;
 mod valley;
 
 pub use centred::{CentredTriplets, Parameters};

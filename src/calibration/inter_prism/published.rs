@@ -4,17 +4,16 @@ use std::time::Instant;
 
 use super::minima::{self, Minima, THINNED};
 use super::mirror::{self, Choice};
+use super::used::Used;
 use super::{
     CentredTriplets, Minimum, Parameters, PriorSearch, SquaredCost, basin, closed_form_priors,
     prior_search, same_solution,
 };
-use crate::calibration::{Basin, PriorMethod};
+use crate::calibration::Basin;
 use crate::deployment::{ControlPointSet, Finding, Remedy, Rig};
-use crate::pipeline::Triplets;
 
 /// What the published method finds on some triplets.
 pub struct Published {
-    pub data: CentredTriplets,
     pub thinned: CentredTriplets,
     /// The published answer on all of the data: the lowest minimum, or its mirror twin where that is the real one.
     pub answer: Minimum,
@@ -27,23 +26,22 @@ pub struct Published {
     pub prior_ms: f64,
 }
 
+/// The published solution on some triplets, from the closed form on, or by a search where there are triplets to search.
 pub fn solve(
     rig: &Rig,
     control_points: &[ControlPointSet],
-    triplets: &Triplets,
-    prior: PriorMethod,
+    data: &CentredTriplets,
+    search: Option<&Used<'_>>,
 ) -> Published {
-    let inter_prism_m = rig.inter_prism_m;
     let started = Instant::now();
     let mut findings = Vec::new();
-    let data = CentredTriplets::new(triplets, inter_prism_m);
     let thinned = data.thinned(THINNED);
     let squared = SquaredCost::of(&thinned);
     let mut prior_search = None;
-    let priors = match prior {
-        PriorMethod::ClosedForm => closed_form_priors(&squared),
-        PriorMethod::Search => {
-            let search = prior_search::search(triplets, inter_prism_m);
+    let priors = match search {
+        None => closed_form_priors(&squared),
+        Some(used) => {
+            let search = prior_search::search(&used.triplets(), rig.inter_prism_m);
             if !search.agreed {
                 let line = "the search of the prior found no optimum that three other runs agree with; compare with the \
                             closed form";
@@ -57,14 +55,14 @@ pub fn solve(
         }
     };
     let prior_ms = started.elapsed().as_secs_f64() * 1e3;
-    let minima = minima::find(&data, &thinned, &squared, &priors);
-    let basins = minima.basins(&data);
+    let minima = minima::find(data, &thinned, &squared, &priors);
+    let basins = minima.basins(data);
     let Minima { lowest, twin, others } = minima;
     let choice = mirror::choose(
         rig,
         control_points,
-        basin(&data, &lowest),
-        twin.as_ref().map(|twin| basin(&data, twin)),
+        basin(data, &lowest),
+        twin.as_ref().map(|twin| basin(data, twin)),
     );
     let answer = match twin {
         Some(twin) if choice.twin_is_real => twin,
@@ -72,7 +70,7 @@ pub fn solve(
     };
     findings.extend(prior_search.as_ref().and_then(|search| astray(search, &choice)));
     let rival = others.first().copied();
-    Published { data, thinned, answer, choice, basins, rival, prior_search, findings, prior_ms }
+    Published { thinned, answer, choice, basins, rival, prior_search, findings, prior_ms }
 }
 
 /// The finding that the search of the prior ended elsewhere.

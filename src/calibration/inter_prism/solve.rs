@@ -8,6 +8,7 @@ use super::observability::Observability;
 use super::published::{self, Published};
 use super::refinement::{self, Refinement};
 use super::uncertainty::{self, Uncertainty};
+use super::used::Used;
 use super::{
     CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PriorSearch, gross_errors, observability,
     refined_answer, refinement_in_words,
@@ -15,7 +16,7 @@ use super::{
 use crate::calibration::method::why_no_triplets;
 use crate::calibration::{
     Calibration, CalibrationError, CalibrationSettings, Details, ErrorSizes, Loss, Method, Offer,
-    Targets, Verdict, checks, clocks_in_words, joint,
+    PriorMethod, Targets, Verdict, checks, clocks_in_words, joint,
 };
 use crate::deployment::{Deployment, Finding, Rig};
 use crate::geometry::{LevelTransform, RigidTransform};
@@ -44,10 +45,11 @@ pub fn solve(
     let rig = what_it_takes(deployment, triplets, offer)?;
     let task = Task { deployment, rig, settings, progress };
     let started = Instant::now();
-    let (published, used) = published_answer(&task, triplets)?;
+    let (published, data, used) = published_answer(&task, triplets)?;
     let prior_ms = published.prior_ms;
     let plain = published.choice.answer.station1_from_station;
-    let mut found = Found::published(&task, published, &used);
+    let mut found = Found::published(&task, published, &data, &used);
+    drop(data);
     let refinement = match found.uncertainty.covariance {
         Some(_) => refined(&task, &used, &plain)?,
         // Where a direction is free, there is nothing to refine.
@@ -63,10 +65,11 @@ pub fn solve(
         &found.uncertainty,
     );
     let mut judgement = found.judged(&task, &observability);
-    judgement.add_pull_of_gross_errors(&task, &found);
+    judgement.doubt(found.pull_of_gross_errors.take());
     judgement.add_suspected_clocks(&task, &found, &used, &plain);
     judgement.add_refinement(&task, refinement.as_ref());
-    found.doubts.extend(gross_errors::left_out(&triplets.time_s, &found.kept_s));
+    let kept_s = found.kept_s.take().map_or_else(|| used.instants().0, Cow::Owned);
+    found.doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s));
     judgement.put_first(found.doubts);
     let Published { choice, basins, .. } = found.published;
     Ok(Calibration {
@@ -119,38 +122,46 @@ fn what_it_takes<'a>(
 fn published_answer<'a>(
     task: &Task<'_>,
     triplets: &'a Triplets,
-) -> Result<(Published, Cow<'a, Triplets>), CalibrationError> {
+) -> Result<(Published, CentredTriplets, Used<'a>), CalibrationError> {
     let points = task.deployment.comparable_control_points();
-    let solve = |some: &Triplets| published::solve(task.rig, points, some, task.settings.prior);
-    let mut published = solve(triplets);
+    let solve = |used: &Used<'_>, data: &CentredTriplets| {
+        let search = (task.settings.prior == PriorMethod::Search).then_some(used);
+        published::solve(task.rig, points, data, search)
+    };
+    let mut used = Used::all(triplets);
+    let mut data = used.centred(task.rig.inter_prism_m);
+    let mut published = solve(&used, &data);
     task.progress.check()?;
-    let mut used = Cow::Borrowed(triplets);
     for _ in 0..if task.settings.loss == Loss::Squared { 0 } else { MOST_SCREENINGS } {
         let answer = published.choice.answer.station1_from_station.map(RigidTransform::from);
-        let kept = gross_errors::fitting_triplets(triplets, &answer, &task.rig.inter_prism_m);
+        let kept =
+            gross_errors::fitting_triplets(&triplets.points_m, &answer, &task.rig.inter_prism_m);
         if kept.len() == used.len() || kept.len() < FEWEST_TRIPLETS {
             break;
         }
-        used = Cow::Owned(triplets.select(&kept));
-        published = solve(&used);
+        used = Used::some(triplets, kept);
+        drop(data);
+        data = used.centred(task.rig.inter_prism_m);
+        published = solve(&used, &data);
     }
-    Ok((published, used))
+    Ok((published, data, used))
 }
 
 /// What goes beyond the paper, where it was asked for and the data holds it.
 fn refined(
     task: &Task<'_>,
-    triplets: &Triplets,
+    used: &Used<'_>,
     plain: &[LevelTransform; 3],
 ) -> Result<Option<Refinement>, CalibrationError> {
     let Task { settings, progress, .. } = task;
     let inter_prism_m = &task.rig.inter_prism_m;
     if settings.method == Some(Method::Joint) {
         let sizes = ErrorSizes { inter_prism_m: settings.inter_prism_sigma_m, ..settings.errors };
-        let found = joint::estimate(triplets, plain, Some(inter_prism_m), &sizes, progress)?;
+        let found =
+            joint::estimate(&|| used.triplets(), plain, Some(inter_prism_m), &sizes, progress)?;
         Ok(found.map(|found| Refinement::from_joint(found, plain)))
     } else if settings.has_parts() {
-        Ok(refinement::refine(triplets, plain, inter_prism_m, settings, progress))
+        Ok(refinement::refine(&used.triplets(), plain, inter_prism_m, settings, progress))
     } else {
         Ok(None)
     }
@@ -164,52 +175,61 @@ struct Found {
     fitting: CentredTriplets,
     uncertainty: Uncertainty,
     station1_from_station: [RigidTransform; 3],
-    /// Times of the triplets that it rests on (s).
-    kept_s: Vec<f64>,
+    /// Times of the triplets that it rests on (s), where these are fewer than those of the published answer.
+    kept_s: Option<Vec<f64>>,
     /// The answer's own evidence against it.
     doubts: Vec<(Verdict, Finding)>,
+    /// What is wild and was not left out.
+    pull_of_gross_errors: Option<Finding>,
 }
 
 impl Found {
-    fn published(task: &Task<'_>, mut published: Published, used: &Triplets) -> Self {
+    fn published(
+        task: &Task<'_>,
+        mut published: Published,
+        data: &CentredTriplets,
+        used: &Used<'_>,
+    ) -> Self {
+        let (time_s, interval) = used.instants();
         let fitting = observability::fitting(&published.thinned, &published.answer.parameters);
         let uncertainty = uncertainty::estimate(
-            &published.data,
+            data,
             &fitting,
-            &used.time_s,
-            &used.interval,
+            &time_s,
+            &interval,
             &published.answer,
             task.settings,
         );
         let plain = published.choice.answer.station1_from_station;
         Self {
+            pull_of_gross_errors: pull_of_gross_errors(task, &published, data, &uncertainty),
             prior_search: published.prior_search.take(),
             published,
             fitting,
             uncertainty,
             station1_from_station: plain.map(RigidTransform::from),
-            kept_s: used.time_s.clone(),
+            kept_s: None,
             doubts: Vec::new(),
         }
     }
 
     /// Puts the refined answer in the place of the published one from here on, on the readings that it put right.
-    fn refine(&mut self, task: &Task<'_>, refined: &Refinement, used: &Triplets) {
+    fn refine(&mut self, task: &Task<'_>, refined: &Refinement, used: &Used<'_>) {
         let points = task.deployment.comparable_control_points();
         let answer = refined_answer::solve(refined, task.rig, points, used, task.settings.loss);
         let findings = std::mem::replace(&mut self.published, answer.found).findings;
         self.published.findings = findings;
-        if let Some(kept_s) = answer.kept_s {
-            self.kept_s = kept_s;
-        }
+        self.kept_s = answer.kept_s;
         let found = &self.published;
         self.fitting = observability::fitting(&found.thinned, &found.answer.parameters);
         self.uncertainty = uncertainty::of_covariance(
-            &found.data,
+            &answer.data,
             &self.fitting,
             &found.answer,
             refined.covariance,
         );
+        self.pull_of_gross_errors =
+            pull_of_gross_errors(task, found, &answer.data, &self.uncertainty);
         let published =
             std::mem::replace(&mut self.station1_from_station, refined.station1_from_station);
         if refined.joint.is_some() {
@@ -240,6 +260,19 @@ impl Found {
     }
 }
 
+/// How far what is wild and was not left out pulls an answer by least squares.
+fn pull_of_gross_errors(
+    task: &Task<'_>,
+    published: &Published,
+    data: &CentredTriplets,
+    uncertainty: &Uncertainty,
+) -> Option<Finding> {
+    let is_plain = task.settings.loss == Loss::Squared;
+    let sigma = uncertainty.sigma();
+    let Published { thinned, answer, .. } = published;
+    is_plain.then(|| gross_errors::pull(data, thinned, answer, sigma.as_ref())).flatten()
+}
+
 /// A verdict, and why it is that.
 struct Judgement {
     verdict: Verdict,
@@ -254,28 +287,21 @@ impl Judgement {
         }
     }
 
-    /// What is wild and was not left out.
-    fn add_pull_of_gross_errors(&mut self, task: &Task<'_>, found: &Found) {
-        if task.settings.loss == Loss::Squared {
-            let Published { data, thinned, answer, .. } = &found.published;
-            let sigma = found.uncertainty.sigma();
-            self.doubt(gross_errors::pull(data, thinned, answer, sigma.as_ref()));
-        }
-    }
-
     /// Clocks that seem off and were not estimated.
     fn add_suspected_clocks(
         &mut self,
         task: &Task<'_>,
         found: &Found,
-        used: &Triplets,
+        used: &Used<'_>,
         plain: &[LevelTransform; 3],
     ) {
         if task.settings.estimate.clocks || found.uncertainty.covariance.is_none() {
             return;
         }
         let sigma_m = task.settings.inter_prism_sigma_m;
-        let suspected = refinement::suspected_clocks(used, plain, &task.rig.inter_prism_m, sigma_m);
+        let triplets = used.triplets();
+        let suspected =
+            refinement::suspected_clocks(&triplets, plain, &task.rig.inter_prism_m, sigma_m);
         if let Some(clocks) = suspected {
             self.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
             self.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));

@@ -42,7 +42,7 @@ pub struct Part {
 }
 
 impl Part {
-    const NOTHING: Self = Self {
+    pub const NOTHING: Self = Self {
         information: PartMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; PART]; PART])),
         with_next: PartMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; PART]; PART])),
         gradient: PartVector::from_array_storage(nalgebra::ArrayStorage([[0.0; PART]; 1])),
@@ -230,11 +230,12 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
         }
     }
 
-    /// Another gradient of an eliminated band, with what it leaves of the parts' gradients; the rest stays as it is.
-    pub fn exchange_gradient(&mut self, mut local: Vec<[f64; LOCAL]>, of_parts: Vec<PartVector>) {
-        for (part, gradient) in self.parts.iter_mut().zip(of_parts) {
-            part.gradient = gradient;
-        }
+    /// Exchanges the gradient of an eliminated band, the rest staying as it is; gives what it leaves of the parts' gradients.
+    pub fn exchange_gradient(
+        &mut self,
+        mut local: Vec<[f64; LOCAL]>,
+        mut of_parts: Vec<PartVector>,
+    ) -> Vec<PartVector> {
         for knot in 0..self.rows.len() {
             let owners = self.owners(knot);
             let mut border = [0.0; BORDER];
@@ -243,9 +244,10 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
             for part in owners.into_iter().flatten() {
                 let place = FIRST_PART + PART * (part % 2);
                 let taken = PartVector::from_column_slice(&border[place..place + PART]);
-                self.parts[part].gradient -= taken;
+                of_parts[part] -= taken;
             }
         }
+        of_parts
     }
 
     /// The step of the local unknowns, given those of the parts; all are to be subtracted.

@@ -32,10 +32,9 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             return Vec::new();
         }
         let loose = Model { precision: looser, start: model.start, priors: model.priors.clone() };
-        let Some(factor) = Factor::new(&self.data, &looser, &self.slow_priors) else {
-            return Vec::new();
-        };
-        let step = factor.solve(&with_priors(&self.data, &loose, &self.slow_priors, at));
+        let right = with_priors(&self.linear, &loose, &self.slow_priors, at);
+        let found = Factor::new(&self.linear.data, &looser, &self.slow_priors, right);
+        let Some((factor, step)) = found else { return Vec::new() };
         let moved = at.constants - step.constants - model.start;
         let said = &model.precision;
         (CLOCKS..CONSTANTS)

@@ -1,10 +1,12 @@
 //! Triplets as they would be had the instruments been right.
 
+use std::borrow::Cow;
+
 use nalgebra::Vector3;
 
 use super::JointEstimate;
 use super::unknowns::{Sight, Station};
-use crate::calibration::{Clock, velocities_m_per_s};
+use crate::calibration::{Clock, velocity_m_per_s};
 use crate::pipeline::Triplets;
 
 impl JointEstimate {
@@ -17,21 +19,32 @@ impl JointEstimate {
     }
 
     /// The triplets with all that was found of the instruments taken into account, each station upright in its own frame.
-    pub fn corrected(&self, triplets: &Triplets) -> Triplets {
-        let velocity_m_per_s = velocities_m_per_s(triplets);
-        let mut points_m = triplets.points_m.clone();
+    pub fn corrected(&self, triplets: Cow<'_, Triplets>) -> Triplets {
+        let mut triplets = triplets.into_owned();
+        self.put_right(&triplets.time_s, &triplets.interval, &mut triplets.points_m);
+        triplets
+    }
+
+    /// The same to the points of triplets by station (m), with their times (s) and intervals.
+    pub fn put_right(
+        &self,
+        time_s: &[f64],
+        interval: &[u32],
+        points_m: &mut [Vec<Vector3<f64>>; 3],
+    ) {
         for (station, points_m) in points_m.iter_mut().enumerate() {
+            let velocity_m_per_s = velocity_m_per_s(time_s, interval, points_m, 1);
             let instrument = self.instrument(station);
-            for (index, point_m) in points_m.iter_mut().enumerate() {
-                let late_s = self.late_s(station, triplets.time_s[index]);
-                let velocity = &velocity_m_per_s[station][index];
+            for (point_m, (time_s, velocity)) in
+                points_m.iter_mut().zip(time_s.iter().zip(&velocity_m_per_s))
+            {
+                let late_s = self.late_s(station, *time_s);
                 let sight = Sight::at(point_m);
                 let across: Vector3<f64> = velocity - sight.along * sight.along.dot(velocity);
                 let when = velocity * late_s + across * instrument.latency_s;
                 *point_m = instrument.turn * (instrument.corrected(&sight) + when);
             }
         }
-        Triplets { points_m, ..triplets.clone() }
     }
 
     /// How late the stamps of a station are at an instant (s).

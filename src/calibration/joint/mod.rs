@@ -7,9 +7,9 @@
 //!
 //! One [pass](mod@pass) is a step of Gauss & Newton: what is [`observed`] of each stretch of the [`drive`] → [`equations`] →
 //! [`band`] eliminates the [`motion`], which leaves a [`chain`] of the drive's parts, with [`slow_priors`] → [`chain_factor`]:
-//! constants ([`unknowns`]) and [`slow_changes`] → and back. Nearby, [`gradients`] are enough. The [`noise`] of ranges, angles
+//! constants ([`unknowns`]) and [`slow_changes`], by the [`likelihood`] of how they change → and back. Nearby, [`gradients`] are enough. The [`noise`] of ranges, angles
 //! and stamps and the drive's smoothness are learned on the way as Helmert's variance components, their redundancies by random
-//! probes (Girard 1989). The rows of a long drive are not kept from pass to pass but made again. [`stability`] looks for
+//! probes (Girard 1989). The rows of a long drive, of its motion and of its chain, are not kept but made again. [`stability`] looks for
 //! stations and clocks that step, [`strain`] holds what was found against the priors, and [`contradiction`] against sizes that
 //! were said to be smaller than usual. [`summary`] makes the answer, [`in_words`] tells it, [`corrected`] puts the triplets
 //! right, and [`prisms`] has the motion at any instant, by [`band_covariance`] with how certain it is.
@@ -19,6 +19,7 @@ mod band_covariance;
 mod band_rows;
 mod chain;
 mod chain_factor;
+mod chain_rows;
 mod contradiction;
 mod corrected;
 mod drive;
@@ -26,6 +27,7 @@ mod equations;
 mod gradients;
 pub mod in_words;
 pub mod instruments;
+mod likelihood;
 mod motion;
 mod moves;
 mod noise;
@@ -39,6 +41,7 @@ mod strain;
 mod summary;
 mod unknowns;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::{SMatrix, SVector};
@@ -46,11 +49,12 @@ use nalgebra::{SMatrix, SVector};
 use self::band_rows::{BORDER, MOTION_BORDER, TIED};
 use self::contradiction::Contradiction;
 use self::drive::Drive;
+use self::likelihood::{likeliest, likeliest_clocks_s2};
 use self::noise::{FIRST_LEVELS, learned};
 pub use self::observed::{Levels, RIGID_M};
 use self::pass::{Estimates, Model, Pass, Spare, Weigh, move_motion, pass};
 use self::prisms::Solution;
-use self::slow_changes::{add_steps, is_usual, likeliest, likeliest_clocks_s2, measured};
+use self::slow_changes::{add_steps, is_usual, measured};
 pub use self::slow_priors::Wander;
 pub use self::stability::{Step, Stepped};
 use self::strain::Strain;
@@ -189,8 +193,10 @@ impl JointEstimate {
 
 /// Estimates everything from `plain` on, the answer of a published method. `inter_prism_m` is `None` where all stations
 /// follow one prism. `Ok(None)` without readings, or where they leave a direction free.
-pub fn estimate(
-    triplets: &Triplets,
+///
+/// `triplets` is asked where they are needed: a copy that lasts would take as much room as the rest.
+pub fn estimate<'a>(
+    triplets: &dyn Fn() -> Cow<'a, Triplets>,
     plain: &[LevelTransform; 3],
     inter_prism_m: Option<&[f64; 3]>,
     sizes: &ErrorSizes,
@@ -200,7 +206,9 @@ pub fn estimate(
     const PRISM: usize = 3;
     let start = start(plain, inter_prism_m);
     for part_s in PARTS_S {
-        let Some(drive) = Drive::new(triplets, part_s) else { return Ok(None) };
+        let triplets = triplets();
+        let Some(drive) = Drive::new(&triplets, part_s) else { return Ok(None) };
+        let drive = Arc::new(drive);
         let found = match inter_prism_m {
             Some(_) => {
                 const ROW: usize = TIED * RIG;
@@ -223,8 +231,8 @@ pub fn estimate(
 }
 
 fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
-    drive: Drive,
-    triplets: &Triplets,
+    drive: Arc<Drive>,
+    triplets: Cow<'_, Triplets>,
     start: &Constants,
     sizes: &ErrorSizes,
     progress: &Progress,
@@ -235,15 +243,16 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         priors: slow_changes::priors(sizes, start, &triplets.restarts_s),
     };
     // How noisy the readings are is learned from a share of a long drive, and from all of a short one.
-    let sample = drive.sample(LEARNING_KNOTS);
-    let Some((mut by, mut at)) = learn::<LOCAL, ROW, MOTION>(&sample, triplets, &model, progress)?
+    let sample = Arc::new(drive.sample(LEARNING_KNOTS));
+    let Some((mut by, mut at)) = learn::<LOCAL, ROW, MOTION>(&sample, &triplets, &model, progress)?
     else {
         return Ok(None);
     };
     // What a share of the drive leaves open of the constants, the whole one may move.
     let longest_move = NEAR_SIGMAS * (drive.knots() as f64 / sample.knots() as f64).sqrt();
     if sample.pieces.len() < drive.pieces.len() {
-        at = Estimates::start(&drive, triplets, &at.constants, LOCAL / 3);
+        at = Estimates::start(&drive, &triplets, &at.constants, LOCAL / 3);
+        drop(triplets);
         for _ in 0..MOTION_STEPS {
             if move_motion::<LOCAL, MOTION>(&drive, &mut at, &by, progress)?.is_none() {
                 return Ok(None);
@@ -267,16 +276,16 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
             // Only near its readings does the motion leave errors that tell of anything else.
             let is_near = pass.longest_move() < longest_move;
             if is_near && by.held.is_none() {
-                pass.forget_solution();
                 if sizes.ranges_wander {
-                    model.priors.wander = likeliest(&pass.data, &model, &drive, &at, progress)?;
+                    model.priors.wander = likeliest(&pass.linear, &model, &drive, &at, progress)?;
                 }
                 // What jumps has its room by now, and is not taken for what walks.
                 if looks + 1 == LOOKS {
-                    model.priors.clocks_s2 = likeliest_clocks_s2(&pass.data, &model, &drive, &at);
+                    model.priors.clocks_s2 =
+                        likeliest_clocks_s2(&pass.linear, &model, &drive, &at, progress)?;
                 }
                 let known = stepped.len();
-                add_steps(&mut stepped, &pass.data, &mut model, &drive, &at, progress)?;
+                add_steps(&mut stepped, &pass.linear, &mut model, &drive, &at, progress)?;
                 if !pass.solve(&drive, &at, &model) {
                     return Ok(None);
                 }
@@ -286,7 +295,8 @@ fn solve<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
             }
             pass
         };
-        let moved = pass.walk(&drive, &mut at, &by.levels);
+        pass.walk(&drive, &mut at, &by.levels);
+        let moved = pass.moved;
         let converged = by.held.is_some() && moved < SMALL_STEP;
         if has_run_away(&at.constants, start) {
             return Ok(None);
@@ -321,7 +331,7 @@ fn has_run_away(constants: &Constants, start: &Constants) -> bool {
 
 /// Learns how noisy readings are and how a vehicle jerks from some stretches, and where everything is meanwhile.
 fn learn<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
-    sample: &Drive,
+    sample: &Arc<Drive>,
     triplets: &Triplets,
     model: &Model,
     progress: &Progress,

@@ -1,5 +1,7 @@
 //! How the unknowns of the drive's parts move with what is constant and with what is slow.
 
+use std::sync::Arc;
+
 use nalgebra::SMatrix;
 
 use super::band_rows::PART;
@@ -11,26 +13,31 @@ pub type Moved = (SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>);
 
 /// The stations that all parts move with. A part's matrices are made whenever they are asked for: kept, those of a long
 /// drive would take more room than its readings.
+#[derive(Clone)]
 pub struct Moves {
+    drive: Arc<Drive>,
     stations: [Station; 3],
 }
 
 impl Moves {
-    pub fn about(constants: &Constants) -> Self {
-        Self { stations: [0, 1, 2].map(|station| Station::of(constants, station)) }
+    pub fn about(drive: &Arc<Drive>, constants: &Constants) -> Self {
+        let stations = [0, 1, 2].map(|station| Station::of(constants, station));
+        Self { drive: Arc::clone(drive), stations }
     }
 
-    pub fn of(&self, drive: &Drive, part: usize) -> Moved {
-        let time_s = drive.part_times_s[part];
-        moves(&self.stations, &drive.outlooks[part], time_s - drive.middle_s(time_s))
+    pub fn of(&self, part: usize) -> Moved {
+        let time_s = self.drive.part_times_s[part];
+        let since_s = time_s - self.drive.middle_s(time_s);
+        moves(&self.stations, &self.drive.outlooks[part], since_s)
+    }
+
+    /// Whether the part after this one belongs to the same stretch.
+    pub fn ties_to_next(&self, part: usize) -> bool {
+        self.drive.tied_to_next[part]
     }
 
     /// How what station 1 reads during a part moves (m), by the constants and by the slow states.
-    pub fn of_station_1(
-        &self,
-        drive: &Drive,
-        part: usize,
-    ) -> (SMatrix<f64, 3, CONSTANTS>, SMatrix<f64, 3, SLOW>) {
-        shifts(&self.stations[0], &drive.outlooks[part][0], 0)
+    pub fn of_station_1(&self, part: usize) -> (SMatrix<f64, 3, CONSTANTS>, SMatrix<f64, 3, SLOW>) {
+        shifts(&self.stations[0], &self.drive.outlooks[part][0], 0)
     }
 }

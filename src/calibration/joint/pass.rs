@@ -1,11 +1,12 @@
 //! One step of Gauss & Newton: everything linear about where it is taken to be, and the way from there.
 
 use std::mem::take;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::band::{Band, PartVector, Rows};
-use super::chain::{Columns, Data, Link};
+use super::band::{Band, Part, PartVector, Rows};
+use super::chain::{Columns, Data, Linear};
 use super::chain_factor::Factor;
 use super::drive::Drive;
 use super::equations::{Squares, Weighing, equations};
@@ -66,23 +67,24 @@ pub struct Eliminated<const LOCAL: usize, const ROW: usize> {
 /// Everything linear about some estimates, and the step from there.
 pub struct Pass<const LOCAL: usize, const ROW: usize> {
     pub eliminated: Vec<Eliminated<LOCAL, ROW>>,
-    pub moves: Moves,
-    pub data: Data,
+    pub linear: Linear,
     pub slow_priors: SlowPrecisions,
     pub factor: Factor,
     pub step: Columns<1>,
+    /// The square of the step in units of the data's covariance.
+    pub moved: f64,
 }
 
 /// `None` where a direction stays free.
 pub fn pass<const LOCAL: usize, const ROW: usize>(
-    drive: &Drive,
+    drive: &Arc<Drive>,
     at: &Estimates,
     by: &Weigh,
     model: &Model,
     spare: &mut Spare<LOCAL, ROW>,
     progress: &Progress,
 ) -> Result<Option<Pass<LOCAL, ROW>>, Cancelled> {
-    let moves = Moves::about(&at.constants);
+    let moves = Moves::about(drive, &at.constants);
     let around = Around::new(drive, at, &moves);
     let kept = drive.kept_pieces();
     spare.resize_with(drive.pieces.len(), Rows::default);
@@ -102,37 +104,41 @@ pub fn pass<const LOCAL: usize, const ROW: usize>(
     let Some(mut eliminated) = all?.into_iter().collect::<Option<Vec<_>>>() else {
         return Ok(None);
     };
-    let parts = eliminated.iter().flat_map(|one| &one.band.parts);
-    let links: Vec<_> = parts
-        .zip(&drive.tied_to_next)
-        .map(|(part, tied_to_next)| Link { part, tied_to_next: *tied_to_next })
-        .collect();
-    let data = Data::of(&links, |part| moves.of(drive, part));
-    drop(links);
-    eliminated[kept..].iter_mut().for_each(|one| one.band.parts = Vec::new());
+    let mut parts: Vec<Part> = Vec::with_capacity(drive.part_times_s.len());
+    eliminated.iter_mut().for_each(|one| parts.extend(take(&mut one.band.parts)));
+    let data = Data::new(parts, moves);
+    let gradient = data.gradient(data.gradients());
+    let linear = Linear { data: Arc::new(data), gradient };
     progress.check()?;
-    Ok(solved(&data, drive, at, model).map(|(slow_priors, factor, step)| Pass {
+    let found = solved(&linear, drive, at, model);
+    Ok(found.map(|Solved { slow_priors, factor, step, moved }| Pass {
         eliminated,
-        moves,
-        data,
+        linear,
         slow_priors,
         factor,
         step,
+        moved,
     }))
 }
 
-fn solved(
-    data: &Data,
-    drive: &Drive,
-    at: &Estimates,
-    model: &Model,
-) -> Option<(SlowPrecisions, Factor, Columns<1>)> {
+/// What is linear with the priors, solved.
+struct Solved {
+    slow_priors: SlowPrecisions,
+    factor: Factor,
+    step: Columns<1>,
+    moved: f64,
+}
+
+fn solved(linear: &Linear, drive: &Drive, at: &Estimates, model: &Model) -> Option<Solved> {
     let slow_priors = SlowPrecisions::new(&model.priors, &drive.part_times_s)?;
     // On the way, what is slow may have to wait until the motion is known better.
-    let factor = Factor::new(data, &model.precision, &slow_priors)
-        .or_else(|| Factor::new(data, &model.precision, &slow_priors.stiffer()))?;
-    let step = factor.solve(&with_priors(data, model, &slow_priors, at));
-    Some((slow_priors, factor, step))
+    let by = |slow_precisions: &SlowPrecisions| {
+        let right = with_priors(linear, model, &slow_priors, at);
+        Factor::new(&linear.data, &model.precision, slow_precisions, right)
+    };
+    let (factor, step) = by(&slow_priors).or_else(|| by(&slow_priors.stiffer()))?;
+    let moved = moved(&factor, &step, &with_priors(linear, model, &slow_priors, at), model);
+    Some(Solved { slow_priors, factor, step, moved })
 }
 
 impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
@@ -149,18 +155,13 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
 
     /// Solves the same equations again with other priors; `false` where a direction stays free.
     pub fn solve(&mut self, drive: &Drive, at: &Estimates, model: &Model) -> bool {
-        let found = solved(&self.data, drive, at, model);
+        let found = solved(&self.linear, drive, at, model);
         let is_held = found.is_some();
-        if let Some((slow_priors, factor, step)) = found {
-            (self.slow_priors, self.factor, self.step) = (slow_priors, factor, step);
+        if let Some(Solved { slow_priors, factor, step, moved }) = found {
+            (self.slow_priors, self.factor) = (slow_priors, factor);
+            (self.step, self.moved) = (step, moved);
         }
         is_held
-    }
-
-    /// Gives the room of the solution away, which [`Self::solve`] makes anew.
-    pub fn forget_solution(&mut self) {
-        self.factor.forget();
-        self.slow_priors.forget();
     }
 
     /// The step from a place nearby, where all that is linear is about as it was: by the gradients there alone.
@@ -172,22 +173,19 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         model: &Model,
         progress: &Progress,
     ) -> Result<(), Cancelled> {
-        let around = Around::new(drive, at, &self.moves);
+        let around = Around::new(drive, at, &self.linear.data.moves);
         let one = |(index, own): (usize, &mut Eliminated<LOCAL, ROW>)| {
             progress.check()?;
             let (piece, at) = around.stretch::<LOCAL>(index);
             let found = gradients::<LOCAL>(piece, &at, levels, &own.weights);
-            own.band.exchange_gradient(found.local, found.parts);
-            Ok(())
+            Ok(own.band.exchange_gradient(found.local, found.parts))
         };
-        self.eliminated.par_iter_mut().enumerate().try_for_each(one)?;
-        let parts = self.eliminated.iter().flat_map(|one| &one.band.parts);
-        let pulls = parts.enumerate().map(|(index, part)| {
-            let (by_constants, by_slow) = self.moves.of(drive, index);
-            (by_slow.tr_mul(&part.gradient), by_constants.tr_mul(&part.gradient))
-        });
-        self.data.exchange_gradient(pulls);
-        self.step = self.factor.solve(&with_priors(&self.data, model, &self.slow_priors, at));
+        let stretches = self.eliminated.par_iter_mut().enumerate();
+        let of_parts: Result<Vec<Vec<PartVector>>, Cancelled> = stretches.map(one).collect();
+        self.linear.gradient = self.linear.data.gradient(of_parts?.into_iter().flatten());
+        let right = with_priors(&self.linear, model, &self.slow_priors, at);
+        self.step = self.factor.solve(right.clone());
+        self.moved = moved(&self.factor, &self.step, &right, model);
         Ok(())
     }
 
@@ -209,7 +207,7 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         levels: &Levels,
         show: impl Fn(usize, &Band<LOCAL, ROW>) -> T + Sync,
     ) -> Vec<Option<T>> {
-        let around = Around::new(drive, at, &self.moves);
+        let around = Around::new(drive, at, &self.linear.data.moves);
         let by = Weigh { levels: *levels, redundancy: 1.0, held: None };
         let one = |rows: &mut Rows<LOCAL, ROW>, index: usize| {
             let one = &self.eliminated[index];
@@ -225,15 +223,15 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         (0..drive.pieces.len()).into_par_iter().map_init(Rows::default, one).collect()
     }
 
-    /// Takes the step; its square in units of the covariance. The rows of a stretch that were not kept are made again.
-    pub fn walk(&self, drive: &Drive, at: &mut Estimates, levels: &Levels) -> f64 {
+    /// Takes the step. The rows of a stretch that were not kept are made again.
+    pub fn walk(&self, drive: &Drive, at: &mut Estimates, levels: &Levels) {
         let step = &self.step;
         let of_part = |part: usize| -> PartVector {
-            let (by_constants, by_slow) = self.moves.of(drive, part);
+            let (by_constants, by_slow) = self.linear.data.moves.of(part);
             by_constants * step.constants + by_slow * step.slow[part]
         };
         let mut all_m = take(&mut at.coefficients_m);
-        let around = Around::new(drive, at, &self.moves);
+        let around = Around::new(drive, at, &self.linear.data.moves);
         // Weights are those of the pass, which settle nothing else.
         let by = Weigh { levels: *levels, redundancy: 1.0, held: None };
         let one = |rows: &mut Rows<LOCAL, ROW>, (index, own_m): (usize, &mut Vec<f64>)| {
@@ -257,7 +255,6 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         at.coefficients_m = all_m;
         at.constants -= step.constants;
         at.slow.iter_mut().zip(&step.slow).for_each(|(slow, step)| *slow -= step);
-        step.dot(&self.data.times(step))[0]
     }
 }
 
@@ -265,12 +262,12 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
 ///
 /// `None` where the motion is not held.
 pub fn move_motion<const LOCAL: usize, const ROW: usize>(
-    drive: &Drive,
+    drive: &Arc<Drive>,
     at: &mut Estimates,
     by: &Weigh,
     progress: &Progress,
 ) -> Result<Option<Squares>, Cancelled> {
-    let around = Around::new(drive, at, &Moves::about(&at.constants));
+    let around = Around::new(drive, at, &Moves::about(drive, &at.constants));
     let one = |rows: &mut Rows<LOCAL, ROW>, index: usize| {
         progress.check()?;
         let (piece, at) = around.stretch::<LOCAL>(index);
@@ -307,7 +304,7 @@ impl<'a> Around<'a> {
             drive,
             at,
             stations: [0, 1, 2].map(|station| Station::of(&at.constants, station)),
-            slow: parts.map(|(part, slow)| moves.of(drive, part).1 * slow).collect(),
+            slow: parts.map(|(part, slow)| moves.of(part).1 * slow).collect(),
             first_parts: drive.first_parts(),
         }
     }
@@ -353,14 +350,29 @@ fn eliminate<const LOCAL: usize, const ROW: usize>(
 
 /// The gradient of everything but the motion.
 pub fn with_priors(
-    data: &Data,
+    linear: &Linear,
     model: &Model,
     slow_priors: &SlowPrecisions,
     at: &Estimates,
 ) -> Columns<1> {
-    let mut gradient = data.gradient.clone();
-    gradient.constants += model.precision.component_mul(&(at.constants - model.start));
-    let pulls = slow_priors.times(&at.slow);
-    gradient.slow.iter_mut().zip(&pulls).for_each(|(slow, pull)| *slow += pull);
+    let mut gradient = linear.gradient.clone();
+    gradient.constants += pulled_constants(model, at);
+    for (part, slow) in gradient.slow.iter_mut().enumerate() {
+        *slow += slow_priors.pull(&at.slow, part);
+    }
     gradient
+}
+
+/// The square of a step that was solved for by the data alone: what of the right-hand side is not by the priors, times it.
+fn moved(factor: &Factor, step: &Columns<1>, right: &Columns<1>, model: &Model) -> f64 {
+    let by_data = right.constants - model.precision.component_mul(&step.constants);
+    let of_part = |(part, slow): (usize, &Slow)| {
+        slow.dot(&(right.slow[part] - factor.priors.pull(&step.slow, part)))
+    };
+    step.constants.dot(&by_data) + step.slow.iter().enumerate().map(of_part).sum::<f64>()
+}
+
+/// How the priors pull at the constants.
+pub fn pulled_constants(model: &Model, at: &Estimates) -> Constants {
+    model.precision.component_mul(&(at.constants - model.start))
 }

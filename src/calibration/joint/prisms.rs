@@ -4,6 +4,8 @@
 //! the drive leave open ([`super::chain_factor`]): readings, transforms, clocks, instruments, and stations that settle. An
 //! instant between two stretches has no motion, and none is made up.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, SMatrix, SVector, Vector3, Vector4};
 
 use super::band::Band;
@@ -20,7 +22,7 @@ use crate::progress::{Cancelled, Progress};
 /// What an estimate found, from which its motion can be had again.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    pub(super) drive: Drive,
+    pub(super) drive: Arc<Drive>,
     pub(super) at: Estimates,
     pub(super) by: Weigh,
     pub(super) model: Model,
@@ -109,8 +111,8 @@ impl Solution {
         let mut frames = vec![Frame::default(); drive.part_times_s.len()];
         let shares = pass.slow_priors.settled_shares();
         pass.factor.each_covariance(|part, slow| {
-            let (part_by_constants, part_by_slow) = pass.moves.of(drive, part);
-            let (seen_by_constants, seen_by_slow) = pass.moves.of_station_1(drive, part);
+            let (part_by_constants, part_by_slow) = pass.linear.data.moves.of(part);
+            let (seen_by_constants, seen_by_slow) = pass.linear.data.moves.of_station_1(part);
             let mut constants = SMatrix::<f64, OPEN, CONSTANTS>::zeros();
             constants.fixed_rows_mut::<PART>(0).copy_from(&part_by_constants);
             constants.fixed_rows_mut::<3>(PART).copy_from(&seen_by_constants);

@@ -1,11 +1,11 @@
-//! What changes slowly, or at once: how far stations may settle, how ranges wander, and which steps there are.
+//! What changes slowly, or at once: what is known of it beforehand, and which steps there are.
 
 use nalgebra::{Matrix4, SMatrix, SVector, Vector3, Vector4};
-use rayon::prelude::*;
 
-use super::chain::Data;
+use super::chain::Linear;
 use super::chain_factor::Factor;
 use super::drive::Drive;
+use super::likelihood::{WANDER_SIGMAS_M, WANDER_TIMES_S};
 use super::pass::{Estimates, Model, with_priors};
 use super::slow_priors::{SlowPrecisions, SlowPriors, Wander};
 use super::stability::{self, Step, Stepped};
@@ -13,13 +13,6 @@ use super::unknowns::{Constants, Slow};
 use crate::calibration::ErrorSizes;
 use crate::progress::{Cancelled, Progress};
 
-/// Wanderings of ranges that are tried.
-const WANDER_SIGMAS_M: [f64; 7] = [1e-4, 4e-4, 8e-4, 0.0014, 0.0025, 0.0045, 0.008];
-const WANDER_TIMES_S: [f64; 3] = [3.0, 12.0, 50.0];
-/// How many times the variance that was known beforehand clocks may walk: up to 6 ms in a drive, as those do that a time
-/// server steers. By chance twice the logarithm of the likelihood gains no more than this.
-const CLOCKS_WALK_MORE: [f64; 3] = [10.0, 100.0, 1000.0];
-const LEAST_GAIN: f64 = 4.0;
 /// Steps of stations and clocks that are looked for, at most.
 const MOST_STEPS_FOUND: usize = 4;
 /// A step this many times the size of what is usual is none of that.
@@ -53,7 +46,7 @@ pub fn is_usual(step: &Step, sizes: &ErrorSizes) -> bool {
 /// Adds steps of stations and clocks that are not known yet, the clearest first, and gives them room in the priors.
 pub fn add_steps(
     known: &mut Vec<Step>,
-    data: &Data,
+    linear: &Linear,
     model: &mut Model,
     drive: &Drive,
     at: &Estimates,
@@ -61,7 +54,7 @@ pub fn add_steps(
 ) -> Result<(), Cancelled> {
     while known.len() < MOST_STEPS_FOUND {
         progress.check()?;
-        let Some(step) = clearest_step(data, model, drive, at) else { break };
+        let Some(step) = clearest_step(linear, model, drive, at) else { break };
         let priors = &mut model.priors;
         match step.what {
             Stepped::Station { .. } => priors.station_steps.push(step.part),
@@ -72,10 +65,10 @@ pub fn add_steps(
     progress.check()
 }
 
-fn clearest_step(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> Option<Step> {
+fn clearest_step(linear: &Linear, model: &Model, drive: &Drive, at: &Estimates) -> Option<Step> {
     let slow_priors = SlowPrecisions::new(&model.priors, &drive.part_times_s)?;
-    let factor = Factor::new(data, &model.precision, &slow_priors)?;
-    let ahead = factor.solve(&with_priors(data, model, &slow_priors, at));
+    let right = with_priors(linear, model, &slow_priors, at);
+    let (factor, ahead) = Factor::new(&linear.data, &model.precision, &slow_priors, right)?;
     let slow: Vec<Slow> = at.slow.iter().zip(&ahead.slow).map(|(at, ahead)| at - ahead).collect();
     stability::clearest_step(&search(&factor, &slow_priors, &slow, model, drive, at))
 }
@@ -117,73 +110,6 @@ fn search<'a>(
         known: [&model.priors.station_steps, &model.priors.clock_steps],
         places_m: [0, 1].map(|slot| at.constants.fixed_rows::<3>(4 * slot).into()),
     }
-}
-
-/// The wandering of ranges that makes what was read likeliest, the motion being what it is.
-pub fn likeliest(
-    data: &Data,
-    model: &Model,
-    drive: &Drive,
-    at: &Estimates,
-    progress: &Progress,
-) -> Result<Wander, Cancelled> {
-    let unlikeliness = |wander: Wander| {
-        progress.check().ok()?;
-        unlikeliness(&SlowPriors { wander, ..model.priors.clone() }, data, model, drive, at)
-    };
-    let best = |all: Vec<Wander>, otherwise: Wander| {
-        let likely: Vec<_> = all
-            .into_par_iter()
-            .filter_map(|wander| Some((unlikeliness(wander)?, wander)))
-            .collect();
-        let best = likely.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        best.map_or(otherwise, |(_, wander)| wander)
-    };
-    let now = model.priors.wander;
-    let first = best(WANDER_SIGMAS_M.map(|sigma_m| Wander { sigma_m, ..now }).to_vec(), now);
-    // What hardly wanders tells no time.
-    if first.sigma_m == WANDER_SIGMAS_M[0] {
-        return Ok(first);
-    }
-    let times = WANDER_TIMES_S.map(|correlation_s| Wander { correlation_s, ..first });
-    let likeliest = best(times.to_vec(), first);
-    progress.check()?;
-    Ok(likeliest)
-}
-
-/// The variance of how far clocks walk that makes what was read likeliest (s²), the motion being what it is; the one that
-/// was known beforehand, unless the data speaks against it.
-pub fn likeliest_clocks_s2(data: &Data, model: &Model, drive: &Drive, at: &Estimates) -> f64 {
-    let known_s2 = model.priors.clocks_s2;
-    let unlikeliness = |more: f64| {
-        let priors = SlowPriors { clocks_s2: more * known_s2, ..model.priors.clone() };
-        unlikeliness(&priors, data, model, drive, at)
-    };
-    let Some(as_known) = unlikeliness(1.0) else { return known_s2 };
-    let (mut least, mut likeliest_s2) = (as_known - LEAST_GAIN, known_s2);
-    for more in CLOCKS_WALK_MORE {
-        if let Some(found) = unlikeliness(more).filter(|found| *found < least) {
-            (least, likeliest_s2) = (found, more * known_s2);
-        }
-    }
-    likeliest_s2
-}
-
-/// Twice the negative logarithm of how likely the data is by these priors, but for what is the same by all.
-fn unlikeliness(
-    priors: &SlowPriors,
-    data: &Data,
-    model: &Model,
-    drive: &Drive,
-    at: &Estimates,
-) -> Option<f64> {
-    let slow_priors = SlowPrecisions::new(priors, &drive.part_times_s)?;
-    let gradient = with_priors(data, model, &slow_priors, at);
-    let [log_determinant, explained] =
-        Factor::explained(data, &model.precision, &slow_priors, &gradient)?;
-    let pulls = slow_priors.times(&at.slow);
-    let held: f64 = at.slow.iter().zip(&pulls).map(|(slow, pull)| slow.dot(pull)).sum();
-    Some(log_determinant + held - explained)
 }
 
 /// Variance of how stations 2 and 3 walk against station 1, which walks as well.

@@ -100,11 +100,6 @@ impl SlowPrecisions {
         Some(Self { settling, comings, log_determinant })
     }
 
-    /// Gives its room away.
-    pub fn forget(&mut self) {
-        self.comings = Vec::new();
-    }
-
     /// Precisions as if slow states were known a thousand times better.
     pub fn stiffer(&self) -> Self {
         const MORE: f64 = 1e6;
@@ -170,19 +165,20 @@ impl SlowPrecisions {
         self.comings.iter().map(until).collect()
     }
 
-    /// The product of the precisions and slow states.
-    pub fn times<const K: usize>(
+    /// The product of the precisions and slow states, of one part.
+    pub fn pull<const K: usize>(
         &self,
         slow: &[SMatrix<f64, SLOW, K>],
-    ) -> Vec<SMatrix<f64, SLOW, K>> {
-        let mut product: Vec<_> =
-            slow.iter().enumerate().map(|(part, own)| self.own(part) * own).collect();
-        for part in 1..slow.len() {
-            let both = self.with_next(part - 1);
-            product[part - 1] += both * slow[part];
-            product[part] += both.tr_mul(&slow[part - 1]);
+        part: usize,
+    ) -> SMatrix<f64, SLOW, K> {
+        let mut pull = self.own(part) * slow[part];
+        if let Some(next) = slow.get(part + 1) {
+            pull += self.with_next(part) * next;
         }
-        product
+        if let Some(before) = part.checked_sub(1) {
+            pull += self.with_next(before).tr_mul(&slow[before]);
+        }
+        pull
     }
 }
 

@@ -156,7 +156,8 @@ fn left_of_walk(search: &Search<'_>, from: usize, to: usize) -> Walk {
         walked.slow[to][(k, k)] = 1.0;
         walked.slow[from][(k, k)] = -1.0;
     }
-    walked.dot(&search.factor.solve(&walked))
+    let found = search.factor.solve(walked);
+    (found.slow[to] - found.slow[from]).fixed_rows::<STEPPING>(0).into_owned()
 }
 
 fn of_station([x_m, y_m, z_m, turned_rad]: [Estimate; 4]) -> Stepped {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{SVector, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::chain::Columns;
 use super::pass::{Pass, Weigh};
@@ -22,22 +22,18 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
         let rig = *prisms == 3;
         let parts = at.slow.len();
         // The answer: where the stations stood on average over the parts.
-        let mut wanted = Columns::<8>::zeros(parts);
-        for k in 0..8 {
-            wanted.constants[(k, k)] = 1.0;
-            wanted.slow.iter_mut().for_each(|slow| slow[(k, k)] = 1.0 / parts as f64);
-        }
-        let by = self.factor.solve(&wanted);
-        let covariance = wanted.dot(&by);
+        let answer = Mean { constants: 0, slow: 0, parts: (0..parts).collect() };
+        let by = self.factor.solve(answer.columns::<8>(parts));
+        let covariance = answer.of(&by);
         let states = Columns::<1> { slow: at.slow.clone(), constants: at.constants };
-        let mean = wanted.dot(&states);
+        let mean: SVector<f64, 8> = answer.of(&states);
         let level = |slot: usize| {
             let at = mean.fixed_rows::<4>(4 * slot);
             LevelTransform::new(Vector3::new(at[0], at[1], at[2]), at[3])
         };
         // A station that walks randomly is this far from its mean where it was set up.
         let stray = model.priors.settling / 3.0;
-        let mut budget = vec![("noise", by.dot(&self.data.times(&by)).diagonal())];
+        let mut budget = vec![("noise", self.linear.data.squares(&by).diagonal())];
         let groups = [
             ("clocks", CLOCKS..LATENCIES),
             ("latencies", LATENCIES..DISTANCES),
@@ -54,9 +50,9 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             };
             budget.push((name, SVector::from_fn(|k, _| share(k))));
         }
-        let slow = self.slow_priors.times(&by.slow);
         let mut by_slow = [SVector::<f64, 8>::zeros(); 3];
-        for (state, pull) in by.slow.iter().zip(&slow) {
+        for (part, state) in by.slow.iter().enumerate() {
+            let pull = self.slow_priors.pull(&by.slow, part);
             for row in 0..SLOW {
                 let which = match row {
                     SLOW_RANGES.. => 2,
@@ -81,17 +77,11 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             .iter()
             .map(|span_s| {
                 let inside = |time_s: f64| (span_s[0]..=span_s[1]).contains(&time_s);
-                let own: Vec<usize> =
-                    (0..parts).filter(|part| inside(drive.part_times_s[*part])).collect();
-                let mut wanted = Columns::<2>::zeros(parts);
-                for slot in 0..2 {
-                    wanted.constants[(CLOCKS + slot, slot)] = 1.0;
-                    for part in &own {
-                        wanted.slow[*part][(SLOW_CLOCKS + slot, slot)] = 1.0 / own.len() as f64;
-                    }
-                }
-                let value = wanted.dot(&states);
-                let variance = wanted.dot(&self.factor.solve(&wanted)).diagonal();
+                let own = (0..parts).filter(|part| inside(drive.part_times_s[*part])).collect();
+                let late = Mean { constants: CLOCKS, slow: SLOW_CLOCKS, parts: own };
+                let value: SVector<f64, 2> = late.of(&states);
+                let by = self.factor.solve(late.columns::<2>(parts));
+                let variance = late.of::<2, 2>(&by).diagonal();
                 let late_s = [0, 1].map(|slot| Estimate {
                     value: value[slot],
                     sigma: variance[slot].max(0.0).sqrt(),
@@ -124,5 +114,33 @@ impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
             steps: 0,
             solution: Arc::new(solution),
         }
+    }
+}
+
+/// Constants from one place on, with slow states from another on as they are on average over some parts.
+struct Mean {
+    constants: usize,
+    slow: usize,
+    parts: Vec<usize>,
+}
+
+impl Mean {
+    /// These numbers of some columns.
+    fn of<const N: usize, const K: usize>(&self, columns: &Columns<K>) -> SMatrix<f64, N, K> {
+        let of_part = |part: &usize| columns.slow[*part].fixed_rows::<N>(self.slow).into_owned();
+        let sum: SMatrix<f64, N, K> = self.parts.iter().map(of_part).sum();
+        columns.constants.fixed_rows::<N>(self.constants) + sum / self.parts.len() as f64
+    }
+
+    /// The columns that are 1 in these numbers, each in its own.
+    fn columns<const N: usize>(&self, parts: usize) -> Columns<N> {
+        let mut columns = Columns::zeros(parts);
+        for k in 0..N {
+            columns.constants[(self.constants + k, k)] = 1.0;
+            for part in &self.parts {
+                columns.slow[*part][(self.slow + k, k)] = 1.0 / self.parts.len() as f64;
+            }
+        }
+        columns
     }
 }

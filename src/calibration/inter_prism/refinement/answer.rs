@@ -1,9 +1,12 @@
 //! What a refinement says: the refined transforms, what was estimated beside them, and how certain all of it is.
 
+use std::borrow::Cow;
+
 use nalgebra::{SMatrix, Vector3};
 
 use super::model::{CLOCKS, CONSTANT, DISTANCES, DRIFTS, Matrix, State, TILTS, transforms};
 use super::support::{Support, support};
+use crate::calibration::inter_prism::used::Used;
 use crate::calibration::joint::JointEstimate;
 use crate::calibration::{CalibrationSettings, Clock, Estimate, TransformSigma, with_clocks};
 use crate::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
@@ -67,18 +70,29 @@ impl Refinement {
     }
 
     /// The triplets with all that was estimated of instruments put right, but for tilts of triplets.
-    pub fn corrected(&self, triplets: &Triplets) -> Triplets {
+    pub fn corrected(&self, triplets: Cow<'_, Triplets>) -> Triplets {
         if let Some(joint) = &self.joint {
             return joint.corrected(triplets);
         }
-        let mut corrected =
-            self.clocks().map_or_else(|| triplets.clone(), |clocks| with_clocks(triplets, clocks));
+        let mut corrected = match self.clocks() {
+            Some(clocks) => with_clocks(&triplets, clocks),
+            None => triplets.into_owned(),
+        };
         if let Some(longer_m) = self.prism_constant_error_m {
             for point in corrected.points_m.iter_mut().flatten() {
                 *point -= longer_m.value * point.normalize();
             }
         }
         corrected
+    }
+
+    /// The points of [`Self::corrected`] by station (m), of triplets that are not copied whole where that can be.
+    pub fn corrected_points_m(&self, used: &Used<'_>) -> [Vec<Vector3<f64>>; 3] {
+        let Some(joint) = &self.joint else { return self.corrected(used.triplets()).points_m };
+        let (time_s, interval) = used.instants();
+        let mut points_m = used.points_m();
+        joint.put_right(&time_s, &interval, &mut points_m);
+        points_m
     }
 
     /// How late the stamps of stations 2 and 3 are, where that was estimated.

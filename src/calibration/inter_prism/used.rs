@@ -1,0 +1,65 @@
+//! The triplets that an answer rests on: all of them, or those that can be right.
+
+use std::borrow::Cow;
+
+use nalgebra::Vector3;
+
+use super::CentredTriplets;
+use crate::pipeline::Triplets;
+
+/// The triplets that an answer rests on. A copy of a long drive's would take as much room as all that is made of them, so
+/// none is kept.
+#[derive(Clone)]
+pub struct Used<'a> {
+    all: &'a Triplets,
+    /// Some of the instants; `None` for all.
+    kept: Option<Vec<usize>>,
+}
+
+impl<'a> Used<'a> {
+    pub fn all(all: &'a Triplets) -> Self {
+        Self { all, kept: None }
+    }
+
+    pub fn some(all: &'a Triplets, kept: Vec<usize>) -> Self {
+        Self { all, kept: Some(kept) }
+    }
+
+    pub fn len(&self) -> usize {
+        self.kept.as_ref().map_or(self.all.len(), Vec::len)
+    }
+
+    pub fn triplets(&self) -> Cow<'a, Triplets> {
+        match &self.kept {
+            Some(kept) => Cow::Owned(self.all.select(kept)),
+            None => Cow::Borrowed(self.all),
+        }
+    }
+
+    pub fn centred(&self, inter_prism_m: [f64; 3]) -> CentredTriplets {
+        match &self.kept {
+            Some(kept) => CentredTriplets::some(self.all, kept, inter_prism_m),
+            None => CentredTriplets::new(self.all, inter_prism_m),
+        }
+    }
+
+    /// The points by station (m, each in its station's frame).
+    pub fn points_m(&self) -> [Vec<Vector3<f64>>; 3] {
+        self.all.points_m.each_ref().map(|points| match &self.kept {
+            Some(kept) => kept.iter().map(|i| points[*i]).collect(),
+            None => points.clone(),
+        })
+    }
+
+    /// Times of the triplets (s), and their intervals.
+    pub fn instants(&self) -> (Cow<'a, [f64]>, Cow<'a, [u32]>) {
+        let Triplets { time_s, interval, .. } = self.all;
+        match &self.kept {
+            Some(kept) => (
+                kept.iter().map(|i| time_s[*i]).collect(),
+                kept.iter().map(|i| interval[*i]).collect(),
+            ),
+            None => (Cow::Borrowed(time_s), Cow::Borrowed(interval)),
+        }
+    }
+}
