@@ -31,7 +31,9 @@ const FIRST_SEED: u64 = 1;
 /// A life comes to about thirty of what [`reached`] looks for.
 const LEAST_REACHED: usize = 22;
 const MINUTES: u64 = 60;
-/// What the resident size may grow by from the first rounds to the last: some of it is the allocator's and the driver's.
+/// What the resident size may grow by from the first rounds to the last, when things are opened and closed, and in an hour in
+/// which anything happens: some of it is the allocator's and the driver's. Answers that are not let go of are 56 MB.
+const MOST_GROWTH_BY_OPENING_MB: f64 = 24.0;
 const MOST_GROWTH_MB: f64 = 64.0;
 
 fn number(variable: &str) -> Option<u64> {
@@ -57,7 +59,7 @@ fn what_is_closed_is_let_go_of() {
     process::alone("what_is_closed_is_let_go_of", |folder| {
         let rounds = 40;
         let sizes_mb = Life::new(&screen::gpu(), folder, seed()).open_and_close(rounds);
-        assert_no_growth(&sizes_mb);
+        assert_no_growth(&sizes_mb, MOST_GROWTH_BY_OPENING_MB);
     });
 }
 
@@ -84,12 +86,12 @@ fn a_monkey_breaks_nothing_for_an_hour() {
                 break;
             }
         }
-        assert_no_growth(&sizes_mb);
+        assert_no_growth(&sizes_mb, MOST_GROWTH_MB);
     });
 }
 
 /// Compares the second quarter with the last: in the first everything is there for the first time.
-fn assert_no_growth(sizes_mb: &[f64]) {
+fn assert_no_growth(sizes_mb: &[f64], most_mb: f64) {
     let quarter = sizes_mb.len() / 4;
     if quarter == 0 {
         return;
@@ -98,5 +100,5 @@ fn assert_no_growth(sizes_mb: &[f64]) {
     let before = largest(&sizes_mb[quarter..2 * quarter]);
     let after = largest(&sizes_mb[3 * quarter..]);
     eprintln!("{before:.0} MB after the warm-up, {after:.0} MB at the end");
-    assert!(after - before < MOST_GROWTH_MB, "memory grows: {sizes_mb:.0?} MB");
+    assert!(after - before < most_mb, "memory grows: {sizes_mb:.0?} MB");
 }

@@ -88,11 +88,12 @@ impl Timeline {
         }
     }
 
-    /// Selects a span, in whichever order its ends come; one of no length selects nothing.
+    /// Selects a span, in whichever order its ends come; one of no length within the deployment selects nothing.
     pub fn select(&mut self, span_s: Option<[f64; 2]>) {
-        self.selection_s = span_s
-            .filter(|[a, b]| a.is_finite() && b.is_finite() && a != b)
-            .map(|[a, b]| [a.min(b), a.max(b)].map(|t| t.clamp(self.whole_s[0], self.whole_s[1])));
+        let finite = span_s.filter(|span_s| span_s.iter().all(|t| t.is_finite()));
+        self.selection_s = finite
+            .map(|[a, b]| [a.min(b), a.max(b)].map(|t| t.clamp(self.whole_s[0], self.whole_s[1])))
+            .filter(|[from_s, to_s]| from_s < to_s);
     }
 }
 
@@ -153,6 +154,27 @@ fn span(timeline: &Timeline) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_selection_has_a_length_within_the_deployment() {
+        let whole_s = [1000.0, 1100.0];
+        let mut timeline = Timeline {
+            whole_s,
+            window_s: whole_s,
+            cursor_s: None,
+            selection_s: None,
+            picked: None,
+        };
+        let mut selected = |span_s| {
+            timeline.select(Some(span_s));
+            timeline.selection_s
+        };
+        assert_eq!(selected([1030.0, 1020.0]), Some([1020.0, 1030.0]));
+        assert_eq!(selected([900.0, 1030.0]), Some([1000.0, 1030.0]));
+        for nothing in [[1020.0, 1020.0], [900.0, 1000.0], [-1e300, 1000.0], [1020.0, f64::NAN]] {
+            assert_eq!(selected(nothing), None, "{nothing:?}");
+        }
+    }
 
     fn timeline() -> Timeline {
         let whole_s = [1000.0, 1100.0];

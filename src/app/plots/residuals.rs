@@ -23,8 +23,6 @@ use crate::deployment::pair_label;
 use crate::glossary;
 use crate::palette;
 
-/// Three times as many dots a pair are all drawn, also where the plot is narrow: of a cloud the eye wants more than the edges.
-const LEAST_RUNS: usize = 1050;
 /// Width of what one corner of the running median sums up (points).
 const CORNER: f32 = 7.0;
 
@@ -114,8 +112,7 @@ impl PairPlot<'_> {
             for (pin, shape) in pinned {
                 self.add_pinned(plot_ui, pin, shape, columns);
             }
-            let runs = columns.max(LEAST_RUNS);
-            let dots = plots.residuals[self.pair].visible(times.window_s, runs);
+            let dots = plots.residuals[self.pair].cloud(times.window_s, columns);
             let name = format!("prisms {}", pair_label(self.pair));
             plot_ui.points(
                 Points::new(name, PlotPoints::Owned(dots))

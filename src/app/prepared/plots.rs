@@ -71,6 +71,8 @@ pub struct Band {
     pub half_widths_mm: Vec<f64>,
 }
 
+/// So many dots of a pair are all drawn, also where the plot is narrow.
+const WHOLE_CLOUD: usize = 3150;
 /// Most corners of a band for each pair: more say nothing more to the eye.
 const MOST_BAND_CORNERS: usize = 1000;
 /// Triplets of a stretch at least: a second of them.
@@ -134,7 +136,14 @@ impl PreparedPlots {
 }
 
 impl Residuals {
-    /// Dots that stand for those within a window (s since the first measurement).
+    /// Dots that stand for those within a window (s since the first measurement) of so many columns: of a cloud that is not
+    /// too large all, of a larger one its edges and some between them.
+    pub fn cloud(&self, window_s: [f64; 2], columns: usize) -> Vec<PlotPoint> {
+        let is_whole = self.within(window_s).len() <= WHOLE_CLOUD;
+        self.visible(window_s, if is_whole { WHOLE_CLOUD } else { columns })
+    }
+
+    /// Dots that stand for those within a window, by about so many runs.
     pub fn visible(&self, window_s: [f64; 2], runs: usize) -> Vec<PlotPoint> {
         let indices = self.pyramid.visible(self.within(window_s), runs);
         indices.into_iter().map(|index| self.dots[index]).collect()
