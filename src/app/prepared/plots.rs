@@ -216,6 +216,7 @@ fn outline(counts: &[usize], percent: f64, low: f64, width: f64) -> Vec<PlotPoin
 mod tests {
     use super::*;
     use crate::analysis::{Analyst, Settings};
+    use crate::calibration::Method;
     use crate::deployment::Sample;
 
     #[test]
@@ -231,6 +232,23 @@ mod tests {
             assert_eq!(plots.outside(range_mm), [outside, errors().count()]);
         }
         assert_eq!(plots.outside(plots.all_mm())[0], 0);
+    }
+
+    /// Control points alone give an answer, without a rig whose distances errors would be of.
+    #[test]
+    fn an_answer_without_a_rig_has_no_errors_to_draw() {
+        let mut deployment = Sample::Warthog.open().expect("built in");
+        deployment.rig = None;
+        let deployment = Arc::new(deployment);
+        let readings = Arc::new(RawReadings::of(&deployment));
+        let mut settings = Settings::default();
+        settings.calibration.method = Some(Method::StaticGcp);
+        let analysis = Analyst::new(Arc::clone(&deployment)).run(&settings);
+        assert!(analysis.answer.is_ok() && !analysis.triplets().is_empty());
+        let plots = PreparedPlots::of(&deployment, &analysis, &readings);
+        let everything = [f64::MIN, f64::MAX];
+        assert!(plots.residuals.iter().all(|errors| errors.cloud(everything, 100).is_empty()));
+        assert_eq!(plots.outside(plots.range_mm), [0, 0]);
     }
 
     #[test]

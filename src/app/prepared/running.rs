@@ -37,8 +37,12 @@ pub struct Piece {
 
 impl Running {
     /// The running quartiles of a series in order of time, whose pieces are told by their numbers. No run reaches over the
-    /// end of a piece, unless there are too many pieces to be told apart.
+    /// end of a piece, unless there are too many pieces to be told apart. Nothing where there is no value, as of errors of
+    /// distances that nobody knows.
     pub fn of(times_s: &[f64], values: &[f64], pieces: &[u32]) -> Self {
+        if values.is_empty() {
+            return Self::default();
+        }
         let run = |range: &Range<usize>, piece: u32| -> Option<Run> {
             let quartiles = quantiles(values[range.clone()].iter().copied(), [0.25, 0.5, 0.75])?;
             let (from_s, to_s) = (times_s[range.start], times_s[range.end - 1]);
@@ -227,6 +231,7 @@ mod tests {
     #[test]
     fn nothing_is_drawn_of_nothing() {
         assert!(Running::of(&[], &[], &[]).visible([0.0, 1.0], 10).is_empty());
+        assert!(Running::of(&[0.0, 0.5], &[], &[0, 0]).visible([0.0, 1.0], 10).is_empty());
         assert!(Running::default().visible([0.0, 1.0], 10).is_empty());
     }
 }
