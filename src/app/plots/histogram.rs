@@ -7,7 +7,7 @@ use egui_plot::{AxisHints, Line, Plot, PlotPoints, PlotResponse, VLine};
 
 use super::navigation::{self, Moved};
 use super::time_plot::still;
-use super::{LABELS, answer, close_marks, pair_name, round_marks};
+use super::{LABELS, answer_with_errors, close_marks, pair_name, round_marks};
 use crate::app::model::OpenDeployment;
 use crate::app::prepared::plots::Distributions;
 use crate::app::state::State;
@@ -29,10 +29,7 @@ const NARROW: f32 = 420.0;
 const LOW: f32 = 90.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State) {
-    let Some((open, ..)) = answer(state) else {
-        ui.centered_and_justified(|ui| ui.weak("No result to plot."));
-        return;
-    };
+    let Some((open, ..)) = answer_with_errors(ui, state) else { return };
     if state.is_stale() {
         ui.multiply_opacity(0.45);
     }

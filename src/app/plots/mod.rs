@@ -34,6 +34,26 @@ fn answer(state: &State) -> Option<(&OpenDeployment, &Analysis, &Answer)> {
     Some((open, analysis, analysis.answer.as_deref().ok()?))
 }
 
+/// The answer whose errors of distances are to be plotted; where there is none, or there are no such errors, it says so.
+fn answer_with_errors<'a>(
+    ui: &mut egui::Ui,
+    state: &'a State,
+) -> Option<(&'a OpenDeployment, &'a Analysis, &'a Answer)> {
+    let answer = answer(state);
+    let has_errors = |answer: &Answer| {
+        answer.evaluation.distance_errors_mm.iter().any(|errors| !errors.is_empty())
+    };
+    let why = match &answer {
+        Some((.., answer)) if has_errors(answer) => None,
+        Some((_, analysis, _)) if analysis.triplets().is_empty() => Some("No triplets to plot."),
+        Some(_) => Some("The inter-prism distances are not known: there are no errors of them."),
+        None => Some("No result to plot."),
+    };
+    let Some(why) = why else { return answer };
+    ui.centered_and_justified(|ui| ui.weak(why));
+    None
+}
+
 /// The legend as a line of switches above a plot, where it covers no data.
 fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut visibility = state.visibility;

@@ -11,7 +11,7 @@ use super::navigation::Moved;
 use super::strips::{Strip, strips};
 use super::time_plot::{self, Shown, TimePlot};
 use super::times::Times;
-use super::{answer, close_marks, histogram, pair_name, pair_switches};
+use super::{answer_with_errors, close_marks, histogram, pair_name, pair_switches};
 use crate::analysis::{Analysis, Answer};
 use crate::app::model::{Commands, OpenDeployment, Pin};
 use crate::app::prepared::plots::{Band, Distributions};
@@ -27,10 +27,7 @@ use crate::palette;
 const CORNER: f32 = 7.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let Some((open, analysis, answer)) = answer(state) else {
-        ui.centered_and_justified(|ui| ui.weak("No result to plot."));
-        return;
-    };
+    let Some((open, analysis, answer)) = answer_with_errors(ui, state) else { return };
     if state.is_stale() {
         ui.multiply_opacity(0.45);
     }
