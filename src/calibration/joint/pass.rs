@@ -71,7 +71,7 @@ pub struct Pass<const LOCAL: usize, const ROW: usize> {
     pub slow_priors: SlowPrecisions,
     pub factor: Factor,
     pub step: Columns<1>,
-    /// The square of the step in units of the data's covariance.
+    /// The square of the step in units of the data's covariance; what decides whether it was the last.
     pub moved: f64,
 }
 
@@ -363,7 +363,7 @@ pub fn with_priors(
     gradient
 }
 
-/// The square of a step that was solved for by the data alone: what of the right-hand side is not by the priors, times it.
+/// The square `xᵀHx` of a step x in the data's normal matrix H, from its right-hand side `(H + P)x` less the priors' `Px`.
 fn moved(factor: &Factor, step: &Columns<1>, right: &Columns<1>, model: &Model) -> f64 {
     let by_data = right.constants - model.precision.component_mul(&step.constants);
     let of_part = |(part, slow): (usize, &Slow)| {
