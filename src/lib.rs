@@ -30,13 +30,13 @@
 //! | [`geometry`] | polar and geodetic coordinates, level and rigid transforms, alignment | |
 //! | [`statistics`] | medians, robust losses, covariances from data that is correlated in time | |
 //! | [`progress`] | how far long work is, and whether anyone still wants it | |
-//! | [`deployment`] | the data model; `format/` has a file a format | a reader: a file in `format/`, a variant of `Format` and a line in `recognise` (`format/mod.rs`), its part in `open/`; what a finding may advise: `remedy.rs` (any room makes findings) |
-//! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field of `pipeline/settings.rs`, which `staged.rs` compares to see from which stage to run again; an interpolation: a file in `interpolation/`, a variant of its `Interpolation` |
-//! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and what checked it | a better estimate of D: a file in `inter_prism/`; an unknown of the joint estimate: its index in `joint/unknowns.rs`; how large an error of instruments or clocks usually is, noise among them: `calibration/instrument.rs` |
-//! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | |
+//! | [`deployment`] | the data model; `format/` has a file a format, and one for the bags (`bag/`), damage in them included | a reader: a file in `format/`, a variant of `Format` and a line in `recognise` (`format/mod.rs`), its part in `open/`; what a finding may advise: `remedy.rs` (any room makes findings) |
+//! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field of `pipeline/settings.rs`, which `staged.rs` compares to see from which stage to run again, tested in `outlier_filter.rs` or `interval_filter.rs`; an interpolation: a file in `interpolation/`, a variant of its `Interpolation` |
+//! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and what checked it | a better estimate of D: a file in `inter_prism/`; an unknown of the joint estimate: its index in `joint/unknowns.rs`; how large an error of instruments or clocks usually is, noise among them: `calibration/instrument.rs`; where the prisms are between readings, with covariance: `joint/prisms.rs`; the verdict's words: `verdict.rs`, its reasons: `checks.rs` and the files called `diagnosis` and `in_words` |
+//! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | poses: from the joint estimate's motion in `rig_motion.rs`, of a triplet by itself in `trajectory.rs`; which of the two, when and in which frame: `vehicle.rs` |
 //! | [`analysis`] | settings, and the one path | |
 //! | [`validation`] | whether a calibration holds for another run, and which station moved | |
-//! | [`simulation`] | deployments with known truth | a preset, gaps and outliers included: an arm in `scenario.rs`; an error of instruments: `errors.rs` |
+//! | [`simulation`] | deployments with known truth | a preset, gaps and outliers included: an arm in `scenario.rs`; an error of instruments: `errors.rs`; how large it is in the field: `field_errors.rs` |
 //! | [`palette`] | the colours of stations, pairs, fates and verdicts, for window, report and pictures alike | |
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |
 //! | [`font`] | the one font | |

@@ -14,8 +14,8 @@
 //!    ├─ persist               what is in the files of sessions, preferences, autosave, and how they are read again
 //!    ├─ layout                where the panes are
 //!    └─ model                 plain data: commands, what is open, timeline, undo, units, toasts, view
-//!       ├─ prepared           what is computed for drawing, statistics along the drive included; the thread that calibrates
-//!       │                     while a slider moves (`analyser.rs`)
+//!       ├─ prepared           what is computed for drawing, statistics along the drive (`running.rs`) included; the thread
+//!       │                     that calibrates while a slider moves (`analyser.rs`)
 //!       ├─ jobs               other work beside the window, whose outcome is a function applied to the state
 //!       └─ file_dialog, theme, words   asking for a path; colours and sizes of the window itself, dark and light (those that
 //!                             mean something are in `crate::palette`); words explained on hover, where a label asks
@@ -28,8 +28,10 @@
 //! |---|---|
 //! | something that can be done | a variant of `model/command.rs`, an arm in `state/handle.rs`, a line with its key in `actions/`, which has a file a menu |
 //! | a setting of the scene | a field of `model/scene_options.rs`; sessions keep it whole (`persist/session.rs`) |
+//! | a colouring of the points | a variant of `model/colouring.rs`, its colours in `scene/colouring.rs`, its legend in `scene/legend_rows.rs` |
+//! | a key that only one pane has | that pane: `plots/navigation.rs`, `scene/input.rs` |
 //! | work that takes long | `self.jobs.start(work, take)` in `state/`: `take` gets what `work` returned, and the state; work with news before its end puts functions into `jobs.outbox()` |
-//! | something that a session remembers | a field of `persist/session.rs`, with what an older file without it means |
+//! | something that a session remembers | a field of `persist/session.rs`, with what an older file without it means; how it lies in the file: `persist/stored.rs` |
 //! | a button for what a finding advises | a variant of `deployment::Remedy`, an arm in `actions/remedies.rs` |
 
 pub mod actions;

@@ -16,7 +16,7 @@ use crate::deployment::file_mark::used_files;
 use crate::evaluation::vehicle::{
     Instants, LARGEST_POSE_ERROR_M, NoTrajectory, prism_by, trajectory_by,
 };
-use crate::export::tum;
+use crate::export::trajectory as trajectory_file;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -94,9 +94,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         frame.in_words(),
     );
     let Some(file) = &arguments.out else {
-        return Ok(print(&tum::tum(&trajectory, &header))?);
+        return Ok(print(&trajectory_file::tum(&trajectory, &header))?);
     };
-    let text = if is_csv(file) { tum::csv(&trajectory) } else { tum::tum(&trajectory, &header) };
+    let text = if is_csv(file) {
+        trajectory_file::csv(&trajectory)
+    } else {
+        trajectory_file::tum(&trajectory, &header)
+    };
     spare(file, used_files(&deployment))?;
     atomic::write(file, text)?;
     print(&format!(
@@ -143,11 +147,14 @@ fn one_prism(
         format!("by {}, verdict {}", calibration.method.in_words(), calibration.verdict_in_words());
     let header = format!("{}: frame of station 1, {by}", deployment.name);
     let Some(file) = &arguments.out else {
-        return Ok(print(&tum::prism_tum(&positions, &header))?);
+        return Ok(print(&trajectory_file::prism_tum(&positions, &header))?);
     };
     spare(file, used_files(deployment))?;
-    let text =
-        if is_csv(file) { tum::prism_csv(&positions) } else { tum::prism_tum(&positions, &header) };
+    let text = if is_csv(file) {
+        trajectory_file::prism_csv(&positions)
+    } else {
+        trajectory_file::prism_tum(&positions, &header)
+    };
     atomic::write(file, text)?;
     let sigma_m = |at: &Instant<3>| (at.position_covariance.trace() / 3.0).sqrt();
     let mut sigmas_m: Vec<f64> = positions.iter().map(sigma_m).collect();

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::StudyError;
 use super::reference::{self, Reference};
@@ -15,7 +16,8 @@ use crate::pipeline::PipelineSettings;
 use crate::progress::Progress;
 
 /// What can be swept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 pub enum Parameter {
     TauR,
     TauA,
@@ -85,7 +87,7 @@ impl Parameter {
 }
 
 /// Equal steps of a parameter, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sweep {
     pub parameter: Parameter,
     pub from: f64,

@@ -3,6 +3,7 @@
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
 use crate::calibration::time_blocks;
 use crate::deployment::Deployment;
@@ -12,7 +13,7 @@ use crate::pipeline::Triplets;
 const TRAINING_SHARE: f64 = 0.75;
 
 /// How often to split, and from which seed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Splits {
     pub repeats: usize,
     pub seed: u64,

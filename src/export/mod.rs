@@ -18,5 +18,6 @@ pub mod study;
 pub mod summary;
 pub mod svg;
 pub mod text;
-pub mod tum;
+pub mod trajectory;
+
 pub mod validation;

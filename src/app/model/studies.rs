@@ -1,6 +1,9 @@
 //! The studies of the window: what is asked for, what runs, what came of it.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
 
 use crate::analysis::Settings;
 use crate::deployment::Deployment;
@@ -9,7 +12,8 @@ use crate::experiment::{
 };
 use crate::progress::Progress;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum StudyKind {
     Comparison,
     Ablation,
@@ -29,7 +33,8 @@ impl StudyKind {
 }
 
 /// What the user asks for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct StudyOptions {
     pub kind: StudyKind,
     /// All open deployments, or the active one.
@@ -51,6 +56,29 @@ impl Default for StudyOptions {
             split: false,
             splits: Splits { repeats: 10, seed: 1 },
         }
+    }
+}
+
+impl StudyOptions {
+    /// What can be asked for in the window; a sweep's ends in the parameter's unit.
+    pub const REPEATS: RangeInclusive<usize> = 1..=200;
+    pub const SEEDS: RangeInclusive<u64> = 0..=u32::MAX as u64;
+    pub const ENDS: RangeInclusive<f64> = 0.0..=100.0;
+    pub const STEPS: RangeInclusive<usize> = 2..=60;
+
+    /// The options as the window can show them, whatever a file said.
+    pub fn within_bounds(mut self) -> Self {
+        let repeats = &mut self.splits.repeats;
+        *repeats = (*repeats).clamp(*Self::REPEATS.start(), *Self::REPEATS.end());
+        let seed = &mut self.splits.seed;
+        *seed = (*seed).clamp(*Self::SEEDS.start(), *Self::SEEDS.end());
+        let steps = &mut self.sweep.steps;
+        *steps = (*steps).clamp(*Self::STEPS.start(), *Self::STEPS.end());
+        for end in [&mut self.sweep.from, &mut self.sweep.to] {
+            // NaN becomes the least.
+            *end = end.max(*Self::ENDS.start()).min(*Self::ENDS.end());
+        }
+        self
     }
 }
 

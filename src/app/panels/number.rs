@@ -43,6 +43,14 @@ fn read_within(text: &str, unit: &str, bounds: &RangeInclusive<f64>) -> Result<f
     }
 }
 
+/// The number with one decimal, or two where it has them: the same on every screen, for `custom_formatter`.
+///
+/// Left to egui, the decimals follow what a pixel is worth, so that neighbours differ where pixels are small.
+pub fn shown(value: f64, _decimals: RangeInclusive<usize>) -> String {
+    let text = format!("{value:.2}");
+    text.strip_suffix('0').map(str::to_owned).unwrap_or(text)
+}
+
 /// What was typed and cannot be read, and the value that the field has meanwhile.
 #[derive(Clone)]
 struct Unread {

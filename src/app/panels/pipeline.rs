@@ -333,8 +333,8 @@ fn threshold(
                 let slider = egui::Slider::new(value, range)
                     .logarithmic(true)
                     .smallest_positive(0.05)
-                    .min_decimals(1)
                     .max_decimals(2)
+                    .custom_formatter(super::number::shown)
                     .clamping(egui::SliderClamping::Edits)
                     .custom_parser(parse)
                     .suffix(unit);

@@ -71,9 +71,10 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             "Solve with a random 75 % of the data and judge by the rest; whole stretches of 5 s go to one side",
         );
         ui.add_enabled_ui(options.split, |ui| {
-            let (repeats, range) = (&mut options.splits.repeats, 1..=200);
+            let (repeats, range) = (&mut options.splits.repeats, StudyOptions::REPEATS);
             number::field(ui, ("Repeats", "repeats"), repeats, range, |ui, repeats, parse| {
-                let repeats = egui::DragValue::new(repeats).range(1..=200).suffix(" repeats");
+                let repeats =
+                    egui::DragValue::new(repeats).range(StudyOptions::REPEATS).suffix(" repeats");
                 ui.add(repeats.custom_parser(parse))
             })
             .on_hover_text("Repeats");
@@ -83,8 +84,9 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.horizontal(|ui| {
             let label = ui.label("seed");
             let seed = &mut options.splits.seed;
-            number::field(ui, ("seed", ""), seed, 0..=u64::MAX, |ui, seed, parse| {
-                ui.add(egui::DragValue::new(seed).custom_parser(parse))
+            number::field(ui, ("seed", ""), seed, StudyOptions::SEEDS, |ui, seed, parse| {
+                let seed = egui::DragValue::new(seed).range(StudyOptions::SEEDS);
+                ui.add(seed.custom_parser(parse))
             })
             .labelled_by(label.id);
         });
@@ -153,16 +155,17 @@ fn sweep(ui: &mut egui::Ui, sweep: &mut Sweep) {
     ui.horizontal_wrapped(|ui| {
         for (name, value) in [("from", &mut sweep.from), ("to", &mut sweep.to)] {
             let label = ui.label(name);
-            let range = 0.0..=100.0;
-            number::field(ui, (name, &unit), value, range.clone(), |ui, value, parse| {
-                let number = egui::DragValue::new(value).speed(0.05).range(range);
-                ui.add(number.custom_parser(parse).suffix(unit.as_str()))
+            number::field(ui, (name, &unit), value, StudyOptions::ENDS, |ui, value, parse| {
+                let number = egui::DragValue::new(value).speed(0.05).range(StudyOptions::ENDS);
+                let number = number.custom_parser(parse).custom_formatter(number::shown);
+                ui.add(number.suffix(unit.as_str()))
             })
             .labelled_by(label.id);
         }
         let label = ui.label("in");
-        number::field(ui, ("in", "steps"), &mut sweep.steps, 2..=60, |ui, steps, parse| {
-            let steps = egui::DragValue::new(steps).range(2..=60).suffix(" steps");
+        let (steps, range) = (&mut sweep.steps, StudyOptions::STEPS);
+        number::field(ui, ("in", "steps"), steps, range.clone(), |ui, steps, parse| {
+            let steps = egui::DragValue::new(steps).range(range).suffix(" steps");
             ui.add(steps.custom_parser(parse))
         })
         .labelled_by(label.id);
@@ -198,6 +201,10 @@ fn picture(ui: &mut egui::Ui, state: &State) {
     if state.studies.running.is_some() {
         ui.multiply_opacity(0.45);
     }
-    let drawing = box_chart::draw(study, [rect.width().max(200.0), rect.height().max(150.0)]);
-    chart::paint(&painter, rect, &drawing, ui.visuals().dark_mode);
+    let laid_out = box_chart::lay_out(study, [rect.width().max(200.0), rect.height().max(150.0)]);
+    chart::paint(&painter, rect, &laid_out.drawing, ui.visuals().dark_mode);
+    let at = response.hover_pos().map(|at| at - rect.min);
+    if let Some(said) = at.and_then(|at| laid_out.said_at(study, at.into())) {
+        response.on_hover_text_at_pointer(said);
+    }
 }

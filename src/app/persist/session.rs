@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::hashes::{FileMark, HashCache, used_files};
 use crate::analysis::Settings;
-use crate::app::model::{Colouring, LayoutDescription, Plotted, SceneOptions, Units, Visibility};
+use crate::app::model::{
+    Colouring, LayoutDescription, Plotted, SceneOptions, StudyOptions, Units, Visibility,
+};
 use crate::atomic::WriteError;
 use crate::deployment::{Deployment, OpenError, Source};
 use crate::export::summary::ResultSummary;
@@ -119,6 +121,7 @@ pub struct SavedView {
     pub plotted: Plotted,
     pub visibility: Visibility,
     pub scene: SceneOptions,
+    pub study: StudyOptions,
 }
 
 /// A pinned result.

@@ -10,9 +10,11 @@ use crate::app::model::Colouring;
 use crate::app::model::LayoutPreset;
 use crate::app::model::Plotted;
 use crate::app::model::SceneOptions;
+use crate::app::model::{StudyKind, StudyOptions};
 use crate::app::persist::hashes::used_files;
 use crate::app::persist::session::{SavedDeployment, SavedPin, SavedView};
 use crate::app::prepared::channels::Channel;
+use crate::calibration::Method;
 use crate::deployment::Source;
 use crate::deployment::{Extras, Sample};
 use crate::export::summary::ResultSummary;
@@ -50,6 +52,12 @@ fn session(folder: &Path) -> Session {
         view: SavedView {
             colouring: Colouring::Speed,
             plotted: Plotted { channel: Channel::Height, against: Some(Channel::Speed) },
+            study: StudyOptions {
+                kind: StudyKind::Sensitivity,
+                reference: Some(Method::StaticGcp),
+                split: true,
+                ..StudyOptions::default()
+            },
             scene: SceneOptions { trail_s: 30, follow: true, ..SceneOptions::default() },
             ..SavedView::default()
         },

@@ -12,6 +12,7 @@ pub mod intervals;
 mod log_axis;
 mod navigation;
 pub mod prior_search;
+mod quads;
 pub mod rates;
 pub mod residuals;
 mod strips;

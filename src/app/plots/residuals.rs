@@ -3,11 +3,11 @@
 
 use egui::RichText;
 use egui_plot::{
-    FilledArea, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi,
+    FilledArea, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi, Points,
 };
-use egui_plot::{Points, Span};
 
 use super::navigation::Moved;
+use super::quads::Shades;
 use super::strips::{Strip, strips};
 use super::time_plot::{self, Shown, TimePlot};
 use super::times::Times;
@@ -98,10 +98,9 @@ impl PairPlot<'_> {
         let time_plot = TimePlot { strip, name: &name, times, y_bounds: self.shown_mm };
         let shown = time_plot.show(ui, plot, axis, commands, |plot_ui| {
             let s_per_column = (times.window_s[1] - times.window_s[0]) / columns.max(1) as f64;
-            for seen in gaps::visible(&plots.gaps.kept, times.window_s, s_per_column) {
-                let span = seen.span.start_s..=seen.span.end_s;
-                plot_ui.span(Span::new("", span).fill(interval_shade(dark)));
-            }
+            let kept = gaps::visible(&plots.gaps.kept, times.window_s, s_per_column);
+            let kept = kept.into_iter().map(|seen| seen.span).collect();
+            plot_ui.add(Shades::new(kept, interval_shade(dark)));
             if self.state.visibility.uncertainty {
                 add_bands(plot_ui, &plots.bands[self.pair], theme::faint(dark));
             }

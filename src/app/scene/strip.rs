@@ -114,7 +114,8 @@ pub fn ui(
         paint(&painter, Pos2::new(ends[row], area.top() + row as f32 * ROW), &item, colour);
         ends[row] += item.width() + BETWEEN;
     }
-    if !left_out.is_empty() {
+    // A picture that is kept can't be hovered.
+    if !left_out.is_empty() && !state.picturing {
         painter.text(area.right_bottom(), Align2::RIGHT_BOTTOM, "…", font.clone(), faint);
     }
     let all: Vec<String> = texts.into_iter().map(|text| text.text).collect();

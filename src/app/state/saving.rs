@@ -155,10 +155,10 @@ fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<Strin
     if targets == Targets::OnePrism {
         let positions = prism_by(deployment, triplets, calibration, wanted);
         return positions
-            .map(|positions| export::tum::prism_tum(&positions, &header))
+            .map(|positions| export::trajectory::prism_tum(&positions, &header))
             .map_err(|why| why.to_string());
     }
     trajectory_by(deployment, triplets, targets, calibration, wanted, LARGEST_POSE_ERROR_M)
-        .map(|(trajectory, _)| export::tum::tum(&trajectory, &header))
+        .map(|(trajectory, _)| export::trajectory::tum(&trajectory, &header))
         .map_err(|why| why.to_string())
 }

@@ -152,6 +152,7 @@ impl State {
                 plotted: self.plotted,
                 visibility: self.visibility,
                 scene: self.scene,
+                study: self.studies.options,
             },
             layout: Some(self.layout.describe()),
             pins: self.results.pins.iter().map(pin).collect(),
@@ -177,6 +178,7 @@ impl State {
         self.scene = session.view.scene;
         self.units = session.view.units;
         self.plotted = session.view.plotted;
+        self.studies.options = session.view.study.within_bounds();
         if let Some(description) = &session.layout {
             let (layout, findings) = Layout::of_description(description);
             self.layout = layout;

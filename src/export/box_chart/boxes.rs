@@ -9,7 +9,7 @@ pub struct Slots {
     left: f32,
     /// Width of a group's share of the axis, and within it of a series'.
     pub slot: f32,
-    unit: f32,
+    pub unit: f32,
     half_box: f32,
     numbers: Option<Numbers>,
 }
@@ -166,6 +166,28 @@ impl Slots {
         paper([x, bottom - 6.0 - half], [0.5 * SMALL, half], marks);
         marks.push(Mark::upwards([x, bottom - 6.0], why, SMALL, Ink::Weak, Anchor::Left));
     }
+}
+
+/// A box in words and numbers, or why there is none; `None` where none was to be.
+pub fn said(chart: &Study, group: usize, series: usize) -> Option<String> {
+    let of = chart.groups.get(group)?;
+    let name = chart.series.get(series)?.name.trim();
+    let names = [of.label.trim(), name].into_iter().filter(|name| !name.is_empty());
+    let mut lines = vec![names.collect::<Vec<_>>().join(", ")];
+    match chart.quantiles(group, series) {
+        Ok(quantiles) => {
+            let [q05, q25, median, q75, q95] =
+                quantiles.values().map(|value| format!("{} mm", number(value, 3)));
+            lines.push(format!("median {median}"));
+            lines.push(format!("half of them from {q25} to {q75}"));
+            lines.push(format!("nine in ten from {q05} to {q95}"));
+            lines.push(format!("{} values", quantiles.n));
+        }
+        Err("") => return None,
+        Err(why) => lines.push(why.to_owned()),
+    }
+    lines.extend(Some(of.note.clone()).filter(|note| !note.trim().is_empty()));
+    Some(lines.join("\n"))
 }
 
 /// The median and the interquartile range as they are written at a box.

@@ -67,7 +67,44 @@ const MARGIN: f32 = 12.0;
 /// Room for the number above the highest whisker.
 const HEADROOM: f32 = 20.0;
 
+/// A chart on its canvas, and where its boxes stand.
+pub struct LaidOut {
+    pub drawing: Drawing,
+    places: Places,
+}
+
+/// Where boxes stand, in units of the canvas.
+struct Places {
+    /// Ends of the groups' axis, and of the values'.
+    across: [f32; 2],
+    upwards: [f32; 2],
+    /// Widths of a group's share of the axis, and of a series' within it.
+    slot: f32,
+    unit: f32,
+}
+
+impl LaidOut {
+    /// What there is to read of the box at a place of the canvas; `None` beside the boxes.
+    pub fn said_at(&self, chart: &Study, [x, y]: [f32; 2]) -> Option<String> {
+        let Places { across: [left, right], upwards: [bottom, top], slot, unit } = self.places;
+        if !(left..right).contains(&x) || !(top..=bottom).contains(&y) {
+            return None;
+        }
+        let group = ((x - left) / slot) as usize;
+        let from_middle = x - left - slot * (group as f32 + 0.5);
+        let series = (from_middle / unit + 0.5 * chart.series.len() as f32).floor();
+        if series < 0.0 || group >= chart.groups.len() {
+            return None;
+        }
+        boxes::said(chart, group, series as usize)
+    }
+}
+
 pub fn draw(chart: &Study, size: [f32; 2]) -> Drawing {
+    lay_out(chart, size).drawing
+}
+
+pub fn lay_out(chart: &Study, size: [f32; 2]) -> LaidOut {
     // On a larger canvas the texts grow too, though less than the boxes.
     let scale = ((size[0] * size[1]).sqrt() / 720.0).clamp(0.85, 1.5);
     let [width, height] = size.map(|side| side / scale);
@@ -114,7 +151,13 @@ pub fn draw(chart: &Study, size: [f32; 2]) -> Drawing {
     }
     marks.push(Mark::line([left, bottom], [right, bottom], Ink::Weak, 1.0));
     foot.draw([left, right], bottom, width, &mut marks);
-    Drawing { size: [width, height], marks }.scaled(scale)
+    let places = Places {
+        across: [left, right].map(|x| scale * x),
+        upwards: [bottom, top].map(|y| scale * y),
+        slot: scale * slots.slot,
+        unit: scale * slots.unit,
+    };
+    LaidOut { drawing: Drawing { size: [width, height], marks }.scaled(scale), places }
 }
 
 /// The label of the value axis, which says so if the axis is logarithmic, in one line where it fits.

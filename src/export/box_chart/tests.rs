@@ -189,3 +189,43 @@ fn quantiles_are_numpys() {
     assert_eq!(Quantiles::of([]), None);
     assert_eq!(Quantiles::of([3.0]).map(|one| one.values()), Some([3.0; 5]));
 }
+
+#[test]
+fn a_box_says_its_numbers_where_it_stands() {
+    let shape = shapes().into_iter().find(|shape| shape.groups == 4 && shape.series == 2);
+    let chart = chart(shape.expect("one of them"));
+    for size in SIZES {
+        let laid_out = lay_out(&chart, size);
+        // The median's line is the thickest mark of a box.
+        let medians: Vec<[f32; 2]> = laid_out
+            .drawing
+            .marks
+            .iter()
+            .filter_map(|mark| match mark {
+                Mark::Line { points, ink: Ink::Rgb(_), width, .. } => {
+                    Some((*width, [0.5 * (points[0][0] + points[1][0]), points[0][1]]))
+                }
+                _ => None,
+            })
+            .fold((0.0, Vec::new()), |(most, mut all), (width, at)| {
+                if width > most {
+                    all.clear();
+                }
+                if width >= most {
+                    all.push(at);
+                }
+                (width.max(most), all)
+            })
+            .1;
+        let present: Vec<String> = (0..4)
+            .flat_map(|group| [0, 1].map(|series| (group, series)))
+            .filter(|&(group, series)| chart.quantiles(group, series).is_ok())
+            .map(|(group, series)| boxes::said(&chart, group, series).expect("a box"))
+            .collect();
+        let said: Vec<String> =
+            medians.iter().filter_map(|at| laid_out.said_at(&chart, *at)).collect();
+        assert_eq!(said, present, "{size:?}");
+        assert!(said[0].contains("median 1") && said[0].contains("2032 values"), "{}", said[0]);
+        assert_eq!(laid_out.said_at(&chart, [1.0, 1.0]), None);
+    }
+}

@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2};
 use egui_plot::{GridMark, Plot};
 
+use super::super::quads::Quads;
 use super::super::strips::{Strip, bare_axis};
 use super::super::time_plot::{Shown, TimePlot};
 use super::super::times::Times;
@@ -99,12 +100,10 @@ impl Chart<'_> {
         let painter = self.shown.painter(ui);
         let (row, gaps) = (self.row(station), &self.open.plots.gaps);
         let silent = theme::rgb(palette::fate(SampleFate::Rejected(OutlierReason::Range)));
-        for seen in self.visible(&gaps.outages[station]) {
-            let rect = self.rect(station, &seen.span);
-            painter.rect_filled(rect, 0.0, silent.gamma_multiply(0.3));
-            painter.rect_stroke(rect, 0.0, Stroke::new(1.0, silent), StrokeKind::Inside);
-            label(ui, &painter, rect, &seen);
-        }
+        self.spans(ui, &painter, station, &gaps.outages[station], |quads, rect| {
+            quads.add(rect, silent.gamma_multiply(0.3));
+            quads.add_frame(rect, 1.0, silent);
+        });
         if self.ticks_stand_alone(station) {
             self.ticks(ui, &painter, station);
         } else {
@@ -121,12 +120,15 @@ impl Chart<'_> {
 
     /// Single instants, no two in one place.
     fn marks(&self, painter: &egui::Painter, y: Rangef, times_s: &[f64], colour: Color32) {
+        let mut quads = Quads::default();
         let mut at = times_s.partition_point(|t| *t < self.times.window_s[0]);
         while let Some(time_s) = times_s.get(at).filter(|t| **t <= self.times.window_s[1]) {
-            painter.vline(self.shown.x(*time_s), y, Stroke::new(1.5, colour));
+            let x = self.shown.x(*time_s);
+            quads.add(Rect::from_x_y_ranges(x - 0.75..=x + 0.75, y), colour);
             let close_s = time_s + 1.0 / self.points_per_s();
             at = times_s.partition_point(|t| *t <= close_s).max(at + 1);
         }
+        painter.add(quads.into_shape());
     }
 
     fn ticks_stand_alone(&self, station: usize) -> bool {
@@ -169,22 +171,38 @@ impl Chart<'_> {
             .collect();
         let most = ends.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(1).max(1);
         let colour = theme::rgb(palette::STATIONS[station]);
+        let mut quads = Quads::default();
         for (column, pair) in ends.windows(2).enumerate().filter(|(_, pair)| pair[0] < pair[1]) {
             let share = (pair[1] - pair[0]) as f32 / most as f32;
             let rect = Rect::from_x_y_ranges(left(column)..=left(column + 1), row);
-            painter.rect_filled(rect, 0.0, colour.gamma_multiply(0.25 + 0.6 * share));
+            quads.add(rect, colour.gamma_multiply(0.25 + 0.6 * share));
         }
+        painter.add(quads.into_shape());
+    }
+
+    /// The visible ones of these spans in a row, painted in one go, and over them how long they are.
+    fn spans(
+        &self,
+        ui: &egui::Ui,
+        painter: &egui::Painter,
+        row: usize,
+        spans: &[Interval],
+        paint: impl Fn(&mut Quads, Rect),
+    ) {
+        let seen = self.visible(spans);
+        let mut quads = Quads::default();
+        seen.iter().for_each(|seen| paint(&mut quads, self.rect(row, &seen.span)));
+        painter.add(quads.into_shape());
+        seen.iter().for_each(|seen| label(ui, painter, self.rect(row, &seen.span), seen));
     }
 
     fn common(&self, ui: &egui::Ui) {
         let painter = self.shown.painter(ui);
         let gaps = &self.open.plots.gaps;
         let (row, kept) = (ROWS - 1, theme::rgb(palette::fate(SampleFate::Kept)));
-        for seen in self.visible(&gaps.kept) {
-            let rect = self.rect(row, &seen.span);
-            painter.rect_filled(rect, 1.0, kept.gamma_multiply(0.75));
-            label(ui, &painter, rect, &seen);
-        }
+        self.spans(ui, &painter, row, &gaps.kept, |quads, rect| {
+            quads.add(rect, kept.gamma_multiply(0.75));
+        });
         let short = theme::rgb(palette::fate(SampleFate::IntervalTooShort));
         for seen in self.visible(&gaps.short) {
             let mut rect = self.rect(row, &seen.span);
@@ -270,6 +288,9 @@ fn length(span: &Interval) -> String {
 /// How long a span is, where there is room.
 fn label(ui: &egui::Ui, painter: &egui::Painter, rect: Rect, seen: &Seen) {
     let seen_part = rect.intersect(painter.clip_rect());
+    if seen_part.width() < 5.0 * "0.0 s".len() as f32 {
+        return;
+    }
     let text = format!("{} s", length(&seen.span));
     // Most have no room; letters are not laid out to find that.
     if seen.count > 1 || seen_part.width() < 5.0 * text.len() as f32 {
