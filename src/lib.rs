@@ -36,6 +36,7 @@
 //! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | poses: from the joint estimate's motion in `rig_motion.rs`, of a triplet by itself in `trajectory.rs`; which of the two, when and in which frame: `vehicle.rs` |
 //! | [`analysis`] | settings, and the one path | |
 //! | [`validation`] | whether a calibration holds for another run, and which station moved | |
+//! | [`estimates`] | trajectories of other systems (SLAM, odometry) held against a deployment's: evo's errors, each beside the ground truth's own σ, which is better, who is the odd one out | a format: a function in `read.rs`; a metric: `metrics.rs` |
 //! | [`simulation`] | deployments with known truth | a preset, gaps and outliers included: an arm in `scenario.rs`; an error of instruments: `errors.rs`; how large it is in the field: `field_errors.rs` |
 //! | [`palette`] | the colours of stations, pairs, fates and verdicts, for window, report and pictures alike | |
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |
@@ -57,6 +58,7 @@ pub mod atomic;
 pub mod calibration;
 pub mod command;
 pub mod deployment;
+pub mod estimates;
 pub mod evaluation;
 pub mod experiment;
 pub mod export;

@@ -5,6 +5,7 @@ mod calibrate;
 mod check;
 mod compare;
 mod desktop;
+mod evaluate;
 mod explain;
 mod export;
 mod output;
@@ -57,6 +58,8 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Write the vehicle's poses in six degrees of freedom
     Trajectory(trajectory::Arguments),
+    /// Judge trajectories of other systems by the deployment's own, with its σ
+    Evaluate(evaluate::Arguments),
     /// Tell what is in a folder or file, and what is wrong with it
     Check(check::Arguments),
     /// Write verdict, transforms, residuals and data as one HTML page
@@ -107,6 +110,7 @@ pub fn run() -> ExitCode {
         Some(Command::Ablate(arguments)) => ablate::run(&arguments),
         Some(Command::Sweep(arguments)) => sweep::run(&arguments),
         Some(Command::Trajectory(arguments)) => trajectory::run(&arguments),
+        Some(Command::Evaluate(arguments)) => evaluate::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),

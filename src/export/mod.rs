@@ -6,6 +6,7 @@ pub mod copy;
 pub mod csv;
 pub mod difference;
 pub mod drawing;
+pub mod estimates;
 mod frame;
 pub mod json;
 pub mod of_run;

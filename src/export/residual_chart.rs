@@ -76,7 +76,13 @@ pub fn draw(errors_mm: &[Vec<f64>; 3], time_s: &[f64], each: &str, width: f32) -
 
 /// Draws, for each short span of time, a thin stroke from the lowest to the highest error and a thick one between the
 /// quartiles.
-fn draw_strokes(errors_mm: &[f64], time_s: &[f64], plot: &Frame, ink: Ink, marks: &mut Vec<Mark>) {
+pub fn draw_strokes(
+    errors_mm: &[f64],
+    time_s: &[f64],
+    plot: &Frame,
+    ink: Ink,
+    marks: &mut Vec<Mark>,
+) {
     let indices: Vec<usize> = (0..errors_mm.len()).collect();
     let span = |index: usize| (plot.place(time_s[index], 0.0)[0] / STROKE) as i64;
     let (mut thin, mut thick) = (Vec::new(), Vec::new());

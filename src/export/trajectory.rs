@@ -13,7 +13,7 @@ pub fn tum(trajectory: &Trajectory, header: &str) -> String {
         let (t, q) = (&pose.position_m, pose.orientation.quaternion());
         _ = writeln!(
             text,
-            "{:.6} {:.6} {:.6} {:.6} {:.9} {:.9} {:.9} {:.9}",
+            "{:.6} {:.9} {:.9} {:.9} {:.9} {:.9} {:.9} {:.9}",
             pose.time_s, t.x, t.y, t.z, q.i, q.j, q.k, q.w
         );
     }

@@ -31,12 +31,34 @@ const NARROWEST: f64 = 1e-12;
 
 /// The rigid transform that brings `points_b` closest to `points_a`, in the least-squares sense.
 ///
-/// Umeyama 1991 (eqs. 38–43) without the scale: with the singular value decomposition U D Vᵀ of the summed
+/// Umeyama 1991 (eqs. 38–43) without the scale; see [`align_similar`]. Both slices hold metres, in corresponding order.
+/// `None` where more than one rotation does: fewer than three points, points on a line, a mirror image whose two shorter
+/// extents are alike; and of what is not finite.
+pub fn align_rigid(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Option<RigidTransform> {
+    let (rotation, _) = turn_and_scale(points_a, points_b)?;
+    let translation_m = centroid(points_a) - rotation * centroid(points_b);
+    Some(RigidTransform { rotation, translation_m })
+}
+
+/// A rigid transform and the scale before it that bring `points_b` closest to `points_a`: a = R (s b) + t.
+///
+/// Umeyama 1991 (eqs. 38–43). Otherwise as [`align_rigid`].
+pub fn align_similar(
+    points_a: &[Vector3<f64>],
+    points_b: &[Vector3<f64>],
+) -> Option<(RigidTransform, f64)> {
+    let (rotation, scale) = turn_and_scale(points_a, points_b)?;
+    let translation_m = centroid(points_a) - rotation * centroid(points_b) * scale;
+    Some((RigidTransform { rotation, translation_m }, scale))
+}
+
+/// The rotation and the scale of Umeyama 1991: with the singular value decomposition U D Vᵀ of the summed
 /// outer products a bᵀ about the centroids, the rotation is U diag(1, 1, det U det V) Vᵀ. The determinants
 /// keep a reflection, which noise and points in a plane can prefer, from passing for a rotation.
-/// Both slices hold metres, in corresponding order. `None` where more than one rotation does: fewer than
-/// three points, points on a line, a mirror image whose two shorter extents are alike; and of what is not finite.
-pub fn align_rigid(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Option<RigidTransform> {
+fn turn_and_scale(
+    points_a: &[Vector3<f64>],
+    points_b: &[Vector3<f64>],
+) -> Option<(Rotation3<f64>, f64)> {
     if points_a.len() != points_b.len() {
         return None;
     }
@@ -59,8 +81,9 @@ pub fn align_rigid(points_a: &[Vector3<f64>], points_b: &[Vector3<f64>]) -> Opti
         return None;
     }
     let rotation = u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, handedness)) * v_t;
-    let rotation = Rotation3::from_matrix_unchecked(rotation);
-    Some(RigidTransform { rotation, translation_m: centre_a - rotation * centre_b })
+    let size_b: f64 = points_b.iter().map(|b| (b - centre_b).norm_squared()).sum();
+    let scale = (first + second + handedness * third) / size_b;
+    Some((Rotation3::from_matrix_unchecked(rotation), scale))
 }
 
 fn centroid(points: &[Vector3<f64>]) -> Vector3<f64> {

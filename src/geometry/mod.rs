@@ -8,7 +8,7 @@ mod level_transform;
 mod polar;
 mod rigid_transform;
 
-pub use alignment::{align_level, align_rigid};
+pub use alignment::{align_level, align_rigid, align_similar};
 pub use geodetic::Geodetic;
 pub use level_transform::LevelTransform;
 pub use polar::{LONGEST_RANGE_M, Polar, wrap_to_pi};

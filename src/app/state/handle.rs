@@ -187,7 +187,7 @@ impl State {
 
             Command::ValidateOthers => self.validate_others(),
 
-            Command::SetStudy(options) => self.studies.options = options,
+            Command::SetStudy(options) => self.studies.options = options.within_bounds(),
             Command::RunStudy => self.run_study(),
             Command::CancelStudy => {
                 if let Some((_, progress)) = &self.studies.running {

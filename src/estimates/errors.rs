@@ -1,0 +1,135 @@
+//! The errors of an estimate, each beside what the ground truth leaves open at that instant.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::EstimatedPose;
+use super::fit::Fit;
+use super::reference::True;
+
+/// 95 % of χ² with three degrees of freedom.
+const CHI2_95: f64 = 7.815;
+
+/// How far an estimate is from the ground truth at one instant, in station 1's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EpochError {
+    /// In the ground truth's time (s).
+    pub time_s: f64,
+    /// Where the estimate's body is in truth (m).
+    pub true_position_m: Vector3<f64>,
+    /// Estimate less truth (m), and the rotation vector from the one to the other (rad).
+    pub position_m: Vector3<f64>,
+    pub rotation_rad: Option<Vector3<f64>>,
+    /// What the ground truth itself leaves open: covariances of the body's position (m²) and rotation (rad²).
+    pub covariance_m2: Matrix3<f64>,
+    pub covariance_rad2: Option<Matrix3<f64>>,
+    /// By how much the readings around the instant contradict the rig (m).
+    pub contradiction_m: f64,
+}
+
+impl EpochError {
+    /// Root of the mean variance of the three axes (m).
+    pub fn sigma_m(&self) -> f64 {
+        (self.covariance_m2.trace() / 3.0).max(0.0).sqrt()
+    }
+
+    /// Whether the ground truth cannot tell the position's error from none: it is within its own 95 % region.
+    pub fn is_undecided(&self) -> bool {
+        is_within(&self.position_m, &self.covariance_m2)
+    }
+}
+
+/// Errors against what the ground truth knows of itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AgainstSigma {
+    /// The ground truth's σ along an axis, root mean square (m, rad).
+    pub sigma_m: f64,
+    pub sigma_rad: Option<f64>,
+    /// Share of the epochs at which the ground truth cannot tell the error from none.
+    pub undecided: f64,
+    pub undecided_rotation: Option<f64>,
+    /// Share of the mean square error that the ground truth's own may make up, at most 1.
+    pub of_truth: f64,
+}
+
+struct Rotation {
+    error: Vector3<f64>,
+    covariance: Matrix3<f64>,
+}
+
+/// Sums errors up against what the ground truth knows of itself at each.
+pub fn against_sigma(errors: &[EpochError]) -> AgainstSigma {
+    let count = errors.len().max(1) as f64;
+    let mean = |of: &dyn Fn(&EpochError) -> f64| errors.iter().map(of).sum::<f64>() / count;
+    let rotations: Vec<Rotation> = errors
+        .iter()
+        .filter_map(|e| Some(Rotation { error: e.rotation_rad?, covariance: e.covariance_rad2? }))
+        .collect();
+    let turned = |of: &dyn Fn(&Rotation) -> f64| {
+        let sum: f64 = rotations.iter().map(of).sum();
+        (!rotations.is_empty()).then(|| sum / rotations.len() as f64)
+    };
+    let open = mean(&|error| error.covariance_m2.trace());
+    let square = mean(&|error| error.position_m.norm_squared());
+    AgainstSigma {
+        sigma_m: (open / 3.0).sqrt(),
+        sigma_rad: turned(&|turn| turn.covariance.trace() / 3.0).map(f64::sqrt),
+        undecided: mean(&|error| f64::from(error.is_undecided())),
+        undecided_rotation: turned(&|turn| f64::from(is_within(&turn.error, &turn.covariance))),
+        of_truth: if square > 0.0 { (open / square).min(1.0) } else { 1.0 },
+    }
+}
+
+fn is_within(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
+    covariance.cholesky().is_some_and(|root| error.dot(&root.solve(error)) <= CHI2_95)
+}
+
+/// Each pose with what is true at its time, where anything is.
+pub fn matched<'a>(
+    poses: &'a [EstimatedPose],
+    truths: &'a [True],
+    time_offset_s: f64,
+) -> Vec<(&'a EstimatedPose, &'a True)> {
+    let mut truths = truths.iter().peekable();
+    let mut matched = Vec::with_capacity(poses.len());
+    for pose in poses {
+        let time_s = pose.time_s + time_offset_s;
+        while truths.next_if(|truth| truth.time_s < time_s).is_some() {}
+        if let Some(truth) = truths.next_if(|truth| truth.time_s == time_s) {
+            matched.push((pose, truth));
+        }
+    }
+    matched
+}
+
+pub fn errors(matched: &[(&EstimatedPose, &True)], fit: &Fit) -> Vec<EpochError> {
+    let error = |(pose, truth): &(&EstimatedPose, &True)| {
+        let [placed_m, true_position_m] = fit.both_positions_m(pose, truth);
+        let turned = truth.turned.as_ref();
+        let rotation_rad = turned.and_then(|turned| {
+            let own = fit.placed_orientation(pose)?;
+            Some((own * (turned.orientation * fit.body_rotation?).inverse()).scaled_axis())
+        });
+        // The body moves with the vehicle's turns by its lever arm: δ(p + R l) = δp − [R l]× θ.
+        let covariance_m2 = match (turned, fit.lever_arm_m) {
+            (Some(turned), Some(lever_m)) => {
+                let by_turn = -(turned.orientation * lever_m).cross_matrix();
+                let common = by_turn * turned.with_position;
+                truth.covariance_m2
+                    + by_turn * turned.covariance_rad2 * by_turn.transpose()
+                    + common
+                    + common.transpose()
+            }
+            _ => truth.covariance_m2,
+        };
+        EpochError {
+            time_s: truth.time_s,
+            true_position_m,
+            position_m: placed_m - true_position_m,
+            rotation_rad,
+            covariance_m2,
+            covariance_rad2: turned.map(|turned| turned.covariance_rad2),
+            contradiction_m: truth.contradiction_m,
+        }
+    };
+    matched.iter().map(error).collect()
+}

@@ -1,0 +1,447 @@
+//! What an estimate and the ground truth do not share: the zero of their clocks, where the estimate's body is in the vehicle,
+//! and the estimate's frame.
+//!
+//! Clocks and lever arm are found together with the frame, by Gauss & Newton with Huber's loss on the distances between the
+//! two; their σ come from blocks of time ([`sandwich`]), because errors of estimates drift. Then the frame is aligned once
+//! more, by plain least squares over all epochs, as evo does it.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+use super::errors::matched;
+use super::reference::{Reference, True};
+use super::time_offset;
+use super::{Alignment, Body, Estimate, EstimatedPose, Options, Unjudged};
+use crate::deployment::Finding;
+use crate::evaluation::vehicle::Instants;
+use crate::geometry::{RigidTransform, align_rigid, align_similar};
+use crate::statistics::robust::huber;
+use crate::statistics::{median, sandwich};
+
+/// Fits take so many epochs at most, evenly spread.
+const MOST_EPOCHS: usize = 4000;
+const MOST_STEPS: usize = 40;
+/// Clock and lever arm are refined until a step is smaller (s, m).
+const SETTLED: f64 = 1e-5;
+/// Beyond such a change of the offset the ground truth is asked again, and not moved along its velocity (s): on the way,
+/// and before the end.
+const LINEAR_S: f64 = 0.01;
+const EXACT_S: f64 = 1e-4;
+/// Bodies sit on vehicles: what is known of a lever arm without the data (m, 1 σ). It decides only where the drive does not
+/// tell, as on level ground the height.
+const LEVER_SIGMA_M: f64 = 1.0;
+/// Errors are taken to forget each other within a block: so many blocks, none shorter than this (s).
+const BLOCKS: f64 = 24.0;
+const SHORTEST_BLOCK_S: f64 = 2.0;
+/// Huber's bend (σ), and the median length of an error of three axes over their σ.
+const BEND: f64 = 2.0;
+const MEDIAN_LENGTH: f64 = 1.538;
+const FEWEST_EPOCHS: usize = 10;
+
+/// Why an estimate could not be brought together with the ground truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unfit {
+    #[error(
+        "its times have nothing in common with the readings, and its speeds are like those of no part of the drive; check \
+         that both are of one drive, or give --time-offset"
+    )]
+    NoOverlap,
+    #[error("at fewer than ten of its times there is ground truth; check --time-offset")]
+    FewEpochs,
+    #[error(
+        "its positions lie on a line, which leaves its frame open; take --align none if it is in station 1's frame"
+    )]
+    OnALine,
+    #[error(
+        "clock, lever arm and frame cannot be told apart by this drive; give --time-offset, or --body same"
+    )]
+    Undetermined,
+    #[error(
+        "--lever-arm needs orientations, of the estimate or of the ground truth; there are none"
+    )]
+    NoOrientation,
+}
+
+/// How an estimate lies in the ground truth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// `station1 = R (scale · estimate) + t`.
+    pub station1_from_estimate: RigidTransform,
+    pub scale: f64,
+    /// What is added to the estimate's times (s); its σ where it was found.
+    pub time_offset_s: f64,
+    pub time_offset_sigma_s: Option<f64>,
+    /// Where the body's origin is in the vehicle's frame (m); of a ground truth of one prism, where the prism is in the
+    /// body's frame. `None` where nothing has an orientation. Its σ where it was found.
+    pub lever_arm_m: Option<Vector3<f64>>,
+    pub lever_arm_sigma_m: Option<Vector3<f64>>,
+    /// `vehicle_from_body`, and its σ where it was found (rad); `None` where one of the two has no orientation.
+    pub body_rotation: Option<UnitQuaternion<f64>>,
+    pub body_rotation_sigma_rad: Option<f64>,
+    pub findings: Vec<Finding>,
+}
+
+impl Fit {
+    /// Where the compared point is in station 1's frame, by the estimate and in truth (m).
+    pub fn both_positions_m(&self, pose: &EstimatedPose, truth: &True) -> [Vector3<f64>; 2] {
+        let lever_m = self.lever_arm_m.unwrap_or_default();
+        let mut placed_m = self.station1_from_estimate.apply(&(self.scale * pose.position_m));
+        let mut true_m = truth.position_m;
+        match (&truth.turned, self.placed_orientation(pose)) {
+            (Some(turned), _) => true_m += turned.orientation * lever_m,
+            (None, Some(own)) => placed_m += own * lever_m,
+            (None, None) => {}
+        }
+        [placed_m, true_m]
+    }
+
+    /// The body's orientation in station 1's frame, by the estimate.
+    pub fn placed_orientation(&self, pose: &EstimatedPose) -> Option<UnitQuaternion<f64>> {
+        Some(UnitQuaternion::from(self.station1_from_estimate.rotation) * pose.orientation?)
+    }
+}
+
+/// Brings an estimate together with the ground truth; gives the truth at its times as well.
+pub fn fit(
+    reference: &Reference<'_>,
+    estimate: &Estimate,
+    options: &Options,
+) -> Result<(Fit, Vec<True>), Unjudged> {
+    let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
+    let poses = &estimate.poses;
+    let turning =
+        reference.has_orientation() || poses.iter().all(|pose| pose.orientation.is_some());
+    if matches!(options.body, Body::Lever(_)) && !turning {
+        return Err(unfit(Unfit::NoOrientation));
+    }
+    let offset_s = match options.time_offset_s {
+        Some(given_s) => given_s,
+        None => {
+            let truths = reference.at(Instants::Rate(time_offset::RATE_HZ))?;
+            time_offset::coarse(poses, &truths).ok_or_else(|| unfit(Unfit::NoOverlap))?
+        }
+    };
+    let mut sought = Sought {
+        frame: options.alignment,
+        clock: options.time_offset_s.is_none(),
+        lever: options.body == Body::Found && turning,
+    };
+    let mut state = State {
+        fit: Fit {
+            station1_from_estimate: RigidTransform {
+                rotation: Rotation3::identity(),
+                translation_m: Vector3::zeros(),
+            },
+            scale: 1.0,
+            time_offset_s: offset_s,
+            time_offset_sigma_s: None,
+            lever_arm_m: turning.then(|| match options.body {
+                Body::Lever(lever_m) => lever_m,
+                Body::Found | Body::Same => Vector3::zeros(),
+            }),
+            lever_arm_sigma_m: None,
+            body_rotation: None,
+            body_rotation_sigma_rad: None,
+            findings: Vec::new(),
+        },
+        later_s: 0.0,
+    };
+    let thinned = thinned(poses);
+    if sought.clock || sought.lever {
+        let truths = at(reference, &thinned, offset_s)?;
+        align(&mut state.fit, &matched(&thinned, &truths, offset_s), sought.frame)
+            .map_err(unfit)?;
+        refine(&mut state, reference, &thinned, &mut sought, estimate)?;
+    }
+    let mut fit = state.fit;
+    let truths = at(reference, poses, fit.time_offset_s)?;
+    let pairs = matched(poses, &truths, fit.time_offset_s);
+    align(&mut fit, &pairs, options.alignment).map_err(unfit)?;
+    turn_body(&mut fit, &pairs, options.body == Body::Same);
+    Ok((fit, truths))
+}
+
+/// What is to be found.
+struct Sought {
+    frame: Alignment,
+    clock: bool,
+    lever: bool,
+}
+
+/// Where the search is: what the fit says, and how much later than when the ground truth was asked (s).
+struct State {
+    fit: Fit,
+    later_s: f64,
+}
+
+fn at(
+    reference: &Reference<'_>,
+    poses: &[EstimatedPose],
+    offset_s: f64,
+) -> Result<Vec<True>, Unjudged> {
+    let times_s: Vec<f64> = poses.iter().map(|pose| pose.time_s + offset_s).collect();
+    Ok(reference.at(Instants::At(&times_s))?)
+}
+
+fn thinned(poses: &[EstimatedPose]) -> Vec<EstimatedPose> {
+    poses.iter().step_by(poses.len().div_ceil(MOST_EPOCHS).max(1)).copied().collect()
+}
+
+/// The frame by plain least squares, clock and lever arm as they are.
+fn align(
+    fit: &mut Fit,
+    pairs: &[(&EstimatedPose, &True)],
+    alignment: Alignment,
+) -> Result<(), Unfit> {
+    if pairs.len() < FEWEST_EPOCHS {
+        return Err(Unfit::FewEpochs);
+    }
+    if alignment == Alignment::None {
+        return Ok(());
+    }
+    let lever_m = fit.lever_arm_m.unwrap_or_default();
+    let of_truth: Vec<Vector3<f64>> = pairs
+        .iter()
+        .map(|(_, truth)| match &truth.turned {
+            Some(turned) => truth.position_m + turned.orientation * lever_m,
+            None => truth.position_m,
+        })
+        .collect();
+    let own: Vec<Vector3<f64>> = pairs
+        .iter()
+        .map(|(pose, truth)| match (&truth.turned, pose.orientation) {
+            // The lever is as long whatever the scale.
+            (None, Some(own)) => pose.position_m + own * lever_m / fit.scale,
+            _ => pose.position_m,
+        })
+        .collect();
+    let found = match alignment {
+        Alignment::Similarity => align_similar(&of_truth, &own),
+        _ => align_rigid(&of_truth, &own).map(|transform| (transform, 1.0)),
+    };
+    (fit.station1_from_estimate, fit.scale) = found.ok_or(Unfit::OnALine)?;
+    Ok(())
+}
+
+const UNKNOWNS: usize = 11;
+const TRANSLATION: usize = 3;
+const SCALE: usize = 6;
+const LEVER: usize = 7;
+const CLOCK: usize = 10;
+
+/// Frame, lever arm and clock together, with the σ of the latter two.
+fn refine(
+    state: &mut State,
+    reference: &Reference<'_>,
+    poses: &[EstimatedPose],
+    sought: &mut Sought,
+    estimate: &Estimate,
+) -> Result<(), Unjudged> {
+    let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
+    let open = |sought: &Sought| -> Vec<usize> {
+        let frame = match sought.frame {
+            Alignment::None => 0..0,
+            Alignment::Rigid => 0..SCALE,
+            Alignment::Similarity => 0..SCALE + 1,
+        };
+        let lever = if sought.lever { LEVER..CLOCK } else { 0..0 };
+        let clock = if sought.clock { CLOCK..UNKNOWNS } else { 0..0 };
+        frame.chain(lever).chain(clock).collect()
+    };
+    let open = open(sought);
+    let mut asked_s = state.fit.time_offset_s;
+    let mut truths = at(reference, poses, asked_s)?;
+    for _ in 0..MOST_STEPS {
+        let pairs = matched(poses, &truths, asked_s);
+        if pairs.len() < FEWEST_EPOCHS {
+            return Err(unfit(Unfit::FewEpochs));
+        }
+        let (blocks, prior) = blocks(&pairs, state, &open);
+        let mut information = DMatrix::from_diagonal(&prior);
+        let mut gradient = DVector::zeros(open.len());
+        for block in &blocks {
+            information += &block.information;
+            gradient += &block.gradient;
+        }
+        let now = DVector::from_iterator(open.len(), open.iter().map(|k| state.value(*k)));
+        gradient -= prior.component_mul(&now);
+        let root = information.cholesky().ok_or_else(|| unfit(Unfit::Undetermined))?;
+        let step = root.solve(&gradient);
+        let change = state.step(&open, &step);
+        let settled = change < SETTLED;
+        if state.later_s.abs() > if settled { EXACT_S } else { LINEAR_S } {
+            state.later_s = 0.0;
+            asked_s = state.fit.time_offset_s;
+            truths = at(reference, poses, asked_s)?;
+        } else if settled {
+            let prior = sandwich::Prior { precision: prior, weight: 1.0 };
+            let covariance = sandwich::covariance(&blocks, Some(&prior))
+                .ok_or_else(|| unfit(Unfit::Undetermined))?;
+            state.take_sigmas(&open, &covariance);
+            return Ok(());
+        }
+    }
+    Err(unfit(Unfit::Undetermined))
+}
+
+impl State {
+    /// What the prior is about.
+    fn value(&self, unknown: usize) -> f64 {
+        match unknown {
+            LEVER..CLOCK => self.fit.lever_arm_m.unwrap_or_default()[unknown - LEVER],
+            _ => 0.0,
+        }
+    }
+
+    /// Takes a step; gives how large it was, in metres or seconds.
+    fn step(&mut self, open: &[usize], step: &DVector<f64>) -> f64 {
+        let mut turn = Vector3::zeros();
+        let mut change: f64 = 0.0;
+        for (k, by) in open.iter().zip(step.iter()) {
+            match *k {
+                0..TRANSLATION => turn[*k] = *by,
+                TRANSLATION..SCALE => {
+                    self.fit.station1_from_estimate.translation_m[k - TRANSLATION] += by;
+                }
+                SCALE => self.fit.scale *= by.exp(),
+                LEVER..CLOCK => {
+                    if let Some(lever_m) = &mut self.fit.lever_arm_m {
+                        lever_m[k - LEVER] += by;
+                    }
+                    change = change.max(by.abs());
+                }
+                _ => {
+                    self.fit.time_offset_s += by;
+                    self.later_s += by;
+                    change = change.max(by.abs());
+                }
+            }
+        }
+        let rotation = &mut self.fit.station1_from_estimate.rotation;
+        *rotation = Rotation3::new(turn) * *rotation;
+        change
+    }
+
+    fn take_sigmas(&mut self, open: &[usize], covariance: &DMatrix<f64>) {
+        let sigma = |unknown: usize| {
+            let at = open.iter().position(|k| *k == unknown)?;
+            Some(covariance[(at, at)].max(0.0).sqrt())
+        };
+        self.fit.time_offset_sigma_s = sigma(CLOCK);
+        let lever = [0, 1, 2].map(|axis| sigma(LEVER + axis));
+        if let [Some(x), Some(y), Some(z)] = lever {
+            self.fit.lever_arm_sigma_m = Some(Vector3::new(x, y, z));
+        }
+    }
+}
+
+/// What each block of time says, in units of the errors' own σ, and the prior's precision.
+fn blocks(
+    pairs: &[(&EstimatedPose, &True)],
+    state: &State,
+    open: &[usize],
+) -> (Vec<sandwich::Block>, DVector<f64>) {
+    let rows: Vec<(Vector3<f64>, [Vector3<f64>; UNKNOWNS])> =
+        pairs.iter().map(|(pose, truth)| row(pose, truth, state)).collect();
+    let typical_m = median(rows.iter().map(|(error, _)| error.norm())).unwrap_or(1.0);
+    let sigma_m = (typical_m / MEDIAN_LENGTH).max(1e-9);
+    let (from_s, to_s) = (pairs[0].1.time_s, pairs[pairs.len() - 1].1.time_s);
+    let length_s = ((to_s - from_s) / BLOCKS).max(SHORTEST_BLOCK_S);
+    let empty = || sandwich::Block {
+        information: DMatrix::zeros(open.len(), open.len()),
+        gradient: DVector::zeros(open.len()),
+    };
+    let mut blocks: Vec<sandwich::Block> =
+        (0..=((to_s - from_s) / length_s) as usize).map(|_| empty()).collect();
+    for ((_, truth), (error, design)) in pairs.iter().zip(&rows) {
+        let block = &mut blocks[((truth.time_s - from_s) / length_s) as usize];
+        let weight = huber(error.norm() / sigma_m, BEND).weight / (sigma_m * sigma_m);
+        for (i, a) in open.iter().enumerate() {
+            block.gradient[i] -= weight * design[*a].dot(error);
+            for (j, b) in open.iter().enumerate() {
+                block.information[(i, j)] += weight * design[*a].dot(&design[*b]);
+            }
+        }
+    }
+    blocks.retain(|block| block.information.norm() > 0.0);
+    let precision = |unknown: &usize| match *unknown {
+        LEVER..CLOCK => LEVER_SIGMA_M.powi(-2),
+        _ => 0.0,
+    };
+    (blocks, DVector::from_iterator(open.len(), open.iter().map(precision)))
+}
+
+/// Truth less estimate (m), and how it changes with each unknown.
+fn row(
+    pose: &EstimatedPose,
+    truth: &True,
+    state: &State,
+) -> (Vector3<f64>, [Vector3<f64>; UNKNOWNS]) {
+    let fit = &state.fit;
+    let [placed_m, mut true_m] = fit.both_positions_m(pose, truth);
+    let mut velocity = truth.velocity_m_per_s;
+    let mut lever_axes = Matrix3::zeros();
+    if let Some(turned) = &truth.turned {
+        lever_axes = turned.orientation.to_rotation_matrix().into_inner();
+        velocity += turned.rate_rad_per_s.cross(&(true_m - truth.position_m));
+    } else if let Some(own) = fit.placed_orientation(pose) {
+        lever_axes = -own.to_rotation_matrix().into_inner();
+    }
+    true_m += velocity * state.later_s;
+    let turned_m = placed_m - fit.station1_from_estimate.translation_m;
+    let scaled_m = fit.station1_from_estimate.rotate(&(fit.scale * pose.position_m));
+    let mut design = [Vector3::zeros(); UNKNOWNS];
+    for axis in 0..3 {
+        let unit = Vector3::ith(axis, 1.0);
+        design[axis] = -unit.cross(&turned_m);
+        design[TRANSLATION + axis] = -unit;
+        design[LEVER + axis] = lever_axes.column(axis).into_owned();
+    }
+    design[SCALE] = -scaled_m;
+    design[CLOCK] = velocity;
+    (true_m - placed_m, design)
+}
+
+/// How the body is turned in the vehicle: the middle of what each epoch says, by blocks of time.
+fn turn_body(fit: &mut Fit, pairs: &[(&EstimatedPose, &True)], is_same: bool) {
+    let each: Option<Vec<(f64, UnitQuaternion<f64>)>> = pairs
+        .iter()
+        .map(|(pose, truth)| {
+            let turned = truth.turned.as_ref()?;
+            Some((truth.time_s, turned.orientation.inverse() * fit.placed_orientation(pose)?))
+        })
+        .collect();
+    let Some(each) = each else { return };
+    if is_same {
+        fit.body_rotation = Some(UnitQuaternion::identity());
+        return;
+    }
+    // Far from it the mean of rotation vectors is not the mean rotation.
+    let mut middle = each[each.len() / 2].1;
+    let mut left: Vec<Vector3<f64>> = Vec::new();
+    for _ in 0..10 {
+        left = each.iter().map(|(_, turn)| (turn * middle.inverse()).scaled_axis()).collect();
+        let step = Vector3::from_fn(|axis, _| {
+            median(left.iter().map(|turn| turn[axis])).unwrap_or_default()
+        });
+        middle = UnitQuaternion::from_scaled_axis(step) * middle;
+        if step.norm() < 1e-12 {
+            break;
+        }
+    }
+    fit.body_rotation = Some(middle);
+    let (from_s, to_s) = (each[0].0, each[each.len() - 1].0);
+    let length_s = ((to_s - from_s) / BLOCKS).max(SHORTEST_BLOCK_S);
+    let mut sums: Vec<(f64, Vector3<f64>)> =
+        vec![(0.0, Vector3::zeros()); ((to_s - from_s) / length_s) as usize + 1];
+    for ((time_s, _), turn) in each.iter().zip(&left) {
+        let (count, sum) = &mut sums[((time_s - from_s) / length_s) as usize];
+        *count += 1.0;
+        *sum += turn;
+    }
+    let means: Vec<Vector3<f64>> =
+        sums.iter().filter(|(count, _)| *count > 0.0).map(|(count, sum)| sum / *count).collect();
+    let blocks = means.len() as f64;
+    let square: f64 = means.iter().map(Vector3::norm_squared).sum::<f64>() / 3.0;
+    fit.body_rotation_sigma_rad =
+        (blocks > 1.0).then(|| (square / (blocks * (blocks - 1.0))).sqrt());
+}

@@ -1,0 +1,190 @@
+//! Trajectories that other systems estimated, held against a deployment's own: SLAM, odometry, GNSS.
+//!
+//! ```text
+//! files ──read──▶ Estimate ──┐
+//! Analysis ──reference──▶ ground truth at the estimate's times ──fit──▶ Fit ──errors──▶ Judged ──ranking, odd──▶ Judgement
+//! ```
+//! [`fit`] finds what the two do not share: the zero of the clocks, where the estimate's body is in the vehicle, and the
+//! estimate's frame. [`metrics`] are evo's, so that numbers compare with those of papers. What evo cannot say comes after it:
+//! how much of an error the ground truth itself leaves open ([`errors`]), whether one estimate is better than another by more
+//! than chance ([`ranking`]), and where the ground truth is the odd one out ([`odd`]).
+
+pub mod errors;
+pub mod fit;
+pub mod metrics;
+pub mod odd;
+pub mod ranking;
+pub mod read;
+pub mod reference;
+mod time_offset;
+
+use std::path::PathBuf;
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::analysis::Analysis;
+use crate::deployment::{Deployment, Finding};
+use crate::evaluation::vehicle::NoTrajectory;
+
+use errors::EpochError;
+use fit::{Fit, Unfit};
+use metrics::{Ape, RelativeErrors};
+use odd::OddSpan;
+use ranking::Comparison;
+use reference::{Reference, True};
+
+/// A trajectory as another system estimated it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// The file's name without its ending.
+    pub name: String,
+    pub path: PathBuf,
+    /// The poses in order of time, no two at one time.
+    pub poses: Vec<EstimatedPose>,
+    pub findings: Vec<Finding>,
+}
+
+/// Where the estimate's body is in the estimate's own frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimatedPose {
+    pub time_s: f64,
+    pub position_m: Vector3<f64>,
+    /// `None` where the file has positions only.
+    pub orientation: Option<UnitQuaternion<f64>>,
+}
+
+/// How estimates are brought together with the ground truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    pub alignment: Alignment,
+    /// What is added to the estimate's times (s); found if `None`.
+    pub time_offset_s: Option<f64>,
+    pub body: Body,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { alignment: Alignment::Rigid, time_offset_s: None, body: Body::Found }
+    }
+}
+
+/// What an estimate's frame may be turned by, moved by and stretched by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Alignment {
+    /// Nothing: the estimate is in station 1's frame.
+    None,
+    /// A rotation and a translation (evo's `--align`).
+    Rigid,
+    /// A scale too, for one camera alone (evo's `--align --correct_scale`).
+    Similarity,
+}
+
+/// Where the estimate's body is in the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Body {
+    /// Nobody knows: the lever arm is found, and its rotation where the estimate has orientations.
+    Found,
+    /// It is the vehicle's frame, as evo takes it to be.
+    Same,
+    /// The lever arm is known: the body's origin in the vehicle's frame, or in the body's the one prism (m).
+    Lever(Vector3<f64>),
+}
+
+/// Why an estimate cannot be judged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unjudged {
+    #[error(transparent)]
+    NoReference(#[from] NoTrajectory),
+    #[error("{name}: {why}")]
+    Unfit { name: String, why: Unfit },
+}
+
+/// An estimate beside the ground truth.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    pub estimate: Estimate,
+    pub fit: Fit,
+    /// In order of time, each of a pose where there is ground truth.
+    pub errors: Vec<EpochError>,
+    /// Poses at whose time there is no ground truth: before, after, and in its gaps.
+    pub without_truth: usize,
+    pub position: Ape,
+    /// Angles between orientations (rad); `None` without orientations.
+    pub rotation: Option<Ape>,
+    /// Over paths of these lengths, the shortest first; none without orientations.
+    pub relative: Vec<RelativeErrors>,
+    pub against_sigma: errors::AgainstSigma,
+    /// Where the estimate and the ground truth contradict each other, in order of time.
+    pub odd: Vec<OddSpan>,
+}
+
+/// All estimates, and what they say about each other.
+#[derive(Clone, Debug)]
+pub struct Judgement {
+    pub judged: Vec<Judged>,
+    /// Each two of them by position, the better one first.
+    pub comparisons: Vec<Comparison>,
+    /// Those that could not be judged, and why.
+    pub unjudged: Vec<(String, Unjudged)>,
+}
+
+/// Lengths of path over which relative errors are told (m).
+pub const RELATIVE_M: [f64; 4] = [1.0, 5.0, 20.0, 100.0];
+
+/// Holds estimates against the deployment's own trajectory by its answer.
+pub fn judge(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    estimates: Vec<Estimate>,
+    options: &Options,
+) -> Judgement {
+    let reference = Reference::new(deployment, analysis);
+    let mut judged: Vec<(Judged, Vec<True>)> = Vec::new();
+    let mut unjudged = Vec::new();
+    for estimate in estimates {
+        let name = estimate.name.clone();
+        match judge_one(&reference, estimate, options) {
+            Ok(one) => judged.push(one),
+            Err(why) => unjudged.push((name, why)),
+        }
+    }
+    let all: Vec<&[EpochError]> = judged.iter().map(|(one, _)| &one.errors[..]).collect();
+    let odd: Vec<Vec<OddSpan>> =
+        (0..all.len()).map(|own| odd::spans(own, &all, &judged[own].1)).collect();
+    let comparisons = ranking::compare(&all);
+    let judged = judged.into_iter().zip(odd);
+    Judgement {
+        judged: judged.map(|((one, _), odd)| Judged { odd, ..one }).collect(),
+        comparisons,
+        unjudged,
+    }
+}
+
+fn judge_one(
+    reference: &Reference<'_>,
+    estimate: Estimate,
+    options: &Options,
+) -> Result<(Judged, Vec<True>), Unjudged> {
+    let (fit, truths) = fit::fit(reference, &estimate, options)?;
+    let matched = errors::matched(&estimate.poses, &truths, fit.time_offset_s);
+    let without_truth = estimate.poses.len() - matched.len();
+    let errors = errors::errors(&matched, &fit);
+    let position = Ape::of(errors.iter().map(|error| error.position_m.norm()));
+    let rotation = fit
+        .body_rotation
+        .map(|_| Ape::of(errors.iter().filter_map(|error| Some(error.rotation_rad?.norm()))));
+    let relative = metrics::relative(&matched, &fit, &RELATIVE_M);
+    let of_matched = matched.into_iter().map(|(_, truth)| truth.clone()).collect();
+    let judged = Judged {
+        against_sigma: errors::against_sigma(&errors),
+        odd: Vec::new(),
+        estimate,
+        fit,
+        errors,
+        without_truth,
+        position,
+        rotation,
+        relative,
+    };
+    Ok((judged, of_matched))
+}

@@ -1,0 +1,140 @@
+//! Where an estimate and the ground truth contradict each other, and which of the two is wrong.
+//!
+//! A ground truth that went wrong shows it in two ways that no error of an estimate has: its own readings contradict the rig
+//! there, or several estimates agree with each other against it. Where neither is so, the estimate is taken to be wrong.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::errors::EpochError;
+use super::reference::True;
+use crate::statistics::median;
+
+/// Squared errors beyond this are odd, in units of what the estimate's usual errors and the ground truth's own leave open
+/// together. Eight σ, because errors of both have heavier tails than normal ones: a ground truth is seven of its own σ off at
+/// some gap of most drives.
+const ODD: f64 = 64.0;
+/// Odd epochs that are not further apart belong together (s).
+const TOGETHER_S: f64 = 2.0;
+/// Fewer odd epochs than this are noise.
+const FEWEST: usize = 3;
+/// Readings that contradict the rig this many times as much as usual, and by so much, are wrong.
+const CONTRADICTED_TIMES: f64 = 4.0;
+const CONTRADICTED_M: f64 = 0.01;
+/// Estimates agree against the ground truth if they differ by less than this share of their error.
+const AGREE: f64 = 0.4;
+
+/// Who is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OddOne {
+    Estimate,
+    /// The readings contradict the rig.
+    Readings,
+    /// So many estimates agree with each other against the ground truth.
+    TruthAgainst(usize),
+}
+
+/// A span in which an estimate and the ground truth contradict each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OddSpan {
+    /// In the ground truth's time (s).
+    pub span_s: [f64; 2],
+    /// The largest errors in it (m, rad).
+    pub position_m: f64,
+    pub rotation_rad: Option<f64>,
+    pub odd_one: OddOne,
+}
+
+/// The odd spans of one estimate beside all of them; `truths` are at the times of its errors.
+pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan> {
+    let errors = all[own];
+    let usual = Usual::of(errors);
+    let mut spans: Vec<Vec<usize>> = Vec::new();
+    for index in (0..errors.len()).filter(|index| usual.is_odd(&errors[*index])) {
+        match spans.last_mut() {
+            Some(span)
+                if errors[index].time_s - errors[span[span.len() - 1]].time_s <= TOGETHER_S =>
+            {
+                span.push(index);
+            }
+            _ => spans.push(vec![index]),
+        }
+    }
+    let usual_contradiction_m =
+        median(truths.iter().map(|truth| truth.contradiction_m)).unwrap_or_default();
+    spans
+        .into_iter()
+        .filter(|span| span.len() >= FEWEST)
+        .map(|span| {
+            let largest = |of: &dyn Fn(&EpochError) -> f64| {
+                span.iter().map(|index| of(&errors[*index])).fold(0.0, f64::max)
+            };
+            let turned = errors[span[0]].rotation_rad.is_some();
+            let rotation = |e: &EpochError| e.rotation_rad.map_or(0.0, |turn| turn.norm());
+            let contradiction_m =
+                median(span.iter().map(|index| errors[*index].contradiction_m)).unwrap_or_default();
+            let limit_m = (CONTRADICTED_TIMES * usual_contradiction_m).max(CONTRADICTED_M);
+            let agreeing = (0..all.len())
+                .filter(|other| *other != own && agrees(&span, errors, all[*other]))
+                .count();
+            OddSpan {
+                span_s: [errors[span[0]].time_s, errors[span[span.len() - 1]].time_s],
+                position_m: largest(&|error| error.position_m.norm()),
+                rotation_rad: turned.then(|| largest(&rotation)),
+                odd_one: if contradiction_m > limit_m {
+                    OddOne::Readings
+                } else if agreeing > 0 {
+                    OddOne::TruthAgainst(agreeing + 1)
+                } else {
+                    OddOne::Estimate
+                },
+            }
+        })
+        .collect()
+}
+
+/// How large an estimate's errors usually are, along an axis.
+struct Usual {
+    position_m: f64,
+    rotation_rad: f64,
+}
+
+impl Usual {
+    fn of(errors: &[EpochError]) -> Self {
+        // Half of the lengths of three normal errors are below 1.538 σ.
+        let axis =
+            |lengths: &mut dyn Iterator<Item = f64>| median(lengths).unwrap_or_default() / 1.538;
+        Self {
+            position_m: axis(&mut errors.iter().map(|error| error.position_m.norm())),
+            rotation_rad: axis(&mut errors.iter().filter_map(|e| Some(e.rotation_rad?.norm()))),
+        }
+    }
+
+    fn is_odd(&self, error: &EpochError) -> bool {
+        let turn = error.rotation_rad.zip(error.covariance_rad2);
+        is_odd(&error.position_m, error.covariance_m2, self.position_m)
+            || turn.is_some_and(|(turn, open)| is_odd(&turn, open, self.rotation_rad))
+    }
+}
+
+fn is_odd(error: &Vector3<f64>, open: Matrix3<f64>, usual: f64) -> bool {
+    let expected = open + Matrix3::identity() * usual.powi(2);
+    expected.cholesky().is_some_and(|root| error.dot(&root.solve(error)) > ODD)
+}
+
+/// Whether another estimate has the same errors in a span, where it has any.
+fn agrees(span: &[usize], errors: &[EpochError], other: &[EpochError]) -> bool {
+    let apart = span.iter().filter_map(|index| {
+        let error = &errors[*index];
+        let after = other.partition_point(|e| e.time_s < error.time_s);
+        let near = [after.checked_sub(1), Some(after)].into_iter().flatten();
+        let near = near.filter_map(|at| other.get(at));
+        let near = near.min_by(|a, b| gap(a, error).total_cmp(&gap(b, error)))?;
+        let moved = (near.position_m - error.position_m).norm() / error.position_m.norm();
+        (gap(near, error) < TOGETHER_S).then_some(moved)
+    });
+    median(apart).is_some_and(|apart| apart < AGREE)
+}
+
+fn gap(a: &EpochError, b: &EpochError) -> f64 {
+    (a.time_s - b.time_s).abs()
+}

@@ -1,0 +1,93 @@
+use super::*;
+
+/// A file with this text; its folder lives as long as it does.
+fn file(name: &str, text: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).expect("written");
+    (folder, path)
+}
+
+fn of(name: &str, text: &str) -> Result<Estimate, OpenError> {
+    let (_folder, path) = file(name, text);
+    read(&path)
+}
+
+#[test]
+fn the_same_pose_is_read_from_every_format() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let texts = [
+        (
+            "a.tum",
+            format!("# timestamp tx ty tz qx qy qz qw\n1657543210.25 1 2 3 0 0 {half} {half}\n"),
+        ),
+        (
+            "b.csv",
+            format!(
+                "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n1657543210250000000,1,2,3,{half},0,0,{half}\n"
+            ),
+        ),
+        ("c.csv", format!("1657543210250000000,1,2,3,{half},0,0,{half},0.1,0,0\n")),
+        (
+            "d.csv",
+            format!(
+                "timestamp_s,x_m,y_m,z_m,qx,qy,qz,qw,sigma_x_m\n1657543210.25,1,2,3,0,0,{half},{half},0.01\n"
+            ),
+        ),
+        (
+            "e.csv",
+            format!(
+                "Time;pose.position.x;pose.position.y;pose.position.z;pose.orientation.x;pose.orientation.y;pose.orientation.z;pose.orientation.w\n1657543210.25;1;2;3;0;0;{half};{half}\n"
+            ),
+        ),
+    ];
+    for (name, text) in texts {
+        let estimate = of(name, &text).expect(name);
+        let pose = estimate.poses[0];
+        assert!((pose.time_s - 1_657_543_210.25).abs() < 1e-6, "{name}: {}", pose.time_s);
+        assert_eq!(pose.position_m, Vector3::new(1.0, 2.0, 3.0), "{name}");
+        let turned = pose.orientation.expect("turned") * Vector3::x();
+        assert!((turned - Vector3::y()).norm() < 1e-12, "{name}: {turned}");
+    }
+    let positions = of("f.txt", "0.5 1 2 3\n0.6 1 2 4\n").expect("positions");
+    assert_eq!((positions.poses.len(), positions.poses[1].orientation), (2, None));
+}
+
+#[test]
+fn kitti_takes_its_times_from_the_file_beside_it() {
+    let (folder, path) = file("poses.txt", "0 -1 0 1 1 0 0 2 0 0 1 3\n1 0 0 4 0 1 0 5 0 0 1 6\n");
+    let why = read(&path).expect_err("no times").to_string();
+    assert!(why.contains("poses_times.txt or times.txt"), "{why}");
+    std::fs::write(folder.path().join("times.txt"), "10.0\n10.1\n").expect("written");
+    let estimate = read(&path).expect("with times");
+    let turned = estimate.poses[0].orientation.expect("turned") * Vector3::x();
+    assert!((turned - Vector3::y()).norm() < 1e-12);
+    assert_eq!((estimate.poses[1].time_s, estimate.poses[1].position_m.z), (10.1, 6.0));
+    std::fs::write(folder.path().join("times.txt"), "10.0\n").expect("written");
+    let why = read(&path).expect_err("a time is missing").to_string();
+    assert!(why.contains("1 times for 2 poses"), "{why}");
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_line_and_nothing_is_dropped_in_silence() {
+    for (text, said) in [
+        ("1 0 0 0 0 0 0 1\n2 0 x 0 0 0 0 1\n", ":2: `x` is no number"),
+        ("1 0 0 0 0 0 0 0\n", ":1: its quaternion is zero"),
+        ("1 0 0 0 0 0 0 1\n2 0 0\n", ":2: it has only 3 fields"),
+        ("1 0 nan 0 0 0 0 1\n", ":1: `nan` is no number"),
+        ("a,b,c\n1,2,3\n", ":1: the header `a,b,c` names no poses"),
+        ("# nothing\n", "there is no pose in it"),
+        ("1 2 3\n", ":1: 3 fields are no pose"),
+    ] {
+        let why = of("a.txt", text).expect_err(text).to_string();
+        assert!(why.contains(said), "{why}");
+    }
+    let estimate =
+        of("a.txt", "2 0 0 0 0 0 0 2\n1 0 0 0 0 0 0 1\n1 5 0 0 0 0 0 1\n").expect("read");
+    let said: Vec<String> = estimate.findings.iter().map(ToString::to_string).collect();
+    assert_eq!(estimate.poses.len(), 2);
+    for (finding, part) in said.iter().zip(["another length", "go back", "repeat a time"]) {
+        assert!(finding.contains(part), "{finding}");
+    }
+    assert_eq!(said.len(), 3);
+}

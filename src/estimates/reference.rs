@@ -1,0 +1,116 @@
+//! The ground truth at any times: the vehicle's poses, or the one prism's positions, by the deployment's answer.
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use crate::analysis::Analysis;
+use crate::calibration::{Calibration, Targets};
+use crate::deployment::Deployment;
+use crate::evaluation::vehicle::{Instants, NoTrajectory, prism_by, trajectory_by};
+
+/// What is true at one instant, as far as the ground truth knows: all in station 1's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct True {
+    pub time_s: f64,
+    pub position_m: Vector3<f64>,
+    pub velocity_m_per_s: Vector3<f64>,
+    /// `None` of one prism, which has no orientation.
+    pub turned: Option<Turned>,
+    /// Covariance of the position (m²).
+    pub covariance_m2: Matrix3<f64>,
+    /// By how much the readings around the instant contradict the rig, at most (m): what no error of an estimate does.
+    pub contradiction_m: f64,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turned {
+    pub orientation: UnitQuaternion<f64>,
+    pub rate_rad_per_s: Vector3<f64>,
+    /// Covariance of the rotation vector (rad²), and of it with the position (rad m), rows the rotation.
+    pub covariance_rad2: Matrix3<f64>,
+    pub with_position: Matrix3<f64>,
+}
+
+/// Where the ground truth comes from.
+#[derive(Clone, Copy)]
+pub struct Reference<'a> {
+    pub deployment: &'a Deployment,
+    analysis: &'a Analysis,
+}
+
+impl<'a> Reference<'a> {
+    pub fn new(deployment: &'a Deployment, analysis: &'a Analysis) -> Self {
+        Self { deployment, analysis }
+    }
+
+    /// Whether the vehicle's orientation is known.
+    pub fn has_orientation(&self) -> bool {
+        self.analysis.offer.targets != Targets::OnePrism
+    }
+
+    /// First and last time with readings of all stations (s).
+    pub fn span_s(&self) -> Option<[f64; 2]> {
+        let times_s = &self.analysis.triplets().time_s;
+        Some([*times_s.first()?, *times_s.last()?])
+    }
+
+    /// The truth at those of the times at which there is any, in order of time.
+    pub fn at(&self, wanted: Instants<'_>) -> Result<Vec<True>, NoTrajectory> {
+        let Ok(answer) = &self.analysis.answer else {
+            return Err(NoTrajectory::NoMotion(self.deployment.name.clone()));
+        };
+        if self.has_orientation() {
+            self.of_rig(&answer.calibration, wanted)
+        } else {
+            self.of_prism(&answer.calibration, wanted)
+        }
+    }
+
+    fn of_rig(
+        &self,
+        calibration: &Calibration,
+        wanted: Instants<'_>,
+    ) -> Result<Vec<True>, NoTrajectory> {
+        let (triplets, targets) = (self.analysis.triplets(), self.analysis.offer.targets);
+        // Nothing is left out: where the readings contradict the rig is for the reader to see.
+        let (found, _) =
+            trajectory_by(self.deployment, triplets, targets, calibration, wanted, f64::INFINITY)?;
+        let known = found.poses.into_iter().filter_map(|pose| {
+            let twist = pose.twist?;
+            let block = |row, column| pose.covariance.fixed_view::<3, 3>(row, column).into_owned();
+            Some(True {
+                time_s: pose.time_s,
+                position_m: pose.position_m,
+                velocity_m_per_s: twist.velocity_m_per_s,
+                turned: Some(Turned {
+                    orientation: pose.orientation,
+                    rate_rad_per_s: twist.rate_rad_per_s,
+                    covariance_rad2: block(3, 3),
+                    with_position: block(3, 0),
+                }),
+                covariance_m2: block(0, 0),
+                contradiction_m: pose.inter_prism_error_m,
+            })
+        });
+        Ok(known.collect())
+    }
+
+    fn of_prism(
+        &self,
+        calibration: &Calibration,
+        wanted: Instants<'_>,
+    ) -> Result<Vec<True>, NoTrajectory> {
+        let triplets = self.analysis.triplets();
+        let found = prism_by(self.deployment, triplets, calibration, wanted)?;
+        Ok(found
+            .into_iter()
+            .map(|at| True {
+                time_s: at.time_s,
+                position_m: at.position_m,
+                velocity_m_per_s: at.velocity_m_per_s,
+                turned: None,
+                covariance_m2: at.position_covariance,
+                contradiction_m: 0.0,
+            })
+            .collect())
+    }
+}

@@ -1,0 +1,91 @@
+//! About how far apart two clocks are, by when both bodies were fast and slow: whatever frames and levers are.
+
+use super::EstimatedPose;
+use super::reference::True;
+
+/// Speeds are compared at this rate (Hz).
+pub const RATE_HZ: f64 = 10.0;
+/// Clocks of one robot are rarely further apart (s); GPS and UTC are 18 s, TAI and UTC 37 s.
+const USUAL_S: f64 = 60.0;
+/// A lag counts if so many seconds are compared.
+const LEAST_COMMON_S: f64 = 10.0;
+/// Half of the span over which a speed is taken (s).
+const HALF_S: f64 = 0.3;
+/// Speeds that are less alike than this say nothing about the clocks.
+const LEAST_CORRELATION: f64 = 0.5;
+
+/// What to add to the estimate's times (s), to a tenth of a second; zero where speeds do not tell and the times overlap, and
+/// `None` where they do not overlap either.
+pub fn coarse(poses: &[EstimatedPose], truths: &[True]) -> Option<f64> {
+    let (first, last) = (poses.first()?, poses.last()?);
+    let (from_s, to_s) = (truths.first()?.time_s, truths.last()?.time_s);
+    let overlap =
+        |offset_s: f64| (last.time_s + offset_s).min(to_s) - (first.time_s + offset_s).max(from_s);
+    let own = speeds(poses);
+    let mut known = vec![None; ((to_s - from_s) * RATE_HZ) as usize + 2];
+    for truth in truths {
+        let at = ((truth.time_s - from_s) * RATE_HZ).round() as usize;
+        known[at] = Some(truth.velocity_m_per_s.norm());
+    }
+    // A lag of whole steps puts the estimate's first sample on one of the truth's.
+    let zero = ((first.time_s - from_s) * RATE_HZ).round();
+    let usual = (USUAL_S * RATE_HZ) as i64;
+    let near = -usual..=usual;
+    let far = -(own.len() as i64)..=known.len() as i64;
+    let best = |lags: std::ops::RangeInclusive<i64>, zero: i64| {
+        lags.filter_map(|lag| Some((correlation(&own, &known, zero + lag)?, lag)))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let found = if overlap(0.0) > -USUAL_S { best(near, zero as i64) } else { None };
+    match found.filter(|(alike, _)| *alike > LEAST_CORRELATION) {
+        Some((_, lag)) => Some(lag as f64 / RATE_HZ),
+        None if overlap(0.0) > LEAST_COMMON_S => Some(0.0),
+        // Stamps that count from something else.
+        None => best(far, 0)
+            .filter(|(alike, _)| *alike > LEAST_CORRELATION)
+            .map(|(_, lag)| from_s - first.time_s + lag as f64 / RATE_HZ),
+    }
+}
+
+/// The estimate's speeds at even steps from its first time on; `None` where it has no poses about.
+fn speeds(poses: &[EstimatedPose]) -> Vec<Option<f64>> {
+    let (Some(first), Some(last)) = (poses.first(), poses.last()) else { return Vec::new() };
+    let count = ((last.time_s - first.time_s) * RATE_HZ) as usize + 1;
+    let place = |time_s: f64| {
+        let after = poses.partition_point(|pose| pose.time_s < time_s);
+        let (a, b) = (poses.get(after.checked_sub(1)?)?, poses.get(after)?);
+        let length_s = b.time_s - a.time_s;
+        let share = (time_s - a.time_s) / length_s;
+        (length_s < 2.0 * HALF_S).then(|| a.position_m.lerp(&b.position_m, share))
+    };
+    (0..count)
+        .map(|step| {
+            let time_s = first.time_s + step as f64 / RATE_HZ;
+            Some((place(time_s + HALF_S)? - place(time_s - HALF_S)?).norm() / (2.0 * HALF_S))
+        })
+        .collect()
+}
+
+/// The correlation of the speeds, the estimate's first one beside the truth's of that index.
+fn correlation(own: &[Option<f64>], known: &[Option<f64>], first: i64) -> Option<f64> {
+    let from = (-first).max(0) as usize;
+    let beside = known.get((first + from as i64) as usize..)?;
+    let (mut n, mut sums, mut squares, mut product) = (0.0, [0.0; 2], [0.0; 2], 0.0);
+    for (a, b) in own.get(from..)?.iter().zip(beside) {
+        let (Some(a), Some(b)) = (a, b) else { continue };
+        n += 1.0;
+        sums[0] += a;
+        sums[1] += b;
+        squares[0] += a * a;
+        squares[1] += b * b;
+        product += a * b;
+    }
+    if n < LEAST_COMMON_S * RATE_HZ {
+        return None;
+    }
+    let spread = |k: usize| squares[k] - sums[k] * sums[k] / n;
+    let size = (spread(0) * spread(1)).sqrt();
+    // More of the drive in common is worth more: a short piece is alike by chance.
+    let share = n / own.len().min(known.len()) as f64;
+    (size > 0.0).then(|| (product - sums[0] * sums[1] / n) / size * share.min(1.0).sqrt())
+}

@@ -1,0 +1,323 @@
+//! Trajectories of other systems against the deployment's own: simulated ones, whose errors are known, and the real evo.
+
+mod common;
+
+use std::path::Path;
+use std::process::Command;
+
+use common::{analyse, by};
+use nalgebra::{UnitQuaternion, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use resect::analysis::Analysis;
+use resect::calibration::Method;
+use resect::deployment::Deployment;
+use resect::estimates::odd::{OddOne, OddSpan};
+use resect::estimates::{Estimate, EstimatedPose, Judgement, Options, judge};
+use resect::evaluation::trajectory::{ObservedRig, align_rig};
+use resect::simulation::{EPOCH_S, Preset, Simulated, simulate};
+
+/// What a SLAM system does to the truth.
+struct Slam {
+    name: &'static str,
+    seed: u64,
+    /// Noise of each pose (m), and how far it drifts in a second (m).
+    noise_m: f64,
+    drift_m: f64,
+    rate_hz: f64,
+    /// Its clock less the stations' (s), and where its body is in the vehicle.
+    clock_s: f64,
+    lever_m: Vector3<f64>,
+    turn_rad: Vector3<f64>,
+}
+
+const SLAM: Slam = Slam {
+    name: "slam",
+    seed: 1,
+    noise_m: 0.01,
+    drift_m: 0.002,
+    rate_hz: 10.0,
+    clock_s: 0.0,
+    lever_m: Vector3::new(0.0, 0.0, 0.0),
+    turn_rad: Vector3::new(0.0, 0.0, 0.0),
+};
+
+impl Slam {
+    fn drive(&self, simulated: &Simulated) -> Estimate {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut normal = || Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng));
+        let turn = UnitQuaternion::from_scaled_axis(self.turn_rad);
+        // Its own frame is where it began, turned.
+        let (frame, origin_m) =
+            (UnitQuaternion::from_euler_angles(0.02, -0.01, 1.0), Vector3::new(5.0, -3.0, 1.0));
+        let (mut drift_m, mut drift_rad) = (Vector3::zeros(), Vector3::zeros());
+        let step_s = 1.0 / self.rate_hz;
+        let poses = (0..(span_s(simulated) * self.rate_hz) as usize).map(|index| {
+            let since_s = index as f64 * step_s;
+            let (position_m, orientation) = true_pose(simulated, EPOCH_S + since_s);
+            drift_m += self.drift_m * step_s.sqrt() * normal();
+            drift_rad += 0.05 * self.drift_m * step_s.sqrt() * normal();
+            let body_m =
+                position_m + orientation * self.lever_m + drift_m + self.noise_m * normal();
+            let turned =
+                UnitQuaternion::from_scaled_axis(drift_rad + 0.1 * self.noise_m * normal());
+            EstimatedPose {
+                time_s: EPOCH_S + since_s + self.clock_s,
+                position_m: frame.inverse() * (body_m - origin_m),
+                orientation: Some(frame.inverse() * turned * orientation * turn),
+            }
+        });
+        let path = format!("{}.tum", self.name).into();
+        Estimate { name: self.name.into(), path, poses: poses.collect(), findings: Vec::new() }
+    }
+}
+
+fn span_s(simulated: &Simulated) -> f64 {
+    let last = |track: &resect::deployment::Track| track.measurements.last().map(|m| m.time_s);
+    let deployment = simulated.deployment().expect("valid");
+    deployment.tracks.iter().filter_map(last).fold(0.0, f64::max) - EPOCH_S
+}
+
+fn true_pose(simulated: &Simulated, time_s: f64) -> (Vector3<f64>, UnitQuaternion<f64>) {
+    let truth = &simulated.truth;
+    let points_m = truth.prisms_m.map(|p| truth.motion.position_m(&p, time_s - EPOCH_S));
+    let observed = ObservedRig { time_s, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
+    let pose = align_rig(&truth.prisms_m, &observed).expect("a triangle");
+    (pose.position_m, pose.orientation)
+}
+
+/// A simulated drive, whose vehicle's frame is the truth's.
+fn driven(seed: u64) -> (Simulated, Deployment) {
+    let simulated = simulate(Preset::Warthog, seed);
+    let deployment = with_frame(&simulated, simulated.deployment().expect("valid"));
+    (simulated, deployment)
+}
+
+fn with_frame(simulated: &Simulated, mut deployment: Deployment) -> Deployment {
+    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m);
+    deployment
+}
+
+fn judged(deployment: &Deployment, estimates: Vec<Estimate>, options: &Options) -> Judgement {
+    let analysis: Analysis = analyse(deployment, &by(Method::Joint));
+    judge(deployment, &analysis, estimates, options)
+}
+
+#[test]
+fn clock_lever_arm_and_turn_of_the_body_are_found_with_their_sigma() {
+    let (simulated, deployment) = driven(3);
+    let lever_m = Vector3::new(0.45, -0.2, 0.6);
+    for clock_s in [0.0, 0.237, -1.4, 37.0, -EPOCH_S] {
+        let turn_rad = Vector3::new(0.1, -0.4, 1.3);
+        let slam = Slam { clock_s, lever_m, turn_rad, ..SLAM };
+        let found = judged(&deployment, vec![slam.drive(&simulated)], &Options::default());
+        assert!(found.unjudged.is_empty(), "{:?}", found.unjudged);
+        let fit = &found.judged[0].fit;
+        let sigma_s = fit.time_offset_sigma_s.expect("found");
+        let off_s = fit.time_offset_s + clock_s;
+        assert!(off_s.abs() < 4.0 * sigma_s + 1e-4 && sigma_s < 0.01, "{off_s} ± {sigma_s} s");
+        let (found_m, sigma_m) =
+            (fit.lever_arm_m.expect("found"), fit.lever_arm_sigma_m.expect("found"));
+        for axis in 0..3 {
+            let off_m = found_m[axis] - lever_m[axis];
+            assert!(off_m.abs() < 4.0 * sigma_m[axis] + 1e-3, "axis {axis}: {off_m} ± {sigma_m}");
+        }
+        // Level ground tells the lever's length along and across, not its height.
+        assert!(sigma_m.xy().norm() < 0.05, "{sigma_m}");
+        let turn = fit.body_rotation.expect("found");
+        let off_rad = turn.angle_to(&UnitQuaternion::from_scaled_axis(turn_rad));
+        assert!(off_rad < 0.01, "{off_rad}");
+        let rmse_m = found.judged[0].position.rmse;
+        assert!((0.01..0.05).contains(&rmse_m), "{rmse_m}");
+    }
+}
+
+#[test]
+fn the_better_estimate_is_told_and_two_alike_are_not() {
+    let (simulated, deployment) = driven(4);
+    let slam = |name, seed, noise_m| Slam { name, seed, noise_m, drift_m: 0.0, ..SLAM };
+    let good = slam("good", 1, 0.01).drive(&simulated);
+    let alike = slam("alike", 2, 0.0101).drive(&simulated);
+    let worse = slam("worse", 3, 0.03).drive(&simulated);
+    let found = judged(&deployment, vec![worse, good, alike], &Options::default());
+    let names = |index: usize| &found.judged[index].estimate.name[..];
+    for two in &found.comparisons {
+        let ratio = two.rmse_m[0] / two.rmse_m[1];
+        let [low, high] = two.ratio_95.expect("long enough");
+        assert!(low <= ratio && ratio <= high, "{two:?}");
+        if names(two.worse) == "worse" {
+            assert!(two.is_significant() && (0.2..0.5).contains(&ratio), "{two:?}");
+        } else {
+            assert!(!two.is_significant(), "{two:?}");
+        }
+    }
+    assert_eq!(found.comparisons.len(), 3);
+}
+
+#[test]
+fn an_estimate_that_is_the_truth_is_not_told_from_none_by_its_errors() {
+    let (simulated, deployment) = driven(5);
+    let exact = Slam { noise_m: 0.0, drift_m: 0.0, ..SLAM }.drive(&simulated);
+    let found = judged(&deployment, vec![exact], &Options::default());
+    let one = &found.judged[0];
+    assert!(one.against_sigma.undecided > 0.9, "{:?}", one.against_sigma);
+    assert!(one.against_sigma.of_truth > 0.8, "{:?}", one.against_sigma);
+    assert!(one.odd.is_empty(), "{:?}", one.odd);
+    assert!(one.position.rmse < 0.01, "{:?}", one.position);
+}
+
+/// 30 cm and 5° for some seconds, put into the estimate or into the readings of one station.
+#[test]
+fn who_is_wrong_in_a_span_is_told() {
+    let mut right = [0; 2];
+    const DRIVES: u64 = 12;
+    for seed in 0..DRIVES {
+        let (simulated, deployment) = driven(20 + seed);
+        let from_s = EPOCH_S + 40.0 + 20.0 * seed as f64;
+        let is_in = |time_s: f64| (from_s..from_s + 8.0).contains(&time_s);
+        let mut wrong = SLAM.drive(&simulated);
+        for pose in wrong.poses.iter_mut().filter(|pose| is_in(pose.time_s)) {
+            pose.position_m += Vector3::new(0.3, 0.0, 0.0);
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 0.0, 0.0873));
+            pose.orientation = pose.orientation.map(|own| turn * own);
+        }
+        let found = judged(&deployment, vec![wrong], &Options::default());
+        let odd = &found.judged[0].odd;
+        let is_there =
+            |span: &OddSpan| span.span_s[0] > from_s - 1.0 && span.span_s[1] < from_s + 9.0;
+        let blamed = |span: &OddSpan| span.odd_one == OddOne::Estimate && is_there(span);
+        // Where no station reads there is nothing to tell.
+        let seen = found.judged[0].errors.iter().filter(|error| is_in(error.time_s)).count() > 3;
+        right[0] += usize::from(odd.is_empty() != seen && odd.iter().all(blamed));
+
+        let mut broken = deployment.clone();
+        let station = (seed % 3) as usize;
+        for reading in &mut broken.tracks[station].measurements {
+            if is_in(reading.time_s) {
+                // By turns as a wrong prism does, and as a lost level does.
+                if seed % 2 == 0 {
+                    reading.range_m += 0.3;
+                } else {
+                    reading.azimuth_rad += 5.0_f64.to_radians();
+                }
+            }
+        }
+        let found = judged(&broken, vec![SLAM.drive(&simulated)], &Options::default());
+        let odd = &found.judged[0].odd;
+        // A motion that sets the wrong readings aside is not odd, and nobody is to be blamed.
+        right[1] += usize::from(odd.iter().all(|span| span.odd_one == OddOne::Readings));
+    }
+    assert!(right.iter().all(|right| *right as u64 == DRIVES), "{right:?} of {DRIVES}");
+}
+
+#[test]
+fn several_estimates_that_agree_outvote_the_ground_truth() {
+    let (simulated, deployment) = driven(6);
+    let is_in = |time_s: f64| (EPOCH_S + 60.0..EPOCH_S + 66.0).contains(&time_s);
+    let shifted = |name, seed| {
+        let mut estimate = Slam { name, seed, ..SLAM }.drive(&simulated);
+        for pose in estimate.poses.iter_mut().filter(|pose| is_in(pose.time_s)) {
+            pose.position_m += Vector3::new(0.0, 0.3, 0.0);
+        }
+        estimate
+    };
+    let both = vec![shifted("a", 1), shifted("b", 2)];
+    let found = judged(&deployment, both, &Options::default());
+    for one in &found.judged {
+        assert_eq!(one.odd.len(), 1, "{:?}", one.odd);
+        assert_eq!(one.odd[0].odd_one, OddOne::TruthAgainst(2));
+    }
+}
+
+fn resect() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_resect"))
+}
+
+fn said(command: &mut Command) -> String {
+    let output = command.output().expect("runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+fn write_tum(estimate: &Estimate, path: &Path) {
+    let line = |pose: &EstimatedPose| {
+        let (t, q) = (pose.position_m, pose.orientation.expect("turned"));
+        format!(
+            "{:.6} {:.9} {:.9} {:.9} {:.9} {:.9} {:.9} {:.9}\n",
+            pose.time_s, t.x, t.y, t.z, q.i, q.j, q.k, q.w
+        )
+    };
+    std::fs::write(path, estimate.poses.iter().map(line).collect::<String>()).expect("written");
+}
+
+/// The same numbers as evo's for the same alignment and association: the ground truth at the estimate's own times.
+#[test]
+#[ignore = "needs evo: tests/run --peers"]
+fn the_command_agrees_with_evo() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let simulated = simulate(Preset::Warthog, 7);
+    resect::simulation::write_folder(&simulated, &at("drive")).expect("written");
+    write_tum(&Slam { noise_m: 0.02, ..SLAM }.drive(&simulated), &at("slam.tum"));
+    // The reference as a file: at the estimate's times, nothing left out.
+    said(
+        resect()
+            .arg("trajectory")
+            .arg(at("drive"))
+            .args(["--max-error", "1e6", "--at"])
+            .arg(at("slam.tum"))
+            .arg("--out")
+            .arg(at("truth.tum")),
+    );
+    let same = ["--time-offset", "0", "--body", "same"];
+    let evaluate = |more: &[&str]| -> serde_json::Value {
+        let text = said(
+            resect()
+                .arg("evaluate")
+                .arg(at("slam.tum"))
+                .arg("--against")
+                .arg(at("drive"))
+                .args(same)
+                .args(more)
+                .arg("--json"),
+        );
+        serde_json::from_str(&text).expect("JSON")
+    };
+    for (name, align, options) in [
+        ("rigid", "rigid", ["--align"].as_slice()),
+        ("similarity", "similarity", &["--align", "--correct_scale"]),
+    ] {
+        let own = evaluate(&["--align", align]);
+        let own = &own["estimates"][0];
+        let rpe = own["rpe"].as_array().expect("paths").iter().find(|r| r["path_m"] == 5.0);
+        let rpe = rpe.expect("over 5 m");
+        for (program, relation, values) in [
+            ("evo_ape", "trans_part", &own["ape_position_m"]),
+            ("evo_ape", "angle_rad", &own["ape_rotation_rad"]),
+            ("evo_rpe", "trans_part", &rpe["position_m"]),
+            ("evo_rpe", "angle_rad", &rpe["rotation_rad"]),
+        ] {
+            let mut command = Command::new(program);
+            command.arg("tum").arg(at("truth.tum")).arg(at("slam.tum")).args(options);
+            command.args(["--pose_relation", relation]);
+            if program == "evo_rpe" {
+                command.args(["--delta", "5", "--delta_unit", "m"]);
+            }
+            let output = command.env("HOME", folder.path()).output().expect("evo on the path");
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let printed = String::from_utf8_lossy(&output.stdout);
+            let stats: Vec<(&str, f64)> = printed
+                .lines()
+                .filter_map(|line| line.trim().split_once('\t'))
+                .filter_map(|(key, value)| Some((key, value.trim().parse().ok()?)))
+                .collect();
+            assert!(stats.len() >= 6, "{printed}");
+            for (key, theirs) in stats {
+                let Some(ours) = values[key].as_f64() else { continue };
+                let what = format!("{program} {relation} {name} {key}: {ours} {theirs}");
+                assert!((ours - theirs).abs() < 1e-6, "{what}");
+            }
+        }
+    }
+}
