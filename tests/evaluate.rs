@@ -176,7 +176,8 @@ fn who_is_wrong_in_a_span_is_told() {
         let (simulated, deployment) = driven(20 + seed);
         let from_s = EPOCH_S + 40.0 + 20.0 * seed as f64;
         let is_in = |time_s: f64| (from_s..from_s + 8.0).contains(&time_s);
-        let mut wrong = SLAM.drive(&simulated);
+        // A corruption is told from a drift as large.
+        let mut wrong = Slam { drift_m: 0.01, seed, ..SLAM }.drive(&simulated);
         for pose in wrong.poses.iter_mut().filter(|pose| is_in(pose.time_s)) {
             pose.position_m += Vector3::new(0.3, 0.0, 0.0);
             let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 0.0, 0.0873));

@@ -32,6 +32,8 @@ const LEVER_SIGMA_M: f64 = 1.0;
 /// Errors are taken to forget each other within a block: so many blocks, none shorter than this (s).
 const BLOCKS: f64 = 24.0;
 const SHORTEST_BLOCK_S: f64 = 2.0;
+/// Within such a time an estimate hardly drifts (s).
+const PIECE_S: f64 = 3.0;
 /// Huber's bend (σ), and the median length of an error of three axes over their σ.
 const BEND: f64 = 2.0;
 const MEDIAN_LENGTH: f64 = 1.538;
@@ -335,30 +337,47 @@ impl State {
 }
 
 /// What each block of time says, in units of the errors' own σ, and the prior's precision.
+///
+/// Errors of an estimate are noise about a drift, so a block is cut into pieces with a common error each (a random effect):
+/// what differs within a piece counts by the noise, the piece's mean by how large the means are.
 fn blocks(
     pairs: &[(&EstimatedPose, &True)],
     state: &State,
     open: &[usize],
 ) -> (Vec<sandwich::Block>, DVector<f64>) {
-    let rows: Vec<(Vector3<f64>, [Vector3<f64>; UNKNOWNS])> =
-        pairs.iter().map(|(pose, truth)| row(pose, truth, state)).collect();
-    let typical_m = median(rows.iter().map(|(error, _)| error.norm())).unwrap_or(1.0);
-    let sigma_m = (typical_m / MEDIAN_LENGTH).max(1e-9);
     let (from_s, to_s) = (pairs[0].1.time_s, pairs[pairs.len() - 1].1.time_s);
-    let length_s = ((to_s - from_s) / BLOCKS).max(SHORTEST_BLOCK_S);
-    let empty = || sandwich::Block {
-        information: DMatrix::zeros(open.len(), open.len()),
-        gradient: DVector::zeros(open.len()),
+    let block_s = ((to_s - from_s) / BLOCKS).max(SHORTEST_BLOCK_S);
+    let piece_s = block_s / (block_s / PIECE_S).ceil();
+    let place = |truth: &True, length_s: f64| ((truth.time_s - from_s) / length_s) as usize;
+    let pieces: Vec<Piece> = pairs
+        .chunk_by(|a, b| place(a.1, piece_s) == place(b.1, piece_s))
+        .map(|pairs| Piece {
+            block: place(pairs[0].1, block_s),
+            ..Piece::of(pairs.iter().map(|(pose, truth)| row(pose, truth, state)).collect())
+        })
+        .collect();
+    let axis_sigma_m = |lengths: &mut dyn Iterator<Item = f64>| {
+        (median(lengths).unwrap_or(1.0) / MEDIAN_LENGTH).max(1e-9)
     };
-    let mut blocks: Vec<sandwich::Block> =
-        (0..=((to_s - from_s) / length_s) as usize).map(|_| empty()).collect();
-    for ((_, truth), (error, design)) in pairs.iter().zip(&rows) {
-        let block = &mut blocks[((truth.time_s - from_s) / length_s) as usize];
-        let weight = huber(error.norm() / sigma_m, BEND).weight / (sigma_m * sigma_m);
-        for (i, a) in open.iter().enumerate() {
-            block.gradient[i] -= weight * design[*a].dot(error);
-            for (j, b) in open.iter().enumerate() {
-                block.information[(i, j)] += weight * design[*a].dot(&design[*b]);
+    let noise_m =
+        axis_sigma_m(&mut pieces.iter().flat_map(|p| p.within.iter().map(|row| row.0.norm())));
+    let drift_m = axis_sigma_m(&mut pieces.iter().map(|piece| piece.mean.0.norm()));
+    let mut blocks: Vec<sandwich::Block> = (0..=((to_s - from_s) / block_s) as usize)
+        .map(|_| sandwich::Block {
+            information: DMatrix::zeros(open.len(), open.len()),
+            gradient: DVector::zeros(open.len()),
+        })
+        .collect();
+    for piece in &pieces {
+        let block = &mut blocks[piece.block];
+        let within = piece.within.iter().map(|row| (row, noise_m));
+        for ((error, design), sigma_m) in within.chain([(&piece.mean, drift_m)]) {
+            let weight = huber(error.norm() / sigma_m, BEND).weight / (sigma_m * sigma_m);
+            for (i, a) in open.iter().enumerate() {
+                block.gradient[i] -= weight * design[*a].dot(error);
+                for (j, b) in open.iter().enumerate() {
+                    block.information[(i, j)] += weight * design[*a].dot(&design[*b]);
+                }
             }
         }
     }
@@ -370,12 +389,35 @@ fn blocks(
     (blocks, DVector::from_iterator(open.len(), open.iter().map(precision)))
 }
 
+/// An error (m), and how it changes with each unknown.
+type Row = (Vector3<f64>, [Vector3<f64>; UNKNOWNS]);
+
+/// Epochs that have a part of their error in common.
+struct Piece {
+    block: usize,
+    mean: Row,
+    /// The rows less their mean.
+    within: Vec<Row>,
+}
+
+impl Piece {
+    fn of(mut rows: Vec<Row>) -> Self {
+        let share = 1.0 / rows.len() as f64;
+        let mut mean = (Vector3::zeros(), [Vector3::zeros(); UNKNOWNS]);
+        for (error, design) in &rows {
+            mean.0 += share * error;
+            mean.1.iter_mut().zip(design).for_each(|(sum, column)| *sum += share * column);
+        }
+        for (error, design) in &mut rows {
+            *error -= mean.0;
+            design.iter_mut().zip(&mean.1).for_each(|(column, mean)| *column -= mean);
+        }
+        Self { block: 0, mean, within: rows }
+    }
+}
+
 /// Truth less estimate (m), and how it changes with each unknown.
-fn row(
-    pose: &EstimatedPose,
-    truth: &True,
-    state: &State,
-) -> (Vector3<f64>, [Vector3<f64>; UNKNOWNS]) {
+fn row(pose: &EstimatedPose, truth: &True, state: &State) -> Row {
     let fit = &state.fit;
     let [placed_m, mut true_m] = fit.both_positions_m(pose, truth);
     let mut velocity = truth.velocity_m_per_s;

@@ -13,6 +13,11 @@ use crate::statistics::median;
 /// together. Eight σ, because errors of both have heavier tails than normal ones: a ground truth is seven of its own σ off at
 /// some gap of most drives.
 const ODD: f64 = 64.0;
+/// Drift is what errors have in common with those so long before and after (s), of which so many are looked at, anew for each
+/// step of time (s). What is odd for longer is taken for drift.
+const ABOUT_S: f64 = 30.0;
+const MOST_ABOUT: usize = 301;
+const STEP_S: f64 = 1.0;
 /// Odd epochs that are not further apart belong together (s).
 const TOGETHER_S: f64 = 2.0;
 /// Fewer odd epochs than this are noise.
@@ -38,15 +43,18 @@ pub enum OddOne {
 pub struct OddSpan {
     /// In the ground truth's time (s).
     pub span_s: [f64; 2],
-    /// The largest errors in it (m, rad).
+    /// The largest errors in it, without what drifted before (m, rad).
     pub position_m: f64,
     pub rotation_rad: Option<f64>,
     pub odd_one: OddOne,
 }
 
 /// The odd spans of one estimate beside all of them; `truths` are at the times of its errors.
+///
+/// Errors count by what they differ from those about them, because estimates drift.
 pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan> {
-    let errors = all[own];
+    let all: Vec<Vec<EpochError>> = all.iter().map(|errors| without_drift(errors)).collect();
+    let errors = &all[own][..];
     let usual = Usual::of(errors);
     let mut spans: Vec<Vec<usize>> = Vec::new();
     for index in (0..errors.len()).filter(|index| usual.is_odd(&errors[*index])) {
@@ -74,7 +82,7 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan>
                 median(span.iter().map(|index| errors[*index].contradiction_m)).unwrap_or_default();
             let limit_m = (CONTRADICTED_TIMES * usual_contradiction_m).max(CONTRADICTED_M);
             let agreeing = (0..all.len())
-                .filter(|other| *other != own && agrees(&span, errors, all[*other]))
+                .filter(|other| *other != own && agrees(&span, errors, &all[*other]))
                 .count();
             OddSpan {
                 span_s: [errors[span[0]].time_s, errors[span[span.len() - 1]].time_s],
@@ -90,6 +98,32 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan>
             }
         })
         .collect()
+}
+
+/// The errors less the median of those about them, along each axis.
+fn without_drift(errors: &[EpochError]) -> Vec<EpochError> {
+    let mut left = errors.to_vec();
+    let place = |error: &EpochError| (error.time_s / STEP_S).floor();
+    let mut at = 0;
+    for step in errors.chunk_by(|a, b| place(a) == place(b)) {
+        let (from_s, to_s) = (step[0].time_s - ABOUT_S, step[step.len() - 1].time_s + ABOUT_S);
+        let from = errors.partition_point(|error| error.time_s < from_s);
+        let about = &errors[from..errors.partition_point(|error| error.time_s <= to_s)];
+        let middle = |of: &dyn Fn(&EpochError) -> Option<Vector3<f64>>| {
+            Vector3::from_fn(|axis, _| {
+                let some = about.iter().step_by(about.len().div_ceil(MOST_ABOUT));
+                median(some.filter_map(|error| Some(of(error)?[axis]))).unwrap_or_default()
+            })
+        };
+        let moved = middle(&|error| Some(error.position_m));
+        let turned = middle(&|error| error.rotation_rad);
+        for error in &mut left[at..at + step.len()] {
+            error.position_m -= moved;
+            error.rotation_rad = error.rotation_rad.map(|turn| turn - turned);
+        }
+        at += step.len();
+    }
+    left
 }
 
 /// How large an estimate's errors usually are, along an axis.
