@@ -108,6 +108,31 @@ fn resect() -> Command {
 }
 
 #[test]
+fn a_lever_arm_gives_the_poses_of_a_sensor() {
+    let z_at = |more: &[&str]| -> Vec<f64> {
+        let mut command = resect();
+        command.arg("trajectory").arg(sample_folder("warthog")).args(more);
+        let output = command.output().expect("runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).expect("text");
+        let poses = text.lines().filter(|line| !line.starts_with('#'));
+        poses.map(|line| line.split(' ').nth(3).expect("z").parse().expect("a number")).collect()
+    };
+    let (vehicle, sensor) = (z_at(&[]), z_at(&["--lever-arm", "0,0,0.5"]));
+    assert_eq!(vehicle.len(), sensor.len());
+    for (below, above) in vehicle.iter().zip(&sensor) {
+        assert!((above - below - 0.5).abs() < 0.02, "{below} {above}");
+    }
+    for (wrong, part) in [("1,2", "three numbers"), ("a,b,c", "three numbers")] {
+        let mut command = resect();
+        command.arg("trajectory").arg(sample_folder("warthog")).args(["--lever-arm", wrong]);
+        let output = command.output().expect("runs");
+        let why = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && why.contains(part), "{why}");
+    }
+}
+
+#[test]
 fn the_command_writes_tum_that_evo_reads() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("warthog.tum");

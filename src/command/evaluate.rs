@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use nalgebra::Vector3;
 
 use super::output::spare;
-use super::settings_args::AnswerArguments;
+use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
 use crate::atomic;
@@ -33,8 +33,8 @@ pub struct Arguments {
     body: BodyArgument,
     /// The origin of the estimates' body in the vehicle's frame, or of one prism in the body's (m), in place of one that is
     /// found
-    #[arg(long, value_name = "X,Y,Z", conflicts_with = "body", allow_hyphen_values = true, value_parser = three)]
-    lever_arm: Option<[f64; 3]>,
+    #[arg(long, value_name = "X,Y,Z", conflicts_with = "body", allow_hyphen_values = true, value_parser = metres)]
+    lever_arm: Option<Vector3<f64>>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -57,14 +57,6 @@ enum BodyArgument {
 /// Width of the picture.
 const WIDTH: f32 = 900.0;
 
-fn three(text: &str) -> Result<[f64; 3], String> {
-    let values: Option<Vec<f64>> = text.split(',').map(|v| v.trim().parse().ok()).collect();
-    values
-        .and_then(|values| <[f64; 3]>::try_from(values).ok())
-        .filter(|values| values.iter().all(|value| value.is_finite()))
-        .ok_or_else(|| "give three numbers with commas between them, in metres".to_owned())
-}
-
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     if let Some(offset_s) = arguments.time_offset.filter(|offset_s| !offset_s.is_finite()) {
@@ -74,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         alignment: arguments.align,
         time_offset_s: arguments.time_offset,
         body: match (arguments.lever_arm, arguments.body) {
-            (Some(lever_m), _) => Body::Lever(Vector3::from(lever_m)),
+            (Some(lever_m), _) => Body::Lever(lever_m),
             (None, BodyArgument::Found) => Body::Found,
             (None, BodyArgument::Same) => Body::Same,
         },

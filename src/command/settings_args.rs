@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use nalgebra::Vector3;
 
 use super::{Failure, complain};
 use crate::analysis::Settings;
@@ -201,6 +202,16 @@ impl SettingsArguments {
             ..Extras::default()
         }
     }
+}
+
+/// A place, as three numbers with commas between them (m).
+pub fn metres(text: &str) -> Result<Vector3<f64>, String> {
+    let values: Option<Vec<f64>> = text.split(',').map(|v| v.trim().parse().ok()).collect();
+    values
+        .and_then(|values| <[f64; 3]>::try_from(values).ok())
+        .filter(|values| values.iter().all(|value| value.is_finite()))
+        .map(Vector3::from)
+        .ok_or_else(|| "give three numbers with commas between them, in metres".to_owned())
 }
 
 #[cfg(test)]

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use nalgebra::Vector3;
 
 use super::output::spare;
-use super::settings_args::AnswerArguments;
+use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
 use crate::analysis::{Analysis, Analyst};
 use crate::atomic;
@@ -35,6 +36,9 @@ pub struct Arguments {
     /// Poses at the times in the first column of this file (s; TUM, CSV), instead of at the triplets (the joint estimate only)
     #[arg(long, value_name = "FILE")]
     at: Option<PathBuf>,
+    /// Poses of a sensor instead of the vehicle: where its origin is in the vehicle's frame (m), its axes being parallel
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = metres)]
+    lever_arm: Option<Vector3<f64>>,
     #[command(flatten)]
     settings: AnswerArguments,
 }
@@ -64,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if analysis.offer.targets == Targets::OnePrism {
         return one_prism(arguments, &deployment, &analysis, &answer.calibration, wanted);
     }
-    let (trajectory, frame) = trajectory_by(
+    let (mut trajectory, frame) = trajectory_by(
         &deployment,
         analysis.triplets(),
         analysis.offer.targets,
@@ -76,6 +80,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         NoTrajectory::NoRig(_) => anyhow::anyhow!("{why} (--rig)"),
         _ => why.into(),
     })?;
+    if let Some(lever_arm_m) = &arguments.lever_arm {
+        trajectory.poses.iter_mut().for_each(|pose| *pose = pose.at_lever_arm(lever_arm_m));
+    }
+    let of = match arguments.lever_arm {
+        None => frame.in_words().to_owned(),
+        Some(at) => format!("at {}, {}, {} m in: {}", at.x, at.y, at.z, frame.in_words()),
+    };
     if trajectory.poses.is_empty() {
         return Err(Failure::Input(anyhow::anyhow!(
             "{}: no pose: all {} epochs have an inter-prism error above {} mm or lie outside of the drive; check the \
@@ -91,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         deployment.name,
         calibration.method.in_words(),
         calibration.verdict_in_words(),
-        frame.in_words(),
+        of,
     );
     let Some(file) = &arguments.out else {
         return Ok(print(&trajectory_file::tum(&trajectory, &header))?);
@@ -111,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         trajectory.poses.len(),
         trajectory.dropped,
         arguments.max_error,
-        frame.in_words(),
+        of,
         calibration.method.in_words(),
         calibration.verdict_in_words(),
     ))?;
@@ -138,6 +149,11 @@ fn one_prism(
     calibration: &Calibration,
     wanted: Instants<'_>,
 ) -> Result<(), Failure> {
+    if arguments.lever_arm.is_some() {
+        let why =
+            "one prism has no orientation, by which --lever-arm would be turned; leave it out";
+        return Err(Failure::Input(anyhow::anyhow!("{}: {why}", deployment.name)));
+    }
     let positions = prism_by(deployment, analysis.triplets(), calibration, wanted)?;
     if positions.is_empty() {
         let why = format!("{}: no position: all times lie outside of the drive", deployment.name);

@@ -51,6 +51,31 @@ impl Pose {
             |from: usize| (from..from + 3).map(|k| self.covariance[(k, k)]).sum::<f64>() / 3.0;
         PoseSigma { position_m: mean(0).sqrt(), orientation_rad: mean(3).sqrt() }
     }
+
+    /// The pose of a frame that is parallel to the vehicle's and has its origin elsewhere on it (m, in the vehicle's frame):
+    /// a sensor's.
+    ///
+    /// The lever arm is taken to be exact. A turn δθ moves its end by δθ × R l, and a turning vehicle by ω × R l.
+    pub fn at_lever_arm(&self, lever_arm_m: &Vector3<f64>) -> Self {
+        let lever_m = self.orientation * lever_arm_m;
+        let mut moved = Matrix6::identity();
+        moved.fixed_view_mut::<3, 3>(0, 3).copy_from(&-lever_m.cross_matrix());
+        let twist = self.twist.as_ref().map(|twist| {
+            // How fast the lever's end is depends on the attitude too, whose σ is small beside that of the rates.
+            let rate = twist.rate_rad_per_s;
+            Twist {
+                velocity_m_per_s: twist.velocity_m_per_s + rate.cross(&lever_m),
+                rate_rad_per_s: rate,
+                covariance: moved * twist.covariance * moved.transpose(),
+            }
+        });
+        Self {
+            position_m: self.position_m + lever_m,
+            covariance: moved * self.covariance * moved.transpose(),
+            twist,
+            ..self.clone()
+        }
+    }
 }
 
 impl Trajectory {
@@ -204,6 +229,40 @@ mod tests {
         assert!(rms.iter().all(|rms| (rms - 1.0).abs() < 0.1), "normalised errors {rms}");
         let mean = mahalanobis / DRAWS as f64;
         assert!((mean / 6.0 - 1.0).abs() < 0.1, "Mahalanobis distance {mean} of 6 unknowns");
+    }
+
+    /// A lever arm to a prism leads to the prism, as certain as the prism itself is among three of one σ, and there and back
+    /// is nowhere.
+    #[test]
+    fn the_end_of_a_lever_arm_is_where_the_vehicle_has_it() {
+        let truth = RigidTransform {
+            rotation: Rotation3::from_euler_angles(0.2, -0.3, 1.2),
+            translation_m: Vector3::new(20.0, -35.0, 1.5),
+        };
+        let points_m = rig().map(|prism| truth.apply(&prism));
+        let observed = ObservedRig { time_s: 0.0, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
+        let rate_rad_per_s = Vector3::new(0.1, -0.2, 0.5);
+        let twist = Twist {
+            velocity_m_per_s: Vector3::new(1.0, 0.5, 0.0),
+            rate_rad_per_s,
+            covariance: Matrix6::identity() * 1e-4,
+        };
+        let pose = Pose {
+            twist: Some(twist.clone()),
+            ..align_rig(&rig(), &observed).expect("a triangle")
+        };
+        for (prism, at_m) in rig().iter().zip(points_m) {
+            let there = pose.at_lever_arm(prism);
+            assert!((there.position_m - at_m).norm() < 1e-12);
+            assert!((0.5e-3..1.0e-3).contains(&there.sigma().position_m), "{:?}", there.sigma());
+            let moving = there.twist.clone().expect("it moves").velocity_m_per_s;
+            let expected = twist.velocity_m_per_s + rate_rad_per_s.cross(&(at_m - pose.position_m));
+            assert!((moving - expected).norm() < 1e-12);
+            let back = there.at_lever_arm(&-prism);
+            assert!((back.covariance - pose.covariance).norm() < 1e-15);
+        }
+        let far = pose.at_lever_arm(&Vector3::new(10.0, 0.0, 0.0)).sigma();
+        assert!(far.position_m > 5.0 * pose.sigma().position_m, "{far:?}");
     }
 
     proptest! {

@@ -26,13 +26,14 @@ pub fn draw(judgement: &Judgement, start_s: f64, width: f32) -> Drawing {
     let (from, to) =
         all_s.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)));
     let times = if from < to { [from, to] } else { [0.0, 1.0] };
-    let sizes = judged.iter().flat_map(|one| one.errors.iter().map(|e| 1e3 * e.position_m.norm()));
-    let most = quantiles(sizes, [SHOWN]).map_or(1.0, |[most]| 1.1 * most.max(1e-3));
     let right = width - 12.0;
     let mut marks = Vec::new();
     for (index, one) in judged.iter().enumerate() {
         let bottom = TOP + (index + 1) as f32 * (ROW_GAP + ROW);
         let top = bottom - ROW;
+        // Each strip has its own range: a good one beside a bad one would be a line.
+        let sizes = one.errors.iter().map(|error| 1e3 * error.position_m.norm());
+        let most = quantiles(sizes, [SHOWN]).map_or(1.0, |[most]| 1.1 * most.max(1e-3));
         let plot = Frame::new(times, [0.0, most], [LEFT, top], [right, bottom]);
         let name = format!("{}: {:.1} mm rmse", one.estimate.name, 1e3 * one.position.rmse);
         marks.push(Mark::text([LEFT, top - 10.0], name, LABEL, Ink::Text, Anchor::Left));
