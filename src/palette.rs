@@ -93,6 +93,11 @@ pub const INTERVALS: [Rgb; 7] = [
     [0, 114, 178],
 ];
 
+/// A trajectory of another system, numbered from 0: the colours of the set that no station has.
+pub fn estimate(number: usize) -> Rgb {
+    INTERVALS[3 + number % 4]
+}
+
 /// What went well: the set's green.
 pub const DONE: Rgb = INTERVALS[2];
 

@@ -56,10 +56,11 @@ pub use model::{
     AngleUnit, Asked, AskedAnswer, Camera, Colouring, Command, LayoutDescription, LayoutPreset,
     LengthUnit, OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, Playback, Plotted, Results,
     Ruler, RulerEnd, Run, SceneOptions, StudyKind, StudyOptions, StudyResult, TimeUnit, Timeline,
-    Units, ViewPreset, Visibility, toasts,
+    Units, ViewPreset, Visibility, WayPlots, toasts,
 };
 pub use picture::{offscreen_renderer, picture};
 pub use prepared::channels::Channel;
+pub use prepared::way::Aspect;
 pub use scene::SceneView;
 pub use state::State;
 pub use window::{ResectWindow, Start, open_window};

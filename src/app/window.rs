@@ -217,6 +217,8 @@ impl Panes<'_> {
             Pane::Runs => panels::runs::ui(ui, self.state, self.commands),
             Pane::Guide => panels::guide::ui(ui, self.state, self.commands),
             Pane::ControlPoints => panels::control_points::ui(ui, self.state, self.commands),
+            Pane::Trajectory => plots::way::ui(ui, self.state, self.commands),
+            Pane::Evaluation => panels::evaluation::ui(ui, self.state, self.commands),
         }
     }
 }

@@ -32,6 +32,8 @@ pub enum Dropped {
     Gnss,
     Session,
     Settings,
+    /// A trajectory that another system estimated.
+    Estimate,
     /// Something else, and why nothing can be done with it.
     Unknown(String),
 }
@@ -49,6 +51,7 @@ impl Dropped {
             Self::Gnss => "GNSS",
             Self::Session => "session",
             Self::Settings => "settings",
+            Self::Estimate => "trajectory",
             Self::Unknown(_) => "",
         }
     }
@@ -86,6 +89,7 @@ pub fn what_is(path: &Path) -> Dropped {
             file.format.describe()
         )),
         Format::RtklibPos => Dropped::Gnss,
+        Format::Estimate => Dropped::Estimate,
         Format::Unreadable => {
             Dropped::Unknown(format!("{}: {}", file.file, file.format.describe()))
         }
@@ -158,6 +162,8 @@ pub struct Sorted {
     pub folders: Vec<PathBuf>,
     pub sessions: Vec<PathBuf>,
     pub settings: Vec<PathBuf>,
+    /// Trajectories of other systems, to be judged by the deployment.
+    pub estimates: Vec<PathBuf>,
     /// Lines that say what cannot be used, and why.
     pub unknown: Vec<String>,
 }
@@ -180,11 +186,13 @@ pub fn sort<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Sorted {
             Dropped::Gnss => sorted.extras.gnss.push(own),
             Dropped::Session => sorted.sessions.push(own),
             Dropped::Settings => sorted.settings.push(own),
+            Dropped::Estimate => sorted.estimates.push(own),
             Dropped::Unknown(why) => sorted.unknown.push(why),
         }
     }
     // The window system gives them in no particular order; antennas are numbered by their names.
     sorted.extras.gnss.sort();
+    sorted.estimates.sort();
     sorted
 }
 
@@ -210,6 +218,7 @@ mod tests {
             ("s.toml", "# saved\nresect_session = 1\n", Dropped::Session),
             ("c.toml", "[pipeline]\nrate_hz = 5\n", Dropped::Settings),
             ("deployment.toml", "name = \"x\"\n", Dropped::Deployment),
+            ("slam.txt", "1.5 1 2 3 0 0 0.6 0.8\n", Dropped::Estimate),
         ];
         for (name, text, expected) in cases {
             assert_eq!(what_is(&write(name, text)), expected, "{name}");

@@ -29,7 +29,7 @@ use crate::evaluation::vehicle::NoTrajectory;
 use errors::EpochError;
 use fit::{Fit, Unfit};
 use metrics::{Ape, RelativeErrors};
-use odd::OddSpan;
+use odd::{OddOne, OddSpan};
 use ranking::Comparison;
 use reference::{Reference, True};
 
@@ -149,8 +149,16 @@ pub fn judge(
         }
     }
     let all: Vec<&[EpochError]> = judged.iter().map(|(one, _)| &one.errors[..]).collect();
-    let odd: Vec<Vec<OddSpan>> =
+    let mut odd: Vec<Vec<OddSpan>> =
         (0..all.len()).map(|own| odd::spans(own, &all, &judged[own].1)).collect();
+    let by_readings = |span: &&mut OddSpan| span.odd_one == OddOne::Readings;
+    if let Ok(answer) = &analysis.answer {
+        let triplet_s = &analysis.triplets().time_s;
+        for span in odd.iter_mut().flatten().filter(by_readings) {
+            let errors_mm = &answer.evaluation.distance_errors_mm;
+            span.station = odd::station_at_fault(span.span_s, triplet_s, errors_mm);
+        }
+    }
     let comparisons = ranking::compare(&all);
     let judged = judged.into_iter().zip(odd);
     Judgement {

@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::errors::EpochError;
 use super::reference::True;
+use crate::deployment::PAIRS;
 use crate::statistics::median;
 
 /// Squared errors beyond this are odd, in units of what the estimate's usual errors and the ground truth's own leave open
@@ -47,9 +48,36 @@ pub struct OddSpan {
     pub position_m: f64,
     pub rotation_rad: Option<f64>,
     pub odd_one: OddOne,
+    /// The station (0 to 2) whose distances are those that contradict the rig, where it is one of them.
+    pub station: Option<usize>,
 }
 
-/// The odd spans of one estimate beside all of them; `truths` are at the times of its errors.
+/// A pair of prisms is no part of a contradiction if its distance is off by less than this share of the others'.
+const NO_PART: f64 = 0.4;
+/// Triplets so long before and after a span count (s): those it is between two of.
+const BESIDE_S: f64 = 0.3;
+
+/// The station whose distances to both others are wrong in a span, by the distance errors of pairs 12, 13, 23 at the times of
+/// the triplets.
+pub fn station_at_fault(
+    span_s: [f64; 2],
+    triplet_s: &[f64],
+    distance_errors_mm: &[Vec<f64>; 3],
+) -> Option<usize> {
+    let from = triplet_s.partition_point(|time_s| *time_s < span_s[0] - BESIDE_S);
+    let to = triplet_s.partition_point(|time_s| *time_s <= span_s[1] + BESIDE_S);
+    let off = distance_errors_mm.each_ref().map(|errors| {
+        let of_span = errors.get(from..to).unwrap_or_default().iter();
+        of_span.map(|error| error * error).sum::<f64>().sqrt()
+    });
+    (0..3).find(|station| {
+        let (own, other): (Vec<usize>, Vec<usize>) =
+            (0..3).partition(|pair| [PAIRS[*pair].0, PAIRS[*pair].1].contains(station));
+        own.iter().all(|pair| off[other[0]] < NO_PART * off[*pair])
+    })
+}
+
+/// The odd spans of one estimate beside all of them, without stations; `truths` are at the times of its errors.
 ///
 /// Errors count by what they differ from those about them, because estimates drift.
 pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan> {
@@ -95,6 +123,7 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan>
                 } else {
                     OddOne::Estimate
                 },
+                station: None,
             }
         })
         .collect()

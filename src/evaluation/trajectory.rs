@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, UnitQuaternion, Vector3};
 
+use crate::calibration::Estimate;
 use crate::deployment::{PAIRS, pairwise_distances};
 use crate::geometry::align_rigid;
 
@@ -19,6 +20,15 @@ pub struct Pose {
     pub twist: Option<Twist>,
     /// The largest |apparent − known distance| between two prisms, as read around the instant: what no pose can explain.
     pub inter_prism_error_m: f64,
+}
+
+/// How a vehicle is turned, as heading, pitch and roll (rad), each with its σ: the turns about z, then y, then x that lead
+/// from station 1's frame to the vehicle's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attitude {
+    pub yaw_rad: Estimate,
+    pub pitch_rad: Estimate,
+    pub roll_rad: Estimate,
 }
 
 /// How a vehicle moves: all in station 1's frame, the velocity that of the vehicle's origin.
@@ -52,6 +62,35 @@ impl Pose {
         PoseSigma { position_m: mean(0).sqrt(), orientation_rad: mean(3).sqrt() }
     }
 
+    /// Heading, pitch and roll, with σ to first order.
+    ///
+    /// A small turn θ in station 1's frame is ψ̇ z + θ̇ R_z y + φ̇ R_z R_y x, solved for the three; upright, at ±90° of
+    /// pitch, heading and roll are one, and their σ grows without limit.
+    pub fn attitude(&self) -> Attitude {
+        let (roll, pitch, yaw) = self.orientation.euler_angles();
+        let (sin, cos) = yaw.sin_cos();
+        let by_roll = Vector3::new(cos, sin, 0.0) / pitch.cos();
+        let by_yaw = Vector3::new(0.0, 0.0, 1.0) + pitch.sin() * by_roll;
+        let by_pitch = Vector3::new(-sin, cos, 0.0);
+        let turn = self.covariance.fixed_view::<3, 3>(3, 3);
+        let estimate = |value: f64, by: Vector3<f64>| Estimate {
+            value,
+            sigma: (by.transpose() * turn * by).x.max(0.0).sqrt(),
+        };
+        Attitude {
+            yaw_rad: estimate(yaw, by_yaw),
+            pitch_rad: estimate(pitch, by_pitch),
+            roll_rad: estimate(roll, by_roll),
+        }
+    }
+
+    /// How fast the vehicle's origin is (m/s), where that is known.
+    pub fn speed_m_per_s(&self) -> Option<Estimate> {
+        let twist = self.twist.as_ref()?;
+        let covariance = twist.covariance.fixed_view::<3, 3>(0, 0).into_owned();
+        Some(speed_of(&twist.velocity_m_per_s, &covariance))
+    }
+
     /// The pose of a frame that is parallel to the vehicle's and has its origin elsewhere on it (m, in the vehicle's frame):
     /// a sensor's.
     ///
@@ -76,6 +115,15 @@ impl Pose {
             ..self.clone()
         }
     }
+}
+
+/// The length of a velocity (m/s). Of one that is no larger than its own σ the direction is unknown, and σ is that of any.
+pub fn speed_of(velocity_m_per_s: &Vector3<f64>, covariance: &Matrix3<f64>) -> Estimate {
+    let value = velocity_m_per_s.norm();
+    let along = (velocity_m_per_s.transpose() * covariance * velocity_m_per_s).x;
+    let mean = covariance.trace() / 3.0;
+    let variance = if value * value > mean { along / (value * value) } else { mean };
+    Estimate { value, sigma: variance.max(0.0).sqrt() }
 }
 
 impl Trajectory {
@@ -263,6 +311,50 @@ mod tests {
         }
         let far = pose.at_lever_arm(&Vector3::new(10.0, 0.0, 0.0)).sigma();
         assert!(far.position_m > 5.0 * pose.sigma().position_m, "{far:?}");
+    }
+
+    /// Heading, pitch and roll of turns drawn by the covariance scatter as the σ say.
+    #[test]
+    fn heading_pitch_and_roll_scatter_as_their_sigmas_say() {
+        const DRAWS: usize = 4000;
+        let mut root = Matrix6::identity() * 1e-3;
+        // Turns about x and y that are correlated, and one about z that is three times as certain.
+        (root[(4, 3)], root[(5, 5)]) = (7e-4, 3e-4);
+        let pose = Pose {
+            time_s: 0.0,
+            position_m: Vector3::zeros(),
+            orientation: UnitQuaternion::from_euler_angles(0.3, 0.7, 2.0),
+            covariance: root * root.transpose(),
+            twist: None,
+            inter_prism_error_m: 0.0,
+        };
+        let stated = pose.attitude();
+        let angles = |a: Attitude| [a.yaw_rad, a.pitch_rad, a.roll_rad];
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let mut squares = [0.0; 3];
+        for _ in 0..DRAWS {
+            let error = root * Vector6::from_fn(|_, _| StandardNormal.sample(&mut rng));
+            let turn = Vector3::new(error[3], error[4], error[5]);
+            let orientation = UnitQuaternion::from_scaled_axis(turn) * pose.orientation;
+            let drawn = angles(Pose { orientation, ..pose.clone() }.attitude());
+            for (square, (drawn, stated)) in
+                squares.iter_mut().zip(drawn.iter().zip(angles(stated)))
+            {
+                *square += ((drawn.value - stated.value) / stated.sigma).powi(2);
+            }
+        }
+        let rms = squares.map(|square| (square / DRAWS as f64).sqrt());
+        assert!(rms.iter().all(|rms| (rms - 1.0).abs() < 0.05), "{rms:?}");
+    }
+
+    #[test]
+    fn a_speed_has_the_sigma_along_it_and_at_rest_that_of_any_direction() {
+        let covariance = Matrix3::from_diagonal(&Vector3::new(4e-4, 1e-4, 1e-4));
+        let moving = speed_of(&Vector3::new(3.0, 0.0, 4.0), &covariance);
+        assert!((moving.value - 5.0).abs() < 1e-12);
+        assert!((moving.sigma - (0.36 * 4e-4 + 0.64 * 1e-4_f64).sqrt()).abs() < 1e-9);
+        let still = speed_of(&Vector3::zeros(), &covariance);
+        assert!((still.sigma - 2e-4_f64.sqrt()).abs() < 1e-9, "{}", still.sigma);
     }
 
     proptest! {

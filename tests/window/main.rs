@@ -26,5 +26,6 @@ mod scene_view;
 mod screenshots;
 mod sessions;
 mod side_by_side;
+mod trajectory;
 mod validation;
 mod workspace;

@@ -18,6 +18,11 @@ pub fn actions(state: &State) -> Vec<Action> {
             .hint("A file of tracks, with what lies beside it")
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::O),
     ];
+    if state.active().is_some() {
+        actions.push(file("", "Judge a trajectory…", Command::AddEstimateDialog).hint(
+            "SLAM's or odometry's (TUM, EuRoC, KITTI, CSV), by the deployment that is shown",
+        ));
+    }
     actions.extend([
         file("Session", "Open session…", Command::OpenSessionDialog)
             .hint("Deployments with their settings, view and pinned results"),

@@ -6,10 +6,11 @@ use super::Units;
 use super::studies::StudyOptions;
 use super::{Asked, AskedAnswer, Lookup, Palette, Picked, Plotted, Visibility};
 use super::{Colouring, Ruler, SceneOptions, ViewPreset};
-use super::{LayoutPreset, Pane};
+use super::{LayoutPreset, Pane, WayPlots};
 use crate::analysis::Settings;
 use crate::app::file_dialog::PromptCommand;
 use crate::deployment::{Extras, Sample, Source};
+use crate::estimates::Options;
 use crate::export::copy::{CopyFormat, Part};
 
 /// What a pane asks for.
@@ -125,6 +126,16 @@ pub enum Command {
     SaveReportDialog,
     /// Every value of what the pane of channels shows.
     SaveChannelsDialog,
+
+    /// Reads trajectories of other systems and holds them against the active deployment.
+    AddEstimates(Vec<PathBuf>),
+    AddEstimateDialog,
+    /// Takes a trajectory away, by its file.
+    RemoveEstimate(PathBuf),
+    /// How trajectories are brought together with the active deployment's.
+    SetJudging(Options),
+    /// Chooses what the pane of the trajectory plots.
+    PlotWay(WayPlots),
 
     /// Holds the active deployment's calibration against the others that are open.
     ValidateOthers,

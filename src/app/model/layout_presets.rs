@@ -2,8 +2,9 @@
 
 use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
-    Channels, Clocks, ControlPoints, Deployment, Findings, Guide, Histogram, Intervals, Pipeline,
-    PriorSearch, Rates, Reading, Residuals, Result, Runs, Scene, SideBySide, Studies,
+    Channels, Clocks, ControlPoints, Deployment, Evaluation, Findings, Guide, Histogram, Intervals,
+    Pipeline, PriorSearch, Rates, Reading, Residuals, Result, Runs, Scene, SideBySide, Studies,
+    Trajectory,
 };
 
 /// A ready-made layout for one kind of work.
@@ -96,12 +97,23 @@ pub fn first() -> Node {
                 (
                     0.32,
                     row([
-                        (0.66, tabs(&[Residuals, Rates, Intervals, Clocks, Channels, PriorSearch])),
+                        (
+                            0.66,
+                            tabs(&[
+                                Residuals,
+                                Rates,
+                                Intervals,
+                                Clocks,
+                                Channels,
+                                Trajectory,
+                                PriorSearch,
+                            ]),
+                        ),
                         (0.34, tabs(&[Histogram, Findings, Reading, ControlPoints])),
                     ]),
                 ),
             ]),
         ),
-        (0.2, tabs(&[Result, Runs, Guide])),
+        (0.2, tabs(&[Result, Runs, Evaluation, Guide])),
     ])
 }

@@ -10,8 +10,10 @@ mod command;
 pub mod estimates;
 pub mod flight;
 pub mod follow;
+mod judging;
 pub mod layout_description;
 pub mod layout_presets;
+mod made;
 mod open_deployment;
 mod overlay;
 pub mod pane;
@@ -29,6 +31,7 @@ pub mod units;
 mod validations;
 mod view;
 mod visibility;
+mod way_plots;
 
 pub use asked::{
     Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedToml, AskedTracks,
@@ -37,8 +40,10 @@ pub use asked::{
 pub use camera::{Camera, Frame, ViewPreset};
 pub use colouring::Colouring;
 pub use command::{Command, Commands, PictureTo};
+pub use judging::Judging;
 pub use layout_description::LayoutDescription;
 pub use layout_presets::LayoutPreset;
+pub use made::Made;
 pub use open_deployment::{Analysing, OpenDeployment};
 pub use overlay::{Lookup, Overlay, Palette};
 pub use pane::Pane;
@@ -54,3 +59,4 @@ pub use units::{AngleUnit, LengthUnit, TimeUnit, Units};
 pub use validations::{AnswerOf, Validated, Validations};
 pub use view::{Look, View};
 pub use visibility::Visibility;
+pub use way_plots::WayPlots;

@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::Timeline;
+use super::{Judging, Made, Timeline};
 use crate::analysis::{Analysis, Settings};
 use crate::app::prepared::analyser::Answered;
+use crate::app::prepared::way::Way;
 use crate::app::prepared::{Clouds, PreparedPlots};
 use crate::deployment::{Deployment, Source};
 use crate::export::summary::ResultSummary;
@@ -31,6 +32,10 @@ pub struct OpenDeployment {
     /// Counts the answers that were taken in: changes with what is shown.
     pub analysis_run: u64,
     pub timeline: Timeline,
+    /// The vehicle's way by the newest answer, made while it is looked at.
+    pub way: Made<Way>,
+    /// Trajectories of other systems that are held against it.
+    pub judging: Judging,
     /// Opened by the program itself, and never touched: gives way to the first that the user opens.
     pub placeholder: bool,
     /// Findings that the user was told, numbers left out.
@@ -72,6 +77,8 @@ impl OpenDeployment {
             clouds: Clouds::default(),
             analysis_run: 0,
             timeline,
+            way: Made::default(),
+            judging: Judging::default(),
             placeholder: false,
             told: BTreeSet::new(),
             answered: false,

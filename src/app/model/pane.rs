@@ -29,11 +29,15 @@ pub enum Pane {
     Guide,
     /// What the answer leaves at each control point.
     ControlPoints,
+    /// The vehicle's way over time with its σ, and errors of other trajectories against it.
+    Trajectory,
+    /// Which of the trajectories of other systems is better, by how much, and where they are wrong.
+    Evaluation,
 }
 
 impl Pane {
     /// All panes in the order of the menu.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -46,6 +50,8 @@ impl Pane {
         Self::Intervals,
         Self::Clocks,
         Self::Channels,
+        Self::Trajectory,
+        Self::Evaluation,
         Self::Histogram,
         Self::Findings,
         Self::Reading,
@@ -74,6 +80,8 @@ impl Pane {
             Self::Runs => "Runs",
             Self::Guide => "Guide",
             Self::ControlPoints => "Control points",
+            Self::Trajectory => "Trajectory",
+            Self::Evaluation => "Evaluation",
         }
     }
 
@@ -98,6 +106,8 @@ impl Pane {
             Self::Runs => "runs",
             Self::Guide => "guide",
             Self::ControlPoints => "control-points",
+            Self::Trajectory => "trajectory",
+            Self::Evaluation => "evaluation",
         }
     }
 

@@ -133,7 +133,7 @@ impl AngleUnit {
         }
     }
 
-    pub(super) fn small_per_radian(self) -> f64 {
+    pub fn small_per_radian(self) -> f64 {
         match self {
             Self::Radian | Self::Gon => 1e3 * self.per_radian(),
             Self::Degree => 3600.0 * self.per_radian(),

@@ -20,6 +20,8 @@ pub struct Visibility {
     pub residuals: bool,
     /// The vehicle's frame along the track.
     pub poses: bool,
+    /// Trajectories of other systems.
+    pub estimates: bool,
     /// What the interpolation states about its own error: ellipsoids in the scene, bands in the plot.
     pub uncertainty: bool,
     /// What the answer states about where stations 2 and 3 stand.
@@ -41,6 +43,7 @@ impl Default for Visibility {
             control_points: true,
             residuals: true,
             poses: true,
+            estimates: true,
             uncertainty: true,
             station_ellipsoids: true,
             weak_directions: true,

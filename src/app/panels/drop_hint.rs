@@ -48,6 +48,7 @@ pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
 
 const GENERAL: &str = "Drop a deployment's folder, a bag or a polar CSV to open it;\n\
     control points, a rig, GNSS or settings to use them with the one that is open;\n\
+    trajectories of other systems (TUM, EuRoC, KITTI, CSV) to be judged by it;\n\
     a session to go on with it";
 
 fn name(path: impl AsRef<Path>) -> String {
@@ -79,6 +80,9 @@ fn in_words(sorted: &Sorted, active: Option<&str>) -> String {
     }
     if !extras.gnss.is_empty() {
         lines.push(format!("Use the GNSS solutions {} for {whose}", names(&extras.gnss)));
+    }
+    if !sorted.estimates.is_empty() {
+        lines.push(format!("Judge {} by {whose}", names(&sorted.estimates)));
     }
     for path in &sorted.settings {
         lines.push(format!("Use the settings of {}", name(path)));

@@ -7,6 +7,7 @@ pub mod correlations;
 pub mod deployment;
 pub mod drop_hint;
 pub mod empty_state;
+pub mod evaluation;
 pub mod findings;
 pub mod glossary;
 pub mod guide;

@@ -23,6 +23,7 @@ fn session(count: usize) -> Session {
         window_s: None,
         selection_s: None,
         files: Default::default(),
+        estimates: Vec::new(),
     };
     Session {
         deployments: (0..count).map(saved).collect(),

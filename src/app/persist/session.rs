@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::hashes::{FileMark, HashCache, used_files};
 use crate::analysis::Settings;
 use crate::app::model::{
-    Colouring, LayoutDescription, Plotted, SceneOptions, StudyOptions, Units, Visibility,
+    Colouring, LayoutDescription, Plotted, SceneOptions, StudyOptions, Units, Visibility, WayPlots,
 };
 use crate::atomic::WriteError;
 use crate::deployment::{Deployment, OpenError, Source};
@@ -57,6 +57,8 @@ pub struct SavedDeployment {
     pub window_s: Option<[f64; 2]>,
     pub selection_s: Option<[f64; 2]>,
     pub files: Files,
+    /// Files of trajectories that are judged by it.
+    pub estimates: Vec<PathBuf>,
 }
 
 /// The files that a deployment was read from, found and hashed once and only when a session is written.
@@ -122,6 +124,7 @@ pub struct SavedView {
     pub visibility: Visibility,
     pub scene: SceneOptions,
     pub study: StudyOptions,
+    pub way: WayPlots,
 }
 
 /// A pinned result.

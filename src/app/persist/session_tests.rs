@@ -36,6 +36,7 @@ fn session(folder: &Path) -> Session {
         files: Files::marked(
             HashCache::default().mark(&folder.join("data/tracks.csv")).into_iter().collect(),
         ),
+        estimates: vec![folder.join("data/slam.tum")],
     };
     let sample = SavedDeployment {
         source: Source::sample(Sample::Hd2Tunnel),
@@ -44,6 +45,7 @@ fn session(folder: &Path) -> Session {
         window_s: None,
         selection_s: Some([1.0, 2.0]),
         files: Files::default(),
+        estimates: Vec::new(),
     };
     let result = ResultSummary::of(&deployment, &analysis, &answer);
     Session {

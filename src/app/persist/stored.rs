@@ -57,6 +57,8 @@ struct StoredDeployment {
     settings: Settings,
     #[serde(default, rename = "file", skip_serializing_if = "Vec::is_empty")]
     files: Vec<FileMark>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    estimates: Vec<PathBuf>,
 }
 
 /// A part that may be unreadable without the rest being lost.
@@ -98,6 +100,7 @@ impl StoredSession {
                 .iter()
                 .map(|mark| FileMark { path: relative(&mark.path, folder), ..mark.clone() })
                 .collect(),
+            estimates: saved.estimates.iter().map(|path| relative(path, folder)).collect(),
         };
         Self {
             resect_session: VERSION,
@@ -129,6 +132,7 @@ impl StoredSession {
             cursor_s: stored.cursor_s,
             window_s: stored.window_s,
             selection_s: stored.selection_s,
+            estimates: stored.estimates.iter().map(|path| folder.join(path)).collect(),
             files: Files::marked(
                 stored
                     .files

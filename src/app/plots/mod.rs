@@ -1,4 +1,4 @@
-//! Plots: over time ([`residuals`], [`rates`], [`intervals`], [`clocks`], [`channels`], all through [`time_plot`]), and others.
+//! Plots: over time ([`residuals`], [`rates`], [`intervals`], [`clocks`], [`channels`], [`way`], all through [`time_plot`]), and others.
 //!
 //! What no frame should compute is in [`PreparedPlots`] and [`RawReadings`], made by the worker; of long series a frame
 //! draws what its [`pyramid`] says.
@@ -19,6 +19,7 @@ mod strips;
 mod threshold;
 mod time_plot;
 mod times;
+pub mod way;
 
 use egui_plot::{GridInput, GridMark};
 

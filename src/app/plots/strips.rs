@@ -8,6 +8,7 @@ use egui_plot::{AxisHints, GridInput, GridMark};
 use super::times::Times;
 use crate::app::model::TimeScale;
 use crate::app::model::time_scale::decimals;
+use crate::app::model::units::without_negative_zero;
 use crate::app::words;
 
 /// Space for the numbers and the name of the axis at the left (points).
@@ -110,7 +111,7 @@ impl Strip {
         let whole = format!("{name} ({unit})");
         let fits = whole.chars().count() as f32 * LETTER < self.height();
         let text = if fits { whole } else { unit.to_owned() };
-        bare_axis().label(RichText::new(text).small())
+        bare_axis().label(RichText::new(text).small()).formatter(|mark, _| in_decimals(mark))
     }
 
     /// Words about the plot, where they cover no data; all of them are under the pointer, too.
@@ -141,6 +142,17 @@ impl Strip {
         words::mark_text(&shown, &whole);
         shown.on_hover_text(whole);
     }
+}
+
+/// The number of a mark, with the decimals of the step to the next; more where that would round it to another number.
+fn in_decimals(GridMark { value, step_size }: GridMark) -> String {
+    let of_step = (-step_size.log10().round()).max(0.0) as usize;
+    let is_told = |decimals: &usize| {
+        let scale = 10_f64.powi(*decimals as i32);
+        ((value * scale).round() / scale - value).abs() <= 0.05 * value.abs()
+    };
+    let decimals = (of_step..of_step + 3).find(is_told).unwrap_or(of_step);
+    without_negative_zero(value, decimals)
 }
 
 /// Small texts one after the other, each in its colour.

@@ -16,6 +16,7 @@ pub mod rig_at;
 mod running;
 pub mod series;
 mod track_series;
+pub mod way;
 
 pub use cloud::{Cloud, CloudMaker, Clouds, nearest_triplets, time_origin_s};
 pub use pick::TimedPoint;

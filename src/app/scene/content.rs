@@ -37,6 +37,10 @@ pub struct SceneContent {
     /// The vehicle along its way.
     pub(super) poses: Vec<Pose>,
     pub along: Layer,
+    /// Trajectories of other systems, coloured by their errors.
+    pub estimates: Layer,
+    /// The error at the end of their colours (m); `None` where there are none.
+    pub worst_m: Option<f64>,
     /// The grid; changes with the camera.
     pub ground: Layer,
     /// Changes with the analysis and the visibility.

@@ -72,6 +72,7 @@ pub fn groups(
         Group { title: "", chips: false, rows: of_colours(analysis, state, content) },
         Group { title: "readings", chips: false, rows: of_fates(analysis, state, faint) },
     ];
+    groups.push(Group { title: "", chips: false, rows: of_estimates(open, visibility, content) });
     let others = of_what_is_known(analysis, visibility, faint);
     if !open.deployment.control_points.is_empty() {
         let mut toggled = *visibility;
@@ -190,6 +191,29 @@ fn of_sets(open: &OpenDeployment, visibility: &Visibility) -> Vec<Row> {
     sets.iter().enumerate().filter(|_| named).map(row).collect()
 }
 
+/// Trajectories of other systems, by the scale of their errors.
+fn of_estimates(
+    open: &OpenDeployment,
+    visibility: &Visibility,
+    content: &SceneContent,
+) -> Vec<Row> {
+    if open.judging.judgement.newest.is_none() {
+        return Vec::new();
+    }
+    let toggled = Visibility { estimates: !visibility.estimates, ..*visibility };
+    let text = match content.worst_m {
+        Some(worst_m) => format!("trajectories: to {:.0} mm off", 1e3 * worst_m),
+        None => "trajectories".to_owned(),
+    };
+    vec![Row {
+        swatch: Swatch::Colour(theme::rgb(palette::continuous(1.0))),
+        text,
+        name: "Show trajectories of other systems".to_owned(),
+        shown: visibility.estimates,
+        toggled: Some(toggled),
+    }]
+}
+
 /// Whether the answer leaves residuals at control points.
 pub fn has_residuals(open: &OpenDeployment, analysis: &Analysis) -> bool {
     let answer = analysis.answer.as_ref().ok();
@@ -277,6 +301,7 @@ pub fn hidden(open: &OpenDeployment, analysis: &Analysis, visibility: &Visibilit
             "residuals at control points",
         ),
         (analysis.answer.is_ok(), visibility.poses, "vehicle"),
+        (open.judging.judgement.newest.is_some(), visibility.estimates, "trajectories"),
         (stated, visibility.station_ellipsoids, "ellipsoids of stations"),
         (analysis.triplets().sigma_m.is_some(), visibility.uncertainty, "ellipsoids of tracks"),
     ] {

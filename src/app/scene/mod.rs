@@ -23,6 +23,7 @@ mod content;
 mod control_points;
 mod controls;
 mod cursor;
+mod estimates;
 mod extent;
 mod free_part;
 mod ghosts;

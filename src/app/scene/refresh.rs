@@ -1,5 +1,7 @@
 //! Making what the scene shows anew, as far as the state has changed.
 
+use std::sync::Arc;
+
 use super::SceneContent;
 use super::trail::Trail;
 use super::view::{Built, SceneView};
@@ -16,6 +18,7 @@ impl SceneView {
             if self.built.take().is_some() {
                 self.content = SceneContent::default();
                 (self.coloured, self.cursor, self.hover) = (None, None, None);
+                self.judgement = None;
             }
             return;
         };
@@ -46,6 +49,11 @@ impl SceneView {
         if self.coloured != wanted {
             self.content.colour(&open.deployment, analysis, state.colouring);
             self.coloured = wanted;
+        }
+        let wanted = open.judging.judgement.newest.clone().filter(|_| state.visibility.estimates);
+        if self.judgement.as_ref().map(Arc::as_ptr) != wanted.as_ref().map(Arc::as_ptr) {
+            self.content.set_estimates(wanted.as_deref());
+            self.judgement = wanted;
         }
         let origin_s = time_origin_s(&open.deployment);
         self.content.set_selection(open.timeline.selection_s, origin_s);

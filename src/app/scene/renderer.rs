@@ -250,10 +250,11 @@ impl SceneRenderer {
 }
 
 /// The layers in the order they are drawn.
-fn layers(content: &SceneContent) -> [&Layer; 6] {
+fn layers(content: &SceneContent) -> [&Layer; 7] {
     [
         &content.ground,
         &content.along,
+        &content.estimates,
         &content.data,
         &content.hover,
         &content.cursor,

@@ -1,5 +1,7 @@
 //! The scene pane: the picture, what is written over it, and what was hovered.
 
+use std::sync::Arc;
+
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, StrokeKind, Vec2};
 
 use super::input::{click, move_camera, take_keys};
@@ -15,6 +17,7 @@ use crate::app::model::{
 };
 use crate::app::state::State;
 use crate::app::theme;
+use crate::estimates::Judgement;
 
 /// Radius of the ring around what was picked, and around what would be (points).
 const PICKED_RING: f32 = 9.0;
@@ -31,6 +34,8 @@ pub struct SceneView {
     pub(super) coloured: Option<(u64, u64, Colouring)>,
     pub(super) cursor: Option<(u64, f64)>,
     pub(super) hover: Option<(u64, usize)>,
+    /// What the trajectories of other systems are drawn of.
+    pub(super) judgement: Option<Arc<Judgement>>,
     place: Option<Rect>,
     /// What the controls took in the last frame.
     controls_size: Vec2,
@@ -57,6 +62,7 @@ impl SceneView {
             cursor: None,
             place: None,
             hover: None,
+            judgement: None,
             controls_size: Vec2::ZERO,
         }
     }

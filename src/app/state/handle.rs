@@ -185,6 +185,12 @@ impl State {
             Command::SaveReportDialog => self.save_report(),
             Command::SaveChannelsDialog => self.save_channels(),
 
+            Command::AddEstimates(paths) => self.add_estimates(paths),
+            Command::AddEstimateDialog => self.add_estimate_dialog(),
+            Command::RemoveEstimate(path) => self.remove_estimate(&path),
+            Command::SetJudging(options) => self.set_judging(options),
+            Command::PlotWay(plots) => self.way_plots = plots,
+
             Command::ValidateOthers => self.validate_others(),
 
             Command::SetStudy(options) => self.studies.options = options.within_bounds(),

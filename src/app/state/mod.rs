@@ -9,6 +9,7 @@ mod channels_csv;
 mod deployment_toml;
 mod handle;
 mod hovering;
+mod judging;
 mod looking;
 mod naming;
 mod opening;
@@ -41,7 +42,7 @@ use crate::app::model::studies::Studies;
 use crate::app::model::toasts::Toasts;
 use crate::app::model::{
     Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Playback, Plotted, Results,
-    Ruler, SceneOptions, UndoStack, Units, Validations, Visibility,
+    Ruler, SceneOptions, UndoStack, Units, Validations, Visibility, WayPlots,
 };
 use crate::export::of_run;
 use crate::progress::Progress;
@@ -73,6 +74,10 @@ pub struct State {
     pub units: Units,
     /// What the pane of channels plots.
     pub plotted: Plotted,
+    /// What the pane of the trajectory plots.
+    pub way_plots: WayPlots,
+    /// Trajectories that came with the deployment that is being opened.
+    estimates_to_come: Vec<PathBuf>,
     pub theme: egui::ThemePreference,
     pub overlay: Overlay,
     pub studies: Studies,
@@ -131,6 +136,8 @@ impl State {
             results: Results::default(),
             units: Units::default(),
             plotted: Plotted::default(),
+            way_plots: WayPlots::default(),
+            estimates_to_come: Vec::new(),
             theme,
             overlay: Overlay::None,
             studies: Studies::default(),
@@ -183,6 +190,10 @@ impl State {
             || analysing
             || self.studies.running.is_some()
             || self.validations.running.is_some()
+            || self
+                .open
+                .iter()
+                .any(|open| open.way.is_running() || open.judging.judgement.is_running())
     }
 
     /// What is being calibrated for longer than this, and how far it is.
@@ -223,6 +234,7 @@ impl State {
         if let Some(open) = self.open.get_mut(self.active) {
             self.playback.advance(&mut open.timeline, now_s);
         }
+        self.make_what_is_looked_at();
         self.toasts.advance(now_s)
     }
 

@@ -194,6 +194,10 @@ impl State {
             Then::Show(settings) => {
                 self.add_with(deployment, Some(source), settings);
                 self.session.keep_shown(self.newest_id);
+                let estimates = std::mem::take(&mut self.estimates_to_come);
+                if !estimates.is_empty() {
+                    self.add_estimates(estimates);
+                }
                 self.tell_of_reading(self.active);
             }
             // What the user opened meanwhile has no need of it.
@@ -248,9 +252,17 @@ impl State {
     /// Opens what the user dropped or chose: deployments with what came with them, else additions to the active one.
     pub(super) fn take_sorted(&mut self, number: u64, sorted: Sorted) {
         self.looking.retain(|looking| *looking != number);
-        let Sorted { deployments, extras, folders, sessions, settings, unknown } = sorted;
+        let Sorted { deployments, extras, folders, sessions, settings, estimates, unknown } =
+            sorted;
         for line in unknown {
             self.toasts.error(&line);
+        }
+        if !estimates.is_empty() {
+            if deployments.is_empty() {
+                self.add_estimates(estimates);
+            } else {
+                self.estimates_to_come = estimates;
+            }
         }
         if deployments.is_empty() && !extras.is_empty() {
             self.ask_what_for(extras, folders);

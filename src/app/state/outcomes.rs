@@ -40,6 +40,8 @@ impl State {
         self.session.done(number);
         for open in &mut self.open {
             open.analysing = open.analysing.filter(|newest| newest.number != number);
+            open.way.failed(number);
+            open.judging.judgement.failed(number);
         }
         self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);
         let validating = &mut self.validations.running;

@@ -70,6 +70,9 @@ impl State {
                 self.session.shown = Some(open.id);
             }
         }
+        if !saved.estimates.is_empty() {
+            self.read_estimates(self.newest_id, saved.estimates, false);
+        }
         self.tell_of_reading(self.open.len() - 1);
         let shown = self.session.shown;
         if let Some(index) = self.open.iter().position(|open| Some(open.id) == shown) {

@@ -153,6 +153,7 @@ impl State {
                 visibility: self.visibility,
                 scene: self.scene,
                 study: self.studies.options,
+                way: self.way_plots,
             },
             layout: Some(self.layout.describe()),
             pins: self.results.pins.iter().map(pin).collect(),
@@ -168,6 +169,7 @@ impl State {
             window_s: (timeline.window_s != timeline.whole_s).then_some(timeline.window_s),
             selection_s: timeline.selection_s,
             files: self.session.files.get(&open.id).cloned().unwrap_or_default(),
+            estimates: open.judging.estimates.iter().map(|one| one.path.clone()).collect(),
         }
     }
 
@@ -179,6 +181,7 @@ impl State {
         self.units = session.view.units;
         self.plotted = session.view.plotted;
         self.studies.options = session.view.study.within_bounds();
+        self.way_plots = session.view.way;
         if let Some(description) = &session.layout {
             let (layout, findings) = Layout::of_description(description);
             self.layout = layout;

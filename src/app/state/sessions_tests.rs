@@ -15,6 +15,7 @@ fn saved(source: Source) -> SavedDeployment {
         window_s: None,
         selection_s: None,
         files: Default::default(),
+        estimates: Vec::new(),
     }
 }
 

@@ -10,6 +10,7 @@ pub mod cartesian_tracks;
 pub mod column_mapping;
 pub mod control_points;
 pub mod deployment_toml;
+mod estimate;
 pub mod gsi;
 pub mod jobxml;
 pub mod mapped_csv;
@@ -158,6 +159,8 @@ pub enum Format {
     RigDistances,
     RtklibPos,
     DeploymentToml,
+    /// A trajectory that another system estimated: no part of a deployment, but judged by one.
+    Estimate,
     /// A file or folder that its permissions or the disk keep from being read.
     Unreadable,
     /// A known kind of file that is not read, and why.
@@ -191,6 +194,7 @@ impl Format {
             Self::RigDistances => "inter-prism distances",
             Self::RtklibPos => "positions of a GNSS antenna (RTKLIB)",
             Self::DeploymentToml => "overrides",
+            Self::Estimate => "a trajectory of another system; `resect evaluate` judges it",
             Self::Unreadable => "cannot be read",
             Self::Ignored(why) => why,
         }
@@ -249,6 +253,8 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
         Format::Pillars
     } else if table::header_has(first, &surveyed_points::COLUMNS) {
         Format::SurveyedPoints
+    } else if estimate::looks_like(text) {
+        Format::Estimate
     } else if mapped_csv::looks_like(text) {
         Format::UnknownTable
     } else {

@@ -54,7 +54,7 @@ pub fn draw(judgement: &Judgement, start_s: f64, width: f32) -> Drawing {
             one.errors.iter().map(|error| within(1e3 * error.position_m.norm())).collect();
         let open: Vec<f64> =
             one.errors.iter().map(|error| within(1e3 * HALF_95 * error.sigma_m())).collect();
-        draw_strokes(&sizes, &times_s, &plot, Ink::Rgb(palette::INTERVALS[index % 7]), &mut marks);
+        draw_strokes(&sizes, &times_s, &plot, Ink::Rgb(palette::estimate(index)), &mut marks);
         draw_strokes(&open, &times_s, &plot, Ink::Weak, &mut marks);
     }
     let height = TOP + judged.len() as f32 * (ROW_GAP + ROW) + BOTTOM;

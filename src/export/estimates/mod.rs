@@ -8,7 +8,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 pub use chart::draw;
-pub use text::text;
+pub use text::{compared, contradiction, rows, text};
 
 use super::json::SCHEMA;
 use crate::calibration::Calibration;
@@ -103,6 +103,7 @@ fn odd(span: &OddSpan) -> Value {
             OddOne::Estimate => "estimate",
             OddOne::Readings | OddOne::TruthAgainst(_) => "ground-truth",
         },
+        "station": span.station.map(|station| station + 1),
         "because": match span.odd_one {
             OddOne::Estimate => "the readings agree with the rig",
             OddOne::Readings => "the readings contradict the rig",

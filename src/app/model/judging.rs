@@ -1,0 +1,55 @@
+//! Trajectories of other systems that are held against an open deployment.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::made::Made;
+use crate::estimates::{Estimate, Judged, Judgement, Options};
+
+/// What was added, and what came of it.
+#[derive(Default)]
+pub struct Judging {
+    /// In the order in which they were added, no file twice.
+    pub estimates: Vec<Arc<Estimate>>,
+    pub options: Options,
+    pub judgement: Made<Judgement>,
+    /// Counts the changes of what is to be judged.
+    pub version: u64,
+}
+
+impl Judging {
+    /// Adds estimates; one that was read from the same file before gives way.
+    pub fn add(&mut self, estimates: Vec<Arc<Estimate>>) {
+        for estimate in estimates {
+            match self.estimates.iter_mut().find(|old| old.path == estimate.path) {
+                Some(old) => *old = estimate,
+                None => self.estimates.push(estimate),
+            }
+        }
+        self.version += 1;
+    }
+
+    pub fn remove(&mut self, path: &PathBuf) {
+        self.estimates.retain(|estimate| estimate.path != *path);
+        self.version += 1;
+        if self.estimates.is_empty() {
+            self.judgement.clear();
+        }
+    }
+
+    pub fn set(&mut self, options: Options) {
+        self.options = options;
+        self.version += 1;
+    }
+
+    /// Those that could be judged, each with its place among all that were added.
+    pub fn judged(&self) -> impl Iterator<Item = (usize, &Judged)> {
+        let judged = self.judgement.newest.iter().flat_map(|judgement| &judgement.judged);
+        judged.filter_map(|one| Some((self.place(&one.estimate)?, one)))
+    }
+
+    /// The place of an estimate among all that were added; `None` once it was removed.
+    pub fn place(&self, of: &Estimate) -> Option<usize> {
+        self.estimates.iter().position(|estimate| estimate.path == of.path)
+    }
+}

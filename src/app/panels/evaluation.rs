@@ -1,0 +1,207 @@
+//! Trajectories of other systems against the deployment's: which is better, by how much, whether that is more than chance,
+//! and where somebody is wrong.
+
+use egui::RichText;
+
+use super::{MARGIN, finding, heading};
+use crate::app::model::{Command, Commands, OpenDeployment, TimeScale};
+use crate::app::state::State;
+use crate::app::theme;
+use crate::app::words;
+use crate::calibration::Verdict;
+use crate::estimates::odd::{OddOne, OddSpan};
+use crate::estimates::{Alignment, Body, Judged, Judgement, Options};
+use crate::export::estimates::{compared, contradiction, rows};
+use crate::palette;
+
+/// Widest that a sentence gets (points).
+const SENTENCE: f32 = 620.0;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let Some(open) = state.active() else {
+        ui.weak("Nothing open.");
+        return;
+    };
+    egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+        egui::Frame::new().inner_margin(MARGIN).show(ui, |ui| {
+            let width = ui.available_width().min(SENTENCE);
+            ui.set_max_width(width);
+            added(ui, open, commands);
+            if open.judging.estimates.is_empty() {
+                return;
+            }
+            options(ui, open.judging.options, commands);
+            if open.judging.judgement.is_running() {
+                ui.horizontal(|ui| {
+                    ui.spinner();
+                    ui.label("judging");
+                });
+            }
+            let Some(judgement) = open.judging.judgement.newest.as_deref() else {
+                if let Some(Err(why)) = open.analysis.as_ref().map(|analysis| &analysis.answer) {
+                    ui.label(format!("There is no ground truth: {why}"));
+                }
+                return;
+            };
+            if state.is_stale() {
+                ui.multiply_opacity(0.45);
+            }
+            ranking(ui, judgement);
+            odd(ui, state, open, judgement, commands);
+            table(ui, open, judgement);
+            for one in &judgement.judged {
+                for said in one.estimate.findings.iter().chain(&one.fit.findings) {
+                    finding(ui, state, said, commands);
+                }
+            }
+        });
+    });
+}
+
+/// What was added, and how more is.
+fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
+    let judging = &open.judging;
+    if judging.estimates.is_empty() {
+        ui.label(
+            "Drop trajectories of SLAM or odometry here (TUM, EuRoC, KITTI with times.txt, CSV with a header). This \
+             deployment's own trajectory is the ground truth, with its σ at each instant.",
+        );
+        ui.add_space(4.0);
+    }
+    for (place, estimate) in judging.estimates.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let colour = theme::readable(palette::estimate(place), ui.visuals().dark_mode);
+            ui.label(RichText::new(&estimate.name).color(colour).strong())
+                .on_hover_text(estimate.path.display().to_string());
+            ui.weak(format!("{} poses", estimate.poses.len()));
+            let name = format!("Take {} away", estimate.name);
+            let button = ui.small_button("×").on_hover_text(&name);
+            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+            if button.clicked() {
+                commands.push(Command::RemoveEstimate(estimate.path.clone()));
+            }
+        });
+    }
+    if ui.button("Add a trajectory…").clicked() {
+        commands.push(Command::AddEstimateDialog);
+    }
+}
+
+/// How they are brought together with the ground truth.
+fn options(ui: &mut egui::Ui, options: Options, commands: &mut Commands) {
+    let mut chosen = options;
+    ui.horizontal_wrapped(|ui| {
+        ui.label("aligned by");
+        for (alignment, name, hint) in [
+            (Alignment::Rigid, "turn and shift", "As evo's --align"),
+            (Alignment::Similarity, "scale too", "For one camera alone, as evo's --correct_scale"),
+            (Alignment::None, "nothing", "The trajectory is in the frame of station 1"),
+        ] {
+            ui.radio_value(&mut chosen.alignment, alignment, name).on_hover_text(hint);
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.label("their body is");
+        for (body, name, hint) in [
+            (Body::Found, "found", "Lever arm and rotation against the vehicle are estimated"),
+            (Body::Same, "the vehicle's frame", "As evo takes it to be"),
+        ] {
+            ui.radio_value(&mut chosen.body, body, name).on_hover_text(hint);
+        }
+    });
+    if chosen != options {
+        commands.push(Command::SetJudging(chosen));
+    }
+}
+
+/// A badge and a sentence for each two of them, and who could not be judged.
+fn ranking(ui: &mut egui::Ui, judgement: &Judgement) {
+    ui.add_space(4.0);
+    for two in &judgement.comparisons {
+        let (word, verdict) = if two.is_significant() {
+            (format!(" {} is better ", judgement.judged[two.better].estimate.name), Verdict::Good)
+        } else {
+            (" not decided ".to_owned(), Verdict::Weak)
+        };
+        let [ground, ink] = palette::verdict(verdict).map(theme::rgb);
+        ui.label(RichText::new(word).color(ink).background_color(ground).strong());
+        ui.add(egui::Label::new(compared(judgement, two)).wrap());
+    }
+    for (_, why) in &judgement.unjudged {
+        let (colour, sign) =
+            theme::severity(crate::deployment::Severity::Problem, ui.visuals().dark_mode);
+        ui.horizontal_wrapped(|ui| {
+            ui.colored_label(colour, sign);
+            ui.label(format!("not judged: {why}"));
+        });
+    }
+}
+
+/// Spans in which the estimate and the ground truth contradict each other; a click leads there.
+fn odd(
+    ui: &mut egui::Ui,
+    state: &State,
+    open: &OpenDeployment,
+    judgement: &Judgement,
+    commands: &mut Commands,
+) {
+    let spans = judgement.judged.iter().flat_map(|one| one.odd.iter().map(move |span| (one, span)));
+    let mut spans: Vec<(&Judged, &OddSpan)> = spans.collect();
+    if spans.is_empty() {
+        return;
+    }
+    spans.sort_by(|a, b| a.1.span_s[0].total_cmp(&b.1.span_s[0]));
+    heading(ui, "Somebody is wrong");
+    let scale = TimeScale::new(state.units.time, open.start_s());
+    for (one, span) in spans {
+        ui.horizontal_wrapped(|ui| {
+            let [from, to] = span.span_s.map(|time_s| scale.text(time_s - open.start_s(), 1));
+            let button = ui.small_button(format!("{from} to {to}"));
+            let name = format!("Look at {}, {from} to {to}", one.estimate.name);
+            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+            if button.on_hover_text("Show these times in the plots and the scene").clicked() {
+                look_at(span, commands);
+            }
+            ui.strong(&one.estimate.name);
+            ui.label(contradiction(span));
+        });
+    }
+}
+
+/// Where the readings are wrong, the errors of their distances are what tells it; else the trajectory stays in sight.
+fn look_at(span: &OddSpan, commands: &mut Commands) {
+    if span.odd_one == OddOne::Readings {
+        commands.push(Command::LookAtTimes(span.span_s));
+        return;
+    }
+    let [from_s, to_s] = span.span_s;
+    let room_s = (0.5 * (to_s - from_s)).max(2.0);
+    commands.push(Command::Select(Some(span.span_s)));
+    commands.push(Command::ShowTimes([from_s - room_s, to_s + room_s]));
+    commands.push(Command::MoveCursor(0.5 * (from_s + to_s)));
+}
+
+/// A column each.
+fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement) {
+    if judgement.judged.is_empty() {
+        return;
+    }
+    heading(ui, "Errors");
+    let grid = egui::Grid::new("errors of trajectories").striped(true).spacing([10.0, 3.0]);
+    grid.show(ui, |ui| {
+        ui.label("");
+        for one in &judgement.judged {
+            let place = open.judging.place(&one.estimate).unwrap_or_default();
+            let colour = theme::readable(palette::estimate(place), ui.visuals().dark_mode);
+            ui.label(RichText::new(&one.estimate.name).color(colour).strong());
+        }
+        ui.end_row();
+        for (label, cells) in rows(judgement) {
+            words::explain_text(ui.small(&label), &label);
+            for cell in cells {
+                ui.label(RichText::new(cell).monospace().small());
+            }
+            ui.end_row();
+        }
+    });
+}

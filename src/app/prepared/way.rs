@@ -1,0 +1,243 @@
+//! The vehicle's way as its plots show it: where it was, how it was turned and how fast, each with σ.
+
+use nalgebra::Vector3;
+
+use crate::analysis::Analysis;
+use crate::calibration::{Estimate, Targets};
+use crate::deployment::Deployment;
+use crate::evaluation::trajectory::{Attitude, Pose, speed_of};
+use crate::evaluation::vehicle::{Instants, prism_by, trajectory_by};
+
+/// So many instants a second, and so many in all at most.
+const RATE_HZ: f64 = 10.0;
+const MOST: f64 = 40_000.0;
+/// Instants further apart than this many steps are on both sides of a gap.
+const GAP_STEPS: f64 = 1.5;
+
+/// The way by one answer.
+#[derive(Clone, Debug, Default)]
+pub struct Way {
+    /// In order of time.
+    pub instants: Vec<Instant>,
+    /// Time between neighbours within a piece, at most (s).
+    pub step_s: f64,
+    /// Why there is none.
+    pub why_not: Option<String>,
+}
+
+/// The vehicle, or the one prism, at one instant, in station 1's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instant {
+    pub time_s: f64,
+    pub position_m: Vector3<f64>,
+    /// σ of the height, and the root of the mean variance of the three axes (m).
+    pub height_sigma_m: f64,
+    pub position_sigma_m: f64,
+    pub speed_m_per_s: Option<Estimate>,
+    pub attitude: Option<Attitude>,
+    /// Root of the mean variance of the three axes (rad).
+    pub turn_sigma_rad: Option<f64>,
+}
+
+/// What is plotted of the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Aspect {
+    Height,
+    Speed,
+    Heading,
+    Roll,
+    Pitch,
+    /// How well the position is known.
+    PositionSigma,
+    /// How well the orientation is known.
+    TurnSigma,
+}
+
+impl Aspect {
+    /// All aspects in the order of their plots.
+    pub const ALL: [Self; 7] = [
+        Self::Height,
+        Self::Speed,
+        Self::Heading,
+        Self::Roll,
+        Self::Pitch,
+        Self::PositionSigma,
+        Self::TurnSigma,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Height => "height",
+            Self::Speed => "speed",
+            Self::Heading => "heading",
+            Self::Roll => "roll",
+            Self::Pitch => "pitch",
+            Self::PositionSigma => "σ position",
+            Self::TurnSigma => "σ rotation",
+        }
+    }
+
+    pub fn hint(self) -> &'static str {
+        match self {
+            Self::Height => "z of the vehicle's origin in the frame of station 1, with ±1.96 σ",
+            Self::Speed => "Length of the velocity of the vehicle's origin, with ±1.96 σ",
+            Self::Heading => {
+                "Turn about z from the frame of station 1 to the vehicle's, with ±1.96 σ"
+            }
+            Self::Roll => "Turn about the vehicle's own x, with ±1.96 σ",
+            Self::Pitch => "Turn about y between heading and roll, with ±1.96 σ",
+            Self::PositionSigma => {
+                "How well the position is known: the root of the mean variance of its three axes, with all that is open \
+                 about readings, calibration, clocks and rig"
+            }
+            Self::TurnSigma => {
+                "How well the orientation is known: the root of the mean variance about the three axes"
+            }
+        }
+    }
+
+    /// The value at an instant, where there is one (m, m/s, rad); σ of what is itself a σ is zero.
+    pub fn of(self, at: &Instant) -> Option<Estimate> {
+        let exact = |value: f64| Estimate { value, sigma: 0.0 };
+        match self {
+            Self::Height => Some(Estimate { value: at.position_m.z, sigma: at.height_sigma_m }),
+            Self::Speed => at.speed_m_per_s,
+            Self::Heading => at.attitude.map(|attitude| attitude.yaw_rad),
+            Self::Roll => at.attitude.map(|attitude| attitude.roll_rad),
+            Self::Pitch => at.attitude.map(|attitude| attitude.pitch_rad),
+            Self::PositionSigma => Some(exact(at.position_sigma_m)),
+            Self::TurnSigma => at.turn_sigma_rad.map(exact),
+        }
+    }
+}
+
+impl Way {
+    /// The way by an answer, from the joint estimate's motion at even steps; by other methods at some of the triplets.
+    pub fn of(deployment: &Deployment, analysis: &Analysis) -> Self {
+        let answer = match &analysis.answer {
+            Ok(answer) => answer,
+            Err(why) => return Self::none(why.to_string()),
+        };
+        let (calibration, triplets) = (&answer.calibration, analysis.triplets());
+        let times_s = &triplets.time_s;
+        let (Some(first_s), Some(last_s)) = (times_s.first(), times_s.last()) else {
+            return Self::none("no instant is read by all stations".to_owned());
+        };
+        let rate_hz = RATE_HZ.min(MOST / (last_s - first_s).max(1.0));
+        let is_motion = calibration.joint().is_some();
+        let few;
+        let (triplets, wanted, step_s) = if is_motion {
+            (&**triplets, Instants::Rate(rate_hz), 1.0 / rate_hz)
+        } else {
+            let stride = (times_s.len() as f64 / MOST).ceil().max(1.0);
+            let some: Vec<usize> = (0..times_s.len()).step_by(stride as usize).collect();
+            few = triplets.select(&some);
+            (&few, Instants::Triplets, stride / analysis.settings.pipeline.rate_hz)
+        };
+        let targets = analysis.offer.targets;
+        let found = if targets == Targets::OnePrism {
+            prism_by(deployment, triplets, calibration, wanted).map(|found| {
+                let instants = found.iter().map(|at| Instant {
+                    time_s: at.time_s,
+                    position_m: at.position_m,
+                    height_sigma_m: at.position_covariance[(2, 2)].sqrt(),
+                    position_sigma_m: (at.position_covariance.trace() / 3.0).sqrt(),
+                    speed_m_per_s: Some(speed_of(&at.velocity_m_per_s, &at.velocity_covariance)),
+                    attitude: None,
+                    turn_sigma_rad: None,
+                });
+                instants.collect::<Vec<Instant>>()
+            })
+        } else {
+            // Where the readings contradict the rig is for the reader to see.
+            let limit_m = f64::INFINITY;
+            trajectory_by(deployment, triplets, targets, calibration, wanted, limit_m)
+                .map(|(trajectory, _)| trajectory.poses.iter().map(Instant::of).collect())
+        };
+        match found {
+            Ok(instants) => Self { instants, step_s, why_not: None },
+            Err(why) => Self::none(why.to_string()),
+        }
+    }
+
+    fn none(why: String) -> Self {
+        Self { why_not: Some(why), ..Self::default() }
+    }
+
+    /// The instant nearest to a time, unless that is in a gap.
+    pub fn at(&self, time_s: f64) -> Option<&Instant> {
+        let after = self.instants.partition_point(|at| at.time_s < time_s);
+        let around = &self.instants[after.saturating_sub(1)..self.instants.len().min(after + 1)];
+        let distance = |at: &&Instant| (at.time_s - time_s).abs();
+        let nearest = around.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        (distance(&nearest) <= GAP_STEPS * self.step_s).then_some(nearest)
+    }
+
+    /// Pieces without a gap that reach into a span, each with the instants beside it.
+    pub fn pieces(&self, span_s: [f64; 2]) -> impl Iterator<Item = &[Instant]> {
+        let from = self.instants.partition_point(|at| at.time_s < span_s[0]).saturating_sub(1);
+        let to = self.instants.partition_point(|at| at.time_s <= span_s[1]);
+        let seen = &self.instants[from..(to + 1).min(self.instants.len()).max(from)];
+        let most_s = GAP_STEPS * self.step_s;
+        seen.chunk_by(move |a, b| b.time_s - a.time_s <= most_s)
+    }
+}
+
+impl Instant {
+    fn of(pose: &Pose) -> Self {
+        let sigma = pose.sigma();
+        Self {
+            time_s: pose.time_s,
+            position_m: pose.position_m,
+            height_sigma_m: pose.covariance[(2, 2)].max(0.0).sqrt(),
+            position_sigma_m: sigma.position_m,
+            speed_m_per_s: pose.speed_m_per_s(),
+            attitude: Some(pose.attitude()),
+            turn_sigma_rad: Some(sigma.orientation_rad),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::{Analyst, Settings};
+    use crate::calibration::Method;
+    use crate::deployment::Sample;
+
+    #[test]
+    fn the_way_of_the_sample_is_even_with_gaps_and_its_sigma_grows_towards_them() {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let analysis = Analyst::new(deployment.clone().into()).run(&Settings::default());
+        let way = Way::of(&deployment, &analysis);
+        assert!(way.why_not.is_none() && way.instants.len() > 2000, "{}", way.instants.len());
+        let all_s = [f64::NEG_INFINITY, f64::INFINITY];
+        let pieces: Vec<&[Instant]> = way.pieces(all_s).collect();
+        assert!(
+            pieces.len() > 5 && pieces.iter().map(|p| p.len()).sum::<usize>() == way.instants.len()
+        );
+        let middle = way.instants[way.instants.len() / 2];
+        assert_eq!(way.at(middle.time_s + 0.01).expect("there").time_s, middle.time_s);
+        assert!(way.at(way.instants[0].time_s - 60.0).is_none());
+        for aspect in Aspect::ALL {
+            let value = aspect.of(&middle).expect("there");
+            assert!(value.value.is_finite() && value.sigma >= 0.0, "{aspect:?} {value:?}");
+        }
+        // A few of a long drive see what is around their window too.
+        let some = way.pieces([middle.time_s, middle.time_s + 1.0]).map(<[_]>::len).sum::<usize>();
+        assert!((10..=13).contains(&some), "{some}");
+    }
+
+    #[test]
+    fn by_the_papers_d_there_are_poses_of_triplets_without_speed() {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let mut settings = Settings::default();
+        settings.calibration = settings.calibration.plain(Method::InterPrism);
+        let analysis = Analyst::new(deployment.clone().into()).run(&settings);
+        let way = Way::of(&deployment, &analysis);
+        assert_eq!(way.instants.len(), analysis.triplets().len());
+        assert!(way.instants.iter().all(|at| Aspect::Speed.of(at).is_none()));
+        assert!(way.pieces([f64::NEG_INFINITY, f64::INFINITY]).count() > 5);
+    }
+}

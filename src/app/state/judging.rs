@@ -1,0 +1,117 @@
+//! What is made beside the window of an answer: the vehicle's way, and how trajectories of other systems compare with it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::State;
+use crate::app::file_dialog::{Question, Wanted};
+use crate::app::model::{OpenDeployment, Pane, WayPlots};
+use crate::app::prepared::way::Way;
+use crate::estimates::{Estimate, Judgement, Options, judge, read};
+
+impl State {
+    /// Starts what is to be made anew for those who look at it; to be called in every frame.
+    pub(super) fn make_what_is_looked_at(&mut self) {
+        let shows_way = self.layout.place(Pane::Trajectory).is_some();
+        let Some(open) = self.open.get_mut(self.active).filter(|open| open.analysing.is_none())
+        else {
+            return;
+        };
+        let Some(analysis) = open.analysis.clone() else { return };
+        let (id, of) = (open.id, (open.analysis_run, 0));
+        if shows_way && open.way.is_wanted(of) {
+            let (deployment, analysis) = (Arc::clone(&open.deployment), Arc::clone(&analysis));
+            let number = self.jobs.start(
+                move || Way::of(&deployment, &analysis),
+                move |state: &mut Self, number, way| {
+                    state.with_open(id, |open| open.way.take(number, way));
+                },
+            );
+            open.way.start(number, of);
+        }
+        let of = (open.analysis_run, open.judging.version);
+        let any = !open.judging.estimates.is_empty() && analysis.answer.is_ok();
+        if any && open.judging.judgement.is_wanted(of) {
+            let (deployment, options) = (Arc::clone(&open.deployment), open.judging.options);
+            let estimates: Vec<Estimate> =
+                open.judging.estimates.iter().map(|estimate| Estimate::clone(estimate)).collect();
+            let number = self.jobs.start(
+                move || judge(&deployment, &analysis, estimates, &options),
+                move |state: &mut Self, number, judgement: Judgement| {
+                    state.with_open(id, |open| open.judging.judgement.take(number, judgement));
+                },
+            );
+            open.judging.judgement.start(number, of);
+        }
+    }
+
+    fn with_open(&mut self, id: u64, change: impl FnOnce(&mut OpenDeployment)) {
+        if let Some(open) = self.open.iter_mut().find(|open| open.id == id) {
+            change(open);
+        }
+    }
+
+    /// Reads trajectories beside the window and adds them to the active deployment.
+    pub(super) fn add_estimates(&mut self, paths: Vec<PathBuf>) {
+        let Some(id) = self.active().map(|open| open.id) else {
+            self.toasts.error(
+                "a trajectory is judged by a deployment, and none is open; open its tracks first",
+            );
+            return;
+        };
+        self.read_estimates(id, paths, true);
+    }
+
+    /// Reads trajectories for an open deployment; those that a session holds come without changing what is looked at.
+    pub(super) fn read_estimates(&mut self, id: u64, paths: Vec<PathBuf>, shown: bool) {
+        let number = self.jobs.start(
+            move || paths.iter().map(|path| read::read(path)).collect::<Vec<_>>(),
+            move |state: &mut Self, number, found| {
+                state.looking.retain(|looking| *looking != number);
+                let mut read = Vec::new();
+                for estimate in found {
+                    match estimate {
+                        Ok(estimate) => read.push(Arc::new(estimate)),
+                        Err(why) => state.toasts.error(&why.to_string()),
+                    }
+                }
+                if read.is_empty() {
+                    return;
+                }
+                if shown {
+                    state.way_plots = WayPlots::only_errors();
+                    state.layout.show(Pane::Trajectory);
+                    state.layout.show(Pane::Evaluation);
+                }
+                state.with_open(id, |open| {
+                    open.judging.add(read);
+                    // Who judges by it is at work with it.
+                    open.placeholder = false;
+                });
+            },
+        );
+        self.looking.push(number);
+    }
+
+    pub(super) fn remove_estimate(&mut self, path: &PathBuf) {
+        if let Some(open) = self.open.get_mut(self.active) {
+            open.judging.remove(path);
+        }
+    }
+
+    pub(super) fn set_judging(&mut self, options: Options) {
+        if let Some(open) = self.open.get_mut(self.active) {
+            open.judging.set(options);
+        }
+    }
+
+    pub(super) fn add_estimate_dialog(&mut self) {
+        let Some(id) = self.active().map(|open| open.id) else { return };
+        let title = "Choose a trajectory to judge (TUM, EuRoC, KITTI, CSV)";
+        let answer = self.ask(Question::new(title, Wanted::ToOpen { folder: false }));
+        self.jobs.start_unnumbered(
+            move || answer.wait(),
+            move |state: &mut Self, path| state.read_estimates(id, vec![path], true),
+        );
+    }
+}

@@ -1,0 +1,166 @@
+//! The vehicle's own trajectory, and those of other systems that are dropped on the window.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use egui::Theme;
+use egui_kittest::kittest::Queryable;
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use resect::app::{Aspect, Command, Pane, Visibility, WayPlots};
+use resect::calibration::Method;
+use resect::estimates::{Alignment, Options};
+use resect::evaluation::trajectory::Trajectory;
+use resect::evaluation::vehicle::{Instants, trajectory_by};
+
+use crate::harness::{
+    LARGE, Part, SMALL, Window, click, send, set, settle, shown, snapshot_of, window,
+};
+
+/// The ground truth of what is open, ten poses a second.
+fn own(harness: &Window) -> Trajectory {
+    let open = shown(harness);
+    let analysis = open.analysis.as_ref().expect("analysed");
+    let answer = analysis.answer.as_ref().expect("an answer");
+    let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
+    let wanted = Instants::Rate(10.0);
+    let limit_m = f64::INFINITY;
+    let calibration = &answer.calibration;
+    trajectory_by(&open.deployment, triplets, targets, calibration, wanted, limit_m)
+        .expect("poses")
+        .0
+}
+
+/// Writes it as another system would have it: noisy, and far off for five seconds in the middle.
+fn write_slam(harness: &Window, folder: &Path, name: &str, noise_m: f64, jump_m: f64) -> PathBuf {
+    let mut rng = ChaCha8Rng::seed_from_u64(name.len() as u64);
+    let poses = own(harness).poses;
+    let middle_s = poses[poses.len() / 2].time_s;
+    let mut text = "# timestamp tx ty tz qx qy qz qw\n".to_owned();
+    for pose in &poses {
+        let noise_m: Vector3<f64> = Vector3::from_fn(|_, _| noise_m * rng_normal(&mut rng));
+        let is_off = (middle_s..middle_s + 5.0).contains(&pose.time_s);
+        let at =
+            pose.position_m + noise_m + Vector3::new(if is_off { jump_m } else { 0.0 }, 0.0, 0.0);
+        let q = pose.orientation;
+        _ = writeln!(
+            text,
+            "{:.6} {} {} {} {} {} {} {}",
+            pose.time_s, at.x, at.y, at.z, q.i, q.j, q.k, q.w
+        );
+    }
+    let path = folder.join(name);
+    std::fs::write(&path, text).expect("written");
+    path
+}
+
+fn rng_normal(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+#[test]
+fn the_vehicles_way_is_plotted_with_its_sigma() {
+    let mut harness = window(LARGE, Theme::Dark);
+    send(&mut harness, Command::ShowPane(Pane::Trajectory));
+    for name in ["height over time", "heading over time", "σ position over time"] {
+        harness.get_by_label(name);
+    }
+    assert!(harness.query_by_label("roll over time").is_none());
+    harness.get_all_by_label_contains(" ± ").next().expect("a value at the cursor with its σ");
+    let way = shown(&harness).way.newest.clone().expect("made");
+    assert!(way.instants.len() > 2000);
+    snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "trajectory-dark");
+    let all = WayPlots { aspects: [true; Aspect::ALL.len()], errors: true };
+    send(&mut harness, Command::PlotWay(all));
+    for aspect in Aspect::ALL {
+        harness.get_by_label(&format!("{} over time", aspect.name()));
+    }
+    // Another answer is another way; by the paper's D it has no speed.
+    set(&mut harness, |settings| {
+        settings.calibration = settings.calibration.plain(Method::InterPrism);
+    });
+    let by_d = shown(&harness).way.newest.clone().expect("made");
+    assert!(by_d.instants.iter().all(|at| Aspect::Speed.of(at).is_none()));
+}
+
+#[test]
+fn of_two_dropped_trajectories_the_window_says_which_is_better_and_where_one_is_wrong() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
+    let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.4);
+    let before = shown(&harness).analysis_run;
+    send(&mut harness, Command::OpenPaths(vec![vio.clone(), lio.clone()]));
+    // Reading, judging and drawing are one after the other.
+    settle(&mut harness);
+    assert_eq!(shown(&harness).analysis_run, before, "the deployment itself is as it was");
+    harness.get_by_label(" lio is better ");
+    harness.get_by_label_contains("lio is better than vio: ");
+    harness.get_by_label("position errors of lio over time");
+    harness.get_by_label_contains("the estimate is wrong: the readings agree with the rig");
+    let judged: Vec<&str> =
+        shown(&harness).judging.judged().map(|(_, one)| &*one.estimate.name).collect();
+    assert_eq!(judged, ["lio", "vio"], "by name, whatever the order in which they were dropped");
+    snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "estimates-errors-dark");
+    snapshot_of(&mut harness, Part::Pane(Pane::Evaluation), "estimates-evaluation-dark");
+    // The span leads there.
+    let span = {
+        let label = "Look at vio";
+        harness.get_by_label_contains(label).click();
+        settle(&mut harness);
+        shown(&harness).timeline.selection_s.expect("selected")
+    };
+    assert!((4.0..6.5).contains(&(span[1] - span[0])), "{span:?}");
+    // Other options are another judgement.
+    let similarity = Options { alignment: Alignment::Similarity, ..Options::default() };
+    click(&mut harness, "scale too");
+    assert_eq!(shown(&harness).judging.options, similarity);
+    harness.get_by_label("scale");
+    click(&mut harness, "Take vio away");
+    settle(&mut harness);
+    assert!(harness.query_by_label("position errors of vio over time").is_none());
+    click(&mut harness, "Take lio away");
+    assert!(shown(&harness).judging.judgement.newest.is_none());
+}
+
+#[test]
+fn trajectories_are_drawn_in_the_scene_and_kept_by_sessions() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Light);
+    let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
+    send(&mut harness, Command::AddEstimates(vec![lio.clone()]));
+    settle(&mut harness);
+    harness.get_by_label("Show trajectories of other systems");
+    snapshot_of(&mut harness, Part::Window, "estimates-light");
+    let hidden = Visibility { estimates: false, ..harness.state().state.visibility };
+    send(&mut harness, Command::Show(hidden));
+    harness.get_by_label_contains("hidden: trajectories");
+    let session = harness.state().state.session();
+    assert_eq!(session.deployments[0].estimates, [lio]);
+    let mut again = window(SMALL, Theme::Light);
+    again.state_mut().state.restore(session);
+    settle(&mut again);
+    settle(&mut again);
+    assert_eq!(shown(&again).judging.judged().count(), 1);
+}
+
+#[test]
+fn what_cannot_be_judged_says_why() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Light);
+    let elsewhere = folder.path().join("elsewhere.tum");
+    let line = |i: u32| {
+        format!(
+            "{} {} {} 0 0 0 0 1\n",
+            1e3 + 0.1 * f64::from(i),
+            0.1 * f64::from(i),
+            f64::from(i % 7)
+        )
+    };
+    std::fs::write(&elsewhere, (0..500).map(line).collect::<String>()).expect("written");
+    send(&mut harness, Command::OpenPaths(vec![elsewhere]));
+    settle(&mut harness);
+    harness.get_by_label_contains("not judged: elsewhere: ");
+}
