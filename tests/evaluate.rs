@@ -170,7 +170,7 @@ fn an_estimate_that_is_the_truth_is_not_told_from_none_by_its_errors() {
 /// 30 cm and 5° for some seconds, put into the estimate or into the readings of one station.
 #[test]
 fn who_is_wrong_in_a_span_is_told() {
-    let mut right = [0; 2];
+    let (mut right, mut named) = ([0; 2], 0);
     const DRIVES: u64 = 12;
     for seed in 0..DRIVES {
         let (simulated, deployment) = driven(20 + seed);
@@ -207,9 +207,13 @@ fn who_is_wrong_in_a_span_is_told() {
         let found = judged(&broken, vec![SLAM.drive(&simulated)], &Options::default());
         let odd = &found.judged[0].odd;
         // A motion that sets the wrong readings aside is not odd, and nobody is to be blamed.
-        right[1] += usize::from(odd.iter().all(|span| span.odd_one == OddOne::Readings));
+        let station_is_told = |span: &OddSpan| span.station.is_none_or(|told| told == station);
+        let blamed = |span: &OddSpan| span.odd_one == OddOne::Readings && station_is_told(span);
+        named += odd.iter().filter(|span| span.station.is_some()).count();
+        right[1] += usize::from(odd.iter().all(blamed));
     }
     assert!(right.iter().all(|right| *right as u64 == DRIVES), "{right:?} of {DRIVES}");
+    assert!(named > 0, "no station is named");
 }
 
 #[test]

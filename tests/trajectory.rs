@@ -326,3 +326,118 @@ fn no_pose_of_the_motion_stands_where_the_readings_contradict_the_rig() {
     assert_eq!(dropped(f64::INFINITY), 0);
     assert!(dropped(0.002) > dropped(0.005) && dropped(0.005) > 0);
 }
+
+/// Bags and clouds of the same poses, read by programs of others.
+#[test]
+#[ignore = "needs the PyPI packages rosbags and mcap-ros2-support: tests/run --peers"]
+fn odometry_in_bags_is_read_by_the_peers_as_it_was_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str| {
+        let file = folder.path().join(name);
+        let mut command = resect();
+        command.arg("trajectory").arg(sample_folder("warthog")).arg("--out").arg(&file);
+        let output = command.args(["--pose-rate", "20"]).output().expect("runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        file
+    };
+    let numbers = |text: &str| -> Vec<Vec<f64>> {
+        let lines = text.lines().filter(|line| !line.starts_with('#'));
+        lines
+            .map(|line| line.split(' ').map(|field| field.parse().expect("a number")).collect())
+            .collect()
+    };
+    let tum = numbers(&std::fs::read_to_string(write("drive.tum")).expect("written"));
+    assert!(tum.len() > 5000, "more than one chunk: {}", tum.len());
+    let mut both = Vec::new();
+    for name in ["drive.bag", "drive.mcap"] {
+        let mut python = Command::new("python");
+        let output = python
+            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers/read_odometry.py"))
+            .arg(write(name))
+            .output()
+            .expect("tests/run --peers has it on the path");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let read = numbers(&String::from_utf8_lossy(&output.stdout));
+        assert_eq!(read.len(), tum.len());
+        for (read, tum) in read.iter().zip(&tum) {
+            // TUM has six decimals of a second and nine of the rest.
+            assert!(
+                read[..8].iter().zip(tum).all(|(a, b)| (a - b).abs() < 2e-6),
+                "{read:?} {tum:?}"
+            );
+            assert!((1e-8..1e-2).contains(&read[8]) && read[9].abs() < 10.0 && read[10] > 0.0);
+        }
+        both.push(read);
+    }
+    assert_eq!(both[0], both[1]);
+}
+
+/// By CloudCompare's rules a PLY has x, y, z and any number of properties called `scalar_…`, one line a vertex.
+#[test]
+fn a_cloud_has_its_time_and_sigma_as_scalar_fields() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("drive.ply");
+    let mut command = resect();
+    command.arg("trajectory").arg(sample_folder("warthog")).arg("--out").arg(&file);
+    assert!(command.output().expect("runs").status.success());
+    let text = std::fs::read_to_string(&file).expect("written");
+    let (header, body) = text.split_once("end_header\n").expect("a header");
+    let mut lines = header.lines();
+    assert_eq!((lines.next(), lines.next()), (Some("ply"), Some("format ascii 1.0")));
+    let properties: Vec<&str> =
+        header.lines().filter_map(|line| line.strip_prefix("property ")).collect();
+    assert_eq!(
+        properties,
+        [
+            "double x",
+            "double y",
+            "double z",
+            "float scalar_time_s",
+            "float scalar_sigma_mm",
+            "float scalar_sigma_mrad"
+        ]
+    );
+    let count =
+        header.lines().find_map(|line| line.strip_prefix("element vertex ")).expect("a count");
+    assert_eq!(body.lines().count().to_string(), count);
+    for line in body.lines() {
+        let numbers: Vec<f64> =
+            line.split(' ').map(|field| field.parse().expect("a number")).collect();
+        let [.., since_s, sigma_mm, sigma_mrad] = numbers[..] else { panic!("{line}") };
+        assert_eq!(numbers.len(), properties.len());
+        assert!(
+            (0.0..500.0).contains(&since_s) && (0.1..50.0).contains(&sigma_mm) && sigma_mrad > 0.0,
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn poses_are_had_at_the_readings_of_all_stations() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("drive.tum");
+    let mut command = resect();
+    command
+        .arg("trajectory")
+        .arg(sample_folder("warthog"))
+        .arg("--at-readings")
+        .arg("--out")
+        .arg(&file);
+    let output = command.output().expect("runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = std::fs::read_to_string(&file).expect("written");
+    let times_s: Vec<f64> = text
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .map(|line| line.split(' ').next().expect("a time").parse().expect("a number"))
+        .collect();
+    let deployment = Sample::Warthog.open().expect("built in");
+    // Those of station 1 stand as they are, the others where its clock had them.
+    let first: Vec<f64> = deployment.tracks[0].measurements.iter().map(|m| m.time_s).collect();
+    let found = |time_s: &&f64| times_s.iter().any(|t| (t - **time_s).abs() < 2e-6);
+    let shared = first.iter().filter(found).count();
+    assert!(3 * shared > 2 * first.len(), "{shared} of {}", first.len());
+    let all: usize = deployment.tracks.iter().map(|track| track.measurements.len()).sum();
+    assert!((all / 2..all).contains(&times_s.len()), "{} of {all}", times_s.len());
+    assert!(times_s.is_sorted());
+}

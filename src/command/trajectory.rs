@@ -17,25 +17,29 @@ use crate::deployment::file_mark::used_files;
 use crate::evaluation::vehicle::{
     Instants, LARGEST_POSE_ERROR_M, NoTrajectory, prism_by, trajectory_by,
 };
-use crate::export::trajectory as trajectory_file;
+use crate::export::trajectory::{self as trajectory_file, FileKind};
+use crate::pipeline::Triplets;
 
 #[derive(Args)]
 pub struct Arguments {
     /// Folder or file with the stations' tracks
     path: PathBuf,
-    /// File to write: TUM (timestamp tx ty tz qx qy qz qw), or CSV with covariance and velocity if it ends in .csv; TUM on
-    /// the terminal if none
+    /// File to write: TUM (timestamp tx ty tz qx qy qz qw), or by its ending .csv with covariance and velocity, .mcap or .bag
+    /// (ROS 1) with nav_msgs/Odometry, or .ply with time and σ; TUM on the terminal if none
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Leave out epochs with an inter-prism error above this (mm)
     #[arg(long, value_name = "MM", default_value_t = 1e3 * LARGEST_POSE_ERROR_M, allow_negative_numbers = true)]
     max_error: f64,
     /// Poses at even steps, so many a second, instead of at the triplets (the joint estimate only)
-    #[arg(long, value_name = "HZ", conflicts_with = "at", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", conflicts_with_all = ["at", "at_readings"], allow_negative_numbers = true)]
     pose_rate: Option<f64>,
     /// Poses at the times in the first column of this file (s; TUM, CSV), instead of at the triplets (the joint estimate only)
     #[arg(long, value_name = "FILE")]
     at: Option<PathBuf>,
+    /// Poses at the stamps of all readings, instead of at the triplets (the joint estimate only)
+    #[arg(long, conflicts_with = "at")]
+    at_readings: bool,
     /// Poses of a sensor instead of the vehicle: where its origin is in the vehicle's frame (m), its axes being parallel
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = metres)]
     lever_arm: Option<Vector3<f64>>,
@@ -57,14 +61,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Usage(line));
     }
     let times_s = arguments.at.as_deref().map(times_of).transpose()?;
-    let wanted = match (&times_s, arguments.pose_rate) {
+    let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
+    let analysis = Analyst::new(deployment.clone()).run(&settings);
+    let answer = analysis.answer.clone()?;
+    let reading_s = arguments
+        .at_readings
+        .then(|| reading_times_s(&deployment, analysis.triplets(), &answer.calibration));
+    let wanted = match (times_s.as_ref().or(reading_s.as_ref()), arguments.pose_rate) {
         (Some(times_s), _) => Instants::At(times_s),
         (None, Some(hz)) => Instants::Rate(hz),
         (None, None) => Instants::Triplets,
     };
-    let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
-    let analysis = Analyst::new(deployment.clone()).run(&settings);
-    let answer = analysis.answer.clone()?;
     if analysis.offer.targets == Targets::OnePrism {
         return one_prism(arguments, &deployment, &analysis, &answer.calibration, wanted);
     }
@@ -107,13 +114,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(file) = &arguments.out else {
         return Ok(print(&trajectory_file::tum(&trajectory, &header))?);
     };
-    let text = if is_csv(file) {
-        trajectory_file::csv(&trajectory)
-    } else {
-        trajectory_file::tum(&trajectory, &header)
-    };
+    let content = trajectory_file::file(FileKind::of(file), &trajectory, &header)
+        .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
     spare(file, used_files(&deployment))?;
-    atomic::write(file, text)?;
+    atomic::write(file, content)?;
     print(&format!(
         "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\
          frame of the poses: station 1; of the vehicle: {}\n\
@@ -165,13 +169,10 @@ fn one_prism(
     let Some(file) = &arguments.out else {
         return Ok(print(&trajectory_file::prism_tum(&positions, &header))?);
     };
+    let content = trajectory_file::prism_file(FileKind::of(file), &positions, &header)
+        .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
     spare(file, used_files(deployment))?;
-    let text = if is_csv(file) {
-        trajectory_file::prism_csv(&positions)
-    } else {
-        trajectory_file::prism_tum(&positions, &header)
-    };
-    atomic::write(file, text)?;
+    atomic::write(file, content)?;
     let sigma_m = |at: &Instant<3>| (at.position_covariance.trace() / 3.0).sqrt();
     let mut sigmas_m: Vec<f64> = positions.iter().map(sigma_m).collect();
     sigmas_m.sort_by(f64::total_cmp);
@@ -184,8 +185,25 @@ fn one_prism(
     ))?)
 }
 
-fn is_csv(file: &Path) -> bool {
-    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"))
+/// The stamps of all readings in station 1's clock, as far as the others' are estimated (s), each once.
+fn reading_times_s(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    calibration: &Calibration,
+) -> Vec<f64> {
+    let ends = triplets.time_s.first().zip(triplets.time_s.last());
+    let middle_s = ends.map_or(0.0, |(first_s, last_s)| 0.5 * (first_s + last_s));
+    let late_s = |station: usize, time_s: f64| {
+        let clock = station.checked_sub(1).and_then(|slot| Some(calibration.clocks()?[slot]));
+        clock.map_or(0.0, |clock| clock.offset_s + clock.drift * (time_s - middle_s))
+    };
+    let readings = deployment.tracks.iter().enumerate().flat_map(|(station, track)| {
+        track.measurements.iter().map(move |m| m.time_s - late_s(station, m.time_s))
+    });
+    let mut times_s: Vec<f64> = readings.collect();
+    times_s.sort_by(f64::total_cmp);
+    times_s.dedup();
+    times_s
 }
 
 /// The numbers that begin the lines of a file (s): those of TUM, CSV, or a bare list. Comments and one header are left out.

@@ -105,8 +105,8 @@ pub fn exports(state: &State) -> Vec<Action> {
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::E),
         export("Files", "Report (HTML)…", Command::SaveReportDialog)
             .hint("Verdict, transforms, residuals and data as one page"),
-        export("Files", "Trajectory (TUM)…", Command::SaveTrajectoryDialog)
-            .hint("The vehicle's poses in six degrees of freedom"),
+        export("Files", "Trajectory…", Command::SaveTrajectoryDialog)
+            .hint("The vehicle's poses in six degrees of freedom: TUM, or CSV, PLY, MCAP or a bag of ROS 1 by the file's ending"),
         export("Files", "Plotted channels (CSV)…", Command::SaveChannelsDialog)
             .hint("Every value of what the pane Channels shows"),
         export("Rerun", "Open in Rerun", Command::OpenInRerun),

@@ -14,6 +14,7 @@ use crate::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, prism_by, traje
 use crate::export;
 use crate::export::of_run;
 use crate::export::report::{self, Chapter};
+use crate::export::trajectory::FileKind;
 
 /// A line for the user, or why it failed; `None` where the user thought better of it.
 type Told = Option<Result<String, String>>;
@@ -56,10 +57,10 @@ impl State {
     }
 
     pub(super) fn save_trajectory(&mut self) {
-        let title = "Save the vehicle's trajectory (TUM)";
+        let title = "Save the vehicle's trajectory (.tum, .csv, .ply, .mcap or .bag)";
         self.save_of_analysis(title, "tum", |path, deployment, analysis| {
-            let text = trajectory_text(&deployment, &analysis)?;
-            atomic::write(path, text).map_err(|error| error.to_string())
+            let content = trajectory_file(FileKind::of(path), &deployment, &analysis)?;
+            atomic::write(path, content).map_err(|error| error.to_string())
         });
     }
 
@@ -141,7 +142,11 @@ impl State {
     }
 }
 
-fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<String, String> {
+fn trajectory_file(
+    kind: FileKind,
+    deployment: &Deployment,
+    analysis: &Analysis,
+) -> Result<Vec<u8>, String> {
     let answer = analysis.answer.as_ref().map_err(ToString::to_string)?;
     let calibration = &answer.calibration;
     let header = format!(
@@ -154,11 +159,12 @@ fn trajectory_text(deployment: &Deployment, analysis: &Analysis) -> Result<Strin
         (analysis.triplets(), analysis.offer.targets, Instants::Triplets);
     if targets == Targets::OnePrism {
         let positions = prism_by(deployment, triplets, calibration, wanted);
-        return positions
-            .map(|positions| export::trajectory::prism_tum(&positions, &header))
+        let positions = positions.map_err(|why| why.to_string())?;
+        return export::trajectory::prism_file(kind, &positions, &header)
             .map_err(|why| why.to_string());
     }
-    trajectory_by(deployment, triplets, targets, calibration, wanted, LARGEST_POSE_ERROR_M)
-        .map(|(trajectory, _)| export::trajectory::tum(&trajectory, &header))
-        .map_err(|why| why.to_string())
+    let (trajectory, _) =
+        trajectory_by(deployment, triplets, targets, calibration, wanted, LARGEST_POSE_ERROR_M)
+            .map_err(|why| why.to_string())?;
+    export::trajectory::file(kind, &trajectory, &header).map_err(|why| why.to_string())
 }

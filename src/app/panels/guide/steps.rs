@@ -110,11 +110,7 @@ pub const STEPS: [Step; 5] = [
                 "A session keeps all that is open, with settings, view and pinned results. The report is one page to keep with the \
                  run.",
             ),
-            Do(&[
-                (File, "Save session"),
-                (Export, "Report (HTML)…"),
-                (Export, "Trajectory (TUM)…"),
-            ]),
+            Do(&[(File, "Save session"), (Export, "Report (HTML)…"), (Export, "Trajectory…")]),
             Say("The same answer without a window, for scripts:"),
             Headless,
             Say(

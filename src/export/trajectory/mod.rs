@@ -1,9 +1,102 @@
-//! Trajectories for other programs: TUM (`evo` reads it), and CSV with the covariance.
+//! Trajectories for other programs: TUM (`evo` reads it), CSV with the covariance, `nav_msgs/Odometry` in bags of ROS 1 and
+//! in MCAP, and PLY.
+
+mod mcap_bag;
+mod odometry;
+mod ply;
+mod ros1_bag;
 
 use std::fmt::Write;
+use std::path::Path;
+
+use ply::PlyPoint;
 
 use crate::calibration::joint::prisms::Instant;
-use crate::evaluation::trajectory::Trajectory;
+use crate::evaluation::trajectory::{Pose, PoseSigma, Trajectory};
+
+/// What a file of a trajectory is, by the ending of its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    Tum,
+    Csv,
+    /// Points with time and σ.
+    Ply,
+    /// `nav_msgs/Odometry` of ROS 2.
+    Mcap,
+    /// `nav_msgs/Odometry` of ROS 1.
+    Ros1Bag,
+}
+
+impl FileKind {
+    /// TUM has no ending of its own.
+    pub fn of(path: &Path) -> Self {
+        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        match ending.to_str() {
+            Some("csv") => Self::Csv,
+            Some("ply") => Self::Ply,
+            Some("mcap") => Self::Mcap,
+            Some("bag") => Self::Ros1Bag,
+            _ => Self::Tum,
+        }
+    }
+}
+
+/// Why a trajectory cannot be written as a kind of file.
+#[derive(Debug, thiserror::Error)]
+pub enum Unwritable {
+    #[error(
+        "a message of odometry has an orientation, and one prism has none; write .tum, .csv or .ply"
+    )]
+    NoOrientation,
+    #[error("the MCAP cannot be made: {0}; write .bag or .csv")]
+    Mcap(#[from] ::mcap::McapError),
+}
+
+/// The content of a file of poses. The header says where they come from, in formats that have room for it.
+pub fn file(kind: FileKind, trajectory: &Trajectory, header: &str) -> Result<Vec<u8>, Unwritable> {
+    Ok(match kind {
+        FileKind::Tum => tum(trajectory, header).into_bytes(),
+        FileKind::Csv => csv(trajectory).into_bytes(),
+        FileKind::Ply => {
+            let point = |pose: &Pose| {
+                let PoseSigma { position_m, orientation_rad } = pose.sigma();
+                PlyPoint {
+                    time_s: pose.time_s,
+                    position_m: pose.position_m,
+                    sigma_m: position_m,
+                    turn_sigma_rad: Some(orientation_rad),
+                }
+            };
+            let points: Vec<PlyPoint> = trajectory.poses.iter().map(point).collect();
+            ply::ply(&points, header).into_bytes()
+        }
+        FileKind::Mcap => mcap_bag::mcap(&trajectory.poses)?,
+        FileKind::Ros1Bag => ros1_bag::ros1_bag(&trajectory.poses),
+    })
+}
+
+/// The same of the positions of one prism.
+pub fn prism_file(
+    kind: FileKind,
+    positions: &[Instant<3>],
+    header: &str,
+) -> Result<Vec<u8>, Unwritable> {
+    match kind {
+        FileKind::Tum => Ok(prism_tum(positions, header).into_bytes()),
+        FileKind::Csv => Ok(prism_csv(positions).into_bytes()),
+        FileKind::Ply => {
+            let point = |at: &Instant<3>| PlyPoint {
+                time_s: at.time_s,
+                position_m: at.position_m,
+                sigma_m: (at.position_covariance.trace() / 3.0).max(0.0).sqrt(),
+                turn_sigma_rad: None,
+            };
+            let points: Vec<PlyPoint> = positions.iter().map(point).collect();
+            Ok(ply::ply(&points, header).into_bytes())
+        }
+        FileKind::Mcap | FileKind::Ros1Bag => Err(Unwritable::NoOrientation),
+    }
+}
 
 /// `timestamp tx ty tz qx qy qz qw`, one pose a line: the format of the TUM RGB-D benchmark. The header says where the
 /// poses come from.
