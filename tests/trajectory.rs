@@ -441,3 +441,27 @@ fn poses_are_had_at_the_readings_of_all_stations() {
     assert!((all / 2..all).contains(&times_s.len()), "{} of {all}", times_s.len());
     assert!(times_s.is_sorted());
 }
+
+/// The sample's pillars are surveyed: poses in their frame are the same drive, turned and shifted, and less certain.
+#[test]
+fn poses_are_had_in_the_frame_of_the_control_points() {
+    let (here, there) = (csv_of(&[]), csv_of(&["--frame", "control-points"]));
+    assert_eq!(here.len(), there.len());
+    let between = |all: &[[f64; 5]], a: usize, b: usize| {
+        (1..4).map(|axis| (all[a][axis] - all[b][axis]).powi(2)).sum::<f64>().sqrt()
+    };
+    for index in (10..here.len()).step_by(97) {
+        let [near, far] = [&here, &there].map(|all| between(all, 0, index));
+        assert!((near - far).abs() < 1e-4, "{near} {far}");
+    }
+    assert!((here[0][1] - there[0][1]).abs() > 0.1, "it is another frame");
+    assert!(here.iter().zip(&there).all(|(here, there)| there[4] > here[4]), "and less certain");
+    let mut command = resect();
+    command.arg("trajectory").arg(sample_folder("hd2-tunnel")).args(["--frame", "control-points"]);
+    let output = command.output().expect("runs");
+    let why = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(1) && why.contains("no control point has surveyed"),
+        "{why}"
+    );
+}

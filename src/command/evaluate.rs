@@ -16,7 +16,8 @@ use crate::export::{estimates, svg};
 
 #[derive(Args)]
 pub struct Arguments {
-    /// Trajectories to judge: TUM, EuRoC, KITTI (times.txt beside it), or CSV with a header
+    /// Trajectories to judge: TUM, EuRoC, KITTI (times.txt beside it), CSV with a header, or bags with Odometry
+    /// or PoseStamped
     #[arg(required = true, value_name = "ESTIMATE")]
     trajectory: Vec<PathBuf>,
     /// Folder or file with the stations' tracks: the ground truth
@@ -73,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let mut read_estimates = Vec::new();
     for path in &arguments.trajectory {
-        read_estimates.push(read::read(path)?);
+        read_estimates.extend(read::read(path)?);
     }
     let (deployment, _) = load(&arguments.against, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use nalgebra::Vector3;
 
 use super::output::spare;
@@ -14,6 +14,7 @@ use crate::calibration::joint::prisms::Instant;
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
 use crate::deployment::file_mark::used_files;
+use crate::evaluation::site::SiteFrame;
 use crate::evaluation::vehicle::{
     Instants, LARGEST_POSE_ERROR_M, NoTrajectory, prism_by, trajectory_by,
 };
@@ -43,8 +44,17 @@ pub struct Arguments {
     /// Poses of a sensor instead of the vehicle: where its origin is in the vehicle's frame (m), its axes being parallel
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = metres)]
     lever_arm: Option<Vector3<f64>>,
+    /// The frame of the poses: station 1's, or that in which the control points were surveyed
+    #[arg(long, value_enum, default_value_t = FrameArgument::Station1)]
+    frame: FrameArgument,
     #[command(flatten)]
     settings: AnswerArguments,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FrameArgument {
+    Station1,
+    ControlPoints,
 }
 
 /// More poses a second than any sensor has stamps.
@@ -72,8 +82,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         (None, Some(hz)) => Instants::Rate(hz),
         (None, None) => Instants::Triplets,
     };
+    let site = site_frame(arguments, &deployment, &answer.calibration)?;
+    let frame_of_poses = site.as_ref().map_or("frame of station 1".to_owned(), SiteFrame::in_words);
     if analysis.offer.targets == Targets::OnePrism {
-        return one_prism(arguments, &deployment, &analysis, &answer.calibration, wanted);
+        let frame = (site.as_ref(), &*frame_of_poses);
+        return one_prism(arguments, (&deployment, &analysis), &answer.calibration, wanted, frame);
     }
     let (mut trajectory, frame) = trajectory_by(
         &deployment,
@@ -90,6 +103,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(lever_arm_m) = &arguments.lever_arm {
         trajectory.poses.iter_mut().for_each(|pose| *pose = pose.at_lever_arm(lever_arm_m));
     }
+    let mut frame_id = trajectory_file::STATION1;
+    if let Some(site) = &site {
+        trajectory.poses.iter_mut().for_each(|pose| *pose = site.pose(pose));
+        frame_id = "site";
+    }
     let of = match arguments.lever_arm {
         None => frame.in_words().to_owned(),
         Some(at) => format!("at {}, {}, {} m in: {}", at.x, at.y, at.z, frame.in_words()),
@@ -105,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let calibration = &answer.calibration;
     let header = format!(
-        "{}: frame of station 1, by {}, verdict {}; vehicle: {}",
+        "{}: {frame_of_poses}, by {}, verdict {}; vehicle: {}",
         deployment.name,
         calibration.method.in_words(),
         calibration.verdict_in_words(),
@@ -114,13 +132,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(file) = &arguments.out else {
         return Ok(print(&trajectory_file::tum(&trajectory, &header))?);
     };
-    let content = trajectory_file::file(FileKind::of(file), &trajectory, &header)
+    let content = trajectory_file::file(FileKind::of(file), &trajectory, &header, frame_id)
         .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
     spare(file, used_files(&deployment))?;
     atomic::write(file, content)?;
     print(&format!(
         "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\
-         frame of the poses: station 1; of the vehicle: {}\n\
+         poses in the {frame_of_poses}; of the vehicle: {}\n\
          by {}, verdict {}\n",
         file.display(),
         trajectory.poses.len(),
@@ -148,24 +166,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Positions of the prism that all stations follow.
 fn one_prism(
     arguments: &Arguments,
-    deployment: &Deployment,
-    analysis: &Analysis,
+    (deployment, analysis): (&Deployment, &Analysis),
     calibration: &Calibration,
     wanted: Instants<'_>,
+    (site, frame): (Option<&SiteFrame>, &str),
 ) -> Result<(), Failure> {
     if arguments.lever_arm.is_some() {
         let why =
             "one prism has no orientation, by which --lever-arm would be turned; leave it out";
         return Err(Failure::Input(anyhow::anyhow!("{}: {why}", deployment.name)));
     }
-    let positions = prism_by(deployment, analysis.triplets(), calibration, wanted)?;
+    let mut positions = prism_by(deployment, analysis.triplets(), calibration, wanted)?;
+    if let Some(site) = site {
+        positions.iter_mut().for_each(|at| *at = site.prism(at));
+    }
     if positions.is_empty() {
         let why = format!("{}: no position: all times lie outside of the drive", deployment.name);
         return Err(Failure::Input(anyhow::Error::msg(why)));
     }
     let by =
         format!("by {}, verdict {}", calibration.method.in_words(), calibration.verdict_in_words());
-    let header = format!("{}: frame of station 1, {by}", deployment.name);
+    let header = format!("{}: {frame}, {by}", deployment.name);
     let Some(file) = &arguments.out else {
         return Ok(print(&trajectory_file::prism_tum(&positions, &header))?);
     };
@@ -177,12 +198,27 @@ fn one_prism(
     let mut sigmas_m: Vec<f64> = positions.iter().map(sigma_m).collect();
     sigmas_m.sort_by(f64::total_cmp);
     Ok(print(&format!(
-        "{}: {} positions of the one prism, frame of station 1\n{by}\n\
+        "{}: {} positions of the one prism, {frame}\n{by}\n\
          typical σ, from readings, calibration and clocks: {:.1} mm\n",
         file.display(),
         positions.len(),
         1e3 * sigmas_m[sigmas_m.len() / 2],
     ))?)
+}
+
+/// The frame of the control points, if poses are wanted in it.
+fn site_frame(
+    arguments: &Arguments,
+    deployment: &Deployment,
+    calibration: &Calibration,
+) -> Result<Option<SiteFrame>, Failure> {
+    if arguments.frame == FrameArgument::Station1 {
+        return Ok(None);
+    }
+    // Where the answer is about another frame than theirs, they have no place in it.
+    let placing = calibration.placing_control_points(deployment);
+    let placing = placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
+    Ok(Some(SiteFrame::of(deployment, placing).map_err(|why| anyhow::anyhow!("{why}"))?))
 }
 
 /// The stamps of all readings in station 1's clock, as far as the others' are estimated (s), each once.

@@ -201,3 +201,30 @@ fn agrees(span: &[usize], errors: &[EpochError], other: &[EpochError]) -> bool {
 fn gap(a: &EpochError, b: &EpochError) -> f64 {
     (a.time_s - b.time_s).abs()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_station_of_both_pairs_that_are_off_is_at_fault() {
+        let triplet_s: Vec<f64> = (0..100).map(|i| 0.1 * f64::from(i)).collect();
+        // Distance errors of 1 mm, and of the pairs given 30 mm from second 4 to 6.
+        let errors = |off: [bool; 3]| {
+            off.map(|off| {
+                let error =
+                    |time_s: &f64| if off && (4.0..6.0).contains(time_s) { 30.0 } else { 1.0 };
+                triplet_s.iter().map(error).collect::<Vec<f64>>()
+            })
+        };
+        let at_fault = |off, span_s| station_at_fault(span_s, &triplet_s, &errors(off));
+        assert_eq!(at_fault([true, true, false], [4.2, 5.0]), Some(0));
+        assert_eq!(at_fault([true, false, true], [4.2, 5.0]), Some(1));
+        assert_eq!(at_fault([false, true, true], [4.2, 5.0]), Some(2));
+        // One pair alone tells no station, nor do all three, and elsewhere nothing is wrong.
+        assert_eq!(at_fault([true, false, false], [4.2, 5.0]), None);
+        assert_eq!(at_fault([true; 3], [4.2, 5.0]), None);
+        assert_eq!(at_fault([true, true, false], [8.0, 9.0]), None);
+        assert_eq!(at_fault([true, true, false], [20.0, 21.0]), None);
+    }
+}

@@ -1,30 +1,123 @@
-//! Trajectories of other systems, read from their files: TUM, EuRoC, KITTI with its times, and CSV with a header.
+//! Trajectories of other systems, read from their files: TUM, EuRoC, KITTI with its times, CSV with a header, and bags of
+//! ROS 1 and ROS 2.
 //!
 //! What a file is, is told from its lines: commas or spaces, how many numbers, and the names of the columns. Lines that begin
 //! with `#` or `%` are comments, but for one that names columns. Times above 10¹⁵ are nanoseconds.
 
-use std::path::Path;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 use super::{Estimate, EstimatedPose};
+use crate::deployment::format::Format;
+use crate::deployment::format::bag::{self, Piece, natural_key};
 use crate::deployment::{Finding, OpenError};
+use crate::progress::Progress;
 
 /// Quaternions whose length differs from one by more are wrong, and are said to be.
 const ROUNDED: f64 = 1e-2;
-const FORMATS: &str = "give TUM (time x y z qx qy qz qw), EuRoC, KITTI with times.txt, or CSV whose header names \
-                       timestamp, x, y, z and perhaps qx, qy, qz, qw";
+const FORMATS: &str = "give TUM (time x y z qx qy qz qw), EuRoC, KITTI with times.txt, CSV whose header names \
+                       timestamp, x, y, z and perhaps qx, qy, qz, qw, or a bag with Odometry or PoseStamped";
 const CORRECT: &str = "correct or delete the line";
 
-/// Reads an estimate, whatever its format is.
-pub fn read(path: &Path) -> Result<Estimate, OpenError> {
+/// Reads what is estimated in a file, whatever its format is: one trajectory, or of a bag one for each topic of poses.
+pub fn read(path: &Path) -> Result<Vec<Estimate>, OpenError> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let pieces = pieces_of_bag(path)?;
+    if !pieces.is_empty() {
+        return read_bag(path, &name, &pieces);
+    }
     let text = read_text(path)?;
     let file = path.display().to_string();
     let mut findings = Vec::new();
-    let mut poses = poses(&file, path, &text, &mut findings)?;
+    let poses = poses(&file, path, &text, &mut findings)?;
     if poses.is_empty() {
         return Err(OpenError::file(&file, "there is no pose in it", FORMATS));
     }
+    Ok(vec![put_in_order(name, path, poses, findings)])
+}
+
+/// The files of a bag, where a path is one or a folder of one; none where it is not.
+fn pieces_of_bag(path: &Path) -> Result<Vec<PathBuf>, OpenError> {
+    let io = |error| OpenError::Io { path: path.to_owned(), error };
+    let mut files = vec![path.to_owned()];
+    if path.is_dir() {
+        let entries = path.read_dir().map_err(io)?.collect::<Result<Vec<_>, _>>().map_err(io)?;
+        files =
+            entries.into_iter().map(|entry| entry.path()).filter(|file| file.is_file()).collect();
+        files.sort_by_cached_key(|file| natural_key(&file.display().to_string()));
+    }
+    let mut pieces = Vec::new();
+    for file in files {
+        // To read a pipe would wait for whoever writes to it.
+        if !file.metadata().map_err(io)?.is_file() {
+            continue;
+        }
+        let mut head = [0; 64];
+        let length =
+            std::fs::File::open(&file).and_then(|mut file| file.read(&mut head)).map_err(io)?;
+        let format = bag::recognise(&head[..length]);
+        let is_zipped = || bag::recognise_compressed(&head[..length], &file).is_some();
+        if format.is_some_and(Format::is_bag) || is_zipped() {
+            pieces.push(file);
+        }
+    }
+    Ok(pieces)
+}
+
+fn read_bag(path: &Path, name: &str, pieces: &[PathBuf]) -> Result<Vec<Estimate>, OpenError> {
+    let names: Vec<String> = pieces.iter().map(|piece| piece.display().to_string()).collect();
+    let pieces: Vec<Piece<'_>> =
+        pieces.iter().zip(&names).map(|(path, file)| Piece { path, file }).collect();
+    let (topics, findings) = bag::poses(&pieces, &Progress::default())?;
+    let file = path.display().to_string();
+    if topics.is_empty() {
+        let what = "there is no topic of nav_msgs/Odometry or geometry_msgs/PoseStamped in it";
+        return Err(OpenError::file(&file, what, FORMATS));
+    }
+    let several = topics.len() > 1;
+    let estimates = topics.into_iter().map(|topic| {
+        let name = if several { format!("{name} {}", topic.name) } else { name.to_owned() };
+        let poses = topic.poses.iter().enumerate().map(|(index, pose)| {
+            let [x, y, z, w] = pose.orientation;
+            let quaternion = Quaternion::new(w, x, y, z);
+            let numbers = pose.position_m.iter().chain(&pose.orientation);
+            let is_sound = numbers.clone().all(|number| number.is_finite());
+            // A rotation that is not told is all zeros.
+            let orientation = if quaternion.norm() == 0.0 {
+                None
+            } else if (quaternion.norm() - 1.0).abs() < ROUNDED {
+                Some(UnitQuaternion::from_quaternion(quaternion))
+            } else {
+                return Err(unsound(&file, &topic.name, index));
+            };
+            if !is_sound {
+                return Err(unsound(&file, &topic.name, index));
+            }
+            let time_s = pose.stamp_s.unwrap_or_default();
+            Ok(EstimatedPose { time_s, position_m: pose.position_m.into(), orientation })
+        });
+        let poses = poses.collect::<Result<Vec<_>, _>>()?;
+        Ok(put_in_order(name, path, poses, findings.clone()))
+    });
+    estimates.collect()
+}
+
+fn unsound(file: &str, topic: &str, index: usize) -> OpenError {
+    let what =
+        format!("message {} of {topic} has no finite numbers or no unit quaternion", index + 1);
+    OpenError::file(file, what, "leave the topic out, or record it again")
+}
+
+/// An estimate with its poses in order of time, no two at one, and what had to be done for that.
+fn put_in_order(
+    name: String,
+    path: &Path,
+    mut poses: Vec<EstimatedPose>,
+    mut findings: Vec<Finding>,
+) -> Estimate {
+    let file = path.display().to_string();
     if !poses.is_sorted_by(|a, b| a.time_s <= b.time_s) {
         findings.push(Finding::warning(format!("{file}: its times go back; sorted")));
         poses.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -46,8 +139,7 @@ pub fn read(path: &Path) -> Result<Estimate, OpenError> {
         findings.push(Finding::warning(line));
         poses.iter_mut().for_each(|pose| pose.orientation = None);
     }
-    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Estimate { name, path: path.to_owned(), poses, findings })
+    Estimate { name, path: path.to_owned(), poses, findings }
 }
 
 fn read_text(path: &Path) -> Result<String, OpenError> {
@@ -221,7 +313,7 @@ fn pose(fields: &[&str], columns: &Columns) -> Result<(EstimatedPose, f64), Stri
     let (orientation, length) = match columns.orientation {
         None => (None, 1.0),
         Some([x, y, z, w]) => {
-            let raw = nalgebra::Quaternion::new(value(w)?, value(x)?, value(y)?, value(z)?);
+            let raw = Quaternion::new(value(w)?, value(x)?, value(y)?, value(z)?);
             let length = raw.norm();
             if length < 1e-3 {
                 return Err("its quaternion is zero".to_owned());

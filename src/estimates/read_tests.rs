@@ -1,7 +1,7 @@
 use super::*;
 
 /// A file with this text; its folder lives as long as it does.
-fn file(name: &str, text: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+fn file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
     std::fs::write(&path, text).expect("written");
@@ -10,7 +10,14 @@ fn file(name: &str, text: &str) -> (tempfile::TempDir, std::path::PathBuf) {
 
 fn of(name: &str, text: &str) -> Result<Estimate, OpenError> {
     let (_folder, path) = file(name, text);
-    read(&path)
+    only(&path)
+}
+
+/// The one trajectory that there is in a file.
+fn only(path: &Path) -> Result<Estimate, OpenError> {
+    let mut all = read(path)?;
+    assert_eq!(all.len(), 1);
+    Ok(all.remove(0))
 }
 
 #[test]
@@ -59,7 +66,7 @@ fn kitti_takes_its_times_from_the_file_beside_it() {
     let why = read(&path).expect_err("no times").to_string();
     assert!(why.contains("poses_times.txt or times.txt"), "{why}");
     std::fs::write(folder.path().join("times.txt"), "10.0\n10.1\n").expect("written");
-    let estimate = read(&path).expect("with times");
+    let estimate = only(&path).expect("with times");
     let turned = estimate.poses[0].orientation.expect("turned") * Vector3::x();
     assert!((turned - Vector3::y()).norm() < 1e-12);
     assert_eq!((estimate.poses[1].time_s, estimate.poses[1].position_m.z), (10.1, 6.0));

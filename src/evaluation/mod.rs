@@ -2,6 +2,7 @@
 
 pub mod gnss;
 pub mod rig_motion;
+pub mod site;
 pub mod trajectory;
 pub mod vehicle;
 

@@ -130,8 +130,8 @@ pub enum Command {
     /// Reads trajectories of other systems and holds them against the active deployment.
     AddEstimates(Vec<PathBuf>),
     AddEstimateDialog,
-    /// Takes a trajectory away, by its file.
-    RemoveEstimate(PathBuf),
+    /// Takes a trajectory away, by its name and its file.
+    RemoveEstimate(String, PathBuf),
     /// How trajectories are brought together with the active deployment's.
     SetJudging(Options),
     /// Chooses what the pane of the trajectory plots.

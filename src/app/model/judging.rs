@@ -1,6 +1,6 @@
 //! Trajectories of other systems that are held against an open deployment.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::made::Made;
@@ -9,7 +9,7 @@ use crate::estimates::{Estimate, Judged, Judgement, Options};
 /// What was added, and what came of it.
 #[derive(Default)]
 pub struct Judging {
-    /// In the order in which they were added, no file twice.
+    /// In the order in which they were added, none twice.
     pub estimates: Vec<Arc<Estimate>>,
     pub options: Options,
     pub judgement: Made<Judgement>,
@@ -21,7 +21,8 @@ impl Judging {
     /// Adds estimates; one that was read from the same file before gives way.
     pub fn add(&mut self, estimates: Vec<Arc<Estimate>>) {
         for estimate in estimates {
-            match self.estimates.iter_mut().find(|old| old.path == estimate.path) {
+            let is_same = |old: &&mut Arc<Estimate>| is_same(old, &estimate);
+            match self.estimates.iter_mut().find(is_same) {
                 Some(old) => *old = estimate,
                 None => self.estimates.push(estimate),
             }
@@ -29,8 +30,9 @@ impl Judging {
         self.version += 1;
     }
 
-    pub fn remove(&mut self, path: &PathBuf) {
-        self.estimates.retain(|estimate| estimate.path != *path);
+    /// Takes one away, by its name and its file.
+    pub fn remove(&mut self, name: &str, path: &Path) {
+        self.estimates.retain(|estimate| estimate.path != path || estimate.name != name);
         self.version += 1;
         if self.estimates.is_empty() {
             self.judgement.clear();
@@ -42,6 +44,17 @@ impl Judging {
         self.version += 1;
     }
 
+    /// The files that they were read from, each once.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let mut files: Vec<PathBuf> = Vec::new();
+        for estimate in &self.estimates {
+            if !files.contains(&estimate.path) {
+                files.push(estimate.path.clone());
+            }
+        }
+        files
+    }
+
     /// Those that could be judged, each with its place among all that were added.
     pub fn judged(&self) -> impl Iterator<Item = (usize, &Judged)> {
         let judged = self.judgement.newest.iter().flat_map(|judgement| &judgement.judged);
@@ -50,6 +63,11 @@ impl Judging {
 
     /// The place of an estimate among all that were added; `None` once it was removed.
     pub fn place(&self, of: &Estimate) -> Option<usize> {
-        self.estimates.iter().position(|estimate| estimate.path == of.path)
+        self.estimates.iter().position(|estimate| is_same(estimate, of))
     }
+}
+
+/// A bag may hold several, which its topics name.
+fn is_same(a: &Estimate, b: &Estimate) -> bool {
+    a.path == b.path && a.name == b.name
 }

@@ -63,7 +63,7 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     let judging = &open.judging;
     if judging.estimates.is_empty() {
         ui.label(
-            "Drop trajectories of SLAM or odometry here (TUM, EuRoC, KITTI with times.txt, CSV with a header). This \
+            "Drop trajectories of SLAM or odometry here (TUM, EuRoC, KITTI with times.txt, CSV with a header), or add a bag with Odometry or PoseStamped. This \
              deployment's own trajectory is the ground truth, with its σ at each instant.",
         );
         ui.add_space(4.0);
@@ -78,7 +78,8 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
             let button = ui.small_button("×").on_hover_text(&name);
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
             if button.clicked() {
-                commands.push(Command::RemoveEstimate(estimate.path.clone()));
+                let (name, path) = (estimate.name.clone(), estimate.path.clone());
+                commands.push(Command::RemoveEstimate(name, path));
             }
         });
     }

@@ -187,7 +187,7 @@ impl State {
 
             Command::AddEstimates(paths) => self.add_estimates(paths),
             Command::AddEstimateDialog => self.add_estimate_dialog(),
-            Command::RemoveEstimate(path) => self.remove_estimate(&path),
+            Command::RemoveEstimate(name, path) => self.remove_estimate(&name, &path),
             Command::SetJudging(options) => self.set_judging(options),
             Command::PlotWay(plots) => self.way_plots = plots,
 

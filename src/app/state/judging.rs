@@ -1,6 +1,6 @@
 //! What is made beside the window of an answer: the vehicle's way, and how trajectories of other systems compare with it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::State;
@@ -71,7 +71,7 @@ impl State {
                 let mut read = Vec::new();
                 for estimate in found {
                     match estimate {
-                        Ok(estimate) => read.push(Arc::new(estimate)),
+                        Ok(estimates) => read.extend(estimates.into_iter().map(Arc::new)),
                         Err(why) => state.toasts.error(&why.to_string()),
                     }
                 }
@@ -93,9 +93,9 @@ impl State {
         self.looking.push(number);
     }
 
-    pub(super) fn remove_estimate(&mut self, path: &PathBuf) {
+    pub(super) fn remove_estimate(&mut self, name: &str, path: &Path) {
         if let Some(open) = self.open.get_mut(self.active) {
-            open.judging.remove(path);
+            open.judging.remove(name, path);
         }
     }
 
@@ -107,7 +107,7 @@ impl State {
 
     pub(super) fn add_estimate_dialog(&mut self) {
         let Some(id) = self.active().map(|open| open.id) else { return };
-        let title = "Choose a trajectory to judge (TUM, EuRoC, KITTI, CSV)";
+        let title = "Choose a trajectory to judge (TUM, EuRoC, KITTI, CSV, bag)";
         let answer = self.ask(Question::new(title, Wanted::ToOpen { folder: false }));
         self.jobs.start_unnumbered(
             move || answer.wait(),

@@ -14,7 +14,7 @@ use crate::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, prism_by, traje
 use crate::export;
 use crate::export::of_run;
 use crate::export::report::{self, Chapter};
-use crate::export::trajectory::FileKind;
+use crate::export::trajectory::{FileKind, STATION1};
 
 /// A line for the user, or why it failed; `None` where the user thought better of it.
 type Told = Option<Result<String, String>>;
@@ -166,5 +166,5 @@ fn trajectory_file(
     let (trajectory, _) =
         trajectory_by(deployment, triplets, targets, calibration, wanted, LARGEST_POSE_ERROR_M)
             .map_err(|why| why.to_string())?;
-    export::trajectory::file(kind, &trajectory, &header).map_err(|why| why.to_string())
+    export::trajectory::file(kind, &trajectory, &header, STATION1).map_err(|why| why.to_string())
 }

@@ -9,7 +9,7 @@ use mcap::{McapError, WriteOptions};
 use super::odometry::{TOPIC, ros2_definition, ros2_message, stamp};
 use crate::evaluation::trajectory::Pose;
 
-pub fn mcap(poses: &[Pose]) -> Result<Vec<u8>, McapError> {
+pub fn mcap(poses: &[Pose], frame_id: &str) -> Result<Vec<u8>, McapError> {
     let mut bytes = Cursor::new(Vec::new());
     let options = WriteOptions::new().compression(None).profile("ros2").library("resect");
     let mut writer = options.create(&mut bytes)?;
@@ -20,7 +20,7 @@ pub fn mcap(poses: &[Pose]) -> Result<Vec<u8>, McapError> {
         let [seconds, nanoseconds] = stamp(pose.time_s).map(u64::from);
         let log_time = 1_000_000_000 * seconds + nanoseconds;
         let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
-        writer.write_to_known_channel(&header, &ros2_message(pose))?;
+        writer.write_to_known_channel(&header, &ros2_message(pose, frame_id))?;
     }
     writer.finish()?;
     drop(writer);

@@ -52,8 +52,17 @@ pub enum Unwritable {
     Mcap(#[from] ::mcap::McapError),
 }
 
-/// The content of a file of poses. The header says where they come from, in formats that have room for it.
-pub fn file(kind: FileKind, trajectory: &Trajectory, header: &str) -> Result<Vec<u8>, Unwritable> {
+/// The frame of poses that were not brought elsewhere, as messages name it.
+pub const STATION1: &str = "station1";
+
+/// The content of a file of poses in the frame of this name. The header says where they come from, in formats that have room
+/// for it.
+pub fn file(
+    kind: FileKind,
+    trajectory: &Trajectory,
+    header: &str,
+    frame_id: &str,
+) -> Result<Vec<u8>, Unwritable> {
     Ok(match kind {
         FileKind::Tum => tum(trajectory, header).into_bytes(),
         FileKind::Csv => csv(trajectory).into_bytes(),
@@ -70,8 +79,8 @@ pub fn file(kind: FileKind, trajectory: &Trajectory, header: &str) -> Result<Vec
             let points: Vec<PlyPoint> = trajectory.poses.iter().map(point).collect();
             ply::ply(&points, header).into_bytes()
         }
-        FileKind::Mcap => mcap_bag::mcap(&trajectory.poses)?,
-        FileKind::Ros1Bag => ros1_bag::ros1_bag(&trajectory.poses),
+        FileKind::Mcap => mcap_bag::mcap(&trajectory.poses, frame_id)?,
+        FileKind::Ros1Bag => ros1_bag::ros1_bag(&trajectory.poses, frame_id),
     })
 }
 

@@ -5,7 +5,6 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 use crate::evaluation::trajectory::{Pose, Twist};
 
 pub const TOPIC: &str = "/resect/odometry";
-const FRAME: &str = "station1";
 const CHILD_FRAME: &str = "vehicle";
 /// What genmsg makes of the definition below: by it ROS 1 knows that both sides mean the same.
 pub const ROS1_MD5: &str = "cd5e73d190d741a2f92e81eda573aca7";
@@ -44,15 +43,19 @@ pub fn ros2_definition() -> String {
 
 /// A time as ROS writes it: whole seconds, and nanoseconds beyond.
 pub fn stamp(time_s: f64) -> [u32; 2] {
-    let nanoseconds = (time_s.max(0.0) * 1e9).round() as u64;
-    [(nanoseconds / 1_000_000_000) as u32, (nanoseconds % 1_000_000_000) as u32]
+    // Nanoseconds of today have more digits than a number in double precision.
+    let seconds = time_s.max(0.0).floor();
+    match ((time_s - seconds) * 1e9).round() as u32 {
+        1_000_000_000 => [seconds as u32 + 1, 0],
+        nanoseconds => [seconds as u32, nanoseconds],
+    }
 }
 
 /// One pose in ROS 1's encoding; `number` counts the messages.
-pub fn ros1_message(pose: &Pose, number: u32) -> Vec<u8> {
+pub fn ros1_message(pose: &Pose, frame_id: &str, number: u32) -> Vec<u8> {
     let mut bytes = number.to_le_bytes().to_vec();
     stamp(pose.time_s).iter().for_each(|part| bytes.extend(part.to_le_bytes()));
-    for frame in [FRAME, CHILD_FRAME] {
+    for frame in [frame_id, CHILD_FRAME] {
         bytes.extend((frame.len() as u32).to_le_bytes());
         bytes.extend(frame.bytes());
     }
@@ -62,10 +65,10 @@ pub fn ros1_message(pose: &Pose, number: u32) -> Vec<u8> {
 
 /// One pose as CDR, little-endian (OMG DDS-XTypes 1.3, section 7.4): numbers stand at multiples of their size, counted from
 /// behind the four bytes that say how it is encoded.
-pub fn ros2_message(pose: &Pose) -> Vec<u8> {
+pub fn ros2_message(pose: &Pose, frame_id: &str) -> Vec<u8> {
     let mut bytes = Vec::new();
     stamp(pose.time_s).iter().for_each(|part| bytes.extend(part.to_le_bytes()));
-    for frame in [FRAME, CHILD_FRAME] {
+    for frame in [frame_id, CHILD_FRAME] {
         bytes.resize(bytes.len().next_multiple_of(4), 0);
         bytes.extend((frame.len() as u32 + 1).to_le_bytes());
         bytes.extend(frame.bytes());
@@ -76,7 +79,7 @@ pub fn ros2_message(pose: &Pose) -> Vec<u8> {
     [&[0, 1, 0, 0][..], &bytes].concat()
 }
 
-/// Pose and twist with their covariances, in the order of the message. The pose is in the frame of station 1, rotations about
+/// Pose and twist with their covariances, in the order of the message. The pose is in the frame that the header names, rotations about
 /// its fixed axes; the twist is in the vehicle's own frame, as ROS wants it.
 fn numbers(pose: &Pose) -> Vec<f64> {
     let (t, q) = (&pose.position_m, pose.orientation.quaternion());
@@ -139,7 +142,7 @@ mod tests {
         let close = |index: usize, value: f64| (numbers[index] - value).abs() < 1e-12;
         assert!(close(43, 2.0) && close(44, 0.0) && close(48, 0.5));
         assert!(close(49, 4.0) && close(49 + 7, 1.0), "variances are turned along");
-        let bytes = ros2_message(&pose);
+        let bytes = ros2_message(&pose, "station1");
         // Eight bytes of stamp, 4 + 9 of the one name, 3 of room, 4 + 8 of the other, 4 of room.
         assert_eq!(bytes.len(), 4 + 40 + 8 * numbers.len());
         assert_eq!(bytes[44..52], 1.0_f64.to_le_bytes());

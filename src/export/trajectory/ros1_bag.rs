@@ -15,7 +15,7 @@ const PIECE: u8 = 5;
 const PIECE_INFO: u8 = 6;
 const CONNECTION: u8 = 7;
 
-pub fn ros1_bag(poses: &[Pose]) -> Vec<u8> {
+pub fn ros1_bag(poses: &[Pose], frame_id: &str) -> Vec<u8> {
     let mut bag = b"#ROSBAG V2.0\n".to_vec();
     let first = bag.len();
     bag.resize(first + FIRST_RECORD, b' ');
@@ -28,7 +28,7 @@ pub fn ros1_bag(poses: &[Pose]) -> Vec<u8> {
             let time = time(pose);
             index_data.extend([&time[..], &(data.len() as u32).to_le_bytes()].concat());
             let header = fields(MESSAGE, &[("conn", &0_u32.to_le_bytes()), ("time", &time)]);
-            let message = ros1_message(pose, (CHUNK * index + number) as u32);
+            let message = ros1_message(pose, frame_id, (CHUNK * index + number) as u32);
             record(&header, &message, &mut data);
         }
         let size = (data.len() as u32).to_le_bytes();

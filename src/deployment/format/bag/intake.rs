@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::OpenError;
 use super::inflate::{self, ZSTD_MAGIC};
-use super::messages::{Coords, Kind, Message, Point, decode, short_type};
+use super::messages::{Coords, Kind, Message, Point, StampedPose, decode, short_type};
 use super::wire::Encoding;
 use crate::deployment::station_clocks::Arrivals;
 use crate::deployment::{Finding, Measurement, RawRecord, Recording, TimeCorrection};
@@ -69,6 +69,8 @@ pub struct Intake<'a> {
     pub(super) without_any_time: [u64; 3],
     pub(super) arrivals: Arrivals,
     inflated: Vec<u8>,
+    /// The poses of each topic, by its index, where poses are wanted and not readings.
+    pub(super) poses: Option<Vec<Vec<StampedPose>>>,
 }
 
 impl<'a> Intake<'a> {
@@ -94,7 +96,13 @@ impl<'a> Intake<'a> {
             without_any_time: [0; 3],
             arrivals: Arrivals::default(),
             inflated: Vec::new(),
+            poses: None,
         }
+    }
+
+    /// Takes in poses of other systems, and no readings.
+    pub fn of_poses(into: &'a mut Recording, progress: &'a Progress) -> Self {
+        Self { poses: Some(Vec::new()), ..Self::new(into, None, progress) }
     }
 
     pub fn begin_file(&mut self, file: &str, bytes: u64) {
@@ -134,6 +142,7 @@ impl<'a> Intake<'a> {
         encoding: Encoding,
     ) -> Option<Subscription> {
         let kind = Kind::of_type(message_type);
+        let kind = kind.filter(|kind| kind.is_pose() == self.poses.is_some());
         let known = self.topics.iter().position(|t| t.name == name && t.kind == kind);
         if known.is_none() && self.topics.len() >= MOST_TOPICS {
             return None;
@@ -189,6 +198,14 @@ impl<'a> Intake<'a> {
             Ok(Message::Point(point)) => {
                 if let Some(station) = self.topics[topic].station {
                     self.point(station, &point, recorded_s);
+                }
+            }
+            Ok(Message::Pose(pose)) => {
+                if let Some(poses) = &mut self.poses {
+                    poses.resize_with(poses.len().max(topic + 1), Vec::new);
+                    // Who sets no stamp is taken at the time of the recorder, as readings are.
+                    let stamp_s = pose.stamp_s.or(Some(recorded_s));
+                    poses[topic].push(StampedPose { stamp_s, ..pose });
                 }
             }
             Err(why) => self.malformed(topic, &why),

@@ -10,6 +10,9 @@
 //!   the point arrives; `date` and `sensor_time` are the instrument's own, as text in a form that depends on its settings and
 //!   without a zone. The header is the one that stations share, so it is the time that is read.
 //!
+//! - `nav_msgs/Odometry`: `Header header; string child_frame_id`, then as `geometry_msgs/PoseStamped`: `Header header; float64 x, y, z;
+//!   float64 qx, qy, qz, qw`, and `PoseWithCovarianceStamped` begins so too. They are trajectories of other systems, and no readings.
+//!
 //! Time corrections and Leica points could not be tried on a real recording, only on messages written to these definitions.
 
 use super::wire::{Encoding, Malformed, Wire};
@@ -21,6 +24,8 @@ pub enum Kind {
     TimeCorrection,
     Point,
     LeicaPoint,
+    PoseStamped,
+    Odometry,
 }
 
 /// The type of the authors' readings, as ROS 1 calls it.
@@ -37,6 +42,10 @@ impl Kind {
             "leica_streaming_msgs/LeicaPoint" | "leica_streaming_app/LeicaPoint" => {
                 Some(Self::LeicaPoint)
             }
+            "geometry_msgs/PoseStamped" | "geometry_msgs/PoseWithCovarianceStamped" => {
+                Some(Self::PoseStamped)
+            }
+            "nav_msgs/Odometry" => Some(Self::Odometry),
             _ => None,
         }
     }
@@ -44,6 +53,11 @@ impl Kind {
     /// Whether its messages are positions that do not name their station.
     pub fn is_position(self) -> bool {
         matches!(self, Self::Point | Self::LeicaPoint)
+    }
+
+    /// Whether its messages are poses that another system estimated.
+    pub fn is_pose(self) -> bool {
+        matches!(self, Self::PoseStamped | Self::Odometry)
     }
 }
 
@@ -58,6 +72,16 @@ pub enum Message {
     Coords(Coords),
     Correction(Correction),
     Point(Point),
+    Pose(StampedPose),
+}
+
+/// A pose of another system.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StampedPose {
+    pub stamp_s: Option<f64>,
+    pub position_m: [f64; 3],
+    /// x, y, z, w.
+    pub orientation: [f64; 4],
 }
 
 /// A reading of a station, or its word that there is none.
@@ -113,6 +137,14 @@ pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message,
         Kind::LeicaPoint => {
             wire.string()?;
             Message::Point(Point { stamp_s, position_m: position_m(&mut wire)? })
+        }
+        Kind::PoseStamped | Kind::Odometry => {
+            if kind == Kind::Odometry {
+                wire.string()?;
+            }
+            let position_m = position_m(&mut wire)?;
+            let orientation = [wire.f64()?, wire.f64()?, wire.f64()?, wire.f64()?];
+            Message::Pose(StampedPose { stamp_s, position_m, orientation })
         }
     })
 }

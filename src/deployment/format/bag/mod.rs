@@ -31,8 +31,9 @@ use self::container::Positioned;
 use self::inflate::Budget;
 use self::intake::Intake;
 pub use self::intake::natural_key;
+use self::messages::StampedPose;
 use super::{Format, OpenError};
-use crate::deployment::Recording;
+use crate::deployment::{Finding, Recording};
 use crate::progress::Progress;
 
 /// One file of a recording: where it lies, and what it is called in findings.
@@ -94,6 +95,34 @@ pub fn read(
         intake.end_file()?;
     }
     intake.finish()
+}
+
+/// The poses of one topic of a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseTopic {
+    pub name: String,
+    /// In the order of the recording, each with a stamp.
+    pub poses: Vec<StampedPose>,
+}
+
+/// The poses of other systems (`nav_msgs/Odometry`, `PoseStamped`) in one recording, by topic, and what was lost on the way.
+pub fn poses(
+    pieces: &[Piece<'_>],
+    progress: &Progress,
+) -> Result<(Vec<PoseTopic>, Vec<Finding>), OpenError> {
+    let mut unused = Recording::default();
+    let mut intake = Intake::of_poses(&mut unused, progress);
+    for piece in pieces {
+        read_piece(piece, 0, &mut intake)?;
+        intake.end_file()?;
+    }
+    let poses = intake.poses.take().unwrap_or_default();
+    let names: Vec<String> = intake.topics.iter().map(|topic| topic.name.clone()).collect();
+    drop(intake);
+    let topics = names.into_iter().zip(poses).map(|(name, poses)| PoseTopic { name, poses });
+    let mut topics: Vec<PoseTopic> = topics.filter(|topic| !topic.poses.is_empty()).collect();
+    topics.sort_by_cached_key(|topic| natural_key(&topic.name));
+    Ok((topics, unused.findings))
 }
 
 /// When the first and the last of the messages that are read were recorded (s, the recorder's clock); `None` where there is none.

@@ -106,6 +106,19 @@ impl Intake<'_> {
                 "copy it again from where it was recorded, or record it again",
             );
         }
+        let poses: Vec<&str> = self
+            .topics
+            .iter()
+            .filter(|topic| Kind::of_type(&topic.message_type).is_some_and(Kind::is_pose))
+            .map(|topic| topic.name.as_str())
+            .collect();
+        if !poses.is_empty() {
+            return OpenError::file(
+                &file,
+                format!("no readings of stations in it, but poses ({})", poses.join(", ")),
+                "judge it as a trajectory: `resect evaluate`, in the window File > Judge a trajectory…",
+            );
+        }
         let mut others: Vec<_> =
             self.topics.iter().map(|t| format!("{} ({})", t.name, t.message_type)).collect();
         let more = others.len().saturating_sub(5);
