@@ -33,7 +33,7 @@
 //! | [`deployment`] | the data model; `format/` has a file a format, and one for the bags (`bag/`), damage in them included | a reader: a file in `format/`, a variant of `Format` and a line in `recognise` (`format/mod.rs`), its part in `open/`; what a finding may advise: `remedy.rs` (any room makes findings) |
 //! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field of `pipeline/settings.rs`, which `staged.rs` compares to see from which stage to run again, tested in `outlier_filter.rs` or `interval_filter.rs`; an interpolation: a file in `interpolation/`, a variant of its `Interpolation` |
 //! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and what checked it | a better estimate of D: a file in `inter_prism/`; an unknown of the joint estimate: its index in `joint/unknowns.rs`; how large an error of instruments or clocks usually is, noise among them: `calibration/instrument.rs`; where the prisms are between readings, with covariance: `joint/prisms.rs`; the verdict's words: `verdict.rs`, its reasons: `checks.rs` and the files called `diagnosis` and `in_words` |
-//! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | poses: from the joint estimate's motion in `rig_motion.rs`, of a triplet by itself in `trajectory.rs`; which of the two, when and in which frame: `vehicle.rs` |
+//! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | poses: from the joint estimate's motion in `rig_motion.rs`, of a triplet by itself in `trajectory.rs`; which of the two, when and in which frame of the vehicle: `vehicle.rs`; the frame of the control points: `site.rs` |
 //! | [`analysis`] | settings, and the one path | |
 //! | [`validation`] | whether a calibration holds for another run, and which station moved | |
 //! | [`estimates`] | trajectories of other systems (SLAM, odometry) held against a deployment's: evo's errors, each beside the ground truth's own σ, which is better, who is the odd one out | a format: a function in `read.rs`; a metric: `metrics.rs` |
@@ -42,7 +42,7 @@
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |
 //! | [`font`] | the one font | |
 //! | [`glossary`] | the words of the field, explained | a term: a line in `terms.rs` |
-//! | [`export`] | JSON, text, CSV, TUM, HTML, SVG, PNG, Rerun | a writer; a field of `calibrate --json`: `json.rs`, read again by `json/earlier.rs` |
+//! | [`export`] | JSON, text, CSV, TUM, PLY, bags, HTML, SVG, PNG, Rerun | a writer; of trajectories: a file in `trajectory/`, a variant of its `FileKind`; a field of `calibrate --json`: `json.rs`, read again by `json/earlier.rs` |
 //! | [`app`] | the window; knows egui | a pane: a function in `panels/` or `plots/`, an arm in `model/pane.rs` and `window.rs`; one more series over time: a channel in `prepared/channels.rs`; an entry of a menu, with its key: a line in `actions/` |
 //! | [`command`] | the command line; prints | a subcommand: a file with its flags, and an arm in `mod.rs`; tables and files that it writes come from `export` |
 //!

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use resect::app::{Aspect, Command, Pane, Visibility, WayPlots};
+use resect::app::{Aspect, Command, Pane, ViewPreset, Visibility, WayPlots};
 use resect::calibration::Method;
 use resect::estimates::{Alignment, Options};
 use resect::evaluation::trajectory::Trajectory;
@@ -163,4 +163,16 @@ fn what_cannot_be_judged_says_why() {
     send(&mut harness, Command::OpenPaths(vec![elsewhere]));
     settle(&mut harness);
     harness.get_by_label_contains("not judged: elsewhere: ");
+}
+
+/// The tube is made when it is asked for, and is as wide as the user has ellipsoids drawn.
+#[test]
+fn a_tube_tells_how_well_the_way_is_known() {
+    let mut harness = window(LARGE, Theme::Dark);
+    assert!(shown(&harness).way.newest.is_none(), "nobody looks at it");
+    click(&mut harness, "Show the tube of the vehicle");
+    assert!(harness.state().state.visibility.tube);
+    assert!(shown(&harness).way.newest.is_some());
+    send(&mut harness, Command::Look(ViewPreset::Top));
+    snapshot_of(&mut harness, Part::Pane(Pane::Scene), "tube-dark");
 }

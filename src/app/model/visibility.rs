@@ -20,6 +20,8 @@ pub struct Visibility {
     pub residuals: bool,
     /// The vehicle's frame along the track.
     pub poses: bool,
+    /// How well the vehicle's way is known: a tube about it.
+    pub tube: bool,
     /// Trajectories of other systems.
     pub estimates: bool,
     /// What the interpolation states about its own error: ellipsoids in the scene, bands in the plot.
@@ -43,6 +45,8 @@ impl Default for Visibility {
             control_points: true,
             residuals: true,
             poses: true,
+            // It is made for who asks for it.
+            tube: false,
             estimates: true,
             uncertainty: true,
             station_ellipsoids: true,

@@ -1,6 +1,6 @@
 //! The vehicle's way as its plots show it: where it was, how it was turned and how fast, each with σ.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::analysis::Analysis;
 use crate::calibration::{Estimate, Targets};
@@ -30,9 +30,7 @@ pub struct Way {
 pub struct Instant {
     pub time_s: f64,
     pub position_m: Vector3<f64>,
-    /// σ of the height, and the root of the mean variance of the three axes (m).
-    pub height_sigma_m: f64,
-    pub position_sigma_m: f64,
+    pub position_covariance_m2: Matrix3<f64>,
     pub speed_m_per_s: Option<Estimate>,
     pub attitude: Option<Attitude>,
     /// Root of the mean variance of the three axes (rad).
@@ -101,12 +99,17 @@ impl Aspect {
     pub fn of(self, at: &Instant) -> Option<Estimate> {
         let exact = |value: f64| Estimate { value, sigma: 0.0 };
         match self {
-            Self::Height => Some(Estimate { value: at.position_m.z, sigma: at.height_sigma_m }),
+            Self::Height => {
+                let sigma = at.position_covariance_m2[(2, 2)].max(0.0).sqrt();
+                Some(Estimate { value: at.position_m.z, sigma })
+            }
             Self::Speed => at.speed_m_per_s,
             Self::Heading => at.attitude.map(|attitude| attitude.yaw_rad),
             Self::Roll => at.attitude.map(|attitude| attitude.roll_rad),
             Self::Pitch => at.attitude.map(|attitude| attitude.pitch_rad),
-            Self::PositionSigma => Some(exact(at.position_sigma_m)),
+            Self::PositionSigma => {
+                Some(exact((at.position_covariance_m2.trace() / 3.0).max(0.0).sqrt()))
+            }
             Self::TurnSigma => at.turn_sigma_rad.map(exact),
         }
     }
@@ -141,8 +144,7 @@ impl Way {
                 let instants = found.iter().map(|at| Instant {
                     time_s: at.time_s,
                     position_m: at.position_m,
-                    height_sigma_m: at.position_covariance[(2, 2)].sqrt(),
-                    position_sigma_m: (at.position_covariance.trace() / 3.0).sqrt(),
+                    position_covariance_m2: at.position_covariance,
                     speed_m_per_s: Some(speed_of(&at.velocity_m_per_s, &at.velocity_covariance)),
                     attitude: None,
                     turn_sigma_rad: None,
@@ -186,15 +188,13 @@ impl Way {
 
 impl Instant {
     fn of(pose: &Pose) -> Self {
-        let sigma = pose.sigma();
         Self {
             time_s: pose.time_s,
             position_m: pose.position_m,
-            height_sigma_m: pose.covariance[(2, 2)].max(0.0).sqrt(),
-            position_sigma_m: sigma.position_m,
+            position_covariance_m2: pose.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
             speed_m_per_s: pose.speed_m_per_s(),
             attitude: Some(pose.attitude()),
-            turn_sigma_rad: Some(sigma.orientation_rad),
+            turn_sigma_rad: Some(pose.sigma().orientation_rad),
         }
     }
 }

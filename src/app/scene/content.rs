@@ -37,6 +37,8 @@ pub struct SceneContent {
     /// The vehicle along its way.
     pub(super) poses: Vec<Pose>,
     pub along: Layer,
+    /// How well the vehicle's way is known.
+    pub tube: Layer,
     /// Trajectories of other systems, coloured by their errors.
     pub estimates: Layer,
     /// The error at the end of their colours (m); `None` where there are none.

@@ -252,6 +252,12 @@ fn of_what_is_known(analysis: &Analysis, visibility: &Visibility, faint: Color32
         let toggled = Visibility { uncertainty: !shown, ..*visibility };
         push(faint, "ellipsoids of tracks, 2 σ", "Show ellipsoids of tracks", shown, toggled);
     }
+    if calibration.is_some_and(|calibration| calibration.joint().is_some()) {
+        let shown = visibility.tube;
+        let toggled = Visibility { tube: !shown, ..*visibility };
+        let colour = theme::rgb(palette::METRICS[0]);
+        push(colour, "tube of the vehicle, 95 %", "Show the tube of the vehicle", shown, toggled);
+    }
     let observed = calibration.and_then(|calibration| calibration.inter_prism());
     if let Some(observed) = observed.map(|details| &details.observability) {
         let shown = visibility.weak_directions;

@@ -43,6 +43,7 @@ mod station_uncertainty;
 mod strip;
 mod strip_text;
 mod trail;
+mod tube;
 mod under_pointer;
 mod vertices;
 mod view;

@@ -7,6 +7,7 @@ use super::trail::Trail;
 use super::view::{Built, SceneView};
 use crate::app::model::{View, ViewPreset};
 use crate::app::prepared::time_origin_s;
+use crate::app::prepared::way::Way;
 use crate::app::state::State;
 use crate::app::theme;
 
@@ -18,7 +19,7 @@ impl SceneView {
             if self.built.take().is_some() {
                 self.content = SceneContent::default();
                 (self.coloured, self.cursor, self.hover) = (None, None, None);
-                self.judgement = None;
+                (self.judgement, self.tube) = (None, None);
             }
             return;
         };
@@ -49,6 +50,16 @@ impl SceneView {
         if self.coloured != wanted {
             self.content.colour(&open.deployment, analysis, state.colouring);
             self.coloured = wanted;
+        }
+        let way = open.way.newest.clone().filter(|_| state.visibility.tube);
+        let wanted = way.map(|way| (way, state.scene.ellipsoid_scale));
+        let of = |tube: &Option<(Arc<Way>, u32)>| {
+            tube.as_ref().map(|(way, scale)| (Arc::as_ptr(way), *scale))
+        };
+        if of(&self.tube) != of(&wanted) {
+            let way = wanted.as_ref().map(|(way, _)| &**way);
+            self.content.set_tube(way, f64::from(state.scene.ellipsoid_scale));
+            self.tube = wanted;
         }
         let wanted = open.judging.judgement.newest.clone().filter(|_| state.visibility.estimates);
         if self.judgement.as_ref().map(Arc::as_ptr) != wanted.as_ref().map(Arc::as_ptr) {

@@ -250,10 +250,11 @@ impl SceneRenderer {
 }
 
 /// The layers in the order they are drawn.
-fn layers(content: &SceneContent) -> [&Layer; 7] {
+fn layers(content: &SceneContent) -> [&Layer; 8] {
     [
         &content.ground,
         &content.along,
+        &content.tube,
         &content.estimates,
         &content.data,
         &content.hover,

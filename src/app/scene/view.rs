@@ -15,6 +15,7 @@ use crate::app::model::{
     Camera, Colouring, Command, Commands, Frame, Look, OpenDeployment, Picked, SceneOptions, View,
     ViewPreset, Visibility,
 };
+use crate::app::prepared::way::Way;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::estimates::Judgement;
@@ -34,6 +35,8 @@ pub struct SceneView {
     pub(super) coloured: Option<(u64, u64, Colouring)>,
     pub(super) cursor: Option<(u64, f64)>,
     pub(super) hover: Option<(u64, usize)>,
+    /// What the tube is drawn of, and how much wider than true.
+    pub(super) tube: Option<(Arc<Way>, u32)>,
     /// What the trajectories of other systems are drawn of.
     pub(super) judgement: Option<Arc<Judgement>>,
     place: Option<Rect>,
@@ -63,6 +66,7 @@ impl SceneView {
             place: None,
             hover: None,
             judgement: None,
+            tube: None,
             controls_size: Vec2::ZERO,
         }
     }

@@ -12,7 +12,8 @@ use crate::estimates::{Estimate, Judgement, Options, judge, read};
 impl State {
     /// Starts what is to be made anew for those who look at it; to be called in every frame.
     pub(super) fn make_what_is_looked_at(&mut self) {
-        let shows_way = self.layout.place(Pane::Trajectory).is_some();
+        let shows_tube = self.visibility.tube && self.layout.place(Pane::Scene).is_some();
+        let shows_way = shows_tube || self.layout.place(Pane::Trajectory).is_some();
         let Some(open) = self.open.get_mut(self.active).filter(|open| open.analysing.is_none())
         else {
             return;
