@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use resect::app::{Aspect, Command, Pane, ViewPreset, Visibility, WayPlots};
+use resect::app::{Aspect, Command, Pane, Visibility, WayPlots};
 use resect::calibration::Method;
 use resect::estimates::{Alignment, Options};
 use resect::evaluation::trajectory::Trajectory;
@@ -173,6 +173,13 @@ fn a_tube_tells_how_well_the_way_is_known() {
     click(&mut harness, "Show the tube of the vehicle");
     assert!(harness.state().state.visibility.tube);
     assert!(shown(&harness).way.newest.is_some());
-    send(&mut harness, Command::Look(ViewPreset::Top));
+    let alone = Visibility {
+        raw: false,
+        tracks: false,
+        poses: false,
+        control_points: false,
+        ..harness.state().state.visibility
+    };
+    send(&mut harness, Command::Show(alone));
     snapshot_of(&mut harness, Part::Pane(Pane::Scene), "tube-dark");
 }

@@ -84,9 +84,9 @@ impl Visibility {
         self
     }
 
-    /// Shows everything in the scene; the plots keep their pairs.
+    /// Shows everything in the scene; the plots keep their pairs, and a tube is there for who asks for it.
     pub fn with_the_whole_scene(self) -> Self {
-        Self { pairs: self.pairs, ..Self::default() }
+        Self { pairs: self.pairs, tube: self.tube, ..Self::default() }
     }
 }
 
