@@ -6,9 +6,12 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use common::{of_field, sample_folder};
-use resect::analysis::Settings;
+use resect::analysis::{Analysis, Settings};
 use resect::deployment::file_mark::FileMark;
-use resect::deployment::{Finding, Sample};
+use resect::deployment::{Deployment, Finding, Sample};
+use resect::estimates::{Estimate, EstimatedPose, Judgement, Options, judge};
+use resect::evaluation::trajectory::Pose;
+use resect::evaluation::vehicle::{Instants, trajectory_by};
 use resect::export::report::{Chapter, page};
 use resvg::usvg::roxmltree::{Document, Node};
 use sha2::Digest;
@@ -199,6 +202,20 @@ fn files_that_flags_put_aside_are_not_called_used() {
     assert_eq!(fate(text(&gcp)), "used");
 }
 
+/// The deployment's own poses, as another system might have them.
+fn own_poses(deployment: &Deployment, analysis: &Analysis) -> Vec<EstimatedPose> {
+    let calibration = &analysis.answer.as_ref().expect("an answer").calibration;
+    let (triplets, targets) = (analysis.triplets(), analysis.offer.targets);
+    let wanted = Instants::Rate(2.0);
+    let found = trajectory_by(deployment, triplets, targets, calibration, wanted, f64::INFINITY);
+    let pose = |pose: &Pose| EstimatedPose {
+        time_s: pose.time_s,
+        position_m: pose.position_m,
+        orientation: Some(pose.orientation),
+    };
+    found.expect("poses").0.poses.iter().map(pose).collect()
+}
+
 #[test]
 fn no_name_can_break_the_page() {
     let hostile = "<script>alert(\"x\")</script>&amp;' ]]> --> \u{1b}[31m \u{0}\u{202e}";
@@ -210,7 +227,20 @@ fn no_name_can_break_the_page() {
     let analysis = Box::new(common::analyse(&deployment, &Settings::default()));
     let unopened = Chapter::Unopened { path: hostile.to_owned(), error: hostile.to_owned() };
     let files = vec![FileMark { path: hostile.into(), bytes: 1, sha256: hostile.to_owned() }];
-    let chapter = Chapter::Analysed { deployment: deployment.into(), analysis, files };
+    let mut estimate = Estimate {
+        name: hostile.to_owned(),
+        path: hostile.into(),
+        poses: Vec::new(),
+        findings: Vec::new(),
+    };
+    let few = judge(&deployment, &analysis, vec![estimate.clone()], &Options::default());
+    assert_eq!(few.unjudged.len(), 1);
+    estimate.poses = own_poses(&deployment, &analysis);
+    let all = vec![estimate.clone(), estimate];
+    let judgement = judge(&deployment, &analysis, all, &Options::default());
+    assert_eq!(judgement.judged.len(), 2);
+    let judgement = Some(Judgement { unjudged: few.unjudged, ..judgement }.into());
+    let chapter = Chapter::Analysed { deployment: deployment.into(), analysis, files, judgement };
     let html = page(&[chapter, unopened], jiff::Timestamp::UNIX_EPOCH);
     assert!(!html.contains("<script"));
     let body = body(&html);

@@ -13,6 +13,7 @@ use crate::analysis::{Analyst, Settings};
 use crate::atomic;
 use crate::deployment::file_mark::marks_of;
 use crate::deployment::{Deployment, OpenError};
+use crate::estimates::{Estimate, Options, judge, read};
 use crate::export::of_run;
 use crate::export::report::{self, Chapter};
 
@@ -24,6 +25,9 @@ pub struct Arguments {
     /// HTML to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Trajectory of another system to be judged by the deployment, as `resect evaluate` does; may be repeated
+    #[arg(long, value_name = "ESTIMATE")]
+    judge: Vec<PathBuf>,
     #[command(flatten)]
     settings: AnswerArguments,
 }
@@ -32,12 +36,21 @@ pub struct Arguments {
 /// older one is taken for it.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
+    if !arguments.judge.is_empty() && arguments.path.len() > 1 {
+        let line = "--judge goes with one deployment; write a report for each".to_owned();
+        return Err(Failure::Usage(line));
+    }
+    let mut estimates = Vec::new();
+    for path in &arguments.judge {
+        estimates.extend(read::read(path)?);
+    }
     let opened = load_each(&arguments.path, &arguments.settings.extras());
     let chapters: Vec<Chapter> = zip(&arguments.path, opened)
-        .map(|(path, opened)| chapter(path, opened, &settings))
+        .map(|(path, opened)| chapter(path, opened, &settings, &estimates))
         .collect();
     let read = chapters.iter().flat_map(Chapter::files).map(|file| &file.path);
-    spare(&arguments.out, read.chain(&arguments.path).map(PathBuf::as_path))?;
+    let read = read.chain(&arguments.path).chain(&arguments.judge);
+    spare(&arguments.out, read.map(PathBuf::as_path))?;
     atomic::write(&arguments.out, report::page(&chapters, of_run::date()))?;
     let file = arguments.out.display();
     let errors: Vec<String> = chapters.iter().filter_map(|c| c.answer().err()).collect();
@@ -62,12 +75,15 @@ fn chapter(
     path: &Path,
     opened: Result<Arc<Deployment>, OpenError>,
     settings: &Settings,
+    estimates: &[Estimate],
 ) -> Chapter {
     match opened {
         Ok(deployment) => {
             let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));
             let files = marks_of(&deployment);
-            Chapter::Analysed { deployment, analysis, files }
+            let judged = || judge(&deployment, &analysis, estimates.to_vec(), &Options::default());
+            let judgement = (!estimates.is_empty()).then(|| Arc::new(judged()));
+            Chapter::Analysed { deployment, analysis, files, judgement }
         }
         Err(error) => {
             Chapter::Unopened { path: path.display().to_string(), error: error.to_string() }

@@ -133,6 +133,9 @@ fn ellipsoids(state: &State, content: &SceneContent) -> Option<String> {
     if content.track_ellipsoids {
         of.push("tracks 2σ of the interpolation");
     }
+    if !content.tube.lines.is_empty() {
+        of.push("tube of the vehicle 95 %");
+    }
     let scale = state.scene.ellipsoid_scale;
     (!of.is_empty()).then(|| format!("ellipsoids ×{scale}: {}", of.join(", ")))
 }

@@ -65,10 +65,15 @@ impl State {
     }
 
     pub(super) fn save_report(&mut self) {
-        self.save_of_analysis("Save the report (HTML)", "html", |path, deployment, analysis| {
+        let judgement = self.active().and_then(|open| {
+            let of = (open.analysis_run, open.judging.version);
+            open.judging.judgement.newest.clone().filter(|_| open.judging.judgement.is_of(of))
+        });
+        let title = "Save the report (HTML)";
+        self.save_of_analysis(title, "html", move |path, deployment, analysis| {
             let analysis = Box::new(Analysis::clone(&analysis));
             let files = marks_of(&deployment);
-            let chapter = Chapter::Analysed { deployment, analysis, files };
+            let chapter = Chapter::Analysed { deployment, analysis, files, judgement };
             let page = report::page(&[chapter], of_run::date());
             atomic::write(path, page).map_err(|error| error.to_string())
         });

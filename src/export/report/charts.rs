@@ -78,7 +78,7 @@ pub fn residuals(deployment: &Deployment, analysis: &Analysis, answer: &Answer) 
     )
 }
 
-fn figure(drawing: &Drawing, name: &str, caption: &Markup) -> Markup {
+pub fn figure(drawing: &Drawing, name: &str, caption: &Markup) -> Markup {
     html! {
         figure {
             div.picture role="img" aria-label=(name) { (PreEscaped(to_svg(drawing, Colours::Page))) }

@@ -7,6 +7,7 @@ mod charts;
 mod correlation;
 mod input;
 mod joint;
+mod judged;
 
 use std::sync::Arc;
 
@@ -17,6 +18,7 @@ use crate::analysis::{Analysis, Answer};
 use crate::calibration::Calibration;
 use crate::deployment::file_mark::FileMark;
 use crate::deployment::{Deployment, Finding};
+use crate::estimates::Judgement;
 use crate::palette;
 
 const STYLE: &str = include_str!("style.css");
@@ -28,6 +30,8 @@ pub enum Chapter {
         analysis: Box<Analysis>,
         /// The files it was read from; none of a sample.
         files: Vec<FileMark>,
+        /// Trajectories of other systems that were held against it.
+        judgement: Option<Arc<Judgement>>,
     },
     /// The path could not be opened; the error is one line.
     Unopened { path: String, error: String },
@@ -184,9 +188,12 @@ fn section(chapter: &Chapter) -> Markup {
                 (findings(&[Finding::problem(error)]))
             }
         }
-        @if let Chapter::Analysed { deployment, analysis, files } = chapter {
+        @if let Chapter::Analysed { deployment, analysis, files, judgement } = chapter {
             @if let Ok(answer) = &analysis.answer {
                 (answer::markup(deployment, analysis, answer))
+            }
+            @if let Some(judgement) = judgement {
+                (judged::markup(judgement, deployment.start_s().unwrap_or(0.0)))
             }
             (input::markup(deployment, analysis, files))
         }
