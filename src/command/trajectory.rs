@@ -122,6 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     let calibration = &answer.calibration;
+    let without = left_out(&analysis, calibration);
     let header = format!(
         "{}: {frame_of_poses}, by {}, verdict {}; vehicle: {}",
         deployment.name,
@@ -139,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!(
         "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\
          poses in the {frame_of_poses}; of the vehicle: {}\n\
-         by {}, verdict {}\n",
+         by {}, verdict {}\n{}",
         file.display(),
         trajectory.poses.len(),
         trajectory.dropped,
@@ -147,6 +148,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         of,
         calibration.method.in_words(),
         calibration.verdict_in_words(),
+        without,
     ))?;
     if let Some(sigma) = trajectory.middle_sigma() {
         print(&format!(
@@ -204,6 +206,23 @@ fn one_prism(
         positions.len(),
         1e3 * sigmas_m[sigmas_m.len() / 2],
     ))?)
+}
+
+/// A line on what all stations read and what has no pose for all that; empty where there is nothing of it.
+fn left_out(analysis: &Analysis, calibration: &Calibration) -> String {
+    let Some(joint) = calibration.joint() else { return String::new() };
+    let spans_s: Vec<[f64; 2]> = joint.solution.spans_s().collect();
+    let has_motion = |time_s: &&f64| {
+        let next = spans_s.partition_point(|span_s| span_s[1] < **time_s);
+        spans_s.get(next).is_some_and(|span_s| span_s[0] <= **time_s)
+    };
+    let without = analysis.triplets().time_s.iter().filter(|time_s| !has_motion(time_s)).count();
+    match without {
+        0 => String::new(),
+        _ => format!(
+            "no poses at {without} triplets whose readings cannot be right and were left out (`resect calibrate` says where)\n"
+        ),
+    }
 }
 
 /// The frame of the control points, if poses are wanted in it.

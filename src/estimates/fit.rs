@@ -38,23 +38,31 @@ const PIECE_S: f64 = 3.0;
 const BEND: f64 = 2.0;
 const MEDIAN_LENGTH: f64 = 1.538;
 const FEWEST_EPOCHS: usize = 10;
+/// Clocks further apart than this (s) have nothing in common, such as one since 1970 and one since the start.
+const FAR_S: f64 = 60.0;
 
 /// Why an estimate could not be brought together with the ground truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
     #[error(
         "its times have nothing in common with the readings, and its speeds are like those of no part of the drive; check \
-         that both are of one drive, or give --time-offset"
+         that both are of one drive, or say by how much its clock is off (`resect evaluate --time-offset`)"
     )]
     NoOverlap,
-    #[error("at fewer than ten of its times there is ground truth; check --time-offset")]
-    FewEpochs,
     #[error(
-        "its positions lie on a line, which leaves its frame open; take --align none if it is in station 1's frame"
+        "at fewer than ten of its times there is ground truth; check that both are of one drive, and the time offset if it was \
+         given"
+    )]
+    FewEpochs,
+    #[error("it has only {0} poses; ten are the least")]
+    FewPoses(usize),
+    #[error(
+        "its positions lie on a line, which leaves its frame open; align it by nothing if it is in station 1's frame (`--align none`)"
     )]
     OnALine,
     #[error(
-        "clock, lever arm and frame cannot be told apart by this drive; give --time-offset, or --body same"
+        "clock, lever arm and frame cannot be told apart by this drive, or it is not in station 1's frame; take \
+         its body for the vehicle's frame (`--body same`), or align it by turn and shift"
     )]
     Undetermined,
     #[error(
@@ -110,6 +118,9 @@ pub fn fit(
 ) -> Result<(Fit, Vec<True>), Unjudged> {
     let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
     let poses = &estimate.poses;
+    if poses.len() < FEWEST_EPOCHS {
+        return Err(unfit(Unfit::FewPoses(poses.len())));
+    }
     let turning =
         reference.has_orientation() || poses.iter().all(|pose| pose.orientation.is_some());
     if matches!(options.body, Body::Lever(_)) && !turning {
@@ -155,6 +166,13 @@ pub fn fit(
         refine(&mut state, reference, &thinned, &mut sought, estimate)?;
     }
     let mut fit = state.fit;
+    if options.time_offset_s.is_none() && fit.time_offset_s.abs() > FAR_S {
+        let line = format!(
+            "{}: its clock is off by {:.0} s; the two were brought together by their speeds alone: check that both are of one drive",
+            estimate.name, -fit.time_offset_s
+        );
+        fit.findings.push(Finding::warning(line));
+    }
     let truths = at(reference, poses, fit.time_offset_s)?;
     let pairs = matched(poses, &truths, fit.time_offset_s);
     align(&mut fit, &pairs, options.alignment).map_err(unfit)?;

@@ -21,6 +21,7 @@ mod time_offset;
 use std::path::PathBuf;
 
 use nalgebra::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 
 use crate::analysis::Analysis;
 use crate::deployment::{Deployment, Finding};
@@ -54,7 +55,7 @@ pub struct EstimatedPose {
 }
 
 /// How estimates are brought together with the ground truth.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Options {
     pub alignment: Alignment,
     /// What is added to the estimate's times (s); found if `None`.
@@ -69,7 +70,8 @@ impl Default for Options {
 }
 
 /// What an estimate's frame may be turned by, moved by and stretched by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 pub enum Alignment {
     /// Nothing: the estimate is in station 1's frame.
     None,
@@ -80,7 +82,8 @@ pub enum Alignment {
 }
 
 /// Where the estimate's body is in the vehicle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Body {
     /// Nobody knows: the lever arm is found, and its rotation where the estimate has orientations.
     Found,
@@ -118,6 +121,15 @@ pub struct Judged {
     pub odd: Vec<OddSpan>,
 }
 
+impl Judged {
+    /// The times of poses at which there is no ground truth, in the ground truth's time (s).
+    fn times_without_truth_s(&self) -> Vec<f64> {
+        let all_s = self.estimate.poses.iter().map(|pose| pose.time_s + self.fit.time_offset_s);
+        let mut with = self.errors.iter().map(|error| error.time_s).peekable();
+        all_s.filter(|time_s| with.next_if(|with_s| with_s <= time_s).is_none()).collect()
+    }
+}
+
 /// All estimates, and what they say about each other.
 #[derive(Clone, Debug)]
 pub struct Judgement {
@@ -151,9 +163,14 @@ pub fn judge(
     let all: Vec<&[EpochError]> = judged.iter().map(|(one, _)| &one.errors[..]).collect();
     let mut odd: Vec<Vec<OddSpan>> =
         (0..all.len()).map(|own| odd::spans(own, &all, &judged[own].1)).collect();
-    let by_readings = |span: &&mut OddSpan| span.odd_one == OddOne::Readings;
+    let by_readings =
+        |span: &&mut OddSpan| matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut);
     if let Ok(answer) = &analysis.answer {
         let triplet_s = &analysis.triplets().time_s;
+        for ((one, _), odd) in judged.iter().zip(&mut odd) {
+            odd.extend(odd::left_out_spans(&one.times_without_truth_s(), triplet_s));
+            odd.sort_by(|a, b| a.span_s[0].total_cmp(&b.span_s[0]));
+        }
         for span in odd.iter_mut().flatten().filter(by_readings) {
             let errors_mm = &answer.evaluation.distance_errors_mm;
             span.station = odd::station_at_fault(span.span_s, triplet_s, errors_mm);

@@ -37,6 +37,8 @@ pub enum OddOne {
     Readings,
     /// So many estimates agree with each other against the ground truth.
     TruthAgainst(usize),
+    /// All stations read, but their readings cannot be right and were left out: there is no ground truth.
+    LeftOut,
 }
 
 /// A span in which an estimate and the ground truth contradict each other.
@@ -44,12 +46,39 @@ pub enum OddOne {
 pub struct OddSpan {
     /// In the ground truth's time (s).
     pub span_s: [f64; 2],
-    /// The largest errors in it, without what drifted before (m, rad).
+    /// The largest errors in it, without what drifted before (m, rad); zero where there is no ground truth.
     pub position_m: f64,
     pub rotation_rad: Option<f64>,
     pub odd_one: OddOne,
     /// The station (0 to 2) whose distances are those that contradict the rig, where it is one of them.
     pub station: Option<usize>,
+}
+
+/// Poses so close to a triplet (s) have no ground truth because its readings were left out, and not for want of readings; what is
+/// shorter (s) is the end of a stretch.
+const AT_TRIPLET_S: f64 = 0.15;
+const SHORTEST_LEFT_OUT_S: f64 = 1.0;
+
+/// Spans in which an estimate has poses and the stations readings, but there is no ground truth. Both times are in order (s).
+pub fn left_out_spans(without_truth_s: &[f64], triplet_s: &[f64]) -> Vec<OddSpan> {
+    let is_read = |time_s: &&f64| {
+        let after = triplet_s.partition_point(|other| other < *time_s);
+        let beside = triplet_s[after.saturating_sub(1)..triplet_s.len().min(after + 1)].iter();
+        beside.map(|other| (other - **time_s).abs()).any(|apart_s| apart_s <= AT_TRIPLET_S)
+    };
+    let read_s: Vec<f64> = without_truth_s.iter().filter(is_read).copied().collect();
+    let spans = read_s.chunk_by(|a, b| b - a <= TOGETHER_S);
+    spans
+        .map(|span| [span[0], span[span.len() - 1]])
+        .filter(|[from_s, to_s]| to_s - from_s >= SHORTEST_LEFT_OUT_S)
+        .map(|span_s| OddSpan {
+            span_s,
+            position_m: 0.0,
+            rotation_rad: None,
+            odd_one: OddOne::LeftOut,
+            station: None,
+        })
+        .collect()
 }
 
 /// A pair of prisms is no part of a contradiction if its distance is off by less than this share of the others'.
@@ -226,5 +255,28 @@ mod tests {
         assert_eq!(at_fault([true; 3], [4.2, 5.0]), None);
         assert_eq!(at_fault([true, true, false], [8.0, 9.0]), None);
         assert_eq!(at_fault([true, true, false], [20.0, 21.0]), None);
+    }
+
+    #[test]
+    fn poses_without_truth_where_the_stations_read_are_told_and_gaps_are_not() {
+        // Read from 0 to 10 s and from 30 to 40 s.
+        let read = |from: u32| (0..=100).map(move |i| f64::from(from) + 0.1 * f64::from(i));
+        let triplet_s: Vec<f64> = read(0).chain(read(30)).collect();
+        let poses = |from_s: f64, to_s: f64| {
+            (0..400).map(|i| 0.1 * f64::from(i) + 0.03).filter(move |t| (from_s..to_s).contains(t))
+        };
+        let spans = |without: Vec<f64>| -> Vec<[f64; 2]> {
+            left_out_spans(&without, &triplet_s).iter().map(|span| span.span_s).collect()
+        };
+        assert!(spans(poses(10.2, 30.0).collect()).is_empty(), "a gap is a gap");
+        assert!(spans(poses(9.6, 30.3).collect()).is_empty(), "the ends of stretches are no news");
+        let found = spans(poses(3.0, 6.0).chain(poses(32.0, 35.0)).collect());
+        let near = |span: [f64; 2], from_s: f64, to_s: f64| {
+            (span[0] - from_s).abs() < 0.15 && (span[1] - to_s).abs() < 0.15
+        };
+        assert!(
+            found.len() == 2 && near(found[0], 3.0, 6.0) && near(found[1], 32.0, 35.0),
+            "{found:?}"
+        );
     }
 }

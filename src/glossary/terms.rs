@@ -152,6 +152,15 @@ terms! {
     INTER_PRISM_METRIC = "inter-prism metric" / "distance error" / "residual":
         "How far the distances between prisms under the answer are from the measured ones, in mm. Method D makes it small itself, so that a \
          small one alone proves nothing." ("section V");
+    APE = "APE" / "absolute pose error" / "ATE":
+        "How far a trajectory's poses are from the ground truth's at the same times, once it is aligned as a whole; evo's number.";
+    RPE = "RPE" / "relative pose error":
+        "How far the motion over a path of some length is from the ground truth's, path after path: drift, whatever came before; \
+         evo's number.";
+    LEVER_ARM = "lever arm":
+        "Where the origin of a sensor, or of the body whose poses a trajectory has, is in the vehicle's frame.";
+    TIME_OFFSET = "time offset":
+        "What is added to a trajectory's times to have the ground truth's: negative where its clock is ahead.";
     GCP_METRIC = "control-point metric" / "GCP metric":
         "How far apart the stations see the same control point, in mm, once all are in one frame: the more honest metric, where D has \
          not seen the points." ("section V");

@@ -11,6 +11,10 @@ use crate::estimates::{Estimate, Judged, Judgement, Options};
 pub struct Judging {
     /// In the order in which they were added, none twice.
     pub estimates: Vec<Arc<Estimate>>,
+    /// The colour of each, by its number: it stays when another is taken away.
+    colours: Vec<usize>,
+    /// Files of the session that could not be read; they stay in it.
+    pub missing: Vec<PathBuf>,
     pub options: Options,
     pub judgement: Made<Judgement>,
     /// Counts the changes of what is to be judged.
@@ -24,7 +28,11 @@ impl Judging {
             let is_same = |old: &&mut Arc<Estimate>| is_same(old, &estimate);
             match self.estimates.iter_mut().find(is_same) {
                 Some(old) => *old = estimate,
-                None => self.estimates.push(estimate),
+                None => {
+                    let free = (0..).find(|colour| !self.colours.contains(colour));
+                    self.colours.push(free.unwrap_or_default());
+                    self.estimates.push(estimate);
+                }
             }
         }
         self.version += 1;
@@ -32,7 +40,11 @@ impl Judging {
 
     /// Takes one away, by its name and its file.
     pub fn remove(&mut self, name: &str, path: &Path) {
-        self.estimates.retain(|estimate| estimate.path != path || estimate.name != name);
+        let is_it = |one: &Arc<Estimate>| one.path == path && one.name == name;
+        if let Some(index) = self.estimates.iter().position(is_it) {
+            self.estimates.remove(index);
+            self.colours.remove(index);
+        }
         self.version += 1;
         if self.estimates.is_empty() {
             self.judgement.clear();
@@ -46,7 +58,7 @@ impl Judging {
 
     /// The files that they were read from, each once.
     pub fn files(&self) -> Vec<PathBuf> {
-        let mut files: Vec<PathBuf> = Vec::new();
+        let mut files: Vec<PathBuf> = self.missing.clone();
         for estimate in &self.estimates {
             if !files.contains(&estimate.path) {
                 files.push(estimate.path.clone());
@@ -55,15 +67,20 @@ impl Judging {
         files
     }
 
-    /// Those that could be judged, each with its place among all that were added.
-    pub fn judged(&self) -> impl Iterator<Item = (usize, &Judged)> {
-        let judged = self.judgement.newest.iter().flat_map(|judgement| &judgement.judged);
-        judged.filter_map(|one| Some((self.place(&one.estimate)?, one)))
+    /// Those that were added, each with the number of its colour.
+    pub fn coloured(&self) -> impl Iterator<Item = (usize, &Arc<Estimate>)> {
+        self.colours.iter().copied().zip(&self.estimates)
     }
 
-    /// The place of an estimate among all that were added; `None` once it was removed.
-    pub fn place(&self, of: &Estimate) -> Option<usize> {
-        self.estimates.iter().position(|estimate| is_same(estimate, of))
+    /// Those that could be judged, each with the number of its colour.
+    pub fn judged(&self) -> impl Iterator<Item = (usize, &Judged)> {
+        let judged = self.judgement.newest.iter().flat_map(|judgement| &judgement.judged);
+        judged.filter_map(|one| Some((self.colour(&one.estimate)?, one)))
+    }
+
+    /// The number of an estimate's colour; `None` once it was taken away.
+    pub fn colour(&self, of: &Estimate) -> Option<usize> {
+        self.coloured().find(|(_, estimate)| is_same(estimate, of)).map(|(colour, _)| colour)
     }
 }
 

@@ -68,9 +68,9 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
         );
         ui.add_space(4.0);
     }
-    for (place, estimate) in judging.estimates.iter().enumerate() {
+    for (colour, estimate) in judging.coloured() {
         ui.horizontal(|ui| {
-            let colour = theme::readable(palette::estimate(place), ui.visuals().dark_mode);
+            let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
             ui.label(RichText::new(&estimate.name).color(colour).strong())
                 .on_hover_text(estimate.path.display().to_string());
             ui.weak(format!("{} poses", estimate.poses.len()));
@@ -152,7 +152,7 @@ fn odd(
         return;
     }
     spans.sort_by(|a, b| a.1.span_s[0].total_cmp(&b.1.span_s[0]));
-    heading(ui, "Somebody is wrong");
+    heading(ui, "Where they contradict each other");
     let scale = TimeScale::new(state.units.time, open.start_s());
     for (one, span) in spans {
         ui.horizontal_wrapped(|ui| {
@@ -171,7 +171,7 @@ fn odd(
 
 /// Where the readings are wrong, the errors of their distances are what tells it; else the trajectory stays in sight.
 fn look_at(span: &OddSpan, commands: &mut Commands) {
-    if span.odd_one == OddOne::Readings {
+    if matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut) {
         commands.push(Command::LookAtTimes(span.span_s));
         return;
     }
@@ -192,8 +192,8 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement) {
     grid.show(ui, |ui| {
         ui.label("");
         for one in &judgement.judged {
-            let place = open.judging.place(&one.estimate).unwrap_or_default();
-            let colour = theme::readable(palette::estimate(place), ui.visuals().dark_mode);
+            let colour = open.judging.colour(&one.estimate).unwrap_or_default();
+            let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
             ui.label(RichText::new(&one.estimate.name).color(colour).strong());
         }
         ui.end_row();

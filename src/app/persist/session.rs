@@ -12,6 +12,7 @@ use crate::app::model::{
 };
 use crate::atomic::WriteError;
 use crate::deployment::{Deployment, OpenError, Source};
+use crate::estimates::Options;
 use crate::export::summary::ResultSummary;
 use crate::progress::Progress;
 
@@ -59,6 +60,7 @@ pub struct SavedDeployment {
     pub files: Files,
     /// Files of trajectories that are judged by it.
     pub estimates: Vec<PathBuf>,
+    pub judging: Options,
 }
 
 /// The files that a deployment was read from, found and hashed once and only when a session is written.

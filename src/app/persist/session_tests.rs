@@ -17,6 +17,7 @@ use crate::app::prepared::channels::Channel;
 use crate::calibration::Method;
 use crate::deployment::Source;
 use crate::deployment::{Extras, Sample};
+use crate::estimates::{Alignment, Options};
 use crate::export::summary::ResultSummary;
 use crate::progress::Progress;
 
@@ -37,6 +38,7 @@ fn session(folder: &Path) -> Session {
             HashCache::default().mark(&folder.join("data/tracks.csv")).into_iter().collect(),
         ),
         estimates: vec![folder.join("data/slam.tum")],
+        judging: Options { alignment: Alignment::Similarity, ..Options::default() },
     };
     let sample = SavedDeployment {
         source: Source::sample(Sample::Hd2Tunnel),
@@ -46,6 +48,7 @@ fn session(folder: &Path) -> Session {
         selection_s: Some([1.0, 2.0]),
         files: Files::default(),
         estimates: Vec::new(),
+        judging: Options::default(),
     };
     let result = ResultSummary::of(&deployment, &analysis, &answer);
     Session {

@@ -11,6 +11,7 @@ use crate::analysis::Settings;
 use crate::app::model::LayoutDescription;
 use crate::calibration::Method;
 use crate::deployment::{Extras, Finding, Place, Source};
+use crate::estimates::Options;
 
 /// Version of the format that this program writes.
 pub const VERSION: u32 = 1;
@@ -59,6 +60,8 @@ struct StoredDeployment {
     files: Vec<FileMark>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     estimates: Vec<PathBuf>,
+    #[serde(default)]
+    judging: Lenient<Options>,
 }
 
 /// A part that may be unreadable without the rest being lost.
@@ -100,6 +103,7 @@ impl StoredSession {
                 .iter()
                 .map(|mark| FileMark { path: relative(&mark.path, folder), ..mark.clone() })
                 .collect(),
+            judging: Lenient::Read(saved.judging),
             estimates: saved.estimates.iter().map(|path| relative(path, folder)).collect(),
         };
         Self {
@@ -126,12 +130,16 @@ impl StoredSession {
                 .check()
                 .map_err(|what| format!("settings of {}: {what}", stored.source.title()))?;
         }
-        let deployment = |stored: StoredDeployment| SavedDeployment {
+        let mut deployment = |stored: StoredDeployment| SavedDeployment {
             source: with_paths(&stored.source, |path| folder.join(path)),
             settings: stored.settings,
             cursor_s: stored.cursor_s,
             window_s: stored.window_s,
             selection_s: stored.selection_s,
+            judging: stored
+                .judging
+                .read("how trajectories are judged", &mut findings)
+                .unwrap_or_default(),
             estimates: stored.estimates.iter().map(|path| folder.join(path)).collect(),
             files: Files::marked(
                 stored
@@ -141,7 +149,7 @@ impl StoredSession {
                     .collect(),
             ),
         };
-        let deployments: Vec<_> = self.deployments.into_iter().map(deployment).collect();
+        let deployments: Vec<_> = self.deployments.into_iter().map(&mut deployment).collect();
         let pins = self.pins.into_iter();
         let session = Session {
             active: self.active.min(deployments.len().saturating_sub(1)),

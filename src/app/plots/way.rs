@@ -41,12 +41,12 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let judging = &open.judging;
     time_plot::head(ui, |ui| {
         let mut chosen = plots;
-        for (aspect, on) in Aspect::ALL.into_iter().zip(&mut chosen.aspects) {
-            ui.checkbox(on, aspect.name()).on_hover_text(aspect.hint());
-        }
         if !judging.estimates.is_empty() {
             ui.checkbox(&mut chosen.errors, "errors")
                 .on_hover_text("How far off each trajectory is that was added, over what the ground truth leaves open");
+        }
+        for (aspect, on) in Aspect::ALL.into_iter().zip(&mut chosen.aspects) {
+            ui.checkbox(on, aspect.name()).on_hover_text(aspect.hint());
         }
         if chosen != plots {
             commands.push(Command::PlotWay(chosen));
@@ -58,7 +58,13 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         if plots.errors { judging.judged().collect() } else { Vec::new() };
     let aspects: Vec<Aspect> = plots.aspects().collect();
     if judged.is_empty() && aspects.is_empty() {
-        let why = if judging.judgement.is_running() { "Judging…" } else { "Nothing is chosen." };
+        let why = match judging.judgement.is_running() {
+            true => "Judging…",
+            false if plots.errors && !judging.estimates.is_empty() => {
+                "No trajectory could be judged: Evaluation says why."
+            }
+            false => "Nothing is chosen.",
+        };
         ui.centered_and_justified(|ui| ui.weak(why));
         return;
     }
@@ -223,7 +229,7 @@ fn show_errors(
         },
     );
     let dark = ui.visuals().dark_mode;
-    let colour = theme::rgb(palette::estimate(place));
+    let colour = theme::readable(palette::estimate(place), dark);
     let title = format!("position errors of {name} over time");
     let greatest = greatest.max(LEAST_RANGE);
     // The zero stands above the number at the end of the strip below.
@@ -247,7 +253,7 @@ fn show_errors(
     let at = at.map_or("nothing at the cursor".to_owned(), |error| {
         let sigma_mm = 1e3 * error.sigma_m();
         let error_mm = 1e3 * error.position_m.norm();
-        format!("at the cursor {error_mm:.1} mm (ground truth σ {sigma_mm:.1})")
+        format!("at the cursor {error_mm:.1} mm (ground truth σ {sigma_mm:.1} mm)")
     });
     let strong =
         RichText::new(name).color(theme::readable(palette::estimate(place), dark)).strong();

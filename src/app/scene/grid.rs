@@ -103,7 +103,8 @@ impl Grid {
 
     /// The spacing in words: one number, or one for each axis.
     pub fn spacing(&self) -> String {
-        let [first, second] = self.spacing_m;
+        // A tenth in single precision is none when it is written out.
+        let [first, second] = self.spacing_m.map(|metres| (f64::from(metres) * 1e6).round() / 1e6);
         if first == second {
             return format!("{first} m");
         }

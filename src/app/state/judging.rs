@@ -66,15 +66,25 @@ impl State {
     /// Reads trajectories for an open deployment; those that a session holds come without changing what is looked at.
     pub(super) fn read_estimates(&mut self, id: u64, paths: Vec<PathBuf>, shown: bool) {
         let number = self.jobs.start(
-            move || paths.iter().map(|path| read::read(path)).collect::<Vec<_>>(),
+            move || {
+                let read = paths.into_iter().map(|path| (read::read(&path), path));
+                read.collect::<Vec<_>>()
+            },
             move |state: &mut Self, number, found| {
                 state.looking.retain(|looking| *looking != number);
-                let mut read = Vec::new();
-                for estimate in found {
+                let (mut read, mut missing) = (Vec::new(), Vec::new());
+                for (estimate, path) in found {
                     match estimate {
                         Ok(estimates) => read.extend(estimates.into_iter().map(Arc::new)),
-                        Err(why) => state.toasts.error(&why.to_string()),
+                        Err(why) => {
+                            state.toasts.error(&why.to_string());
+                            missing.push(path);
+                        }
                     }
+                }
+                if !shown {
+                    // The session keeps what it could not read.
+                    state.with_open(id, |open| open.judging.missing.extend(missing));
                 }
                 if read.is_empty() {
                     return;

@@ -66,6 +66,7 @@ impl State {
                 timeline.move_cursor(cursor_s);
             }
             timeline.select(saved.selection_s);
+            open.judging.options = saved.judging;
             if shown {
                 self.session.shown = Some(open.id);
             }

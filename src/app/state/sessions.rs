@@ -170,6 +170,7 @@ impl State {
             selection_s: timeline.selection_s,
             files: self.session.files.get(&open.id).cloned().unwrap_or_default(),
             estimates: open.judging.files(),
+            judging: open.judging.options,
         }
     }
 

@@ -16,6 +16,7 @@ fn saved(source: Source) -> SavedDeployment {
         selection_s: None,
         files: Default::default(),
         estimates: Vec::new(),
+        judging: Default::default(),
     }
 }
 

@@ -41,7 +41,9 @@ pub fn draw(judgement: &Judgement, start_s: f64, width: f32) -> Drawing {
             let [start, end] = span.span_s.map(|time_s| plot.place(time_s - start_s, 0.0)[0]);
             let ink = match span.odd_one {
                 OddOne::Estimate => Ink::Rgb(palette::METRICS[1]),
-                OddOne::Readings | OddOne::TruthAgainst(_) => Ink::Rgb(palette::METRICS[0]),
+                OddOne::Readings | OddOne::TruthAgainst(_) | OddOne::LeftOut => {
+                    Ink::Rgb(palette::METRICS[0])
+                }
             };
             let (min, max) = ([start, top], [end.max(start + 1.0), bottom]);
             marks.push(Mark::Rect { min, max, ink, opacity: 0.25, outline: None });

@@ -101,13 +101,14 @@ fn odd(span: &OddSpan) -> Value {
         "rotation_rad": span.rotation_rad,
         "wrong": match span.odd_one {
             OddOne::Estimate => "estimate",
-            OddOne::Readings | OddOne::TruthAgainst(_) => "ground-truth",
+            OddOne::Readings | OddOne::TruthAgainst(_) | OddOne::LeftOut => "ground-truth",
         },
         "station": span.station.map(|station| station + 1),
         "because": match span.odd_one {
             OddOne::Estimate => "the readings agree with the rig",
             OddOne::Readings => "the readings contradict the rig",
             OddOne::TruthAgainst(_) => "several estimates agree against it",
+            OddOne::LeftOut => "readings that cannot be right were left out: there is none",
         },
     })
 }

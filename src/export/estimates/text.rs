@@ -1,6 +1,7 @@
 //! A judgement for the terminal: a column an estimate, then who is better, and where something is odd.
 
 use crate::calibration::Calibration;
+use crate::estimates::metrics::RelativeErrors;
 use crate::estimates::odd::{OddOne, OddSpan};
 use crate::estimates::ranking::Comparison;
 use crate::estimates::{Judged, Judgement};
@@ -103,23 +104,26 @@ pub fn rows(judgement: &Judgement) -> Vec<(String, Vec<String>)> {
         });
     }
     row("APE rotation, rmse (°)", &|one| Some(format!("{:.3}", one.rotation?.rmse.to_degrees())));
+    // Of fewer pairs chance makes most of the number; JSON has all, with their count.
+    const FEWEST: usize = 10;
+    let well = |relative: RelativeErrors| (relative.position.count >= FEWEST).then_some(relative);
     for path_m in crate::estimates::RELATIVE_M {
         let of = |one: &Judged| one.relative.iter().find(|r| r.path_m == path_m).copied();
         row(&format!("RPE over {path_m} m, rmse (mm)"), &|one| {
-            Some(millimetres(of(one)?.position.rmse))
+            Some(millimetres(well(of(one)?)?.position.rmse))
         });
         row(&format!("RPE over {path_m} m, rmse (°)"), &|one| {
-            Some(format!("{:.3}", of(one)?.rotation.rmse.to_degrees()))
+            Some(format!("{:.3}", well(of(one)?)?.rotation.rmse.to_degrees()))
         });
     }
     row("ground truth's σ (mm)", &|one| Some(millimetres(one.against_sigma.sigma_m)));
     row("ground truth's σ (°)", &|one| {
         Some(format!("{:.3}", one.against_sigma.sigma_rad?.to_degrees()))
     });
-    row("error it cannot tell from none", &|one| {
+    row("ground truth cannot tell", &|one| {
         Some(format!("{:.0} % of poses", 100.0 * one.against_sigma.undecided))
     });
-    row("its share of the square error", &|one| {
+    row("ground truth's share of error²", &|one| {
         Some(format!("up to {:.0} %", 100.0 * one.against_sigma.of_truth))
     });
     rows
@@ -127,18 +131,22 @@ pub fn rows(judgement: &Judgement) -> Vec<(String, Vec<String>)> {
 
 /// Which of two estimates is better, by how much, and whether that is more than chance.
 pub fn compared(judgement: &Judgement, two: &Comparison) -> String {
+    const ALIKE: f64 = 1e-3;
     let name = |index: usize| &judgement.judged[index].estimate.name;
     let (better, worse) = (name(two.better), name(two.worse));
     let [a, b] = two.rmse_m.map(|rmse| 1e3 * rmse);
     let apart = format!("{a:.1} against {b:.1} mm rmse where both have poses");
     match (two.ratio_95, two.confidence) {
+        (Some([low, high]), _) if low > 1.0 - ALIKE && high < 1.0 + ALIKE => {
+            format!("no difference between {better} and {worse}: {apart}")
+        }
         (Some([low, high]), Some(_)) if two.is_significant() => format!(
-            "{better} is better than {worse}: {apart}, a ratio of {:.2} (95 %: {low:.2} to {high:.2})",
+            "{better} is better than {worse}: {apart}, a ratio of {:.2} (95 %: {low:.2} to {high:.2}), which is significant",
             a / b
         ),
         (Some([low, high]), Some(confidence)) => format!(
             "not decided between {better} and {worse}: {apart}, a ratio of {:.2} (95 %: {low:.2} to {high:.2}); \
-             {better} is better in {:.0} % of draws",
+             drawn again and again from blocks of the drive, {better} is better in {:.0} %",
             a / b,
             100.0 * confidence
         ),
@@ -161,6 +169,14 @@ pub fn contradiction(span: &OddSpan) -> String {
             ),
             None => "the ground truth is wrong: its readings contradict the rig there".to_owned(),
         },
+        OddOne::LeftOut => {
+            let whose = span.station.map_or("its readings".to_owned(), |station| {
+                format!("the readings of station {}", station + 1)
+            });
+            return format!(
+                "there is no ground truth: {whose} cannot be right there and were left out"
+            );
+        }
         OddOne::TruthAgainst(count) => {
             format!("the ground truth is the odd one out: {count} estimates agree against it")
         }
