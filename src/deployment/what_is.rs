@@ -83,6 +83,8 @@ pub fn what_is(path: &Path) -> Dropped {
         | Format::Pillars
         | Format::SurveyedPoints => Dropped::ControlPoints,
         Format::RigReading | Format::SensorPositions | Format::RigDistances => Dropped::Rig,
+        // KITTI's poses are written as these are, and have their times beside them.
+        Format::AppliedTransforms if has_times_beside(path) => Dropped::Estimate,
         Format::AppliedTransforms => Dropped::Unknown(format!(
             "{}: {}; open the folder with the tracks that they were applied to",
             file.file,
@@ -104,6 +106,13 @@ pub fn what_is(path: &Path) -> Dropped {
             }
         }
     }
+}
+
+/// Whether KITTI's file of times lies beside a file of poses.
+fn has_times_beside(path: &Path) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let names = [format!("{stem}_times.txt"), "times.txt".to_owned()];
+    names.iter().any(|name| path.with_file_name(name).is_file())
 }
 
 fn what_folder_is(path: &Path) -> Dropped {
@@ -223,6 +232,10 @@ mod tests {
         for (name, text, expected) in cases {
             assert_eq!(what_is(&write(name, text)), expected, "{name}");
         }
+        let kitti = write("kitti/poses.txt", "1 0 0 5 0 1 0 6 0 0 1 7\n");
+        assert!(matches!(what_is(&kitti), Dropped::Unknown(_)), "without times it is none");
+        write("kitti/times.txt", "0.1\n");
+        assert_eq!(what_is(&kitti), Dropped::Estimate);
         for (name, text, why) in [
             ("notes.txt", "it rained\n", "notes.txt: not recognised"),
             ("other.toml", "[package]\n", "other.toml: it is neither"),

@@ -57,7 +57,7 @@ pub struct OddSpan {
 /// Poses so close to a triplet (s) have no ground truth because its readings were left out, and not for want of readings; what is
 /// shorter (s) is the end of a stretch.
 const AT_TRIPLET_S: f64 = 0.15;
-const SHORTEST_LEFT_OUT_S: f64 = 1.0;
+const SHORTEST_LEFT_OUT_S: f64 = 2.5;
 
 /// Spans in which an estimate has poses and the stations readings, but there is no ground truth. Both times are in order (s).
 pub fn left_out_spans(without_truth_s: &[f64], triplet_s: &[f64]) -> Vec<OddSpan> {

@@ -253,7 +253,7 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
         Format::Pillars
     } else if table::header_has(first, &surveyed_points::COLUMNS) {
         Format::SurveyedPoints
-    } else if estimate::looks_like(text) {
+    } else if !is_applied_transforms(first) && estimate::looks_like(text) {
         Format::Estimate
     } else if mapped_csv::looks_like(text) {
         Format::UnknownTable
@@ -265,13 +265,16 @@ pub fn recognise(file_name: &str, head: &[u8]) -> Format {
                 Format::Ignored("positions at even steps of time: interpolated, not measured")
             }
             (Some(4), _) => Format::CartesianTrack,
-            (Some(applied_transforms::FIELDS), _) if applied_transforms::looks_like(first) => {
-                Format::AppliedTransforms
-            }
+            _ if is_applied_transforms(first) => Format::AppliedTransforms,
             (Some(13), _) if rig_files::is_sensor_position(first) => Format::SensorPositions,
             _ => Format::Ignored("not recognised"),
         }
     }
+}
+
+/// Whether a line is what Cartesian tracks were turned with, which are rows of matrices as KITTI's poses are.
+fn is_applied_transforms(line: &str) -> bool {
+    numeric_fields(line) == Some(applied_transforms::FIELDS) && applied_transforms::looks_like(line)
 }
 
 /// Number of white-space separated fields, if all are numbers.
