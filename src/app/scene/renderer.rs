@@ -33,6 +33,9 @@ struct Uniforms {
     trail_s: [f32; 2],
 }
 
+/// How many layers there are: buffers that are fewer would leave the last ones out in silence.
+const LAYERS: usize = 8;
+
 /// Pipelines, buffers and the texture.
 pub struct SceneRenderer {
     device: wgpu::Device,
@@ -44,7 +47,7 @@ pub struct SceneRenderer {
     raw: CloudBuffers,
     tracks: CloudBuffers,
     /// Buffers of the [`layers`], in their order.
-    layers: [LayerBuffers; 6],
+    layers: [LayerBuffers; LAYERS],
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -53,7 +56,8 @@ pub struct SceneRenderer {
 #[derive(PartialEq)]
 struct Drawn {
     uniforms: Uniforms,
-    versions: [u64; 8],
+    /// Of clouds and colours, then of each layer.
+    versions: [u64; 2 + LAYERS],
     shown: [[bool; 3]; 2],
     trail: Trail,
 }
@@ -127,10 +131,9 @@ impl SceneRenderer {
         let size = [pixels(size_points.x), pixels(size_points.y)];
         self.ensure_target(size);
         self.upload(content);
-        let mut versions = [content.clouds_version, content.colours_version, 0, 0, 0, 0, 0, 0];
-        for (version, layer) in versions[2..].iter_mut().zip(layers(content)) {
-            *version = layer.version;
-        }
+        let mut versions = [0; 2 + LAYERS];
+        versions[..2].copy_from_slice(&[content.clouds_version, content.colours_version]);
+        versions[2..].copy_from_slice(&layers(content).map(|layer| layer.version));
         let wanted = Drawn {
             uniforms: uniforms(content, camera, size, pixels_per_point, background),
             versions,
@@ -250,7 +253,7 @@ impl SceneRenderer {
 }
 
 /// The layers in the order they are drawn.
-fn layers(content: &SceneContent) -> [&Layer; 8] {
+fn layers(content: &SceneContent) -> [&Layer; LAYERS] {
     [
         &content.ground,
         &content.along,
