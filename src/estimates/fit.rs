@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use super::errors::matched;
 use super::reference::{Reference, True};
 use super::time_offset;
+use super::unfit::Unfit;
 use super::{Alignment, Body, Estimate, EstimatedPose, Options, Unjudged};
 use crate::deployment::Finding;
 use crate::evaluation::vehicle::Instants;
@@ -40,36 +41,6 @@ const MEDIAN_LENGTH: f64 = 1.538;
 const FEWEST_EPOCHS: usize = 10;
 /// Clocks further apart than this (s) have nothing in common, such as one since 1970 and one since the start.
 const FAR_S: f64 = 60.0;
-
-/// Why an estimate could not be brought together with the ground truth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Unfit {
-    #[error(
-        "its times have nothing in common with the readings, and its speeds are like those of no part of the drive; check \
-         that both are of one drive, or say by how much its clock is off (`resect evaluate --time-offset`)"
-    )]
-    NoOverlap,
-    #[error(
-        "at fewer than ten of its times there is ground truth; check that both are of one drive, and the time offset if it was \
-         given"
-    )]
-    FewEpochs,
-    #[error("it has only {0} poses; ten are the least")]
-    FewPoses(usize),
-    #[error(
-        "its positions lie on a line, which leaves its frame open; align it by nothing if it is in station 1's frame (`--align none`)"
-    )]
-    OnALine,
-    #[error(
-        "clock, lever arm and frame cannot be told apart by this drive, or it is not in station 1's frame; take \
-         its body for the vehicle's frame (`--body same`), or align it by turn and shift"
-    )]
-    Undetermined,
-    #[error(
-        "--lever-arm needs orientations, of the estimate or of the ground truth; there are none"
-    )]
-    NoOrientation,
-}
 
 /// How an estimate lies in the ground truth.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,6 +17,7 @@ pub mod ranking;
 pub mod read;
 pub mod reference;
 mod time_offset;
+pub mod unfit;
 
 use std::path::PathBuf;
 
@@ -28,11 +29,12 @@ use crate::deployment::{Deployment, Finding};
 use crate::evaluation::vehicle::NoTrajectory;
 
 use errors::EpochError;
-use fit::{Fit, Unfit};
+use fit::Fit;
 use metrics::{Ape, RelativeErrors};
 use odd::{OddOne, OddSpan};
 use ranking::Comparison;
 use reference::{Reference, True};
+use unfit::Unfit;
 
 /// A trajectory as another system estimated it.
 #[derive(Clone, Debug, PartialEq)]

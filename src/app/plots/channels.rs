@@ -7,7 +7,7 @@ use super::channel_units::{per_stored, unit, with_unit};
 use super::strips::{Strip, strips};
 use super::time_plot::{self, TimePlot};
 use super::times::Times;
-use super::{LABELS, close_marks, pair_switches, round_marks, station_switches};
+use super::{LABELS, close_marks, pair_switches, round_marks, station_switches, with_room};
 use crate::app::model::plotted::{APART, SeenSeries};
 use crate::app::model::{Command, Commands, OpenDeployment, Plotted, Units};
 use crate::app::prepared::channels::{Channel, Of};
@@ -129,7 +129,7 @@ impl ChannelPlot<'_> {
                 dots.map(|dot| PlotPoint::new(dot.x, factor * dot.y)).collect()
             })
             .collect();
-        let y_bounds = bounds(dots.iter().flatten().map(|dot| dot.y));
+        let y_bounds = with_room(dots.iter().flatten().map(|dot| dot.y));
         let plot = Plot::new(("channels", self.open.id))
             .y_grid_spacer(close_marks)
             .label_formatter(move |position| match position {
@@ -166,7 +166,7 @@ impl ChannelPlot<'_> {
             .collect();
         let [x, y] = [0, 1].map(|axis| {
             let value = |dot: &PlotPoint| if axis == 0 { dot.x } else { dot.y };
-            bounds(dots.iter().flatten().map(value))
+            with_room(dots.iter().flatten().map(value))
         });
         let title = format!("{} ({})", other.name(), unit(other, units));
         let x_axis = AxisHints::new_x()
@@ -249,16 +249,4 @@ fn colour(seen: &SeenSeries<'_>) -> Rgb {
 
 fn is_place(channel: Channel) -> bool {
     matches!(channel, Channel::X | Channel::Y | Channel::Height)
-}
-
-/// From the least to the greatest, with some room about them.
-fn bounds(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let [low, high] = values
-        .filter(|value| value.is_finite())
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
-    if low > high {
-        return [0.0, 1.0];
-    }
-    let margin = (0.05 * (high - low)).max(1e-6 * high.abs().max(1.0));
-    [low - margin, high + margin]
 }

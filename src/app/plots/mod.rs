@@ -152,3 +152,15 @@ fn marks_apart(input: &GridInput, points: f64) -> Vec<GridMark> {
         })
         .collect()
 }
+
+/// From the least to the greatest, with some room about them.
+fn with_room(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let [low, high] = values
+        .filter(|value| value.is_finite())
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+    if low > high {
+        return [0.0, 1.0];
+    }
+    let margin = (0.05 * (high - low)).max(1e-6 * high.abs().max(1.0));
+    [low - margin, high + margin]
+}

@@ -3,11 +3,11 @@
 use egui::{Color32, RichText};
 use egui_plot::{FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi};
 
-use super::close_marks;
 use super::quads::Shades;
 use super::strips::{Strip, strips};
 use super::time_plot::{self, TimePlot};
 use super::times::Times;
+use super::{close_marks, with_room};
 use crate::app::model::estimates::Shown;
 use crate::app::model::{Command, Commands, OpenDeployment, Units};
 use crate::app::prepared::way::{Aspect, Instant, Way};
@@ -21,8 +21,8 @@ use crate::pipeline::Interval;
 
 /// Half the width of a 95 % region along an axis (σ).
 const HALF_95: f64 = 1.96;
-/// A range that is smaller than this is widened (in the unit shown), so that rounding is not seen as motion.
-const LEAST_RANGE: f64 = 1e-3;
+/// The axis of errors that are all nothing reaches so far (mm).
+const LEAST_ERROR_MM: f64 = 1e-3;
 /// Width of what one corner of such a line sums up (points).
 const CORNER: f32 = 3.0;
 /// A line of an estimate's errors is broken where it has no ground truth for longer (s).
@@ -106,7 +106,8 @@ impl AspectPlot<'_> {
             let stride = most.div_ceil(corners).max(1);
             pieces.map(|piece| piece.chunks(stride).filter_map(corner).collect()).collect()
         });
-        let y_bounds = bounds(lines.iter().flatten().flat_map(|corner| [corner.low, corner.high]));
+        let y_bounds =
+            with_room(lines.iter().flatten().flat_map(|corner| [corner.low, corner.high]));
         let scale = times.scale;
         let plot = Plot::new(("way", self.open.id, aspect.name()))
             .y_grid_spacer(close_marks)
@@ -231,7 +232,7 @@ fn show_errors(
     let dark = ui.visuals().dark_mode;
     let colour = theme::readable(palette::estimate(place), dark);
     let title = format!("position errors of {name} over time");
-    let greatest = greatest.max(LEAST_RANGE);
+    let greatest = greatest.max(LEAST_ERROR_MM);
     // The zero stands above the number at the end of the strip below.
     let y_bounds = [-0.06 * greatest, 1.08 * greatest];
     let time_plot = TimePlot { strip, name: &title, times, y_bounds };
@@ -315,16 +316,4 @@ fn add_errors(
     plot_ui.add(open.fill_color(grey.gamma_multiply(0.6)).allow_hover(false));
     let points = piece.iter().map(|c| PlotPoint::new(c.x, c.rms_mm)).collect();
     plot_ui.line(Line::new(name, PlotPoints::Owned(points)).color(colour).width(1.4));
-}
-
-/// From the least to the greatest, with some room about them.
-fn bounds(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let [low, high] = values
-        .filter(|value| value.is_finite())
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
-    if low > high {
-        return [0.0, 1.0];
-    }
-    let margin = (0.06 * (high - low)).max(LEAST_RANGE);
-    [low - margin, high + margin]
 }

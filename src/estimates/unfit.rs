@@ -1,0 +1,31 @@
+//! Why an estimate cannot be brought together with the ground truth.
+
+/// Why an estimate could not be brought together with the ground truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unfit {
+    #[error(
+        "its times have nothing in common with the readings, and its speeds are like those of no part of the drive; check \
+         that both are of one drive, or say by how much its clock is off (`resect evaluate --time-offset`)"
+    )]
+    NoOverlap,
+    #[error(
+        "at fewer than ten of its times there is ground truth; check that both are of one drive, and the time offset if it was \
+         given"
+    )]
+    FewEpochs,
+    #[error("it has only {0} poses; ten are the least")]
+    FewPoses(usize),
+    #[error(
+        "its positions lie on a line, which leaves its frame open; align it by nothing if it is in station 1's frame (`--align none`)"
+    )]
+    OnALine,
+    #[error(
+        "clock, lever arm and frame cannot be told apart by this drive, or it is not in station 1's frame; take \
+         its body for the vehicle's frame (`--body same`), or align it by turn and shift"
+    )]
+    Undetermined,
+    #[error(
+        "--lever-arm needs orientations, of the estimate or of the ground truth; there are none"
+    )]
+    NoOrientation,
+}
