@@ -11,12 +11,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use resect::app::{Aspect, Command, Pane, Visibility, WayPlots};
 use resect::calibration::Method;
+use resect::deployment::Sample;
 use resect::estimates::{Alignment, Options};
 use resect::evaluation::trajectory::Trajectory;
 use resect::evaluation::vehicle::{Instants, trajectory_by};
 
 use crate::harness::{
-    LARGE, Part, SMALL, Window, click, send, set, settle, shown, snapshot_of, window,
+    LARGE, Part, SMALL, Window, click, open, send, set, settle, shown, snapshot_of, window,
 };
 
 /// The ground truth of what is open, ten poses a second.
@@ -182,4 +183,22 @@ fn a_tube_tells_how_well_the_way_is_known() {
     };
     send(&mut harness, Command::Show(alone));
     snapshot_of(&mut harness, Part::Pane(Pane::Scene), "tube-dark");
+}
+
+/// A verdict on others is worth no more than the one on the ground truth, which stands above it.
+#[test]
+fn a_doubtful_ground_truth_is_said_above_what_it_judges() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    send(&mut harness, Command::OpenSample(Sample::Warthog));
+    let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
+    let mut deployment = Sample::Warthog.open().expect("built in");
+    // Station 3 is turned by 3 mrad halfway.
+    let readings = &mut deployment.tracks[2].measurements;
+    let half = readings.len() / 2;
+    readings[half..].iter_mut().for_each(|reading| reading.azimuth_rad += 3e-3);
+    open(&mut harness, deployment);
+    send(&mut harness, Command::AddEstimates(vec![lio]));
+    settle(&mut harness);
+    harness.get_by_label_contains("The ground truth itself");
 }

@@ -46,6 +46,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if state.is_stale() {
                 ui.multiply_opacity(0.45);
             }
+            doubt(ui, open);
             ranking(ui, judgement);
             odd(ui, state, open, judgement, commands);
             table(ui, open, judgement);
@@ -112,6 +113,19 @@ fn options(ui: &mut egui::Ui, options: Options, commands: &mut Commands) {
     });
     if chosen != options {
         commands.push(Command::SetJudging(chosen));
+    }
+}
+
+/// Says so where the ground truth is not good itself: what it says of others is worth no more.
+fn doubt(ui: &mut egui::Ui, open: &OpenDeployment) {
+    let answer = open.analysis.as_ref().and_then(|analysis| analysis.answer.as_ref().ok());
+    let verdict = answer.map(|answer| answer.calibration.verdict);
+    if let Some(verdict) = verdict.filter(|verdict| *verdict != Verdict::Good) {
+        let [ground, ink] = palette::verdict(verdict).map(theme::rgb);
+        let word = format!(" {} ", verdict.name());
+        ui.label(RichText::new(word).color(ink).background_color(ground).strong());
+        let line = "The ground truth itself: what it says of trajectories is worth no more. Result says why.";
+        ui.add(egui::Label::new(line).wrap());
     }
 }
 
