@@ -6,6 +6,8 @@ use crate::app::model::time_scale::decimals;
 use crate::app::model::{
     Command, Commands, OpenDeployment, Playback, SceneOptions, TimeScale, Timeline,
 };
+use crate::app::plots::quads::Quads;
+use crate::app::prepared::gaps::{self, Seen};
 use crate::app::state::State;
 use crate::app::theme;
 
@@ -172,9 +174,14 @@ fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut
     painter.rect_filled(rect, 3.0, visuals.extreme_bg_color);
     if let Some(analysis) = &open.analysis {
         let kept = theme::faint(dark).gamma_multiply(0.55);
-        for interval in analysis.pipeline.kept_intervals.iter() {
-            painter.rect_filled(band([interval.start_s, interval.end_s], 6.0), 1.0, kept);
+        let s_per_point = (end_s - start_s) / f64::from(rect.width());
+        let mut quads = Quads::default();
+        for Seen { span, .. } in
+            gaps::visible(&analysis.pipeline.kept_intervals, whole_s, s_per_point)
+        {
+            quads.add(band([span.start_s, span.end_s], 6.0), kept);
         }
+        painter.add(quads.into_shape());
     }
     if let Some(span_s) = selection_s {
         painter.rect_filled(band(span_s, 1.0), 1.0, visuals.selection.bg_fill.gamma_multiply(0.5));

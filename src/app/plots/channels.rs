@@ -1,9 +1,10 @@
 //! Any channel over time, or against another one.
 
 use egui::{FontId, RichText, Stroke};
-use egui_plot::{AxisHints, HoverPosition, Plot, PlotPoint, PlotPoints, Points};
+use egui_plot::{AxisHints, HoverPosition, Plot, PlotPoint};
 
 use super::channel_units::{per_stored, unit, with_unit};
+use super::marks::Marks;
 use super::strips::{Strip, strips};
 use super::time_plot::{self, TimePlot};
 use super::times::Times;
@@ -145,8 +146,7 @@ impl ChannelPlot<'_> {
         let time_plot = TimePlot { strip, name: &name, times: &self.times, y_bounds };
         let shown = time_plot.show(ui, plot, axis, commands, |plot_ui| {
             for (one, dots) in self.all.iter().zip(dots) {
-                let dots = Points::new(one.name.clone(), PlotPoints::Owned(dots));
-                plot_ui.points(dots.color(theme::rgb(colour(one))).radius(1.4));
+                plot_ui.add(Marks::dots(&one.name, dots, theme::rgb(colour(one))));
             }
         });
         shown.paint_times(ui, &self.times);
@@ -202,8 +202,7 @@ impl ChannelPlot<'_> {
         };
         let shown = plot.show(ui, |plot_ui| {
             for (one, dots) in self.all.iter().zip(dots) {
-                let dots = Points::new(one.name.clone(), PlotPoints::Owned(dots));
-                plot_ui.points(dots.color(theme::rgb(colour(one))).radius(1.4));
+                plot_ui.add(Marks::dots(&one.name, dots, theme::rgb(colour(one))));
             }
         });
         let role = egui::accesskit::Role::Canvas;

@@ -8,6 +8,7 @@ use std::ops::RangeInclusive;
 use egui::{RichText, Stroke};
 use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
+use super::marks::Marks;
 use super::strips::{Strip, strips};
 use super::threshold::{self, Threshold};
 use super::time_plot::{self, Shown, TimePlot};
@@ -19,7 +20,7 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;
 use crate::pipeline::outlier_filter::too_fast;
-use crate::pipeline::{PipelineSettings, SampleFate, Thresholds};
+use crate::pipeline::{OutlierReason, PipelineSettings, SampleFate, Thresholds};
 
 /// A click this near to a dot is meant for it (points).
 const NEAR: f32 = 8.0;
@@ -99,12 +100,12 @@ impl RatePlot<'_> {
                 HoverPosition::Elsewhere { .. } => None,
             });
         let name = format!("{} over time", self.quantity.name());
-        let series = series(&dots, self.quantity);
+        let kept_or_rejected = kept(&dots).into_iter().chain(rejected(&dots, self.quantity));
+        let left_out = left_out(&dots);
         let time_plot = TimePlot { strip, name: &name, times: &self.times, y_bounds: bounds };
         let shown = time_plot.show(ui, plot, axis, commands, move |plot_ui| {
-            for points in series {
-                plot_ui.points(points);
-            }
+            kept_or_rejected.for_each(|marks| plot_ui.add(marks));
+            left_out.into_iter().for_each(|points| plot_ui.points(points));
         });
         self.ring(ui, &shown, &pipeline);
         shown.paint_times(ui, &self.times);
@@ -263,41 +264,49 @@ fn fate(own: &StationReadings, index: usize, pipeline: &PipelineSettings) -> Opt
     too_fast(&rates, &pipeline.thresholds).map(SampleFate::Rejected)
 }
 
-/// Dots in the stations' colours, over them crosses in those of the fates, small where another rate gave it away.
-fn series(dots: &[Dot], quantity: Quantity) -> Vec<Points<'static>> {
-    let mut all = Vec::new();
-    let rejected = Quantity::ALL.map(|quantity| Some(SampleFate::Rejected(quantity.reason())));
-    let left_out = Some(SampleFate::LeftOut);
-    for fate in [None, left_out].into_iter().chain(rejected) {
-        for station in 0..3 {
-            let points: Vec<PlotPoint> = dots
-                .iter()
-                .filter(|dot| dot.picked.station == station && dot.fate == fate)
-                .map(|dot| dot.at)
-                .collect();
-            let name = format!("station {}", station + 1);
-            all.push(match fate {
-                None => Points::new(name, PlotPoints::Owned(points))
-                    .color(theme::rgb(palette::STATIONS[station]))
-                    .radius(1.4),
-                // It has no rate, and stands at the foot.
-                Some(SampleFate::LeftOut) => {
-                    Points::new(format!("{name}, left out by hand"), PlotPoints::Owned(points))
-                        .color(theme::rgb(palette::fate(SampleFate::LeftOut)))
-                        .shape(MarkerShape::Square)
-                        .filled(false)
-                        .radius(2.4)
-                }
-                Some(fate) => {
-                    let own = fate == SampleFate::Rejected(quantity.reason());
-                    let colour = theme::rgb(palette::fate(fate));
-                    Points::new(format!("{name}, {}", fate.label()), PlotPoints::Owned(points))
-                        .color(if own { colour } else { colour.gamma_multiply(0.6) })
-                        .shape(MarkerShape::Cross)
-                        .radius(if own { 3.5 } else { 2.0 })
-                }
-            });
+/// Dots of the readings that stay, in the stations' colours.
+fn kept(dots: &[Dot]) -> [Marks; 3] {
+    std::array::from_fn(|station| {
+        let own = |dot: &&Dot| dot.picked.station == station && dot.fate.is_none();
+        let at = dots.iter().filter(own).map(|dot| dot.at).collect();
+        Marks::dots(format!("station {}", station + 1), at, theme::rgb(palette::STATIONS[station]))
+    })
+}
+
+/// Over them crosses in the colours of the fates, small where another rate gave it away.
+fn rejected(dots: &[Dot], quantity: Quantity) -> Vec<Marks> {
+    let rejected: Vec<(&Dot, SampleFate)> =
+        dots.iter().filter_map(|dot| Some((dot, dot.fate?))).collect();
+    let series = |reason: OutlierReason, station: usize| {
+        let fate = SampleFate::Rejected(reason);
+        let own = rejected.iter().filter(|(dot, of)| dot.picked.station == station && *of == fate);
+        let at = own.map(|(dot, _)| dot.at).collect();
+        let name = format!("station {}, {}", station + 1, fate.label());
+        let colour = theme::rgb(palette::fate(fate));
+        if reason == quantity.reason() {
+            Marks::crosses(name, at, colour.gamma_multiply(0.7), 3.5)
+        } else {
+            Marks::crosses(name, at, colour.gamma_multiply(0.3), 2.0)
         }
+    };
+    let mut all = Vec::new();
+    for other in Quantity::ALL {
+        all.extend((0..3).map(|station| series(other.reason(), station)));
     }
     all
+}
+
+/// Squares at the foot: what was left out by hand has no rate.
+fn left_out(dots: &[Dot]) -> [Points<'static>; 3] {
+    std::array::from_fn(|station| {
+        let own =
+            |dot: &&Dot| dot.picked.station == station && dot.fate == Some(SampleFate::LeftOut);
+        let at: Vec<PlotPoint> = dots.iter().filter(own).map(|dot| dot.at).collect();
+        let name = format!("station {}, left out by hand", station + 1);
+        Points::new(name, PlotPoints::Owned(at))
+            .color(theme::rgb(palette::fate(SampleFate::LeftOut)))
+            .shape(MarkerShape::Square)
+            .filled(false)
+            .radius(2.4)
+    })
 }

@@ -6,6 +6,7 @@ use egui_plot::{
     FilledArea, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi, Points,
 };
 
+use super::marks::Marks;
 use super::navigation::Moved;
 use super::quads::Shades;
 use super::strips::{Strip, strips};
@@ -110,11 +111,7 @@ impl PairPlot<'_> {
             }
             let dots = plots.residuals[self.pair].cloud(times.window_s, columns);
             let name = format!("prisms {}", pair_label(self.pair));
-            plot_ui.points(
-                Points::new(name, PlotPoints::Owned(dots))
-                    .color(self.colour().gamma_multiply(0.34))
-                    .radius(1.2),
-            );
+            plot_ui.add(Marks::dots(name, dots, self.colour().gamma_multiply(0.34)));
             let most = (strip.plot.width() / CORNER) as usize;
             for piece in plots.residuals[self.pair].running.visible(times.window_s, most) {
                 self.add_usual(plot_ui, &piece, dark);

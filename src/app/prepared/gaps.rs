@@ -112,13 +112,25 @@ pub fn visible(spans: &[Interval], window_s: [f64; 2], least_s: f64) -> Vec<Seen
     let mut seen = Vec::new();
     while let Some(first) = spans.get(at).filter(|span| span.start_s <= window_s[1]) {
         let close_s = first.start_s + least_s;
-        let next = spans.partition_point(|span| span.end_s <= close_s).max(at + 1);
+        let next = first_from(spans, at + 1, |span| span.end_s <= close_s);
         let last = &spans[next - 1];
         let span = Interval { start_s: first.start_s, end_s: last.end_s };
         seen.push(Seen { span, count: next - at });
         at = next;
     }
     seen
+}
+
+/// Index of the first item from an index on that is not before, looked for in ever longer steps: of a million items in
+/// order the next is mostly near, and far ones would have to be fetched from memory.
+pub fn first_from<T>(items: &[T], from: usize, is_before: impl Fn(&T) -> bool) -> usize {
+    let (mut low, mut step) = (from.min(items.len()), 1);
+    while items.get(low + step).is_some_and(&is_before) {
+        low += step;
+        step *= 2;
+    }
+    let high = items.len().min(low + step + 1);
+    low + items[low..high].partition_point(is_before)
 }
 
 /// A span, or some that are too close together to be told apart.
@@ -173,6 +185,20 @@ mod tests {
         assert!(seen.windows(2).all(|pair| pair[0].span.end_s < pair[1].span.start_s));
         let close = visible(&many, [200.0, 200.1], 1e-4);
         assert!(close.iter().all(|seen| seen.count == 1) && close.len() >= 10);
+    }
+
+    #[test]
+    fn the_first_from_an_index_is_the_first_of_all() {
+        let times_s: Vec<f64> = (0..100).map(|i| f64::from(i) * 0.4).collect();
+        for wanted in [-1.0, 0.0, 0.3, 7.9, 8.0, 39.6, 50.0] {
+            let expected = times_s.partition_point(|t| *t < wanted);
+            for from in 0..=expected {
+                let found = first_from(&times_s, from, |t| *t < wanted);
+                assert_eq!(found, expected, "{wanted} from {from}");
+            }
+        }
+        assert_eq!(first_from(&[], 0, |_: &f64| true), 0);
+        assert_eq!(first_from(&[1.0], 1, |t| *t < 9.0), 1);
     }
 
     #[test]

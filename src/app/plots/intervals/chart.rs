@@ -9,7 +9,7 @@ use super::super::time_plot::{Shown, TimePlot};
 use super::super::times::Times;
 use crate::analysis::Analysis;
 use crate::app::model::{Command, Commands, OpenDeployment, Picked};
-use crate::app::prepared::gaps::{Seen, visible};
+use crate::app::prepared::gaps::{Seen, first_from, visible};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::palette;
@@ -126,7 +126,7 @@ impl Chart<'_> {
             let x = self.shown.x(*time_s);
             quads.add(Rect::from_x_y_ranges(x - 0.75..=x + 0.75, y), colour);
             let close_s = time_s + 1.0 / self.points_per_s();
-            at = times_s.partition_point(|t| *t <= close_s).max(at + 1);
+            at = first_from(times_s, at + 1, |t| *t <= close_s);
         }
         painter.add(quads.into_shape());
     }
@@ -165,7 +165,8 @@ impl Chart<'_> {
         let mut end = times_s.partition_point(|t| *t < time_at(left(0)));
         let ends: Vec<usize> = (0..=columns)
             .map(|column| {
-                end = first_from(times_s, end, time_at(left(column)));
+                let from_s = time_at(left(column));
+                end = first_from(times_s, end, |t| *t < from_s);
                 end
             })
             .collect();
@@ -204,15 +205,24 @@ impl Chart<'_> {
             quads.add(rect, kept.gamma_multiply(0.75));
         });
         let short = theme::rgb(palette::fate(SampleFate::IntervalTooShort));
-        for seen in self.visible(&gaps.short) {
+        let place = |seen: &Seen| {
             let mut rect = self.rect(row, &seen.span);
             if seen.count > 1 {
                 // Some between kept ones: they must not hide those.
                 rect.min.y = rect.max.y - 0.3 * rect.height();
             }
-            hatch(&painter, rect, short);
-            painter.rect_stroke(rect, 0.0, Stroke::new(1.0, short), StrokeKind::Inside);
-            label(ui, &painter, rect, &seen);
+            rect
+        };
+        let seen = self.visible(&gaps.short);
+        let mut quads = Quads::default();
+        for rect in seen.iter().map(place) {
+            quads.add(rect, short.gamma_multiply(0.15));
+            quads.add_frame(rect, 1.0, short);
+        }
+        painter.add(quads.into_shape());
+        for seen in &seen {
+            hatch(&painter, place(seen), short);
+            label(ui, &painter, place(seen), seen);
         }
     }
 
@@ -263,18 +273,6 @@ impl Chart<'_> {
     }
 }
 
-/// Index of the first time that is not before another, looked for from an index on in ever longer steps: of a million
-/// times the next is mostly near, and far ones would have to be fetched from memory.
-fn first_from(times_s: &[f64], from: usize, time_s: f64) -> usize {
-    let (mut low, mut step) = (from, 1);
-    while times_s.get(low + step).is_some_and(|t| *t < time_s) {
-        low += step;
-        step *= 2;
-    }
-    let high = times_s.len().min(low + step + 1);
-    low + times_s[low..high].partition_point(|t| *t < time_s)
-}
-
 fn under(spans: &[Interval], time_s: f64) -> Option<&Interval> {
     let span = spans.get(spans.partition_point(|span| span.end_s < time_s))?;
     (span.start_s <= time_s).then_some(span)
@@ -306,11 +304,14 @@ fn label(ui: &egui::Ui, painter: &egui::Painter, rect: Rect, seen: &Seen) {
     }
 }
 
-/// Slanted lines. They are cut here, because each part that the painter has to cut is drawn by itself.
+/// Slanted lines, where there is room for some. They are cut here, because each part that the painter has to cut is drawn
+/// by itself.
 fn hatch(painter: &egui::Painter, rect: Rect, colour: Color32) {
-    painter.rect_filled(rect, 0.0, colour.gamma_multiply(0.15));
     let (step, rise) = (5.0, rect.height());
     let seen = rect.intersect(painter.clip_rect());
+    if seen.width() < step {
+        return;
+    }
     let first = ((seen.left() - rect.left() - rise) / step).floor().max(0.0) as i32;
     let last = ((seen.right() - rect.left() + rise) / step).ceil() as i32;
     for line in first..=last {
@@ -320,22 +321,5 @@ fn hatch(painter: &egui::Painter, rect: Rect, colour: Color32) {
             let ends = [from, to].map(|x| Pos2::new(x, foot.y - (x - foot.x)));
             painter.add(Shape::line_segment(ends, Stroke::new(1.0, colour)));
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_first_from_an_index_is_the_first_of_all() {
-        let times_s: Vec<f64> = (0..100).map(|i| f64::from(i) * 0.4).collect();
-        for wanted in [-1.0, 0.0, 0.3, 7.9, 8.0, 39.6, 50.0] {
-            let expected = times_s.partition_point(|t| *t < wanted);
-            for from in 0..=expected {
-                assert_eq!(first_from(&times_s, from, wanted), expected, "{wanted} from {from}");
-            }
-        }
-        assert_eq!(first_from(&[], 0, 1.0), 0);
     }
 }
