@@ -335,3 +335,33 @@ fn no_rooms_of_the_calibrations_look_into_each_other() {
     }
     assert!(left.is_empty(), "circles among {left:?}");
 }
+
+/// Largest file that crates.io is given, of which it takes ten (bytes).
+const MOST_PACKAGE_BYTES: u64 = 3_000_000;
+/// Largest program as it is released (bytes).
+const MOST_PROGRAM_BYTES: u64 = 40_000_000;
+
+#[test]
+fn the_package_is_small() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = std::process::Command::new(env!("CARGO"))
+        .args(["package", "--no-verify", "--allow-dirty", "--offline", "--quiet", "--target-dir"])
+        .arg(folder.path())
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let file = format!("package/resect-{}.crate", env!("CARGO_PKG_VERSION"));
+    let bytes = std::fs::metadata(folder.path().join(file)).expect("a package").len();
+    assert!(bytes < MOST_PACKAGE_BYTES, "{bytes} bytes");
+}
+
+#[test]
+#[cfg_attr(
+    debug_assertions,
+    ignore = "of the program as it is released: cargo test --release --test structure"
+)]
+fn the_released_program_is_small() {
+    let bytes = std::fs::metadata(env!("CARGO_BIN_EXE_resect")).expect("built").len();
+    assert!(bytes < MOST_PROGRAM_BYTES, "{bytes} bytes");
+}

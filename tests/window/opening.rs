@@ -1,7 +1,8 @@
 //! Opening and saving in the window, driven by the names of its widgets.
 
+use egui::accesskit::Role;
 use egui::{Event, HoveredFile, Key, Modifiers, Theme, Vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::Command;
 use resect::app::file_dialog::PromptCommand;
 use resect::deployment::Source;
@@ -45,8 +46,14 @@ fn a_deployment_is_opened_by_typing_its_path() {
     let above = folder.parent().expect("in assets").display().to_string();
     type_path(&mut harness, &format!("{above}/"));
     harness.get_by_label("warthog/");
+    let can_open = |harness: &Window| {
+        let button = harness.get_by_role_and_label(Role::Button, "Open");
+        !button.accesskit_node().is_disabled()
+    };
+    assert!(!can_open(&harness), "nothing is named");
     type_path(&mut harness, &format!("{above}/HD"));
     assert!(harness.query_by_label("warthog/").is_none());
+    assert!(can_open(&harness), "as Enter does");
     // The one folder that is left is entered, and then taken.
     press(&mut harness, Modifiers::NONE, Key::Enter);
     harness.get_by_label("inter_prism.csv deployment");

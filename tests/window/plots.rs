@@ -5,9 +5,11 @@ use egui::{
 };
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane, TimeUnit, Units};
+use resect::calibration::Method;
 use resect::pipeline::{OutlierReason, SampleFate, Thresholds};
+use resect::simulation::{Preset, simulate_scenario};
 
-use crate::harness::{LARGE, Window, double_click, send, settle, shown, triplets};
+use crate::harness::{LARGE, Window, double_click, open, send, set, settle, shown, triplets};
 
 /// With a pane in front.
 fn window(size: Vec2, theme: Theme, pane: Pane) -> Window {
@@ -393,4 +395,42 @@ fn what_is_selected_is_counted_beside_all() {
     assert!(harness.query_by_label_contains(&format!("n\u{a0}{all}")).is_some());
     send(&mut harness, Command::Select(None));
     assert!(harness.query_by_label_contains("selected: median").is_none());
+}
+
+fn count_shapes(shape: &egui::Shape) -> usize {
+    match shape {
+        egui::Shape::Vec(shapes) => shapes.iter().map(count_shapes).sum(),
+        _ => 1,
+    }
+}
+
+/// How many shapes a frame is, with each plot over time in front.
+fn shapes_by_pane(harness: &mut Window) -> Vec<(Pane, usize)> {
+    let panes = [Pane::Residuals, Pane::Rates, Pane::Intervals, Pane::Channels].into_iter();
+    panes
+        .map(|pane| {
+            send(harness, Command::ShowPane(pane));
+            let shapes = harness.output().shapes.iter();
+            (pane, shapes.map(|clipped| count_shapes(&clipped.shape)).sum())
+        })
+        .collect()
+}
+
+/// Each shape costs a frame's time: a rectangle for each of 4587 intervals was once a third of it.
+#[test]
+fn a_long_drive_is_hardly_more_shapes_than_a_short_one() {
+    let mut harness = crate::harness::window(LARGE, Theme::Dark);
+    let short = shapes_by_pane(&mut harness);
+    let mut scenario = Preset::Warthog.scenario();
+    scenario.duration_s *= 24.0;
+    open(&mut harness, simulate_scenario(&scenario, 1).deployment().expect("simulated"));
+    set(&mut harness, |settings| {
+        settings.calibration = settings.calibration.plain(Method::InterPrism);
+        settings.pipeline.interval_filter = false;
+    });
+    let kept = shown(&harness).analysis.as_ref().expect("analysed").pipeline.kept_intervals.len();
+    assert!(kept > 450, "{kept} intervals");
+    for ((pane, short), (_, long)) in short.into_iter().zip(shapes_by_pane(&mut harness)) {
+        assert!(long < short + 300, "{pane:?}: {short} shapes, {long} of the long drive");
+    }
 }

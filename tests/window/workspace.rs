@@ -7,7 +7,8 @@ use resect::app::{Command, Overlay, Pane, Ruler, RulerEnd, StudyResult, Units};
 use resect::simulation::{Preset, simulate};
 
 use crate::harness::{
-    LARGE, SMALL, Window, open, press, send, set, settings, settle, type_and_enter_at_once, window,
+    LARGE, SMALL, Window, click, open, press, send, set, settings, settle, shown,
+    type_and_enter_at_once, window,
 };
 
 fn cursor_s(harness: &Window) -> f64 {
@@ -148,7 +149,7 @@ fn undo_shows_what_it_acts_on_and_the_menu_says_which() {
     harness.run_steps(3);
     harness.get_by_label_contains("Undo τ_l 6 → 12 s in warthog (simulated)").click();
     settle(&mut harness);
-    assert_eq!(crate::harness::shown(&harness).deployment.name, "warthog (simulated)");
+    assert_eq!(shown(&harness).deployment.name, "warthog (simulated)");
     assert_eq!(settings(&harness).pipeline.thresholds.tau_l_seconds, 6.0);
 }
 
@@ -206,6 +207,25 @@ fn keys_move_through_time_unless_a_widget_has_them() {
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
     assert_eq!(cursor_s(&harness), 0.0);
     assert_ne!(settings(&harness).pipeline.thresholds.tau_s_seconds, 1.0);
+}
+
+#[test]
+fn escape_closes_an_open_menu_and_leaves_what_is_selected() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let start_s = shown(&harness).start_s();
+    send(&mut harness, Command::Select(Some([start_s + 60.0, start_s + 120.0])));
+    let is_open = |harness: &Window| egui::Popup::is_any_open(&harness.ctx);
+    click(&mut harness, "Edit");
+    assert!(is_open(&harness));
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert!(!is_open(&harness));
+    assert!(shown(&harness).timeline.selection_s.is_some());
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert_eq!(shown(&harness).timeline.selection_s, None);
+    // What other keys open does not stand behind the menu.
+    click(&mut harness, "Edit");
+    press(&mut harness, Modifiers::COMMAND, Key::P);
+    assert!(!is_open(&harness));
 }
 
 #[test]

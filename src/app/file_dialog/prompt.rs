@@ -302,7 +302,7 @@ impl PathPrompt {
     }
 
     /// What is typed behind the last separator.
-    fn typed_name(&self) -> &str {
+    pub fn typed_name(&self) -> &str {
         self.text.rsplit(std::path::is_separator).next().unwrap_or_default()
     }
 

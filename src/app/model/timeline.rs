@@ -46,6 +46,8 @@ pub struct Timeline {
 
 /// The shortest time that the plots show (s): readings come a few times a second.
 const SHORTEST_WINDOW_S: f64 = 0.05;
+/// Instants closer than this are the same (s): the times of some years since 1970 are rounded to a quarter of it.
+const SAME_S: f64 = 1e-6;
 
 impl Timeline {
     pub fn new(deployment: &Deployment) -> Self {
@@ -72,7 +74,10 @@ impl Timeline {
         let length_s = (b - a).abs().clamp(SHORTEST_WINDOW_S, to - from);
         // Rounding may leave a little less room than there is: `clamp` would panic.
         let start_s = a.min(b).min(to - length_s).max(from);
-        self.window_s = [start_s, start_s + length_s];
+        let window_s = [start_s, start_s + length_s];
+        // All but for rounding is all: nothing else would be seen as a part, and be saved as one.
+        let is_all = (0..2).all(|end| (window_s[end] - self.whole_s[end]).abs() < SAME_S);
+        self.window_s = if is_all { self.whole_s } else { window_s };
     }
 
     pub fn show_all(&mut self) {
@@ -194,6 +199,16 @@ mod tests {
         assert_eq!(timeline.window_s, [950.0, 1150.0]);
         timeline.show([5000.0, 5010.0]);
         assert_eq!(timeline.window_s, [1140.0, 1150.0]);
+    }
+
+    #[test]
+    fn the_whole_drive_but_for_rounding_is_the_whole() {
+        let whole_s = [1_760_000_000.028_027, 1_760_000_420.936_687_5];
+        let mut timeline = Timeline { whole_s, ..timeline() };
+        timeline.show([whole_s[0] + 3e-7, whole_s[1] - 3e-7]);
+        assert_eq!(timeline.window_s, whole_s);
+        timeline.show([whole_s[0] + 1e-3, whole_s[1]]);
+        assert_ne!(timeline.window_s, whole_s);
     }
 
     #[test]

@@ -221,13 +221,13 @@ fn buttons(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand
             asked.push(PromptCommand::NameFolder(String::new()));
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let chosen = prompt.chosen.is_some();
             let (accept, folder) = match prompt.question.wanted {
                 Wanted::ToOpen { .. } => ("Open", Some("Open this folder")),
                 Wanted::Folder => ("Go in", Some("Choose this folder")),
                 Wanted::NewFile { .. } => ("Save", None),
             };
-            let possible = chosen || folder.is_none();
+            let named = prompt.chosen.is_some() || !prompt.typed_name().is_empty();
+            let possible = named || folder.is_none();
             if ui.add_enabled(possible, egui::Button::new(accept)).clicked() {
                 asked.push(PromptCommand::Accept);
             }

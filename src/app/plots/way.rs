@@ -1,6 +1,7 @@
 //! The trajectory over time: where the vehicle was with its σ, and how far off the trajectories of other systems are.
 
-use egui::{Color32, RichText};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Color32, PopupCloseBehavior, RichText};
 use egui_plot::{FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi};
 
 use super::quads::Shades;
@@ -9,7 +10,7 @@ use super::time_plot::{self, TimePlot};
 use super::times::Times;
 use super::{close_marks, with_room};
 use crate::app::model::estimates::Shown;
-use crate::app::model::{Command, Commands, OpenDeployment, Units};
+use crate::app::model::{Command, Commands, OpenDeployment, Units, WayPlots};
 use crate::app::prepared::way::{Aspect, Instant, Way};
 use crate::app::state::State;
 use crate::app::theme;
@@ -27,6 +28,8 @@ const LEAST_ERROR_MM: f64 = 1e-3;
 const CORNER: f32 = 3.0;
 /// A line of an estimate's errors is broken where it has no ground truth for longer (s).
 const GAP_S: f64 = 1.0;
+/// The switches stand in a line where there is more room than this (points), and in a menu otherwise.
+const WIDE: f32 = 550.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, _)) = state.analysed() else {
@@ -40,16 +43,14 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let plots = state.way_plots;
     let judging = &open.judging;
     time_plot::head(ui, |ui| {
-        let mut chosen = plots;
-        if !judging.estimates.is_empty() {
-            ui.checkbox(&mut chosen.errors, "errors")
-                .on_hover_text("How far off each trajectory is that was added, over what the ground truth leaves open");
-        }
-        for (aspect, on) in Aspect::ALL.into_iter().zip(&mut chosen.aspects) {
-            ui.checkbox(on, aspect.name()).on_hover_text(aspect.hint());
-        }
-        if chosen != plots {
-            commands.push(Command::PlotWay(chosen));
+        let can_judge = !judging.estimates.is_empty();
+        if ui.available_width() > WIDE {
+            switches(ui, plots, can_judge, commands);
+        } else {
+            let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+            MenuButton::new("Show…").config(stays).ui(ui, |ui| {
+                switches(ui, plots, can_judge, commands);
+            });
         }
         time_plot::selection(ui, &times, commands);
         time_plot::hint(ui, "");
@@ -82,6 +83,22 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     for (strip, aspect) in of_aspects.iter().zip(aspects) {
         let plot = AspectPlot { open, times: &times, units: state.units, aspect };
         plot.show(ui, strip, way, commands);
+    }
+}
+
+/// What is to be plotted, one switch each.
+fn switches(ui: &mut egui::Ui, plots: WayPlots, can_judge: bool, commands: &mut Commands) {
+    let mut chosen = plots;
+    if can_judge {
+        ui.checkbox(&mut chosen.errors, "errors").on_hover_text(
+            "How far off each trajectory is that was added, over what the ground truth leaves open",
+        );
+    }
+    for (aspect, on) in Aspect::ALL.into_iter().zip(&mut chosen.aspects) {
+        ui.checkbox(on, aspect.name()).on_hover_text(aspect.hint());
+    }
+    if chosen != plots {
+        commands.push(Command::PlotWay(chosen));
     }
 }
 
