@@ -447,6 +447,35 @@ fn simulate_writes_what_calibrate_opens() {
 }
 
 #[test]
+fn true_poses_of_a_simulation_are_judged_as_such() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [out, poses] = ["drive", "true.tum"].map(|name| folder.path().join(name));
+    let simulate = ["simulate", "--preset", "warthog", "--seed", "7", "--out", text(&out)];
+    let [inside, other] = [out.join("true.tum"), folder.path().join("true.foo")];
+    let simulate_with = |file| [&simulate[..], &["--true-poses", file]].concat();
+    stdout(&simulate_with(text(&poses)));
+    let value = json(&["evaluate", text(&poses), "--against", text(&out), "--json"]);
+    let judged = &value["estimates"][0];
+    let of = |name: &str| judged[name].as_f64().expect("a number");
+    let rmse_m = judged["ape_position_m"]["rmse"].as_f64().expect("a number");
+    // Consistent with its own σ, and so about as large.
+    let ratio = rmse_m / of("ground_truth_sigma_m");
+    assert!((0.5..1.6).contains(&ratio), "{ratio}");
+    // From prism 1 down to the ground between the axles, as the vehicle is built.
+    let arm_m: Vec<f64> = (0..3).map(|i| judged["lever_arm_m"][i].as_f64().expect("m")).collect();
+    let length_m = arm_m.iter().map(|part| part * part).sum::<f64>().sqrt();
+    assert!((length_m - 0.45_f64.hypot(0.05).hypot(1.55)).abs() < 0.005, "{arm_m:?}");
+    // Neither within the drive, where it would be read, nor as what no trajectory is.
+    let line = complaint(&simulate_with(text(&inside)), 2);
+    assert!(line.contains("beside its folder"), "{line}");
+    let line = complaint(&simulate_with(text(&other)), 2);
+    assert!(line.contains(".foo") && line.contains(".mcap"), "{line}");
+    let line = complaint(&["trajectory", text(&out), "--out", text(&other)], 2);
+    assert!(line.contains(".foo"), "{line}");
+    assert!(!other.exists());
+}
+
+#[test]
 fn without_a_display_the_sample_is_calibrated_and_the_ways_on_are_named() {
     let output = stdout(&[]);
     for expected in ["built-in sample", "verdict: GOOD", "T12", "±", "resect screenshot", "ssh -X"]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::Failure;
+use crate::export::trajectory::FileKind;
 
 /// Refuses to write over any of the files that were read, and a dash, which elsewhere means standard output.
 pub fn spare<'a>(out: &Path, read: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
@@ -19,4 +20,9 @@ pub fn spare<'a>(out: &Path, read: impl IntoIterator<Item = &'a Path>) -> Result
         ))),
         false => Ok(()),
     }
+}
+
+/// What a trajectory's file is to be, by the ending of its name.
+pub fn kind_of(file: &Path) -> Result<FileKind, Failure> {
+    FileKind::of(file).map_err(|why| Failure::Usage(format!("{}: {why}", file.display())))
 }

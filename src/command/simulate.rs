@@ -3,15 +3,24 @@
 mod error_args;
 mod limits;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::slice::from_mut;
 
 use clap::Args;
+use nalgebra::{Matrix6, Rotation3};
 
 use self::error_args::ErrorArguments;
 use self::limits::{Limits, replace};
+use super::output::{kind_of, spare};
 use super::{Failure, print};
-use crate::simulation::{ARCSECOND_RAD, Preset, Scenario, simulate_scenario, write_folder};
+use crate::atomic;
+use crate::evaluation::trajectory::{Pose, Trajectory};
+use crate::export::trajectory::{self as trajectory_file, FileKind};
+use crate::simulation::{
+    ARCSECOND_RAD, EPOCH_S, Preset, Scenario, Simulated, simulate_scenario, write_folder,
+};
+
+const TRUE_POSES_APART_S: f64 = 0.1;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -24,6 +33,9 @@ pub struct Arguments {
     /// Folder to write into
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// File for the true poses of the vehicle, ten a second in the frame of station 1: .tum, .csv, .ply, .mcap or .bag
+    #[arg(long, value_name = "FILE")]
+    true_poses: Option<PathBuf>,
     /// Noise of the ranges, 1 σ (mm)
     #[arg(long, value_name = "MM")]
     range_noise: Option<f64>,
@@ -54,8 +66,18 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scenario = scenario(arguments)?;
+    let kind = arguments.true_poses.as_deref().map(kind_of).transpose()?;
+    if let Some(file) =
+        arguments.true_poses.as_deref().filter(|file| file.starts_with(&arguments.out))
+    {
+        let line = "would be read with the deployment; name a file beside its folder";
+        return Err(Failure::Usage(format!("{}: {line}", file.display())));
+    }
     let simulated = simulate_scenario(&scenario, arguments.seed);
     write_folder(&simulated, &arguments.out)?;
+    if let Some((file, kind)) = arguments.true_poses.as_deref().zip(kind) {
+        write_true_poses(&simulated, file, kind)?;
+    }
     print(&format!(
         "{}: {} readings ({} outliers, {} lost), {} control-point sets; the truth is in truth.toml\n\
          next: resect calibrate {}\n",
@@ -67,6 +89,34 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         arguments.out.display(),
     ))?;
     Ok(())
+}
+
+/// Writes where the vehicle really was.
+fn write_true_poses(simulated: &Simulated, file: &Path, kind: FileKind) -> Result<(), Failure> {
+    spare(file, [])?;
+    let truth = &simulated.truth;
+    let steps = (simulated.scenario.duration_s / TRUE_POSES_APART_S).floor() as usize;
+    let pose = |step: usize| {
+        let time_s = step as f64 * TRUE_POSES_APART_S;
+        let (position_m, axes) = truth.motion.pose(time_s);
+        Pose {
+            time_s: EPOCH_S + time_s,
+            position_m,
+            orientation: Rotation3::from_matrix_unchecked(axes).into(),
+            covariance: Matrix6::zeros(),
+            twist: None,
+            inter_prism_error_m: 0.0,
+        }
+    };
+    let trajectory = Trajectory { poses: (0..=steps).map(pose).collect(), dropped: 0 };
+    let prisms = truth.prisms_m.map(|at| format!("({}, {}, {})", at.x, at.y, at.z)).join(", ");
+    let header = format!(
+        "true poses, preset {}, seed {}: frame of station 1 at set-up; vehicle: x ahead, y left, z up, prisms at {prisms} m",
+        simulated.scenario.name, simulated.seed
+    );
+    let content = trajectory_file::file(kind, &trajectory, &header, trajectory_file::STATION1)
+        .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
+    Ok(atomic::write(file, content)?)
 }
 
 /// The preset with what the options change.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use nalgebra::Vector3;
 
-use super::output::spare;
+use super::output::{kind_of, spare};
 use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
 use crate::analysis::{Analysis, Analyst};
@@ -18,7 +18,7 @@ use crate::evaluation::site::SiteFrame;
 use crate::evaluation::vehicle::{
     Instants, LARGEST_POSE_ERROR_M, NoTrajectory, prism_by, trajectory_by,
 };
-use crate::export::trajectory::{self as trajectory_file, FileKind};
+use crate::export::trajectory::{self as trajectory_file};
 use crate::pipeline::Triplets;
 
 #[derive(Args)]
@@ -70,6 +70,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let line = format!("--pose-rate is {hz} Hz; it must be above 0 and {MOST_HZ} at most");
         return Err(Failure::Usage(line));
     }
+    // Before anything that takes long.
+    arguments.out.as_deref().map(kind_of).transpose()?;
     let times_s = arguments.at.as_deref().map(times_of).transpose()?;
     let (deployment, _) = load(&arguments.path, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
@@ -133,7 +135,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(file) = &arguments.out else {
         return Ok(print(&trajectory_file::tum(&trajectory, &header))?);
     };
-    let content = trajectory_file::file(FileKind::of(file), &trajectory, &header, frame_id)
+    let content = trajectory_file::file(kind_of(file)?, &trajectory, &header, frame_id)
         .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
     spare(file, used_files(&deployment))?;
     atomic::write(file, content)?;
@@ -192,7 +194,7 @@ fn one_prism(
     let Some(file) = &arguments.out else {
         return Ok(print(&trajectory_file::prism_tum(&positions, &header))?);
     };
-    let content = trajectory_file::prism_file(FileKind::of(file), &positions, &header)
+    let content = trajectory_file::prism_file(kind_of(file)?, &positions, &header)
         .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
     spare(file, used_files(deployment))?;
     atomic::write(file, content)?;

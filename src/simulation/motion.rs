@@ -57,6 +57,12 @@ impl Motion {
 
     /// World position (m) of a point of the vehicle at a time (s).
     pub fn position_m(&self, point_m: &Vector3<f64>, time_s: f64) -> Vector3<f64> {
+        let (origin_m, world_from_vehicle) = self.pose(time_s);
+        origin_m + world_from_vehicle * point_m
+    }
+
+    /// World position (m) of the vehicle's origin at a time (s), and its axes in the world: x ahead, y left, z up.
+    pub fn pose(&self, time_s: f64) -> (Vector3<f64>, Matrix3<f64>) {
         let at = (time_s / STEP_S).clamp(0.0, (self.poses.len() - 2) as f64);
         let (index, weight) = (at as usize, at.fract());
         let (a, b) = (self.poses[index], self.poses[index + 1]);
@@ -72,7 +78,7 @@ impl Motion {
         .normalize();
         let up = Vector3::new(-slope[0], -slope[1], 1.0).normalize();
         let left = up.cross(&ahead);
-        Vector3::new(x, y, height) + Matrix3::from_columns(&[ahead, left, up]) * point_m
+        (Vector3::new(x, y, height), Matrix3::from_columns(&[ahead, left, up]))
     }
 }
 

@@ -59,7 +59,8 @@ impl State {
     pub(super) fn save_trajectory(&mut self) {
         let title = "Save the vehicle's trajectory (.tum, .csv, .ply, .mcap or .bag)";
         self.save_of_analysis(title, "tum", |path, deployment, analysis| {
-            let content = trajectory_file(FileKind::of(path), &deployment, &analysis)?;
+            let kind = FileKind::of(path).map_err(|why| why.to_string())?;
+            let content = trajectory_file(kind, &deployment, &analysis)?;
             atomic::write(path, content).map_err(|error| error.to_string())
         });
     }

@@ -28,22 +28,25 @@ pub enum FileKind {
 }
 
 impl FileKind {
-    /// TUM has no ending of its own.
-    pub fn of(path: &Path) -> Self {
+    /// What the ending of a file's name says. TUM has none of its own, but is not meant by that of another format.
+    pub fn of(path: &Path) -> Result<Self, Unwritable> {
         let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match ending.to_str() {
+        Ok(match ending.to_str() {
+            Some("" | "tum" | "txt") => Self::Tum,
             Some("csv") => Self::Csv,
             Some("ply") => Self::Ply,
             Some("mcap") => Self::Mcap,
             Some("bag") => Self::Ros1Bag,
-            _ => Self::Tum,
-        }
+            _ => return Err(Unwritable::UnknownEnding(ending.to_string_lossy().into_owned())),
+        })
     }
 }
 
 /// Why a trajectory cannot be written as a kind of file.
 #[derive(Debug, thiserror::Error)]
 pub enum Unwritable {
+    #[error("no trajectory is written as .{0}; write .tum, .txt, .csv, .ply, .mcap or .bag")]
+    UnknownEnding(String),
     #[error(
         "a message of odometry has an orientation, and one prism has none; write .tum, .csv or .ply"
     )]
