@@ -139,6 +139,8 @@ impl Life {
     fn reopen_saved(&mut self) {
         let Some(path) = self.saved.clone() else { return };
         let (saved, _) = session_file::load(&path).expect("saved");
+        // What was dropped before and is still being looked at comes besides: nothing that was asked for is lost.
+        self.screen.settle();
         self.screen.perform(Act::Drop(vec![path]));
         self.screen.settle();
         assert_same(&saved, &self.screen.state().session(), "in the session that is opened again");
