@@ -475,6 +475,28 @@ fn true_poses_of_a_simulation_are_judged_as_such() {
     assert!(!other.exists());
 }
 
+/// The remedy is not what was tried already.
+#[test]
+fn where_no_motion_fits_the_readings_the_way_leads_to_the_answer() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let drive = folder.path().join("drive");
+    stdout(&["simulate", "--preset", "warthog", "--duration", "120", "--out", text(&drive)]);
+    let track = drive.join("inter_prism.csv");
+    let in_feet = |line: &str| {
+        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if fields[1] == "2" {
+            let range_m: f64 = fields[2].parse().expect("a range");
+            fields[2] = (range_m / 0.3048).to_string();
+        }
+        fields.join(",") + "\n"
+    };
+    let readings = std::fs::read_to_string(&track).expect("written");
+    std::fs::write(&track, readings.lines().map(in_feet).collect::<String>()).expect("written");
+    let line = complaint(&["trajectory", text(&drive), "--pose-rate", "10"], 1);
+    assert!(line.contains("no motion") && line.contains("resect calibrate"), "{line}");
+    assert!(!line.contains("--method joint"), "{line}");
+}
+
 #[test]
 fn without_a_display_the_sample_is_calibrated_and_the_ways_on_are_named() {
     let output = stdout(&[]);

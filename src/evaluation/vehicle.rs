@@ -6,7 +6,7 @@ use super::rig_motion::rig_pose;
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
 use crate::calibration::joint::RIGID_M;
 use crate::calibration::joint::prisms::{Instant, Prisms, Solution};
-use crate::calibration::{Calibration, Targets, distance_errors_m};
+use crate::calibration::{Calibration, Method, Targets, distance_errors_m};
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
 use crate::pipeline::Triplets;
@@ -40,6 +40,11 @@ pub enum NoTrajectory {
         "{0}: by this method there are poses at the triplets only; the joint estimate has them at any time (--method joint)"
     )]
     NoMotion(String),
+    #[error(
+        "{0}: the joint estimate found no motion that fits the readings; see what its answer says of the data (`resect \
+         calibrate`)"
+    )]
+    NoMotionFits(String),
 }
 
 /// What the vehicle's frame is.
@@ -143,6 +148,9 @@ pub fn trajectory_by(
     else {
         return match wanted {
             Instants::Triplets => by_triplets(),
+            _ if calibration.method == Method::Joint => {
+                Err(NoTrajectory::NoMotionFits(deployment.name.clone()))
+            }
             _ => Err(NoTrajectory::NoMotion(deployment.name.clone())),
         };
     };
