@@ -98,6 +98,12 @@ pub fn estimate(number: usize) -> Rgb {
     INTERVALS[3 + number % 4]
 }
 
+/// Another run that is open, numbered from 0: tints that no station, pair or trajectory has.
+pub fn run_beside(number: usize) -> Rgb {
+    const TINTS: [Rgb; 4] = [[190, 190, 120], [150, 190, 190], [200, 160, 170], [170, 170, 215]];
+    TINTS[number % TINTS.len()]
+}
+
 /// What went well: the set's green.
 pub const DONE: Rgb = INTERVALS[2];
 

@@ -1,103 +1,21 @@
 //! Trajectories of other systems against the deployment's own: simulated ones, whose errors are known, and the real evo.
 
 mod common;
+#[path = "common/slam.rs"]
+mod slam;
 
 use std::path::Path;
 use std::process::Command;
 
 use common::{analyse, by, sample_folder};
 use nalgebra::{UnitQuaternion, Vector3};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use resect::analysis::Analysis;
 use resect::calibration::Method;
 use resect::deployment::Deployment;
 use resect::estimates::odd::{OddOne, OddSpan};
 use resect::estimates::{Estimate, EstimatedPose, Judgement, Options, judge, read};
-use resect::evaluation::trajectory::{ObservedRig, align_rig};
-use resect::simulation::{EPOCH_S, Preset, Simulated, simulate};
-
-/// What a SLAM system does to the truth.
-struct Slam {
-    name: &'static str,
-    seed: u64,
-    /// Noise of each pose (m), and how far it drifts in a second (m).
-    noise_m: f64,
-    drift_m: f64,
-    rate_hz: f64,
-    /// Its clock less the stations' (s), and where its body is in the vehicle.
-    clock_s: f64,
-    lever_m: Vector3<f64>,
-    turn_rad: Vector3<f64>,
-}
-
-const SLAM: Slam = Slam {
-    name: "slam",
-    seed: 1,
-    noise_m: 0.01,
-    drift_m: 0.002,
-    rate_hz: 10.0,
-    clock_s: 0.0,
-    lever_m: Vector3::new(0.0, 0.0, 0.0),
-    turn_rad: Vector3::new(0.0, 0.0, 0.0),
-};
-
-impl Slam {
-    fn drive(&self, simulated: &Simulated) -> Estimate {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let mut normal = || Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng));
-        let turn = UnitQuaternion::from_scaled_axis(self.turn_rad);
-        // Its own frame is where it began, turned.
-        let (frame, origin_m) =
-            (UnitQuaternion::from_euler_angles(0.02, -0.01, 1.0), Vector3::new(5.0, -3.0, 1.0));
-        let (mut drift_m, mut drift_rad) = (Vector3::zeros(), Vector3::zeros());
-        let step_s = 1.0 / self.rate_hz;
-        let poses = (0..(span_s(simulated) * self.rate_hz) as usize).map(|index| {
-            let since_s = index as f64 * step_s;
-            let (position_m, orientation) = true_pose(simulated, EPOCH_S + since_s);
-            drift_m += self.drift_m * step_s.sqrt() * normal();
-            drift_rad += 0.05 * self.drift_m * step_s.sqrt() * normal();
-            let body_m =
-                position_m + orientation * self.lever_m + drift_m + self.noise_m * normal();
-            let turned =
-                UnitQuaternion::from_scaled_axis(drift_rad + 0.1 * self.noise_m * normal());
-            EstimatedPose {
-                time_s: EPOCH_S + since_s + self.clock_s,
-                position_m: frame.inverse() * (body_m - origin_m),
-                orientation: Some(frame.inverse() * turned * orientation * turn),
-            }
-        });
-        let path = format!("{}.tum", self.name).into();
-        Estimate { name: self.name.into(), path, poses: poses.collect(), findings: Vec::new() }
-    }
-}
-
-fn span_s(simulated: &Simulated) -> f64 {
-    let last = |track: &resect::deployment::Track| track.measurements.last().map(|m| m.time_s);
-    let deployment = simulated.deployment().expect("valid");
-    deployment.tracks.iter().filter_map(last).fold(0.0, f64::max) - EPOCH_S
-}
-
-fn true_pose(simulated: &Simulated, time_s: f64) -> (Vector3<f64>, UnitQuaternion<f64>) {
-    let truth = &simulated.truth;
-    let points_m = truth.prisms_m.map(|p| truth.motion.position_m(&p, time_s - EPOCH_S));
-    let observed = ObservedRig { time_s, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
-    let pose = align_rig(&truth.prisms_m, &observed).expect("a triangle");
-    (pose.position_m, pose.orientation)
-}
-
-/// A simulated drive, whose vehicle's frame is the truth's.
-fn driven(seed: u64) -> (Simulated, Deployment) {
-    let simulated = simulate(Preset::Warthog, seed);
-    let deployment = with_frame(&simulated, simulated.deployment().expect("valid"));
-    (simulated, deployment)
-}
-
-fn with_frame(simulated: &Simulated, mut deployment: Deployment) -> Deployment {
-    deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m);
-    deployment
-}
+use resect::simulation::{EPOCH_S, ErrorKind, Preset, Scenario, simulate, simulate_scenario};
+use slam::{SLAM, Slam, driven, with_frame};
 
 fn judged(deployment: &Deployment, estimates: Vec<Estimate>, options: &Options) -> Judgement {
     let analysis: Analysis = analyse(deployment, &by(Method::Joint));
@@ -130,6 +48,52 @@ fn clock_lever_arm_and_turn_of_the_body_are_found_with_their_sigma() {
         assert!(off_rad < 0.01, "{off_rad}");
         let rmse_m = found.judged[0].position.rmse;
         assert!((0.01..0.05).contains(&rmse_m), "{rmse_m}");
+    }
+}
+
+/// Errors of the clock and of the lever arm's three axes over their stated σ, root mean square over drives, each with several
+/// estimates. What is wrong with a drive's ground truth is wrong for all of its estimates.
+fn clock_and_lever_over_sigma(drives: u64, noise_m: f64, kinds: &[ErrorKind]) -> [f64; 4] {
+    const ESTIMATES: u64 = 3;
+    let lever_m = Vector3::new(0.45, -0.2, 0.6);
+    let mut all: Vec<[f64; 4]> = Vec::new();
+    for seed in 0..drives {
+        let drawn_errors = kinds.to_vec();
+        let scenario = Scenario { drawn_errors, ..Preset::Warthog.scenario() };
+        let simulated = simulate_scenario(&scenario, 100 + seed);
+        let deployment = with_frame(&simulated, simulated.deployment().expect("valid"));
+        let estimates = (0..ESTIMATES).map(|other| {
+            let seed = ESTIMATES * seed + other;
+            Slam { seed, lever_m, noise_m, drift_m: 0.0, ..SLAM }.drive(&simulated)
+        });
+        for one in judged(&deployment, estimates.collect(), &Options::default()).judged {
+            let off_m = one.fit.lever_arm_m.expect("found") - lever_m;
+            let over = off_m.component_div(&one.fit.lever_arm_sigma_m.expect("found"));
+            let clock = one.fit.time_offset_s / one.fit.time_offset_sigma_s.expect("found");
+            all.push([clock, over.x, over.y, over.z]);
+        }
+    }
+    let count = all.len() as f64;
+    let rms = |k: usize| (all.iter().map(|one| one[k] * one[k]).sum::<f64>() / count).sqrt();
+    [0, 1, 2, 3].map(rms)
+}
+
+/// Without what is common to all instants, the ground truth's own errors made the lever arm wrong by up to 9 of its σ.
+#[test]
+fn sigma_of_clock_and_lever_arm_holds_what_is_wrong_with_the_ground_truth() {
+    let found = clock_and_lever_over_sigma(6, 0.01, &ErrorKind::ALL);
+    assert!(found.iter().all(|over| (0.2..1.6).contains(over)), "{found:.2?}");
+}
+
+#[test]
+#[ignore = "four minutes in debug"]
+fn sigma_of_clock_and_lever_arm_holds_over_many_drives() {
+    for noise_m in [0.003, 0.01, 0.03] {
+        for kinds in [&[][..], &ErrorKind::ALL] {
+            let found = clock_and_lever_over_sigma(16, noise_m, kinds);
+            eprintln!("noise {noise_m} m, {} kinds of errors: {found:.2?}", kinds.len());
+            assert!(found.iter().all(|over| (0.5..1.3).contains(over)), "{found:.2?}");
+        }
     }
 }
 
@@ -167,14 +131,13 @@ fn an_estimate_that_is_the_truth_is_not_told_from_none_by_its_errors() {
     assert!(one.position.rmse < 0.01, "{:?}", one.position);
 }
 
-/// 30 cm and 5° for some seconds, put into the estimate or into the readings of one station.
-#[test]
-fn who_is_wrong_in_a_span_is_told() {
+/// In how many drives the right one is blamed for 30 cm and 5° of some seconds that are put into the estimate, and into the
+/// readings of one station; in how many of the latter that station is named.
+fn rightly_blamed(drives: u64) -> ([u64; 2], u64) {
     let (mut right, mut told) = ([0; 2], 0);
-    const DRIVES: u64 = 12;
-    for seed in 0..DRIVES {
+    for seed in 0..drives {
         let (simulated, deployment) = driven(20 + seed);
-        let from_s = EPOCH_S + 40.0 + 20.0 * seed as f64;
+        let from_s = EPOCH_S + 40.0 + 20.0 * (seed % 15) as f64;
         let is_in = |time_s: f64| (from_s..from_s + 8.0).contains(&time_s);
         // A corruption is told from a drift as large.
         let mut wrong = Slam { drift_m: 0.01, seed, ..SLAM }.drive(&simulated);
@@ -190,7 +153,7 @@ fn who_is_wrong_in_a_span_is_told() {
         let blamed = |span: &OddSpan| span.odd_one == OddOne::Estimate && is_there(span);
         // Where no station reads there is nothing to tell.
         let seen = found.judged[0].errors.iter().filter(|error| is_in(error.time_s)).count() > 3;
-        right[0] += usize::from((!seen || !odd.is_empty()) && odd.iter().all(blamed));
+        right[0] += u64::from((!seen || !odd.is_empty()) && odd.iter().all(blamed));
 
         let mut broken = deployment.clone();
         let station = (seed % 3) as usize;
@@ -211,13 +174,30 @@ fn who_is_wrong_in_a_span_is_told() {
         let is_of_readings =
             |span: &OddSpan| matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut);
         let blamed = |span: &OddSpan| is_of_readings(span) && station_is_told(span);
-        told += usize::from(odd.iter().any(|span| is_there(span) && span.station == Some(station)));
+        told += u64::from(odd.iter().any(|span| is_there(span) && span.station == Some(station)));
 
-        right[1] += usize::from(odd.iter().all(blamed));
+        right[1] += u64::from(odd.iter().all(blamed));
     }
-    assert!(right.iter().all(|right| *right as u64 == DRIVES), "{right:?} of {DRIVES}");
+    (right, told)
+}
+
+#[test]
+fn who_is_wrong_in_a_span_is_told() {
+    let (right, told) = rightly_blamed(12);
+    assert_eq!(right, [12; 2]);
     // Where its readings were left out as wrong, or contradict the rig, the station is named.
-    assert!(told >= 8, "{told} of {DRIVES}");
+    assert!(told >= 8, "{told} of 12");
+}
+
+#[test]
+#[ignore = "three minutes in debug"]
+fn who_is_wrong_in_a_span_is_told_in_95_of_100_drives() {
+    let (right, told) = rightly_blamed(60);
+    eprintln!(
+        "of 60 drives the estimate is blamed in {}, the readings in {}, the station named in {told}",
+        right[0], right[1]
+    );
+    assert!(right.iter().all(|right| *right >= 57), "{right:?} of 60");
 }
 
 #[test]

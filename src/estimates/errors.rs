@@ -83,6 +83,21 @@ fn is_within(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
     covariance.cholesky().is_some_and(|root| error.dot(&root.solve(error)) <= CHI2_95)
 }
 
+/// How far the body was driven until each of the errors (m), straight between them.
+pub fn driven_m(errors: &[EpochError]) -> Vec<f64> {
+    let mut driven_m = 0.0;
+    let mut before: Option<&EpochError> = None;
+    errors
+        .iter()
+        .map(|error| {
+            if let Some(before) = before.replace(error) {
+                driven_m += (error.true_position_m - before.true_position_m).norm();
+            }
+            driven_m
+        })
+        .collect()
+}
+
 /// Each pose with what is true at its time, where anything is.
 pub fn matched<'a>(
     poses: &'a [EstimatedPose],

@@ -3,9 +3,10 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::analysis::Analysis;
+use crate::calibration::joint::prisms::ByConstants;
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
-use crate::evaluation::vehicle::{Instants, NoTrajectory, prism_by, trajectory_by};
+use crate::evaluation::vehicle::{Instants, NoTrajectory, common_errors, prism_by, trajectory_by};
 
 /// What is true at one instant, as far as the ground truth knows: all in station 1's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +64,12 @@ impl<'a> Reference<'a> {
         } else {
             self.of_prism(&answer.calibration, wanted)
         }
+    }
+
+    /// What errors all instants have in common, by time; nothing where that is not known.
+    pub fn common_errors(&self, times_s: &[f64]) -> Option<ByConstants> {
+        let calibration = &self.analysis.answer.as_ref().ok()?.calibration;
+        common_errors(self.deployment, self.analysis.offer.targets, calibration, times_s)
     }
 
     fn of_rig(

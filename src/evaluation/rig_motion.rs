@@ -56,6 +56,19 @@ pub fn rig_pose(rig_m: &[Vector3<f64>; 3], rig_sigma_m: f64, at: &Instant<9>) ->
     })
 }
 
+/// How the pose that [`rig_pose`] found moves with the prisms: its position (m) and turn (rad) in rows. `None` of prisms on a
+/// line.
+pub fn pose_by_prisms(
+    rig_m: &[Vector3<f64>; 3],
+    rig_sigma_m: f64,
+    at: &Instant<9>,
+    pose: &Pose,
+) -> Option<SMatrix<f64, 6, 9>> {
+    let open = SMatrix::<f64, 9, 9>::identity() * rig_sigma_m.powi(2);
+    let weight = (at.position_covariance + open).cholesky()?.inverse();
+    Some(pose.covariance * design(rig_m, &pose.orientation).transpose() * weight)
+}
+
 /// How the prisms move with the position and a turn about station 1's axes: δq = δp + θ × R r.
 fn design(rig_m: &[Vector3<f64>; 3], orientation: &UnitQuaternion<f64>) -> SMatrix<f64, 9, 6> {
     let mut design = SMatrix::<f64, 9, 6>::zeros();

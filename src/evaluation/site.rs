@@ -153,14 +153,21 @@ fn pair(
     point: &ControlPoint,
     station1_from_station: &[RigidTransform; 3],
 ) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    Some((point.known_m?, seen_m(point, station1_from_station)?))
+}
+
+/// The mean of what the stations make of a point in station 1's frame (m); `None` where none read it.
+pub fn seen_m(
+    point: &ControlPoint,
+    station1_from_station: &[RigidTransform; 3],
+) -> Option<Vector3<f64>> {
     let seen: Vec<Vector3<f64>> = (0..3)
         .filter_map(|station| {
             let reading = point.readings[station]?.to_cartesian();
             Some(station1_from_station[station].apply(&reading))
         })
         .collect();
-    let mean_m = seen.iter().sum::<Vector3<f64>>() / seen.len().max(1) as f64;
-    (!seen.is_empty()).then_some((point.known_m?, mean_m))
+    (!seen.is_empty()).then(|| seen.iter().sum::<Vector3<f64>>() / seen.len() as f64)
 }
 
 #[cfg(test)]

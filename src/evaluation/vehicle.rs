@@ -1,12 +1,12 @@
 //! The vehicle's trajectory by an answer: which frame the poses are of, and how well each point is known.
 
-use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Rotation3, UnitQuaternion, Vector3};
 
-use super::rig_motion::rig_pose;
+use super::rig_motion::{pose_by_prisms, rig_pose};
 use super::trajectory::{ObservedRig, Pose, Trajectory, rig_from_distances, trajectory};
-use crate::calibration::joint::RIGID_M;
-use crate::calibration::joint::prisms::{Instant, Prisms, Solution};
-use crate::calibration::{Calibration, Method, Targets, distance_errors_m};
+use crate::calibration::joint::prisms::{ByConstants, Instant, Prisms, Solution};
+use crate::calibration::joint::{JointEstimate, RIGID_M};
+use crate::calibration::{Calibration, Estimate, Method, Targets, distance_errors_m};
 use crate::deployment::{Deployment, PAIRS, Rig};
 use crate::geometry::{RigidTransform, align_rigid};
 use crate::pipeline::Triplets;
@@ -155,12 +155,7 @@ pub fn trajectory_by(
         };
     };
     let inter_prism_m = distances_m.map(|distance| distance.value);
-    let (prisms_m, frame) = rig_of(deployment, &|rig| Rig { inter_prism_m, ..rig.clone() })?;
-    let rig_sigma_m = match frame {
-        // Two prisms share the error of their distance.
-        VehicleFrame::Given => joint.sizes.inter_prism_m * std::f64::consts::FRAC_1_SQRT_2,
-        VehicleFrame::Reading | VehicleFrame::Triangle => RIGID_M,
-    };
+    let (prisms_m, frame, rig_sigma_m) = rig_by(deployment, joint, &distances_m)?;
     let times_s = wanted.times_s(triplets, &joint.solution);
     let found = joint.solution.instants(&times_s, &Progress::default());
     // Nobody cancels it, and there are three.
@@ -187,6 +182,63 @@ pub fn trajectory_by(
         .collect();
     let dropped = times_s.len() - poses.len();
     Ok((Trajectory { poses, dropped }, frame))
+}
+
+/// What errors of the vehicle's way all instants have in common: how position (m) and turn (rad) in station 1's frame move with
+/// what is constant during the drive, the rig's own errors included, and the covariance of that.
+///
+/// Of one prism there are positions only: three rows instead of six. `None` by methods other than the joint estimate.
+pub fn common_errors(
+    deployment: &Deployment,
+    targets: Targets,
+    calibration: &Calibration,
+    times_s: &[f64],
+) -> Option<ByConstants> {
+    let joint = calibration.joint()?;
+    let progress = Progress::default();
+    let found = joint.solution.by_constants(times_s, &progress).ok()?;
+    if targets == Targets::OnePrism {
+        return Some(found);
+    }
+    let (rig_m, _, rig_sigma_m) = rig_by(deployment, joint, &joint.distances_m?).ok()?;
+    let Ok(Prisms::Rig(instants)) = joint.solution.instants(times_s, &progress) else {
+        return None;
+    };
+    let constants = found.covariance.nrows();
+    let each = instants.iter().zip(&found.each).filter_map(|(at, (time_s, prisms))| {
+        let pose = rig_pose(&rig_m, rig_sigma_m, at)?;
+        let gain = pose_by_prisms(&rig_m, rig_sigma_m, at, &pose)?;
+        let gain = DMatrix::from_column_slice(6, 9, gain.as_slice());
+        let mut moved = DMatrix::zeros(6, constants + 9);
+        moved.columns_mut(0, constants).copy_from(&(&gain * prisms));
+        // A prism that is elsewhere on the vehicle than was measured moves the pose the other way.
+        let turn = pose.orientation.to_rotation_matrix();
+        for prism in 0..3 {
+            let by_rig = -gain.columns(3 * prism, 3) * turn.matrix();
+            moved.columns_mut(constants + 3 * prism, 3).copy_from(&by_rig);
+        }
+        Some((*time_s, moved))
+    });
+    let mut covariance = DMatrix::identity(constants + 9, constants + 9) * rig_sigma_m.powi(2);
+    covariance.view_mut((0, 0), (constants, constants)).copy_from(&found.covariance);
+    Some(ByConstants { each: each.collect(), covariance })
+}
+
+/// The prisms in the vehicle's frame (m) with the distances that an estimate found, and how far each may be off along any
+/// axis (m).
+fn rig_by(
+    deployment: &Deployment,
+    joint: &JointEstimate,
+    distances_m: &[Estimate; 3],
+) -> Result<([Vector3<f64>; 3], VehicleFrame, f64), NoTrajectory> {
+    let inter_prism_m = distances_m.map(|distance| distance.value);
+    let (prisms_m, frame) = rig_of(deployment, &|rig| Rig { inter_prism_m, ..rig.clone() })?;
+    let rig_sigma_m = match frame {
+        // Two prisms share the error of their distance.
+        VehicleFrame::Given => joint.sizes.inter_prism_m * std::f64::consts::FRAC_1_SQRT_2,
+        VehicleFrame::Reading | VehicleFrame::Triangle => RIGID_M,
+    };
+    Ok((prisms_m, frame, rig_sigma_m))
 }
 
 /// Positions of the one prism that all stations follow, from the motion that the joint estimate found.

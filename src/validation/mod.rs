@@ -2,7 +2,7 @@
 //!
 //! The run has an answer of its own, which knows nothing of the earlier one. [`moved`] asks of the difference whether a
 //! station was moved or turned since, and which; [`metric`] asks what the earlier answer does to the prisms' distances
-//! there; [`in_words`] tells it.
+//! there; [`in_words`] tells it. [`one_frame`] brings runs together where stations were set up anew.
 //!
 //! **What the difference may be.** Its covariance is that of the earlier answer, that of the own one, and what every tripod
 //! settles in between, which is taken to be once more what it settles during a drive
@@ -16,6 +16,7 @@
 pub mod in_words;
 pub mod metric;
 pub mod moved;
+pub mod one_frame;
 
 use std::sync::Arc;
 

@@ -73,7 +73,7 @@ fn the_vehicles_way_is_plotted_with_its_sigma() {
     let way = shown(&harness).way.newest.clone().expect("made");
     assert!(way.instants.len() > 2000);
     snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "trajectory-dark");
-    let all = WayPlots { aspects: [true; Aspect::ALL.len()], errors: true };
+    let all = WayPlots { aspects: [true; Aspect::ALL.len()], ..WayPlots::default() };
     send(&mut harness, Command::PlotWay(all));
     for aspect in Aspect::ALL {
         harness.get_by_label(&format!("{} over time", aspect.name()));

@@ -7,6 +7,7 @@ use std::time::Instant;
 use super::{Judging, Made, Timeline};
 use crate::analysis::{Analysis, Settings};
 use crate::app::prepared::analyser::Answered;
+use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
 use crate::app::prepared::{Clouds, PreparedPlots};
 use crate::deployment::{Deployment, Source};
@@ -34,6 +35,8 @@ pub struct OpenDeployment {
     pub timeline: Timeline,
     /// The vehicle's way by the newest answer, made while it is looked at.
     pub way: Made<Way>,
+    /// The ways of the other open runs in its frame, made while they are looked at.
+    pub beside: Made<Vec<RunBeside>>,
     /// Trajectories of other systems that are held against it.
     pub judging: Judging,
     /// Opened by the program itself, and never touched: gives way to the first that the user opens.
@@ -78,12 +81,18 @@ impl OpenDeployment {
             analysis_run: 0,
             timeline,
             way: Made::default(),
+            beside: Made::default(),
             judging: Judging::default(),
             placeholder: false,
             told: BTreeSet::new(),
             answered: false,
             analysing: None,
         }
+    }
+
+    /// Whether anything is being made of its answer for who looks at it.
+    pub fn is_making(&self) -> bool {
+        self.way.is_running() || self.beside.is_running() || self.judging.judgement.is_running()
     }
 
     /// The deployment under the name that tells it from the others; a copy only where that is another than its own.

@@ -22,6 +22,8 @@ pub struct Visibility {
     pub poses: bool,
     /// How well the vehicle's way is known: a tube about it.
     pub tube: bool,
+    /// Where the vehicle went in other runs that are open.
+    pub runs_beside: bool,
     /// Trajectories of other systems.
     pub estimates: bool,
     /// What the interpolation states about its own error: ellipsoids in the scene, bands in the plot.
@@ -45,8 +47,9 @@ impl Default for Visibility {
             control_points: true,
             residuals: true,
             poses: true,
-            // It is made for who asks for it.
+            // They are made for who asks for them.
             tube: false,
+            runs_beside: false,
             estimates: true,
             uncertainty: true,
             station_ellipsoids: true,
@@ -84,9 +87,10 @@ impl Visibility {
         self
     }
 
-    /// Shows everything in the scene; the plots keep their pairs, and a tube is there for who asks for it.
+    /// Shows everything in the scene; the plots keep their pairs, and what is made for who asks for it stays as it is.
     pub fn with_the_whole_scene(self) -> Self {
-        Self { pairs: self.pairs, tube: self.tube, ..Self::default() }
+        let Self { pairs, tube, runs_beside, .. } = self;
+        Self { pairs, tube, runs_beside, ..Self::default() }
     }
 }
 

@@ -12,19 +12,28 @@ pub struct WayPlots {
     pub aspects: [bool; Aspect::ALL.len()],
     /// The errors of trajectories that were added.
     pub errors: bool,
+    /// Whether errors are plotted over the way that was driven, instead of over time.
+    pub by_distance: bool,
+    /// Whether the errors of all trajectories have one scale: a good one beside a bad one is a line then.
+    pub one_scale: bool,
 }
 
 impl Default for WayPlots {
     fn default() -> Self {
         let first = [Aspect::Height, Aspect::Heading, Aspect::PositionSigma];
-        Self { aspects: Aspect::ALL.map(|aspect| first.contains(&aspect)), errors: true }
+        Self {
+            aspects: Aspect::ALL.map(|aspect| first.contains(&aspect)),
+            errors: true,
+            by_distance: false,
+            one_scale: false,
+        }
     }
 }
 
 impl WayPlots {
     /// The errors alone: who adds trajectories came for them, and a strip each needs the height.
-    pub fn only_errors() -> Self {
-        Self { aspects: [false; Aspect::ALL.len()], errors: true }
+    pub fn only_errors(self) -> Self {
+        Self { aspects: [false; Aspect::ALL.len()], errors: true, ..self }
     }
 
     pub fn aspects(self) -> impl Iterator<Item = Aspect> {

@@ -2,8 +2,9 @@
 //! and where somebody is wrong.
 
 use egui::RichText;
+use nalgebra::Vector3;
 
-use super::{MARGIN, finding, heading};
+use super::{MARGIN, finding, heading, number};
 use crate::app::model::{Command, Commands, OpenDeployment, TimeScale};
 use crate::app::state::State;
 use crate::app::theme;
@@ -16,6 +17,9 @@ use crate::palette;
 
 /// Widest that a sentence gets (points).
 const SENTENCE: f32 = 620.0;
+/// Lever arms on vehicles are shorter (m), and clocks that somebody knows are nearer than since 1970 (s).
+const LONGEST_LEVER_M: f64 = 100.0;
+const LARGEST_OFFSET_S: f64 = 4e9;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some(open) = state.active() else {
@@ -104,16 +108,57 @@ fn options(ui: &mut egui::Ui, options: Options, commands: &mut Commands) {
     });
     ui.horizontal_wrapped(|ui| {
         ui.label("their body is");
+        let given_m = match options.body {
+            Body::Lever(lever_m) => lever_m,
+            Body::Found | Body::Same => Vector3::zeros(),
+        };
         for (body, name, hint) in [
             (Body::Found, "found", "Lever arm and rotation against the vehicle are estimated"),
             (Body::Same, "the vehicle's frame", "As evo takes it to be"),
+            (Body::Lever(given_m), "at", "The lever arm is known: where their body's origin is in the vehicle's frame, or the one prism in the body's"),
         ] {
             ui.radio_value(&mut chosen.body, body, name).on_hover_text(hint);
+        }
+        if let Body::Lever(lever_m) = &mut chosen.body {
+            for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+                let label = ui.label(name);
+                metres(ui, name, &mut lever_m[axis]).labelled_by(label.id);
+            }
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.label("their clock is");
+        let given_s = options.time_offset_s.unwrap_or_default();
+        for (offset_s, name, hint) in [
+            (None, "found", "What has to be added to their times is estimated"),
+            (
+                Some(given_s),
+                "off by",
+                "What has to be added to their times is known; 0 s as evo takes it",
+            ),
+        ] {
+            ui.radio_value(&mut chosen.time_offset_s, offset_s, name).on_hover_text(hint);
+        }
+        if let Some(offset_s) = &mut chosen.time_offset_s {
+            let range = -LARGEST_OFFSET_S..=LARGEST_OFFSET_S;
+            number::field(ui, ("time offset", "s"), offset_s, range.clone(), |ui, value, parse| {
+                let field = egui::DragValue::new(value).speed(0.001).range(range).suffix(" s");
+                ui.add(field.max_decimals(4).custom_parser(parse))
+            })
+            .on_hover_text("Added to their times");
         }
     });
     if chosen != options {
         commands.push(Command::SetJudging(chosen));
     }
+}
+
+fn metres(ui: &mut egui::Ui, name: &str, value_m: &mut f64) -> egui::Response {
+    let range = -LONGEST_LEVER_M..=LONGEST_LEVER_M;
+    number::field(ui, (name, "m"), value_m, range.clone(), |ui, value, parse| {
+        let field = egui::DragValue::new(value).speed(0.005).range(range).suffix(" m");
+        ui.add(field.max_decimals(4).custom_parser(parse))
+    })
 }
 
 /// Says so where the ground truth is not good itself: what it says of others is worth no more.

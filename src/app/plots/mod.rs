@@ -7,6 +7,7 @@ mod channel_units;
 pub mod channels;
 pub mod chart;
 pub mod clocks;
+mod estimate_errors;
 pub mod histogram;
 pub mod intervals;
 mod log_axis;

@@ -5,6 +5,7 @@ use egui::text::LayoutJob;
 use egui::{Align, FontSelection, Rect, RichText, TextStyle};
 use egui_plot::{AxisHints, GridInput, GridMark};
 
+use super::LABELS;
 use super::times::Times;
 use crate::app::model::TimeScale;
 use crate::app::model::time_scale::decimals;
@@ -186,6 +187,15 @@ pub fn time_axis<'a>(times: &Times, width: f32) -> AxisHints<'a> {
         .tick_label_font(egui::FontId::proportional(11.0))
         .formatter(move |mark, _| scale.number(mark.value, decimals(mark.step_size)))
         .label_spacing(NUMBERED)
+        .min_thickness(TIME_AXIS)
+}
+
+/// The axis at the bottom of plots over something else than time.
+pub fn axis_below<'a>(name: &str) -> AxisHints<'a> {
+    AxisHints::new_x()
+        .label(RichText::new(name).small())
+        .tick_label_font(egui::FontId::proportional(11.0))
+        .label_spacing(LABELS)
         .min_thickness(TIME_AXIS)
 }
 

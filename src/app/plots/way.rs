@@ -1,10 +1,11 @@
-//! The trajectory over time: where the vehicle was with its σ, and how far off the trajectories of other systems are.
+//! The trajectory over time: where the vehicle was with its σ, and in [`super::estimate_errors`] how far off the trajectories of
+//! other systems are.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{Color32, PopupCloseBehavior, RichText};
-use egui_plot::{FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi};
+use egui::{PopupCloseBehavior, RichText};
+use egui_plot::{FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints};
 
-use super::quads::Shades;
+use super::estimate_errors::{self, HALF_95};
 use super::strips::{Strip, strips};
 use super::time_plot::{self, TimePlot};
 use super::times::Times;
@@ -15,19 +16,8 @@ use crate::app::prepared::way::{Aspect, Instant, Way};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::estimates::Judged;
-use crate::estimates::errors::EpochError;
-use crate::estimates::odd::OddOne;
 use crate::palette;
-use crate::pipeline::Interval;
 
-/// Half the width of a 95 % region along an axis (σ).
-const HALF_95: f64 = 1.96;
-/// The axis of errors that are all nothing reaches so far (mm).
-const LEAST_ERROR_MM: f64 = 1e-3;
-/// Width of what one corner of such a line sums up (points).
-const CORNER: f32 = 3.0;
-/// A line of an estimate's errors is broken where it has no ground truth for longer (s).
-const GAP_S: f64 = 1.0;
 /// The switches stand in a line where there is more room than this (points), and in a menu otherwise.
 const WIDE: f32 = 550.0;
 
@@ -77,9 +67,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     let places = strips(ui, judged.len() + aspects.len(), 2);
     let (of_errors, of_aspects) = places.split_at(judged.len());
-    for (strip, (place, one)) in of_errors.iter().zip(judged) {
-        show_errors(ui, (open, &times), strip, (place, one), commands);
-    }
+    estimate_errors::show(ui, state, (open, &times), of_errors, &judged, commands);
     for (strip, aspect) in of_aspects.iter().zip(aspects) {
         let plot = AspectPlot { open, times: &times, units: state.units, aspect };
         plot.show(ui, strip, way, commands);
@@ -93,6 +81,12 @@ fn switches(ui: &mut egui::Ui, plots: WayPlots, can_judge: bool, commands: &mut 
         ui.checkbox(&mut chosen.errors, "errors").on_hover_text(
             "How far off each trajectory is that was added, over what the ground truth leaves open",
         );
+        ui.add_enabled_ui(plots.errors, |ui| {
+            ui.checkbox(&mut chosen.by_distance, "by distance")
+                .on_hover_text("Errors over the way that was driven, instead of over time");
+            ui.checkbox(&mut chosen.one_scale, "one scale")
+                .on_hover_text("All errors on the same scale, so that heights compare");
+        });
     }
     for (aspect, on) in Aspect::ALL.into_iter().zip(&mut chosen.aspects) {
         ui.checkbox(on, aspect.name()).on_hover_text(aspect.hint());
@@ -214,123 +208,4 @@ fn split_at_turns(piece: &[Instant], aspect: Aspect) -> impl Iterator<Item = &[I
         let both = aspect.of(a).zip(aspect.of(b)).filter(|_| is_angle);
         both.is_none_or(|(a, b)| (b.value - a.value).abs() < std::f64::consts::PI)
     })
-}
-
-/// How far off one estimate is, over what the ground truth leaves open; spans in which somebody is wrong are shaded.
-fn show_errors(
-    ui: &mut egui::Ui,
-    (open, times): (&OpenDeployment, &Times),
-    strip: &Strip,
-    (place, one): (usize, &Judged),
-    commands: &mut Commands,
-) {
-    let span_s = times.window_s.map(|since_s| since_s + times.start_s);
-    let errors = &one.errors[..];
-    let from = errors.partition_point(|error| error.time_s < span_s[0]).saturating_sub(1);
-    let to = errors.partition_point(|error| error.time_s <= span_s[1]);
-    let seen = &errors[from..errors.len().min(to + 1).max(from)];
-    let stride = ((CORNER * seen.len() as f32 / strip.plot.width().max(100.0)) as usize).max(1);
-    let pieces: Vec<Vec<ErrorCorner>> = seen
-        .chunk_by(|a, b| b.time_s - a.time_s <= GAP_S)
-        .map(|piece| piece.chunks(stride).map(|some| ErrorCorner::of(some, times)).collect())
-        .collect();
-    let greatest = pieces.iter().flatten().map(|corner| corner.most_mm).fold(0.0, f64::max);
-    let scale = times.scale;
-    let name = one.estimate.name.clone();
-    let plot = Plot::new(("errors", open.id, place)).y_grid_spacer(close_marks).label_formatter(
-        move |position| match position {
-            HoverPosition::NearDataPoint { plot_name, position, .. } => {
-                let time = scale.text_and_seconds(position.x, 1);
-                Some(format!("{plot_name}\n{time}\n{:.1} mm", position.y))
-            }
-            HoverPosition::Elsewhere { .. } => None,
-        },
-    );
-    let dark = ui.visuals().dark_mode;
-    let colour = theme::readable(palette::estimate(place), dark);
-    let title = format!("position errors of {name} over time");
-    let greatest = greatest.max(LEAST_ERROR_MM);
-    // The zero stands above the number at the end of the strip below.
-    let y_bounds = [-0.06 * greatest, 1.08 * greatest];
-    let time_plot = TimePlot { strip, name: &title, times, y_bounds };
-    let shades = [true, false].map(|estimate| shades(one, times.start_s, estimate));
-    let line_name = name.clone();
-    let shown =
-        time_plot.show(ui, plot, strip.value_axis("error", "mm"), commands, move |plot_ui| {
-            shades.into_iter().for_each(|shade| plot_ui.add(shade));
-            for piece in pieces {
-                add_errors(plot_ui, &piece, &line_name, colour, theme::faint(dark));
-            }
-        });
-    shown.paint_times(ui, times);
-    shown.on_click(times, commands, |_| None);
-    let at = open.timeline.cursor_s.and_then(|cursor_s| {
-        let after = errors.partition_point(|error| error.time_s < cursor_s);
-        errors.get(after).filter(|error| error.time_s - cursor_s < GAP_S)
-    });
-    let at = at.map_or("nothing at the cursor".to_owned(), |error| {
-        let sigma_mm = 1e3 * error.sigma_m();
-        let error_mm = 1e3 * error.position_m.norm();
-        format!("at the cursor {error_mm:.1} mm (ground truth σ {sigma_mm:.1} mm)")
-    });
-    let strong =
-        RichText::new(name).color(theme::readable(palette::estimate(place), dark)).strong();
-    let rmse = RichText::new(format!("rmse {:.1} mm", 1e3 * one.position.rmse));
-    let hint = "Line: length of the position error, of several their rms; about it from the least to the greatest. Grey: 1.96 σ of the ground truth along an axis; errors within it \
-                cannot be told from none. Shaded red: the estimate is wrong; blue: the ground truth is.";
-    strip.words(ui, &[strong, rmse, RichText::new(at)], hint);
-}
-
-/// Spans in which the estimate is wrong, or the ground truth.
-fn shades(one: &Judged, start_s: f64, estimate: bool) -> Shades {
-    let of = |odd_one: OddOne| (odd_one == OddOne::Estimate) == estimate;
-    let spans = one.odd.iter().filter(|span| of(span.odd_one));
-    let since = |time_s: f64| time_s - start_s;
-    let spans =
-        spans.map(|span| Interval { start_s: since(span.span_s[0]), end_s: since(span.span_s[1]) });
-    let colour = if estimate { palette::METRICS[1] } else { palette::METRICS[0] };
-    Shades::new(spans.collect(), theme::rgb(colour).gamma_multiply(0.35))
-}
-
-/// One place of the line of an estimate's errors, which may sum up several (s, mm).
-struct ErrorCorner {
-    x: f64,
-    rms_mm: f64,
-    least_mm: f64,
-    most_mm: f64,
-    /// Half the width of the ground truth's 95 % region along an axis.
-    open_mm: f64,
-}
-
-impl ErrorCorner {
-    fn of(some: &[EpochError], times: &Times) -> Self {
-        let all_mm = || some.iter().map(|error| 1e3 * error.position_m.norm());
-        let mean = |sum: f64| sum / some.len() as f64;
-        let variance = some.iter().map(|error| error.sigma_m().powi(2)).sum();
-        Self {
-            x: some[some.len() / 2].time_s - times.start_s,
-            rms_mm: mean(all_mm().map(|mm| mm * mm).sum()).sqrt(),
-            least_mm: all_mm().fold(f64::INFINITY, f64::min),
-            most_mm: all_mm().fold(0.0, f64::max),
-            open_mm: 1e3 * HALF_95 * mean(variance).sqrt(),
-        }
-    }
-}
-
-/// A piece of an error's line over the ground truth's band.
-fn add_errors(
-    plot_ui: &mut PlotUi<'_>,
-    piece: &[ErrorCorner],
-    name: &str,
-    colour: Color32,
-    grey: Color32,
-) {
-    let of = |value: fn(&ErrorCorner) -> f64| piece.iter().map(value).collect::<Vec<f64>>();
-    let x = of(|corner| corner.x);
-    let around = FilledArea::new("", &x, &of(|c| c.least_mm), &of(|c| c.most_mm));
-    plot_ui.add(around.fill_color(colour.gamma_multiply(0.3)).allow_hover(false));
-    let open = FilledArea::new("", &x, &vec![0.0; x.len()], &of(|c| c.open_mm));
-    plot_ui.add(open.fill_color(grey.gamma_multiply(0.6)).allow_hover(false));
-    let points = piece.iter().map(|c| PlotPoint::new(c.x, c.rms_mm)).collect();
-    plot_ui.line(Line::new(name, PlotPoints::Owned(points)).color(colour).width(1.4));
 }

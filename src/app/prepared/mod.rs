@@ -2,6 +2,7 @@
 //! the trees that find the point under the pointer.
 
 pub mod analyser;
+pub mod beside;
 pub mod channels;
 mod clock_series;
 mod cloud;

@@ -39,6 +39,8 @@ pub struct SceneContent {
     pub along: Layer,
     /// How well the vehicle's way is known.
     pub tube: Layer,
+    /// Where the vehicle went in other open runs.
+    pub beside: Layer,
     /// Trajectories of other systems, coloured by their errors.
     pub estimates: Layer,
     /// The error at the end of their colours (m); `None` where there are none.

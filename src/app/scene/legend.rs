@@ -190,6 +190,8 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
         if response.on_hover_text(hint).clicked() {
             commands.push(Command::Show(toggled));
         }
+    } else if row.name != row.text {
+        response.on_hover_text(&row.name);
     }
 }
 

@@ -19,7 +19,7 @@ impl SceneView {
             if self.built.take().is_some() {
                 self.content = SceneContent::default();
                 (self.coloured, self.cursor, self.hover) = (None, None, None);
-                (self.judgement, self.tube) = (None, None);
+                (self.judgement, self.tube, self.beside) = (None, None, None);
             }
             return;
         };
@@ -60,6 +60,11 @@ impl SceneView {
             let way = wanted.as_ref().map(|(way, _)| &**way);
             self.content.set_tube(way, f64::from(state.scene.ellipsoid_scale));
             self.tube = wanted;
+        }
+        let wanted = open.beside.newest.clone().filter(|_| state.visibility.runs_beside);
+        if self.beside.as_ref().map(Arc::as_ptr) != wanted.as_ref().map(Arc::as_ptr) {
+            self.content.set_beside(wanted.as_ref().map_or(&[], |runs| runs));
+            self.beside = wanted;
         }
         let wanted = open.judging.judgement.newest.clone().filter(|_| state.visibility.estimates);
         if self.judgement.as_ref().map(Arc::as_ptr) != wanted.as_ref().map(Arc::as_ptr) {

@@ -34,7 +34,7 @@ struct Uniforms {
 }
 
 /// How many layers there are: buffers that are fewer would leave the last ones out in silence.
-const LAYERS: usize = 8;
+const LAYERS: usize = 9;
 
 /// Pipelines, buffers and the texture.
 pub struct SceneRenderer {
@@ -258,6 +258,7 @@ fn layers(content: &SceneContent) -> [&Layer; LAYERS] {
         &content.ground,
         &content.along,
         &content.tube,
+        &content.beside,
         &content.estimates,
         &content.data,
         &content.hover,

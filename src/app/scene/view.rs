@@ -15,6 +15,7 @@ use crate::app::model::{
     Camera, Colouring, Command, Commands, Frame, Look, OpenDeployment, Picked, SceneOptions, View,
     ViewPreset, Visibility,
 };
+use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
 use crate::app::state::State;
 use crate::app::theme;
@@ -37,6 +38,8 @@ pub struct SceneView {
     pub(super) hover: Option<(u64, usize)>,
     /// What the tube is drawn of, and how much wider than true.
     pub(super) tube: Option<(Arc<Way>, u32)>,
+    /// What the ways of other runs are drawn of.
+    pub(super) beside: Option<Arc<Vec<RunBeside>>>,
     /// What the trajectories of other systems are drawn of.
     pub(super) judgement: Option<Arc<Judgement>>,
     place: Option<Rect>,
@@ -67,6 +70,7 @@ impl SceneView {
             hover: None,
             judgement: None,
             tube: None,
+            beside: None,
             controls_size: Vec2::ZERO,
         }
     }

@@ -1,11 +1,14 @@
-//! What is made beside the window of an answer: the vehicle's way, and how trajectories of other systems compare with it.
+//! What is made beside the window of an answer: the vehicle's way, those of other runs in its frame, and how trajectories of
+//! other systems compare with it.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::State;
 use crate::app::file_dialog::{Question, Wanted};
-use crate::app::model::{OpenDeployment, Pane, WayPlots};
+use crate::app::model::{OpenDeployment, Pane};
+use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
 use crate::estimates::{Estimate, Judgement, Options, judge, read};
 
@@ -14,6 +17,9 @@ impl State {
     pub(super) fn make_what_is_looked_at(&mut self) {
         let shows_tube = self.visibility.tube && self.layout.place(Pane::Scene).is_some();
         let shows_way = shows_tube || self.layout.place(Pane::Trajectory).is_some();
+        if self.visibility.runs_beside && self.layout.place(Pane::Scene).is_some() {
+            self.make_beside();
+        }
         let Some(open) = self.open.get_mut(self.active).filter(|open| open.analysing.is_none())
         else {
             return;
@@ -44,6 +50,53 @@ impl State {
             );
             open.judging.judgement.start(number, of);
         }
+    }
+
+    /// Starts to bring the other open runs into the frame of the active one, once all of them have their answers.
+    fn make_beside(&mut self) {
+        if self.open.iter().any(|open| open.analysing.is_some()) {
+            return;
+        }
+        let active = self.active;
+        let others: Vec<_> = (self.open.iter().enumerate())
+            .filter(|(index, _)| *index != active)
+            .filter_map(|(_, open)| {
+                let name = self.name_of(open.id)?;
+                Some((
+                    name,
+                    Arc::clone(&open.deployment),
+                    open.analysis.clone()?,
+                    open.analysis_run,
+                ))
+            })
+            .collect();
+        let Some(open) = self.open.get_mut(active) else { return };
+        let Some(Ok(answer)) = open.analysis.as_ref().map(|analysis| analysis.answer.clone())
+        else {
+            return;
+        };
+        let mut hasher = DefaultHasher::new();
+        for (name, _, _, run) in &others {
+            (name, run).hash(&mut hasher);
+        }
+        let of = (open.analysis_run, hasher.finish());
+        if !open.beside.is_wanted(of) {
+            return;
+        }
+        let (id, deployment) = (open.id, Arc::clone(&open.deployment));
+        let number = self.jobs.start(
+            move || {
+                let own = (&*deployment, &*answer);
+                let beside = |(name, other, analysis, _): (String, Arc<_>, Arc<_>, u64)| {
+                    RunBeside::of(own, name, (&other, &analysis))
+                };
+                others.into_iter().map(beside).collect::<Vec<_>>()
+            },
+            move |state: &mut Self, number, runs| {
+                state.with_open(id, |open| open.beside.take(number, runs));
+            },
+        );
+        self.open[active].beside.start(number, of);
     }
 
     fn with_open(&mut self, id: u64, change: impl FnOnce(&mut OpenDeployment)) {
@@ -90,7 +143,7 @@ impl State {
                     return;
                 }
                 if shown {
-                    state.way_plots = WayPlots::only_errors();
+                    state.way_plots = state.way_plots.only_errors();
                     state.layout.show(Pane::Trajectory);
                     state.layout.show(Pane::Evaluation);
                 }

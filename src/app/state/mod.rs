@@ -190,10 +190,7 @@ impl State {
             || analysing
             || self.studies.running.is_some()
             || self.validations.running.is_some()
-            || self
-                .open
-                .iter()
-                .any(|open| open.way.is_running() || open.judging.judgement.is_running())
+            || self.open.iter().any(OpenDeployment::is_making)
     }
 
     /// What is being calibrated for longer than this, and how far it is.

@@ -41,6 +41,7 @@ impl State {
         for open in &mut self.open {
             open.analysing = open.analysing.filter(|newest| newest.number != number);
             open.way.failed(number);
+            open.beside.failed(number);
             open.judging.judgement.failed(number);
         }
         self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, SMatrix, SVector, Vector3, Vector4};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3, Vector4};
 
 use super::band::Band;
 use super::band_covariance::{Window, each_window};
@@ -64,17 +64,75 @@ impl Solution {
         })
     }
 
+    /// How the prisms at some times move with what is constant during the drive: what all instants have in common.
+    pub fn by_constants(
+        &self,
+        time_s: &[f64],
+        progress: &Progress,
+    ) -> Result<ByConstants, Cancelled> {
+        const RIG: usize = 9;
+        const PRISM: usize = 3;
+        if self.prisms == 3 {
+            const ROW: usize = TIED * RIG + BORDER;
+            self.by_constants_of::<RIG, ROW>(time_s, progress)
+        } else {
+            const ROW: usize = TIED * PRISM + BORDER;
+            self.by_constants_of::<PRISM, ROW>(time_s, progress)
+        }
+    }
+
     fn moved<const LOCAL: usize, const ROW: usize>(
         &self,
         time_s: &[f64],
         progress: &Progress,
     ) -> Result<Vec<Instant<LOCAL>>, Cancelled> {
-        let drive = &self.drive;
-        let mut spare = Spare::default();
-        let pass =
-            pass::<LOCAL, ROW>(drive, &self.at, &self.by, &self.model, &mut spare, progress)?;
-        let Some(pass) = pass else { return Ok(Vec::new()) };
+        let Some(pass) = self.pass::<LOCAL, ROW>(progress)? else { return Ok(Vec::new()) };
         let frames = self.frames(&pass);
+        self.each_instant(&pass, time_s, progress, |at| {
+            instant::<LOCAL>(at.time_s, &at.place, at.knots, at.window, &frames[at.part])
+        })
+    }
+
+    fn by_constants_of<const LOCAL: usize, const ROW: usize>(
+        &self,
+        time_s: &[f64],
+        progress: &Progress,
+    ) -> Result<ByConstants, Cancelled> {
+        let Some(pass) = self.pass::<LOCAL, ROW>(progress)? else {
+            return Ok(ByConstants::default());
+        };
+        let each = self.each_instant(&pass, time_s, progress, |at| {
+            let moves = &pass.linear.data.moves;
+            let mut open = SMatrix::<f64, OPEN, CONSTANTS>::zeros();
+            open.fixed_rows_mut::<PART>(0).copy_from(&moves.of(at.part).0);
+            open.fixed_rows_mut::<3>(PART).copy_from(&moves.of_station_1(at.part).0);
+            let places = by_knots(LOCAL, &at.place.position);
+            let read_m = &places * DVector::from_column_slice(&at.knots[..TIED * LOCAL]);
+            let open = DMatrix::from_column_slice(OPEN, CONSTANTS, open.as_slice());
+            (at.time_s, by_open(&(places * &at.window.by_part), &read_m) * open)
+        })?;
+        let covariance = pass.factor.of_constants();
+        let covariance = DMatrix::from_column_slice(CONSTANTS, CONSTANTS, covariance.as_slice());
+        Ok(ByConstants { each, covariance })
+    }
+
+    fn pass<const LOCAL: usize, const ROW: usize>(
+        &self,
+        progress: &Progress,
+    ) -> Result<Option<Pass<LOCAL, ROW>>, Cancelled> {
+        let mut spare = Spare::default();
+        pass(&self.drive, &self.at, &self.by, &self.model, &mut spare, progress)
+    }
+
+    /// Makes something of each of the times that is inside of a stretch, in their order.
+    fn each_instant<const LOCAL: usize, const ROW: usize, T: Send>(
+        &self,
+        pass: &Pass<LOCAL, ROW>,
+        time_s: &[f64],
+        progress: &Progress,
+        make: impl Fn(At<'_>) -> T + Sync,
+    ) -> Result<Vec<T>, Cancelled> {
+        let drive = &self.drive;
         let first_parts = drive.first_parts();
         let of_stretch = |index: usize, band: &Band<LOCAL, ROW>| {
             let stretch = &drive.pieces[index].stretch;
@@ -85,9 +143,9 @@ impl Solution {
             let mut found = Vec::with_capacity(all.len());
             each_window(band, |window| {
                 while let Some((place, time_s)) = all.pop_if(|(p, _)| p.first == window.first) {
-                    let frame = &frames[first_parts[index] + stretch.part(time_s)];
                     let knots = &self.at.coefficients_m[index][LOCAL * place.first..];
-                    found.push(instant::<LOCAL>(time_s, &place, knots, window, frame));
+                    let part = first_parts[index] + stretch.part(time_s);
+                    found.push(make(At { time_s, place, knots, window, part }));
                 }
             });
             found.reverse();
@@ -135,6 +193,24 @@ impl Solution {
     }
 }
 
+/// How positions move with the constants of a drive, and how well those are known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ByConstants {
+    /// By time (s), the coordinates of the prisms in rows (m), a column for each constant.
+    pub each: Vec<(f64, DMatrix<f64>)>,
+    pub covariance: DMatrix<f64>,
+}
+
+/// One of the times that something is made of.
+struct At<'a> {
+    time_s: f64,
+    place: Place,
+    /// The coefficients from the place's first knot on.
+    knots: &'a [f64],
+    window: &'a Window,
+    part: usize,
+}
+
 /// The unknowns of a part, and how station 1 and what it reads are shifted (m) and turned (rad).
 const OPEN: usize = PART + 4;
 
@@ -151,6 +227,31 @@ impl Default for Frame {
     }
 }
 
+/// How a place moves with the coefficients of four knots, each of which counts by its weight.
+fn by_knots(local: usize, weights: &[f64; TIED]) -> DMatrix<f64> {
+    DMatrix::from_fn(
+        local,
+        TIED * local,
+        |i, j| {
+            if j % local == i { weights[j / local] } else { 0.0 }
+        },
+    )
+}
+
+/// How prisms that were read at a place (m) move with what is open, if they move so with the unknowns of the part.
+fn by_open(by_part: &DMatrix<f64>, read_m: &DVector<f64>) -> DMatrix<f64> {
+    let mut by_open = DMatrix::zeros(read_m.len(), OPEN);
+    by_open.view_mut((0, 0), (read_m.len(), PART)).copy_from(by_part);
+    for at in (0..read_m.len()).step_by(3) {
+        let arm = Vector3::z().cross(&Vector3::new(read_m[at], read_m[at + 1], read_m[at + 2]));
+        for axis in 0..3 {
+            by_open[(at + axis, PART + axis)] = 1.0;
+            by_open[(at + axis, PART + 3)] = arm[axis];
+        }
+    }
+    by_open
+}
+
 /// `knots` are the coefficients from the place's first knot on.
 fn instant<const LOCAL: usize>(
     time_s: f64,
@@ -165,15 +266,9 @@ fn instant<const LOCAL: usize>(
         })
     };
     let (read_m, velocity_m_per_s) = (sum(&place.position), sum(&place.velocity));
-    let by_knots =
-        |weights: &[f64; TIED]| {
-            DMatrix::from_fn(LOCAL, TIED * LOCAL, |i, j| {
-                if j % LOCAL == i { weights[j / LOCAL] } else { 0.0 }
-            })
-        };
-    let (places, rates) = (by_knots(&place.position), by_knots(&place.velocity));
-    let mut place_by_open = DMatrix::zeros(LOCAL, OPEN);
-    place_by_open.view_mut((0, 0), (LOCAL, PART)).copy_from(&(&places * &window.by_part));
+    let (places, rates) = (by_knots(LOCAL, &place.position), by_knots(LOCAL, &place.velocity));
+    let read = DVector::from_column_slice(read_m.as_slice());
+    let place_by_open = by_open(&(&places * &window.by_part), &read);
     let mut rate_by_open = DMatrix::zeros(LOCAL, OPEN);
     rate_by_open.view_mut((0, 0), (LOCAL, PART)).copy_from(&(&rates * &window.by_part));
     let (mut position_m, mut velocity) = (read_m, velocity_m_per_s);
@@ -182,8 +277,6 @@ fn instant<const LOCAL: usize>(
         let arm = Vector3::z().cross(&read_m.fixed_rows::<3>(at));
         let turning = Vector3::z().cross(&velocity_m_per_s.fixed_rows::<3>(at));
         for axis in 0..3 {
-            place_by_open[(at + axis, PART + axis)] = 1.0;
-            place_by_open[(at + axis, PART + 3)] = arm[axis];
             rate_by_open[(at + axis, PART + 3)] = turning[axis];
             position_m[at + axis] += frame.moved[axis] + frame.moved[3] * arm[axis];
             velocity[at + axis] += frame.moved[3] * turning[axis];

@@ -2,11 +2,17 @@
 //! and the estimate's frame.
 //!
 //! Clocks and lever arm are found together with the frame, by Gauss & Newton with Huber's loss on the distances between the
-//! two; their σ come from blocks of time ([`sandwich`]), because errors of estimates drift. Then the frame is aligned once
-//! more, by plain least squares over all epochs, as evo does it.
+//! two; their σ come from blocks of time ([`sandwich`]), because errors of estimates drift, and from the errors that the ground
+//! truth has at all instants alike, which no estimate's errors tell of. Then the frame is aligned once more, by plain least
+//! squares over all epochs, as evo does it.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
+mod body;
+mod pieces;
 
+use nalgebra::{DMatrix, DVector, Rotation3, UnitQuaternion, Vector3};
+
+use self::body::turn_body;
+use self::pieces::{Pieces, by_common};
 use super::errors::matched;
 use super::reference::{Reference, True};
 use super::time_offset;
@@ -15,8 +21,7 @@ use super::{Alignment, Body, Estimate, EstimatedPose, Options, Unjudged};
 use crate::deployment::Finding;
 use crate::evaluation::vehicle::Instants;
 use crate::geometry::{RigidTransform, align_rigid, align_similar};
-use crate::statistics::robust::huber;
-use crate::statistics::{median, sandwich};
+use crate::statistics::sandwich;
 
 /// Fits take so many epochs at most, evenly spread.
 const MOST_EPOCHS: usize = 4000;
@@ -30,14 +35,6 @@ const EXACT_S: f64 = 1e-4;
 /// Bodies sit on vehicles: what is known of a lever arm without the data (m, 1 σ). It decides only where the drive does not
 /// tell, as on level ground the height.
 const LEVER_SIGMA_M: f64 = 1.0;
-/// Errors are taken to forget each other within a block: so many blocks, none shorter than this (s).
-const BLOCKS: f64 = 24.0;
-const SHORTEST_BLOCK_S: f64 = 2.0;
-/// Within such a time an estimate hardly drifts (s).
-const PIECE_S: f64 = 3.0;
-/// Huber's bend (σ), and the median length of an error of three axes over their σ.
-const BEND: f64 = 2.0;
-const MEDIAN_LENGTH: f64 = 1.538;
 const FEWEST_EPOCHS: usize = 10;
 /// Clocks further apart than this (s) have nothing in common, such as one since 1970 and one since the start.
 const FAR_S: f64 = 60.0;
@@ -246,7 +243,8 @@ fn refine(
         if pairs.len() < FEWEST_EPOCHS {
             return Err(unfit(Unfit::FewEpochs));
         }
-        let (blocks, prior) = blocks(&pairs, state, &open);
+        let pieces = Pieces::of(&pairs, state);
+        let (blocks, prior) = (pieces.blocks(&open), prior_of(&open));
         let mut information = DMatrix::from_diagonal(&prior);
         let mut gradient = DVector::zeros(open.len());
         for block in &blocks {
@@ -265,8 +263,13 @@ fn refine(
             truths = at(reference, poses, asked_s)?;
         } else if settled {
             let prior = sandwich::Prior { precision: prior, weight: 1.0 };
-            let covariance = sandwich::covariance(&blocks, Some(&prior))
+            let mut covariance = sandwich::covariance(&blocks, Some(&prior))
                 .ok_or_else(|| unfit(Unfit::Undetermined))?;
+            let times_s: Vec<f64> = pairs.iter().map(|(_, truth)| truth.time_s).collect();
+            if let Some(common) = reference.common_errors(&times_s) {
+                let moved = root.solve(&by_common(&pieces, &open, state, &common));
+                covariance += &moved * &common.covariance * moved.transpose();
+            }
             state.take_sigmas(&open, &covariance);
             return Ok(());
         }
@@ -325,154 +328,11 @@ impl State {
     }
 }
 
-/// What each block of time says, in units of the errors' own σ, and the prior's precision.
-///
-/// Errors of an estimate are noise about a drift, so a block is cut into pieces with a common error each (a random effect):
-/// what differs within a piece counts by the noise, the piece's mean by how large the means are.
-fn blocks(
-    pairs: &[(&EstimatedPose, &True)],
-    state: &State,
-    open: &[usize],
-) -> (Vec<sandwich::Block>, DVector<f64>) {
-    let (from_s, to_s) = (pairs[0].1.time_s, pairs[pairs.len() - 1].1.time_s);
-    let block_s = ((to_s - from_s) / BLOCKS).max(SHORTEST_BLOCK_S);
-    let piece_s = block_s / (block_s / PIECE_S).ceil();
-    let place = |truth: &True, length_s: f64| ((truth.time_s - from_s) / length_s) as usize;
-    let pieces: Vec<Piece> = pairs
-        .chunk_by(|a, b| place(a.1, piece_s) == place(b.1, piece_s))
-        .map(|pairs| Piece {
-            block: place(pairs[0].1, block_s),
-            ..Piece::of(pairs.iter().map(|(pose, truth)| row(pose, truth, state)).collect())
-        })
-        .collect();
-    let axis_sigma_m = |lengths: &mut dyn Iterator<Item = f64>| {
-        (median(lengths).unwrap_or(1.0) / MEDIAN_LENGTH).max(1e-9)
-    };
-    let noise_m =
-        axis_sigma_m(&mut pieces.iter().flat_map(|p| p.within.iter().map(|row| row.0.norm())));
-    let drift_m = axis_sigma_m(&mut pieces.iter().map(|piece| piece.mean.0.norm()));
-    let mut blocks: Vec<sandwich::Block> = (0..=((to_s - from_s) / block_s) as usize)
-        .map(|_| sandwich::Block {
-            information: DMatrix::zeros(open.len(), open.len()),
-            gradient: DVector::zeros(open.len()),
-        })
-        .collect();
-    for piece in &pieces {
-        let block = &mut blocks[piece.block];
-        let within = piece.within.iter().map(|row| (row, noise_m));
-        for ((error, design), sigma_m) in within.chain([(&piece.mean, drift_m)]) {
-            let weight = huber(error.norm() / sigma_m, BEND).weight / (sigma_m * sigma_m);
-            for (i, a) in open.iter().enumerate() {
-                block.gradient[i] -= weight * design[*a].dot(error);
-                for (j, b) in open.iter().enumerate() {
-                    block.information[(i, j)] += weight * design[*a].dot(&design[*b]);
-                }
-            }
-        }
-    }
-    blocks.retain(|block| block.information.norm() > 0.0);
+/// 1/σ² of what is known of the unknowns without the data.
+fn prior_of(open: &[usize]) -> DVector<f64> {
     let precision = |unknown: &usize| match *unknown {
         LEVER..CLOCK => LEVER_SIGMA_M.powi(-2),
         _ => 0.0,
     };
-    (blocks, DVector::from_iterator(open.len(), open.iter().map(precision)))
-}
-
-/// An error (m), and how it changes with each unknown.
-type Row = (Vector3<f64>, [Vector3<f64>; UNKNOWNS]);
-
-/// Epochs that have a part of their error in common.
-struct Piece {
-    block: usize,
-    mean: Row,
-    /// The rows less their mean.
-    within: Vec<Row>,
-}
-
-impl Piece {
-    fn of(mut rows: Vec<Row>) -> Self {
-        let share = 1.0 / rows.len() as f64;
-        let mut mean = (Vector3::zeros(), [Vector3::zeros(); UNKNOWNS]);
-        for (error, design) in &rows {
-            mean.0 += share * error;
-            mean.1.iter_mut().zip(design).for_each(|(sum, column)| *sum += share * column);
-        }
-        for (error, design) in &mut rows {
-            *error -= mean.0;
-            design.iter_mut().zip(&mean.1).for_each(|(column, mean)| *column -= mean);
-        }
-        Self { block: 0, mean, within: rows }
-    }
-}
-
-/// Truth less estimate (m), and how it changes with each unknown.
-fn row(pose: &EstimatedPose, truth: &True, state: &State) -> Row {
-    let fit = &state.fit;
-    let [placed_m, mut true_m] = fit.both_positions_m(pose, truth);
-    let mut velocity = truth.velocity_m_per_s;
-    let mut lever_axes = Matrix3::zeros();
-    if let Some(turned) = &truth.turned {
-        lever_axes = turned.orientation.to_rotation_matrix().into_inner();
-        velocity += turned.rate_rad_per_s.cross(&(true_m - truth.position_m));
-    } else if let Some(own) = fit.placed_orientation(pose) {
-        lever_axes = -own.to_rotation_matrix().into_inner();
-    }
-    true_m += velocity * state.later_s;
-    let turned_m = placed_m - fit.station1_from_estimate.translation_m;
-    let scaled_m = fit.station1_from_estimate.rotate(&(fit.scale * pose.position_m));
-    let mut design = [Vector3::zeros(); UNKNOWNS];
-    for axis in 0..3 {
-        let unit = Vector3::ith(axis, 1.0);
-        design[axis] = -unit.cross(&turned_m);
-        design[TRANSLATION + axis] = -unit;
-        design[LEVER + axis] = lever_axes.column(axis).into_owned();
-    }
-    design[SCALE] = -scaled_m;
-    design[CLOCK] = velocity;
-    (true_m - placed_m, design)
-}
-
-/// How the body is turned in the vehicle: the middle of what each epoch says, by blocks of time.
-fn turn_body(fit: &mut Fit, pairs: &[(&EstimatedPose, &True)], is_same: bool) {
-    let each: Option<Vec<(f64, UnitQuaternion<f64>)>> = pairs
-        .iter()
-        .map(|(pose, truth)| {
-            let turned = truth.turned.as_ref()?;
-            Some((truth.time_s, turned.orientation.inverse() * fit.placed_orientation(pose)?))
-        })
-        .collect();
-    let Some(each) = each else { return };
-    if is_same {
-        fit.body_rotation = Some(UnitQuaternion::identity());
-        return;
-    }
-    // Far from it the mean of rotation vectors is not the mean rotation.
-    let mut middle = each[each.len() / 2].1;
-    let mut left: Vec<Vector3<f64>> = Vec::new();
-    for _ in 0..10 {
-        left = each.iter().map(|(_, turn)| (turn * middle.inverse()).scaled_axis()).collect();
-        let step = Vector3::from_fn(|axis, _| {
-            median(left.iter().map(|turn| turn[axis])).unwrap_or_default()
-        });
-        middle = UnitQuaternion::from_scaled_axis(step) * middle;
-        if step.norm() < 1e-12 {
-            break;
-        }
-    }
-    fit.body_rotation = Some(middle);
-    let (from_s, to_s) = (each[0].0, each[each.len() - 1].0);
-    let length_s = ((to_s - from_s) / BLOCKS).max(SHORTEST_BLOCK_S);
-    let mut sums: Vec<(f64, Vector3<f64>)> =
-        vec![(0.0, Vector3::zeros()); ((to_s - from_s) / length_s) as usize + 1];
-    for ((time_s, _), turn) in each.iter().zip(&left) {
-        let (count, sum) = &mut sums[((time_s - from_s) / length_s) as usize];
-        *count += 1.0;
-        *sum += turn;
-    }
-    let means: Vec<Vector3<f64>> =
-        sums.iter().filter(|(count, _)| *count > 0.0).map(|(count, sum)| sum / *count).collect();
-    let blocks = means.len() as f64;
-    let square: f64 = means.iter().map(Vector3::norm_squared).sum::<f64>() / 3.0;
-    fit.body_rotation_sigma_rad =
-        (blocks > 1.0).then(|| (square / (blocks * (blocks - 1.0))).sqrt());
+    DVector::from_iterator(open.len(), open.iter().map(precision))
 }

@@ -1,0 +1,51 @@
+//! The ways of other open runs in the frame of the active one.
+
+use std::sync::Arc;
+
+use super::way::Way;
+use crate::analysis::{Analysis, Answer};
+use crate::deployment::Deployment;
+use crate::validation::one_frame::{Placed, PlacedBy, place};
+
+/// Another open run: its name, and where it went.
+#[derive(Clone, Debug)]
+pub struct RunBeside {
+    pub name: String,
+    /// Its way in the frame of the active run; a sentence says why there is none.
+    pub way: Result<(Way, Placed), String>,
+}
+
+impl RunBeside {
+    pub fn of(
+        own: (&Deployment, &Answer),
+        name: String,
+        (other, analysis): (&Arc<Deployment>, &Analysis),
+    ) -> Self {
+        let way = place(own, (other, analysis)).and_then(|placed| {
+            let mut way = Way::of(other, analysis);
+            if let Some(why) = way.why_not {
+                return Err(why);
+            }
+            for at in &mut way.instants {
+                at.position_m = placed.station1_from_other.apply(&at.position_m);
+            }
+            Ok((way, placed))
+        });
+        Self { name, way }
+    }
+
+    /// How it comes to be where it is drawn, or why it is not.
+    pub fn in_words(&self) -> String {
+        match &self.way {
+            Err(why) => format!("{}: not drawn: {why}", self.name),
+            Ok((_, Placed { by: PlacedBy::SetUp, .. })) => {
+                format!("{}: of the same set-up: no station moved in between", self.name)
+            }
+            Ok((_, Placed { by: PlacedBy::ControlPoints { points, rms_m }, .. })) => format!(
+                "{}: another set-up, brought here by {points} control points of both ({:.1} mm rms)",
+                self.name,
+                1e3 * rms_m
+            ),
+        }
+    }
+}
