@@ -89,10 +89,11 @@ fn sigma_of_clock_and_lever_arm_holds_what_is_wrong_with_the_ground_truth() {
 #[ignore = "four minutes in debug"]
 fn sigma_of_clock_and_lever_arm_holds_over_many_drives() {
     for noise_m in [0.003, 0.01, 0.03] {
-        for kinds in [&[][..], &ErrorKind::ALL] {
+        // Where instruments are in order, what they are known to do wrong makes σ too large.
+        for (kinds, least) in [(&[][..], 0.2), (&ErrorKind::ALL, 0.5)] {
             let found = clock_and_lever_over_sigma(16, noise_m, kinds);
             eprintln!("noise {noise_m} m, {} kinds of errors: {found:.2?}", kinds.len());
-            assert!(found.iter().all(|over| (0.5..1.3).contains(over)), "{found:.2?}");
+            assert!(found.iter().all(|over| (least..1.35).contains(over)), "{found:.2?}");
         }
     }
 }

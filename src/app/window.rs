@@ -26,7 +26,7 @@ use crate::deployment::{Deployment, Sample, Source};
 pub enum Start {
     Sample(Sample),
     Deployments(Vec<(Arc<Deployment>, Source)>),
-    /// Those that could be opened, and of each other one why not.
+    /// The files that could be opened, and of each other one why not.
     Partly(Vec<(Arc<Deployment>, Source)>, Vec<String>),
     /// The session of this file.
     Session(PathBuf),

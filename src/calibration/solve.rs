@@ -39,7 +39,7 @@ pub fn solve_while(
     }
 }
 
-/// Of so many triplets the paper's method takes a hundredth of the joint estimate's time, and side by side both would take
+/// With so many triplets the paper's method takes a hundredth of the joint estimate's time, and side by side both would take
 /// room for all of them.
 const LONG: usize = 100_000;
 

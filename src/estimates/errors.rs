@@ -148,3 +148,26 @@ pub fn errors(matched: &[(&EstimatedPose, &True)], fit: &Fit) -> Vec<EpochError>
     };
     matched.iter().map(error).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_driven_way_is_that_of_the_truth_from_one_error_to_the_next() {
+        let at = |x: f64, y: f64| EpochError {
+            time_s: x,
+            true_position_m: Vector3::new(x, y, 0.0),
+            position_m: Vector3::repeat(9.0),
+            rotation_rad: None,
+            covariance_m2: Matrix3::identity(),
+            covariance_rad2: None,
+            contradiction_m: 0.0,
+        };
+        assert_eq!(
+            driven_m(&[at(0.0, 0.0), at(3.0, 4.0), at(3.0, 4.0), at(4.0, 4.0)]),
+            [0.0, 5.0, 5.0, 6.0]
+        );
+        assert_eq!(driven_m(&[]), [0.0; 0]);
+    }
+}

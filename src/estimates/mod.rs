@@ -138,7 +138,7 @@ pub struct Judgement {
     pub judged: Vec<Judged>,
     /// Each two of them by position, the better one first.
     pub comparisons: Vec<Comparison>,
-    /// Those that could not be judged, and why.
+    /// The names of estimates that could not be judged, and why.
     pub unjudged: Vec<(String, Unjudged)>,
 }
 

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use egui::Theme;
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -12,12 +13,16 @@ use rand_distr::{Distribution, StandardNormal};
 use resect::app::{Aspect, Command, Pane, Visibility, WayPlots};
 use resect::calibration::Method;
 use resect::deployment::Sample;
-use resect::estimates::{Alignment, Options};
+use resect::estimates::{Alignment, Body, Options};
 use resect::evaluation::trajectory::Trajectory;
 use resect::evaluation::vehicle::{Instants, trajectory_by};
+use resect::simulation::Preset;
+use resect::validation::one_frame::PlacedBy;
 
+use crate::common::{knock, two_runs};
 use crate::harness::{
-    LARGE, Part, SMALL, Window, click, open, send, set, settle, shown, snapshot_of, window,
+    LARGE, Part, SMALL, Window, click, open, send, set, settle, shown, snapshot_of,
+    type_and_enter_at_once, window,
 };
 
 /// The ground truth of what is open, ten poses a second.
@@ -201,4 +206,71 @@ fn a_doubtful_ground_truth_is_said_above_what_it_judges() {
     send(&mut harness, Command::AddEstimates(vec![lio]));
     settle(&mut harness);
     harness.get_by_label_contains("The ground truth itself");
+}
+
+/// Known clocks and levers are given like any other number, and errors are shown over the way that was driven.
+#[test]
+fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
+    let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.4);
+    send(&mut harness, Command::AddEstimates(vec![lio, vio]));
+    settle(&mut harness);
+    click(&mut harness, "off by");
+    click(&mut harness, "at");
+    let given = shown(&harness).judging.options;
+    assert_eq!(given.time_offset_s, Some(0.0));
+    assert_eq!(given.body, Body::Lever(Vector3::zeros()));
+    let fit =
+        |harness: &Window| shown(harness).judging.judged().next().expect("judged").1.fit.clone();
+    assert!(
+        fit(&harness).lever_arm_sigma_m.is_none() && fit(&harness).time_offset_sigma_s.is_none()
+    );
+    harness.get_by_role_and_label(Role::SpinButton, "x").click();
+    harness.run_steps(2);
+    type_and_enter_at_once(&mut harness, "0,25");
+    settle(&mut harness);
+    let lever_m = Vector3::new(0.25, 0.0, 0.0);
+    assert_eq!(shown(&harness).judging.options.body, Body::Lever(lever_m));
+    assert_eq!(fit(&harness).lever_arm_m, Some(lever_m));
+
+    click(&mut harness, "by distance");
+    assert!(harness.query_by_label("position errors of lio over time").is_none());
+    let driven = "position errors of lio over the driven way";
+    let place = harness.get_by_label(driven).rect();
+    let before_s = shown(&harness).timeline.cursor_s;
+    harness.get_by_label(driven).click();
+    settle(&mut harness);
+    assert!(place.height() > 50.0 && shown(&harness).timeline.cursor_s != before_s);
+    click(&mut harness, "one scale");
+    assert!(harness.state().state.way_plots.one_scale);
+    snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "estimates-by-distance-dark");
+}
+
+/// Runs of one set-up are drawn in one frame, and so are those that control points bring together; others say why not.
+#[test]
+fn other_open_runs_are_drawn_in_the_frame_of_this_one() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let turned = knock(1, 1e-3, [0.0; 3]);
+    let [first, second] =
+        two_runs(Preset::Warthog.scenario(), 3, &[]).map(|run| run.deployment().expect("valid"));
+    let [_, knocked] = two_runs(Preset::Warthog.scenario(), 3, &[turned])
+        .map(|run| run.deployment().expect("valid"));
+    let mut without_points = knocked.clone();
+    without_points.control_points.clear();
+    for deployment in [knocked, without_points, second, first] {
+        open(&mut harness, deployment);
+    }
+    assert!(shown(&harness).beside.newest.is_none(), "nobody looks at it");
+    click(&mut harness, "Show other open runs in this one's frame");
+    let beside = shown(&harness).beside.newest.clone().expect("made");
+    let by: Vec<Option<PlacedBy>> =
+        beside.iter().map(|run| run.way.as_ref().ok().map(|(_, placed)| placed.by)).collect();
+    assert!(matches!(by[0], Some(PlacedBy::ControlPoints { points: 3.., .. })), "{by:?}");
+    assert_eq!(by[1..], [None, Some(PlacedBy::SetUp)]);
+    harness.get_by_label_contains("not drawn: does not hold for");
+    snapshot_of(&mut harness, Part::Pane(Pane::Scene), "runs-beside-dark");
+    click(&mut harness, "Show other open runs in this one's frame");
+    assert!(harness.query_by_label_contains("not drawn: does not hold for").is_none());
 }

@@ -67,12 +67,12 @@ impl Judging {
         files
     }
 
-    /// Those that were added, each with the number of its colour.
+    /// The estimates that were added, each with the number of its colour.
     pub fn coloured(&self) -> impl Iterator<Item = (usize, &Arc<Estimate>)> {
         self.colours.iter().copied().zip(&self.estimates)
     }
 
-    /// Those that could be judged, each with the number of its colour.
+    /// The estimates that could be judged, each with the number of its colour.
     pub fn judged(&self) -> impl Iterator<Item = (usize, &Judged)> {
         let judged = self.judgement.newest.iter().flat_map(|judgement| &judgement.judged);
         judged.filter_map(|one| Some((self.colour(&one.estimate)?, one)))

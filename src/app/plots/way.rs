@@ -18,8 +18,9 @@ use crate::app::theme;
 use crate::estimates::Judged;
 use crate::palette;
 
-/// The switches stand in a line where there is more room than this (points), and in a menu otherwise.
+/// The switches stand in a line where there is more room than this (points), more with those of errors, and in a menu otherwise.
 const WIDE: f32 = 550.0;
+const WIDE_WITH_ERRORS: f32 = 780.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, _)) = state.analysed() else {
@@ -34,7 +35,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let judging = &open.judging;
     time_plot::head(ui, |ui| {
         let can_judge = !judging.estimates.is_empty();
-        if ui.available_width() > WIDE {
+        if ui.available_width() > if can_judge { WIDE_WITH_ERRORS } else { WIDE } {
             switches(ui, plots, can_judge, commands);
         } else {
             let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);

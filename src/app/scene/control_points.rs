@@ -56,7 +56,7 @@ impl SceneContent {
 
     /// Adds arrows from each point's mean to what the visible stations make of it, so many times longer than true.
     ///
-    /// Those of a wrong answer would cover everything: longer ones are cut, and have no head. Gives how many; `None` where
+    /// Arrows of a wrong answer would cover everything: longer ones are cut, and have no head. Gives how many; `None` where
     /// there are no arrows.
     pub fn add_residuals(
         &mut self,

@@ -73,7 +73,7 @@ pub fn groups(
         Group { title: "readings", chips: false, rows: of_fates(analysis, state, faint) },
     ];
     groups.push(Group { title: "", chips: false, rows: of_estimates(open, visibility, content) });
-    groups.push(Group { title: "", chips: false, rows: of_runs_beside(open, state) });
+    groups.push(Group { title: "", chips: false, rows: of_runs_beside(open, state, faint) });
     let others = of_what_is_known(analysis, visibility, faint);
     if !open.deployment.control_points.is_empty() {
         let mut toggled = *visibility;
@@ -216,14 +216,14 @@ fn of_estimates(
 }
 
 /// The ways of other open runs, a colour each; one that is not drawn says why under the pointer.
-fn of_runs_beside(open: &OpenDeployment, state: &State) -> Vec<Row> {
+fn of_runs_beside(open: &OpenDeployment, state: &State, faint: Color32) -> Vec<Row> {
     if state.open.len() < 2 {
         return Vec::new();
     }
     let visibility = &state.visibility;
     let shown = visibility.runs_beside;
     let mut rows = vec![Row {
-        swatch: Swatch::None,
+        swatch: Swatch::Colour(faint),
         text: "other open runs".to_owned(),
         name: "Show other open runs in this one's frame".to_owned(),
         shown,
@@ -236,7 +236,7 @@ fn of_runs_beside(open: &OpenDeployment, state: &State) -> Vec<Row> {
                 let colour = theme::rgb(palette::run_beside(number));
                 (Swatch::Colour(colour), run.name.clone())
             }
-            Err(_) => (Swatch::None, format!("{}: not drawn", run.name)),
+            Err(_) => (Swatch::None, format!("not drawn: {}", run.name)),
         };
         rows.push(Row { swatch, text, name: run.in_words(), shown: true, toggled: None });
     }

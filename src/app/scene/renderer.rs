@@ -56,7 +56,7 @@ pub struct SceneRenderer {
 #[derive(PartialEq)]
 struct Drawn {
     uniforms: Uniforms,
-    /// Of clouds and colours, then of each layer.
+    /// Version numbers of clouds and colours, then of each layer.
     versions: [u64; 2 + LAYERS],
     shown: [[bool; 3]; 2],
     trail: Trail,

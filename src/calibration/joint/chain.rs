@@ -51,7 +51,7 @@ pub struct Data {
     /// Linear about where everything is taken to be.
     parts: Vec<Part>,
     pub moves: Moves,
-    /// Of the first parts.
+    /// The rows of the first parts.
     kept: Vec<Block>,
     pub constants: Square,
 }

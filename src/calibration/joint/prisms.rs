@@ -44,9 +44,9 @@ pub struct Instant<const N: usize> {
 /// The instants that are inside of stretches, in order of time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Prisms {
-    /// Of the three prisms of a rig.
+    /// Instants of the three prisms of a rig.
     Rig(Vec<Instant<9>>),
-    /// Of the one that all stations follow.
+    /// Instants of the one prism that all stations follow.
     Prism(Vec<Instant<3>>),
 }
 

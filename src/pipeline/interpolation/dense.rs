@@ -22,7 +22,7 @@ pub struct Kernel {
 pub struct Evidence {
     /// `yᵀPy` of all axes with `P = K⁻¹ − K⁻¹H (HᵀK⁻¹H)⁻¹ HᵀK⁻¹`: the weights of readings once any line is taken out.
     pub energy_m2: f64,
-    /// Its derivatives by `ln ℓ` and by the logarithm of the noise ratio.
+    /// Derivatives of the energy by `ln ℓ` and by the logarithm of the noise ratio.
     pub energy_slope: Vector2<f64>,
     /// `ln |K| + ln |HᵀK⁻¹H|`.
     pub volume: f64,
@@ -201,7 +201,7 @@ struct Line {
     /// `L`: its diagonal, and what is below.
     diagonal: [f64; 2],
     below: f64,
-    /// Of each axis: the position in the middle (m) and half the way.
+    /// The position in the middle of each axis (m), and half the way.
     coefficients_m: Vec<[f64; 2]>,
 }
 

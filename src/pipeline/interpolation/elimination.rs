@@ -194,7 +194,8 @@ pub struct Products {
     pub squares: Vec<f64>,
 }
 
-/// Of `count` columns, the first of each row; those of a lower triangle are zero above its diagonal.
+/// Multiplies the first `count` columns with each list and with each other; those of a lower triangle are zero above its
+/// diagonal.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 pub fn products_with(
     (rows, width): (&[f64], usize),

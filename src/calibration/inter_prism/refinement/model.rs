@@ -145,7 +145,7 @@ pub fn distances(
 }
 
 impl Residuals {
-    /// Of prisms that are placed there (m, station 1's frame).
+    /// Errors of the distances of prisms that are placed there (m, station 1's frame).
     fn between(placed: &[Vector3<f64>; 3], state: &State) -> Self {
         let between = PAIRS.map(|(a, b)| placed[a] - placed[b]);
         let length_m = between.map(|between| between.norm().max(1e-9));
