@@ -9,6 +9,7 @@
 //! the conditions of [`locks`]; [`in_words`] says it. [`improvements()`] tries [`manoeuvres`] and other changes.
 
 mod drive;
+mod improvements;
 mod in_words;
 pub mod locks;
 mod manoeuvres;
@@ -19,6 +20,7 @@ mod predict;
 mod prediction;
 pub mod way;
 
+pub use improvements::{Improvement, ImprovementKind, improvements};
 pub use manoeuvres::{FigureEight, Loop};
 pub use plan::{Ground, Instrument, Plan, Ramp, Rig};
 pub use predict::predict;

@@ -7,12 +7,12 @@ use super::in_words;
 use super::plan::{Instrument, Plan};
 use super::prediction::{Held, OnTheWay, PlanError, Prediction};
 use super::way;
-use crate::calibration::ErrorSizes;
-use crate::calibration::inter_prism;
+use crate::calibration::inter_prism::{self, Foreseen};
 use crate::calibration::joint::prisms::Prisms;
 use crate::calibration::joint::{
     self, Expected, JointEstimate, Levels, RIGID_M, Wander, stated_range_m,
 };
+use crate::calibration::{ErrorSizes, Verdict};
 use crate::deployment::PAIRS;
 use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::evaluation::rig_motion::rig_pose;
@@ -33,49 +33,69 @@ const LEAST_JERK_M_PER_S3: f64 = 0.01;
 /// How long ranges are correlated that wander for seconds to minutes (s).
 const WANDER_S: f64 = 12.0;
 
-/// Says what a planned drive will tell: the σ that an estimate of it is going to have, and what limits them.
-pub fn predict(plan: &Plan) -> Result<Prediction, PlanError> {
+/// A plan that was driven, and what the joint estimate would leave open of it.
+pub struct Looked {
+    pub driven: Driven,
+    pub expected: Expected,
+    pub estimate: Option<JointEstimate>,
+    /// What the distances hold; `None` of one prism.
+    pub foreseen: Option<Foreseen>,
+}
+
+impl Looked {
+    /// The estimate, where no direction is free.
+    pub fn held(&self) -> Option<&JointEstimate> {
+        let is_held = self.foreseen.as_ref().is_none_or(|foreseen| foreseen.is_held);
+        self.estimate.as_ref().filter(|_| is_held)
+    }
+}
+
+/// Drives a plan, and looks at what its readings hold.
+pub fn look(plan: &Plan) -> Result<Looked, PlanError> {
     let driven = drive(plan)?;
-    let triplets = &driven.pipeline.triplets;
     let expected = expected(plan, &driven.simulated);
     let truth = &driven.simulated.truth;
+    let triplets = &driven.pipeline.triplets;
     let inter_prism_m = (!plan.rig.is_one_prism()).then_some(&truth.inter_prism_m);
-    let sizes = sizes(plan);
     let estimate = joint::foresee(
         triplets,
         &truth.station1_from_station,
         inter_prism_m,
-        &sizes,
+        &sizes(plan),
         &expected,
         &Progress::default(),
     )
-    .unwrap_or_else(|_| unreachable!("nobody else can cancel it"));
+    .unwrap_or_default();
     let covariance = estimate.as_ref().map(|estimate| estimate.covariance);
     let foreseen = inter_prism_m.and_then(|distances_m| {
         inter_prism::foresee(triplets, distances_m, &truth.station1_from_station, covariance)
     });
-    let is_held = foreseen.as_ref().is_none_or(|foreseen| foreseen.is_held);
-    let held = estimate.as_ref().filter(|_| is_held).and_then(|found| held(plan, &driven, found));
+    Ok(Looked { driven, expected, estimate, foreseen })
+}
+
+/// Says what a planned drive will tell: the σ that an estimate of it is going to have, and what limits them.
+pub fn predict(plan: &Plan) -> Result<Prediction, PlanError> {
+    let looked = look(plan)?;
+    let held = looked.held().and_then(|found| held(plan, &looked.driven, found));
+    let way = along_the_way(plan, &looked.driven, looked.held().filter(|_| held.is_some()));
+    let Looked { driven, expected, foreseen, .. } = looked;
     let mirror_cost_ratio = foreseen.as_ref().and_then(|foreseen| {
         let noise_m2 = distance_noise_m2(&driven, &expected.levels);
         let twin_m2 = foreseen.twin_mean_square_m2?;
         Some((twin_m2 + noise_m2) / (foreseen.mean_square_m2 + noise_m2))
     });
-    let observability = foreseen.map(|foreseen| foreseen.observability);
-    let way = along_the_way(plan, &driven, estimate.as_ref().filter(|_| held.is_some()));
-    let readings = driven.deployment.tracks.each_ref().map(|track| track.measurements.len());
     let mut prediction = Prediction {
-        verdict: crate::calibration::Verdict::Good,
+        verdict: Verdict::Good,
         findings: Vec::new(),
         held,
-        observability,
+        observability: foreseen.map(|foreseen| foreseen.observability),
         mirror_cost_ratio,
         way,
+        readings: driven.deployment.tracks.each_ref().map(|track| track.measurements.len()),
+        kept: driven.pipeline.kept(),
         locks: driven.locks,
         duration_s: driven.simulated.scenario.duration_s,
         length_m: way::length_m(&plan.waypoints()),
-        readings,
-        kept: driven.pipeline.kept(),
     };
     (prediction.verdict, prediction.findings) = in_words::judged(plan, &prediction);
     Ok(prediction)
