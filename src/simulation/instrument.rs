@@ -2,14 +2,14 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::errors::{SystematicErrors, WanderingRange};
 use super::motion::Motion;
 use super::random::{Stream, normal};
-use super::scenario::{Path, Scenario};
+use super::scenario::{Path, Scenario, Waypoint};
 use super::{Simulated, Truth, gnss};
 use crate::deployment::{ControlPoint, ControlPointSet, Measurement, PAIRS, RawRecord};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
@@ -22,7 +22,9 @@ const RIG_READINGS: f64 = 10.0;
 pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let motion = Motion::drive(scenario, &mut rng);
-    let yaws: [f64; 2] = std::array::from_fn(|_| rng.random_range(-PI..PI));
+    // Drawn in any case: an option must not change what others draw.
+    let drawn: [f64; 2] = std::array::from_fn(|_| rng.random_range(-PI..PI));
+    let yaws = scenario.yaws_rad.unwrap_or(drawn);
     let station1_from_station = [
         LevelTransform::IDENTITY,
         LevelTransform::new(scenario.stations_m[0], yaws[0]),
@@ -223,10 +225,14 @@ fn control_point_set(
     set: usize,
     rng: &mut ChaCha8Rng,
 ) -> ControlPointSet {
-    let (centre, radius) = match scenario.path {
-        Path::Wander { centre_m, radius_m } => (centre_m, radius_m),
+    let (centre, radius) = match &scenario.path {
+        Path::Wander { centre_m, radius_m } => (*centre_m, *radius_m),
         Path::Tunnel { from_x_m, to_x_m, .. } => ([(from_x_m + to_x_m) / 2.0, 0.0], 3.0),
-        Path::Bends { start_m, .. } => (start_m, 20.0),
+        Path::Bends { start_m, .. } => (*start_m, 20.0),
+        Path::Waypoints { waypoints, .. } => {
+            let sum_m: Vector2<f64> = waypoints.iter().map(Waypoint::place_m).sum();
+            ((sum_m / waypoints.len().max(1) as f64).into(), 20.0)
+        }
     };
     let points = (0..10)
         .map(|marker| {

@@ -6,6 +6,7 @@
 
 mod errors;
 mod field_errors;
+mod follow;
 mod gnss;
 mod instrument;
 mod motion;
@@ -19,7 +20,7 @@ pub use errors::{ClockStep, Curvature, Settling, SystematicErrors, Wander};
 pub use field_errors::{ErrorKind, draw};
 pub use instrument::EPOCH_S;
 pub use motion::Motion;
-pub use scenario::{ARCSECOND_RAD, Path, Preset, Scenario};
+pub use scenario::{ARCSECOND_RAD, Ground, Mound, Noise, Path, Preset, Scenario, Waypoint};
 pub use write::write_folder;
 
 use nalgebra::Vector3;

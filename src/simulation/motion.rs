@@ -6,7 +6,8 @@ use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::scenario::{Ground, Path, Scenario};
+use super::follow::{Follower, Wish};
+use super::scenario::{Mound, Path, Scenario, Waypoint};
 use crate::geometry::wrap_to_pi;
 
 const STEP_S: f64 = 0.01;
@@ -23,36 +24,56 @@ pub struct Motion {
     terrain: Terrain,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Planar {
-    x_m: f64,
-    y_m: f64,
-    heading_rad: f64,
+/// A place on the ground, and which way the vehicle faces there.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Planar {
+    pub x_m: f64,
+    pub y_m: f64,
+    pub heading_rad: f64,
 }
 
 impl Motion {
     pub fn drive(scenario: &Scenario, rng: &mut ChaCha8Rng) -> Self {
-        let terrain = Terrain::new(&scenario.ground, -scenario.instrument_height_m, rng);
         let steps = (scenario.duration_s / STEP_S).ceil() as usize + 1;
-        let mut driver = Driver::new(&scenario.path, rng);
-        let mut poses = Vec::with_capacity(steps);
-        let mut pose = driver.start();
-        let mut speed_m_per_s = 0.0;
-        for step in 0..steps {
-            poses.push(pose);
-            let t = step as f64 * STEP_S;
-            let standing =
-                t < STAND_S || (t - STAND_S) % BETWEEN_STOPS_S > BETWEEN_STOPS_S - STAND_S;
-            let variation = 1.0 - 0.25 * (TAU * t / 31.0).sin().powi(2);
-            let wanted = if standing { 0.0 } else { scenario.cruise_m_per_s * variation };
-            // A soft foot on the pedal: about half a second to react.
-            speed_m_per_s += (wanted - speed_m_per_s) * STEP_S / 0.6;
-            let curvature = driver.curvature(&pose, speed_m_per_s * STEP_S);
-            pose.x_m += speed_m_per_s * STEP_S * pose.heading_rad.cos();
-            pose.y_m += speed_m_per_s * STEP_S * pose.heading_rad.sin();
-            pose.heading_rad += speed_m_per_s * STEP_S * curvature;
-        }
+        // Drawn in any case, and in this order.
+        let mut terrain = Terrain::new(scenario, rng);
+        let phases = std::array::from_fn(|_| rng.random_range(0.0..TAU));
+        let poses = match &scenario.path {
+            Path::Waypoints { waypoints, turn_radius_m } => {
+                let mut follower = Follower::new(waypoints, *turn_radius_m);
+                let start = follower.start();
+                // Where a way is laid elsewhere, its ground is the same.
+                terrain.from = start;
+                drive_by(start, steps, |pose, _, _| follower.wish(pose, STEP_S))
+            }
+            _ => {
+                let mut driver =
+                    Driver { path: &scenario.path, driven_m: 0.0, phases, outbound: true };
+                drive_by(driver.start(), steps, |pose, t, speed_m_per_s| {
+                    let standing =
+                        t < STAND_S || (t - STAND_S) % BETWEEN_STOPS_S > BETWEEN_STOPS_S - STAND_S;
+                    let variation = 1.0 - 0.25 * (TAU * t / 31.0).sin().powi(2);
+                    let wanted = if standing { 0.0 } else { scenario.cruise_m_per_s * variation };
+                    let speed_m_per_s = reacting(speed_m_per_s, wanted);
+                    let curvature_per_m = driver.curvature(pose, speed_m_per_s * STEP_S);
+                    Wish { speed_m_per_s: wanted, curvature_per_m }
+                })
+            }
+        };
         Self { poses, terrain }
+    }
+
+    /// When a driver who follows waypoints has arrived at the last one (s); no later than after `latest_s`.
+    pub fn arrival_s(waypoints: &[Waypoint], turn_radius_m: f64, latest_s: f64) -> f64 {
+        let mut follower = Follower::new(waypoints, turn_radius_m);
+        let (mut pose, mut speed_m_per_s) = (follower.start(), 0.0);
+        let mut steps: u32 = 0;
+        while !follower.has_arrived() && f64::from(steps) * STEP_S < latest_s {
+            let wish = follower.wish(&pose, STEP_S);
+            advance(&mut pose, &mut speed_m_per_s, &wish);
+            steps += 1;
+        }
+        f64::from(steps) * STEP_S
     }
 
     /// World position (m) of a point of the vehicle at a time (s).
@@ -82,11 +103,42 @@ impl Motion {
     }
 }
 
+/// Where a driver gets to, hundredth by hundredth of a second, who is asked for the time (s) and the speed.
+fn drive_by(
+    start: Planar,
+    steps: usize,
+    mut wish: impl FnMut(&Planar, f64, f64) -> Wish,
+) -> Vec<Planar> {
+    let mut poses = Vec::with_capacity(steps);
+    let (mut pose, mut speed_m_per_s) = (start, 0.0);
+    for step in 0..steps {
+        poses.push(pose);
+        let wish = wish(&pose, step as f64 * STEP_S, speed_m_per_s);
+        advance(&mut pose, &mut speed_m_per_s, &wish);
+    }
+    poses
+}
+
+fn advance(pose: &mut Planar, speed_m_per_s: &mut f64, wish: &Wish) {
+    *speed_m_per_s = reacting(*speed_m_per_s, wish.speed_m_per_s);
+    pose.x_m += *speed_m_per_s * STEP_S * pose.heading_rad.cos();
+    pose.y_m += *speed_m_per_s * STEP_S * pose.heading_rad.sin();
+    pose.heading_rad += *speed_m_per_s * STEP_S * wish.curvature_per_m;
+}
+
+/// A soft foot on the pedal: about half a second to react.
+fn reacting(speed_m_per_s: f64, wanted_m_per_s: f64) -> f64 {
+    speed_m_per_s + (wanted_m_per_s - speed_m_per_s) * STEP_S / 0.6
+}
+
 /// A sum of waves, its slopes being what tilts the vehicle.
 #[derive(Clone, Debug)]
 struct Terrain {
     mean_m: f64,
     waves: Vec<Wave>,
+    /// Where the waves count from.
+    from: Planar,
+    mounds: Vec<Mound>,
 }
 
 #[derive(Clone, Debug)]
@@ -97,8 +149,9 @@ struct Wave {
 }
 
 impl Terrain {
-    fn new(ground: &Ground, mean_m: f64, rng: &mut ChaCha8Rng) -> Self {
+    fn new(scenario: &Scenario, rng: &mut ChaCha8Rng) -> Self {
         const WAVES: usize = 8;
+        let ground = &scenario.ground;
         let waves = (0..WAVES)
             .map(|_| {
                 let wavelength = rng.random_range(ground.wavelengths_m[0]..ground.wavelengths_m[1]);
@@ -110,45 +163,64 @@ impl Terrain {
                 Wave { amplitude_m, wave_numbers, phase: rng.random_range(0.0..TAU) }
             })
             .collect();
-        Self { mean_m, waves }
+        Self {
+            mean_m: -scenario.instrument_height_m,
+            waves,
+            from: Planar::default(),
+            mounds: scenario.mounds.clone(),
+        }
     }
 
     /// Height (m) and slopes along x and y.
     fn at(&self, x_m: f64, y_m: f64) -> (f64, [f64; 2]) {
         let mut height = self.mean_m;
-        let mut slope = [0.0; 2];
+        let (sin_from, cos_from) = self.from.heading_rad.sin_cos();
+        let (dx, dy) = (x_m - self.from.x_m, y_m - self.from.y_m);
+        let (along, aside) = (dx * cos_from + dy * sin_from, dy * cos_from - dx * sin_from);
+        let mut own = [0.0; 2];
         for wave in &self.waves {
             let [kx, ky] = wave.wave_numbers;
-            let (sin, cos) = (kx * x_m + ky * y_m + wave.phase).sin_cos();
+            let (sin, cos) = (kx * along + ky * aside + wave.phase).sin_cos();
             height += wave.amplitude_m * sin;
-            slope[0] += wave.amplitude_m * kx * cos;
-            slope[1] += wave.amplitude_m * ky * cos;
+            own[0] += wave.amplitude_m * kx * cos;
+            own[1] += wave.amplitude_m * ky * cos;
+        }
+        let mut slope =
+            [own[0] * cos_from - own[1] * sin_from, own[0] * sin_from + own[1] * cos_from];
+        for mound in &self.mounds {
+            let (dx, dy) = (x_m - mound.centre_m[0], y_m - mound.centre_m[1]);
+            let away_m = dx.hypot(dy);
+            if away_m >= mound.radius_m {
+                continue;
+            }
+            let phase = PI * away_m / mound.radius_m;
+            height += 0.5 * mound.height_m * (1.0 + phase.cos());
+            // By the distance over itself: at the top it is level.
+            let falls = 0.5 * mound.height_m * PI / mound.radius_m * phase.sin() / away_m.max(1e-9);
+            slope[0] -= falls * dx;
+            slope[1] -= falls * dy;
         }
         (height, slope)
     }
 }
 
-/// Steers along a path.
-struct Driver {
-    path: Path,
+/// Steers along a path that is not made of waypoints.
+struct Driver<'a> {
+    path: &'a Path,
     driven_m: f64,
     phases: [f64; 3],
     outbound: bool,
 }
 
-impl Driver {
-    fn new(path: &Path, rng: &mut ChaCha8Rng) -> Self {
-        let phases = std::array::from_fn(|_| rng.random_range(0.0..TAU));
-        Self { path: *path, driven_m: 0.0, phases, outbound: true }
-    }
-
+impl Driver<'_> {
     fn start(&self) -> Planar {
-        match self.path {
+        match *self.path {
             Path::Wander { centre_m: [x_m, y_m], .. } => {
                 Planar { x_m, y_m, heading_rad: self.phases[0] }
             }
             Path::Bends { start_m: [x_m, y_m], .. } => Planar { x_m, y_m, heading_rad: 0.0 },
             Path::Tunnel { from_x_m, .. } => Planar { x_m: from_x_m, y_m: 0.0, heading_rad: 0.0 },
+            Path::Waypoints { .. } => Planar::default(),
         }
     }
 
@@ -156,7 +228,7 @@ impl Driver {
     fn curvature(&mut self, pose: &Planar, advance_m: f64) -> f64 {
         self.driven_m += advance_m;
         let most = 1.0 / TURN_RADIUS_M;
-        match self.path {
+        match *self.path {
             Path::Wander { centre_m: [cx, cy], radius_m } => {
                 let s = self.driven_m;
                 let winding = 0.16 * (TAU * s / 37.0 + self.phases[1]).sin()
@@ -192,6 +264,7 @@ impl Driver {
                 let tight = 1.0 / 1.2;
                 (wrap_to_pi(wanted - pose.heading_rad) * 0.6).clamp(-tight, tight)
             }
+            Path::Waypoints { .. } => 0.0,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What is driven, where, and how well it is measured.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use super::errors::SystematicErrors;
 use super::field_errors::ErrorKind;
@@ -33,7 +33,7 @@ pub enum Preset {
 }
 
 /// Where the vehicle goes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Path {
     /// Winding about a centre (m), turning back at a radius (m).
     Wander { centre_m: [f64; 2], radius_m: f64 },
@@ -41,6 +41,34 @@ pub enum Path {
     Tunnel { from_x_m: f64, to_x_m: f64, amplitude_m: f64, wavelength_m: f64 },
     /// Along x from a start (m), straight but for bends, and from the beginning again where they end.
     Bends { start_m: [f64; 2], bends: &'static [Bend] },
+    /// From one waypoint to the next, corners rounded by the tightest turn (m), and to stand at the last one.
+    Waypoints { waypoints: Vec<Waypoint>, turn_radius_m: f64 },
+}
+
+/// A place on the way, in station 1's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waypoint {
+    pub x_m: f64,
+    pub y_m: f64,
+    /// How fast it is driven to.
+    pub speed_m_per_s: f64,
+    /// How long the vehicle stands there.
+    pub stand_s: f64,
+}
+
+impl Waypoint {
+    pub fn place_m(&self) -> Vector2<f64> {
+        Vector2::new(self.x_m, self.y_m)
+    }
+}
+
+/// A rise of the ground, as a ramp is driven up and down: the square of a cosine about its middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mound {
+    /// Its middle, in station 1's frame (m).
+    pub centre_m: [f64; 2],
+    pub radius_m: f64,
+    pub height_m: f64,
 }
 
 /// A piece of the way with constant curvature (1/m, left positive).
@@ -87,6 +115,8 @@ pub struct Scenario {
     pub cruise_m_per_s: f64,
     pub path: Path,
     pub ground: Ground,
+    /// Rises of the ground beside its bumps.
+    pub mounds: Vec<Mound>,
     pub noise: Noise,
     /// Readings per second of each station.
     pub rate_hz: f64,
@@ -96,8 +126,10 @@ pub struct Scenario {
     pub prisms_m: [Vector3<f64>; 3],
     /// GNSS antennas, in the same frame.
     pub antennas_m: Option<[Vector3<f64>; 3]>,
-    /// Positions of stations 2 and 3 in station 1's frame (m); their yaws come from the seed.
+    /// Positions of stations 2 and 3 in station 1's frame (m).
     pub stations_m: [Vector3<f64>; 2],
+    /// Yaws of stations 2 and 3; `None` for any, from the seed.
+    pub yaws_rad: Option<[f64; 2]>,
     /// Height of the ground's mean below station 1 (m).
     pub instrument_height_m: f64,
     /// Sets of ten control points.
@@ -158,6 +190,7 @@ impl Preset {
                 cruise_m_per_s: 0.9,
                 path: Path::Wander { centre_m: [62.0, 8.0], radius_m: 24.0 },
                 ground: Ground { slope_rms_rad: 0.05, wavelengths_m: [7.0, 30.0] },
+                mounds: Vec::new(),
                 noise,
                 rate_hz: 2.5,
                 stagger_s: None,
@@ -172,6 +205,7 @@ impl Preset {
                     Vector3::new(0.02, 0.38, 1.31),
                 ]),
                 stations_m: [Vector3::new(5.2, -2.6, -0.28), Vector3::new(-5.4, 0.4, -0.22)],
+                yaws_rad: None,
                 instrument_height_m: 1.6,
                 control_point_sets: 2,
                 pillars: true,
@@ -219,6 +253,7 @@ impl Preset {
                     wavelength_m: 17.0,
                 },
                 ground: Ground { slope_rms_rad: 0.012, wavelengths_m: [4.0, 20.0] },
+                mounds: Vec::new(),
                 noise: Noise { lost_locks_per_minute: 0.25, ..noise },
                 rate_hz: 2.5,
                 stagger_s: None,
@@ -229,6 +264,7 @@ impl Preset {
                 ],
                 antennas_m: None,
                 stations_m: [Vector3::new(1.6, 1.3, -0.05), Vector3::new(-0.9, -1.2, 0.04)],
+                yaws_rad: None,
                 instrument_height_m: 1.5,
                 control_point_sets: 0,
                 pillars: false,

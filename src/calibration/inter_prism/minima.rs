@@ -15,7 +15,7 @@ pub const THINNED: usize = 1024;
 /// Minima that cost this many times the lowest fit thirty times worse and are no rivals of anything.
 const HOPELESS: f64 = 1000.0;
 /// The twin of prisms at equal heights is the answer itself.
-const SAME_TWIN_M: f64 = 1e-3;
+pub const SAME_TWIN_M: f64 = 1e-3;
 
 /// What was found.
 pub struct Minima {

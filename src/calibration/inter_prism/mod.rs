@@ -8,13 +8,14 @@
 //! and its mirror twin finished on all triplets ([`minima`]; [`normal_equations`] is the one fused pass over the data)
 //! → [`mirror`] decides between the two → [`uncertainty`] → [`observability`] and [`drive_shape`] → [`diagnosis`].
 //! What goes beyond the paper is [`refinement`]; its answer then takes the place of the published one in all that follows
-//! ([`refined_answer`]). [`mod@solve`] walks it.
+//! ([`refined_answer`]). [`mod@solve`] walks it; [`mod@foresee`] looks at a drive before it is driven.
 
 mod centred;
 mod closed_form;
 mod compression;
 mod diagnosis;
 pub mod drive_shape;
+mod foresee;
 pub mod gross_errors;
 mod levenberg_marquardt;
 mod minima;
@@ -38,6 +39,7 @@ mod valley;
 
 pub use centred::{CentredTriplets, Parameters};
 pub use closed_form::closed_form_priors;
+pub use foresee::{Foreseen, foresee};
 pub use levenberg_marquardt::{Minimum, minimise};
 pub use normal_equations::{NormalEquations, distance_pulls};
 use observability::Observability;

@@ -63,15 +63,8 @@ pub fn estimate(
 
     let radius_m = super::levenberg_marquardt::track_radius_m(data);
     let spectrum = spectrum(fitting, &answer.parameters, radius_m);
-    let free = |spectrum: SymmetricEigen<f64, Const<8>>| Uncertainty {
-        covariance: None,
-        centred_m2: None,
-        weakest: spectrum.eigenvectors.column(spectrum.eigenvalues.imin()).into_owned(),
-        weakest_sigma_m: f64::INFINITY,
-        spectrum,
-        radius_m,
-    };
-    let inverse = (spectrum.eigenvalues.min() > FREE_DIRECTION * spectrum.eigenvalues.max())
+    let free = |spectrum| free(spectrum, radius_m);
+    let inverse = is_held(&spectrum)
         .then(|| normal.matrix.cholesky())
         .flatten()
         .map(|cholesky| cholesky.inverse());
@@ -126,6 +119,36 @@ pub fn of_covariance(
     // What turns a station about the track's centroid has ones on its diagonal.
     let back = at_the_stations(data, &answer.parameters).try_inverse().expect("a shear");
     known(covariance, back * covariance * back.transpose(), spectrum, radius_m)
+}
+
+/// Uncertainty of an answer that is not estimated yet, at which `data` are: what is free is read off them, and the rest is
+/// `covariance`, where there is one.
+pub fn foreseen(
+    data: &CentredTriplets,
+    answer: &Minimum,
+    covariance: Option<SMatrix<f64, 8, 8>>,
+) -> Uncertainty {
+    let radius_m = super::levenberg_marquardt::track_radius_m(data);
+    let spectrum = spectrum(data, &answer.parameters, radius_m);
+    match covariance.filter(|_| is_held(&spectrum)) {
+        Some(covariance) => of_covariance(data, data, answer, covariance),
+        None => free(spectrum, radius_m),
+    }
+}
+
+fn is_held(spectrum: &SymmetricEigen<f64, Const<8>>) -> bool {
+    spectrum.eigenvalues.min() > FREE_DIRECTION * spectrum.eigenvalues.max()
+}
+
+fn free(spectrum: SymmetricEigen<f64, Const<8>>, radius_m: f64) -> Uncertainty {
+    Uncertainty {
+        covariance: None,
+        centred_m2: None,
+        weakest: spectrum.eigenvectors.column(spectrum.eigenvalues.imin()).into_owned(),
+        weakest_sigma_m: f64::INFINITY,
+        spectrum,
+        radius_m,
+    }
 }
 
 fn known(

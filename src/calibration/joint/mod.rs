@@ -12,7 +12,7 @@
 //! probes (Girard 1989). The rows of a long drive, of its motion and of its chain, are not kept but made again. [`stability`] looks for
 //! stations and clocks that step, [`strain`] holds what was found against the priors, and [`contradiction`] against sizes that
 //! were said to be smaller than usual. [`summary`] makes the answer, [`in_words`] tells it, [`corrected`] puts the triplets
-//! right, and [`prisms`] has the motion at any instant, by [`band_covariance`] with how certain it is.
+//! right, [`mod@foresee`] makes it before anything is read, and [`prisms`] has the motion at any instant, by [`band_covariance`] with how certain it is.
 
 mod band;
 mod band_covariance;
@@ -24,6 +24,7 @@ mod contradiction;
 mod corrected;
 mod drive;
 mod equations;
+mod foresee;
 mod gradients;
 pub mod in_words;
 pub mod instruments;
@@ -49,9 +50,10 @@ use nalgebra::{SMatrix, SVector};
 use self::band_rows::{BORDER, MOTION_BORDER, TIED};
 use self::contradiction::Contradiction;
 use self::drive::Drive;
+pub use self::foresee::{Expected, foresee};
 use self::likelihood::{likeliest, likeliest_clocks_s2};
 use self::noise::{FIRST_LEVELS, learned};
-pub use self::observed::{Levels, RIGID_M};
+pub use self::observed::{Levels, RIGID_M, stated_range_m};
 use self::pass::{Estimates, Model, Pass, Spare, Weigh, move_motion, pass};
 use self::prisms::Solution;
 use self::slow_changes::{add_steps, is_usual, measured};

@@ -35,6 +35,11 @@ impl Levels {
     }
 }
 
+/// What the instrument states as one standard deviation of a range of this length (m).
+pub fn stated_range_m(range_m: f64) -> f64 {
+    RANGE_M + RANGE_SHARE * range_m
+}
+
 /// One reading of one station, in its own frame. The directions about it are made whenever they are asked for: long drives
 /// have millions of them.
 #[derive(Clone, Debug)]
@@ -116,7 +121,7 @@ impl Seen {
         let error =
             sum::<LOCAL>(at, &place, &place.position, prism) - across * own.latency_s - placed;
 
-        let range_sigma_m = levels.range * (RANGE_M + RANGE_SHARE * sight.range_m);
+        let range_sigma_m = levels.range * stated_range_m(sight.range_m);
         let across_sigma_m = levels.angle_rad * sight.range_m;
         let precision =
             Vector3::new(range_sigma_m.powi(-2), across_sigma_m.powi(-2), across_sigma_m.powi(-2));

@@ -161,6 +161,11 @@ impl Solution {
         self.drive.pieces.iter().map(|piece| [piece.stretch.start_s, piece.stretch.end_s])
     }
 
+    /// How often a second the slowest station reads: knots are as far apart as its readings.
+    pub fn readings_hz(&self) -> f64 {
+        self.drive.pieces.first().map_or(1.0, |piece| 1.0 / piece.stretch.knot_s)
+    }
+
     /// What each part of the drive leaves open.
     fn frames<const LOCAL: usize, const ROW: usize>(&self, pass: &Pass<LOCAL, ROW>) -> Vec<Frame> {
         let drive = &self.drive;

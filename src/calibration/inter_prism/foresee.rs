@@ -1,0 +1,53 @@
+//! What the distances of a drive will hold, read off triplets that are where they will be.
+
+use nalgebra::SMatrix;
+
+use super::levenberg_marquardt::ROUGH_M;
+use super::minima::{SAME_TWIN_M, THINNED};
+use super::observability::{Observability, observe};
+use super::{CentredTriplets, FEWEST_TRIPLETS, Minimum, NormalEquations, minimise, uncertainty};
+use crate::geometry::LevelTransform;
+use crate::pipeline::Triplets;
+
+/// What a drive holds, before it is driven.
+#[derive(Clone, Debug)]
+pub struct Foreseen {
+    pub observability: Observability,
+    /// Whether no direction is free.
+    pub is_held: bool,
+    /// Mean squared inter-prism error of the truth (m²), from interpolation alone where readings have no noise.
+    pub mean_square_m2: f64,
+    /// That of the mirror twin; `None` where there is none.
+    pub twin_mean_square_m2: Option<f64>,
+}
+
+/// Looks at a drive with its stations where they are. `covariance` is what an estimate leaves open of (x, y, z, yaw) of stations
+/// 2 and 3, `None` where it is not to be had. `None` of too few triplets.
+pub fn foresee(
+    triplets: &Triplets,
+    inter_prism_m: &[f64; 3],
+    station1_from_station: &[LevelTransform; 3],
+    covariance: Option<SMatrix<f64, 8, 8>>,
+) -> Option<Foreseen> {
+    if triplets.len() < FEWEST_TRIPLETS {
+        return None;
+    }
+    let data = CentredTriplets::new(triplets, *inter_prism_m);
+    let parameters = data.parameters(station1_from_station);
+    let normal = NormalEquations::at(&data, &parameters);
+    let answer = Minimum { parameters, normal, converged: true, passes: 1 };
+    let uncertainty = uncertainty::foreseen(&data, &answer, covariance);
+    let thinned = data.thinned(THINNED);
+    let mean_square_m2 =
+        |minimum: &NormalEquations, of: &CentredTriplets| minimum.cost / (3 * of.len()) as f64;
+    let mirrored = data.mirrored_in_height(&parameters, [true, true]);
+    let twin = minimise(&thinned, mirrored, ROUGH_M);
+    let is_other = (twin.parameters - parameters).amax() > SAME_TWIN_M;
+    let twin_mean_square_m2 = is_other.then(|| mean_square_m2(&twin.normal, &thinned));
+    Some(Foreseen {
+        observability: observe(&data, &parameters, &uncertainty),
+        is_held: uncertainty.covariance.is_some(),
+        mean_square_m2: mean_square_m2(&answer.normal, &data),
+        twin_mean_square_m2,
+    })
+}

@@ -1,0 +1,265 @@
+//! What makes a plan better: changes that are tried one by one, the best first.
+
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{Rotation2, Vector2, Vector3};
+use rayon::prelude::*;
+
+use super::manoeuvres::{FigureEight, Loop};
+use super::plan::{Plan, Ramp};
+use super::predict::{Looked, look};
+use super::prediction::PlanError;
+use super::way::{Piece, Waypoint};
+use crate::evaluation::far_end::far_end;
+use crate::geometry::RigidTransform;
+
+/// Tips of the figure-eights that are tried are so far apart (m).
+const EIGHTS_M: [f64; 2] = [12.0, 24.0];
+const LOOP_RADIUS_M: f64 = 6.0;
+const RAMP: Ramp = Ramp { centre_m: [0.0; 2], radius_m: 4.0, height_m: 0.45 };
+/// A pass near the stations leads this near to their middle (m).
+const NEAR_M: f64 = 15.0;
+/// Prisms are moved up and down by this much (m).
+const MAST_M: f64 = 0.4;
+/// Stations are moved by this much (m), in so many directions.
+const STEP_M: f64 = 10.0;
+const DIRECTIONS: u32 = 4;
+/// What brings less than this share is none.
+const LEAST_GAIN: f64 = 0.02;
+/// Places at which the far end is looked for, by station.
+const MOST_PLACES: usize = 300;
+
+/// A change of a plan that leaves less open at the far end of its track.
+#[derive(Clone, Debug)]
+pub struct Improvement {
+    pub kind: ImprovementKind,
+    /// "a figure-eight of 12 m at the far end: 3.1 → 1.6 mm, 40 s more".
+    pub sentence: String,
+    /// σ at the far end of the track before, where no direction was free, and after (m).
+    pub before_m: Option<f64>,
+    pub after_m: f64,
+    /// How much longer is driven; less than nothing where it is shorter.
+    pub more_s: f64,
+    pub plan: Plan,
+}
+
+/// What is changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImprovementKind {
+    FigureEight,
+    Loop,
+    Ramp,
+    CloserPass,
+    PrismHeight,
+    StationMoved,
+    LongerDrive,
+}
+
+impl ImprovementKind {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FigureEight => "figure-eight",
+            Self::Loop => "loop",
+            Self::Ramp => "ramp",
+            Self::CloserPass => "closer-pass",
+            Self::PrismHeight => "prism-height",
+            Self::StationMoved => "station-moved",
+            Self::LongerDrive => "longer-drive",
+        }
+    }
+}
+
+/// A change that is tried.
+struct Candidate {
+    kind: ImprovementKind,
+    what: String,
+    plan: Plan,
+}
+
+/// Changes that leave less open at the far end of the plan's own track, the least first.
+pub fn improvements(plan: &Plan) -> Result<Vec<Improvement>, PlanError> {
+    let before = look(plan)?;
+    let places_m = places_m(plan, &before);
+    let before_m = far_end_m(plan, &before, &places_m);
+    let before_s = before.driven.simulated.scenario.duration_s;
+    let one = |candidate: Candidate| {
+        // A change that leads out of reach, or makes no sense, is none.
+        let after = look(&candidate.plan).ok()?;
+        let after_m = far_end_m(&candidate.plan, &after, &places_m)?;
+        let gains = before_m.is_none_or(|before_m| after_m < before_m * (1.0 - LEAST_GAIN));
+        let more_s = after.driven.simulated.scenario.duration_s - before_s;
+        gains.then(|| Improvement {
+            sentence: sentence(&candidate.what, before_m, after_m, more_s),
+            kind: candidate.kind,
+            before_m,
+            after_m,
+            more_s,
+            plan: candidate.plan,
+        })
+    };
+    let all = candidates(plan, &before);
+    let mut found: Vec<Improvement> = all.into_par_iter().filter_map(one).collect();
+    found.sort_by(|a, b| a.after_m.total_cmp(&b.after_m));
+    Ok(found)
+}
+
+fn sentence(what: &str, before_m: Option<f64>, after_m: f64, more_s: f64) -> String {
+    let before = before_m.map_or("free".to_owned(), |before_m| format!("{:.1}", before_m * 1e3));
+    let costs = match more_s.round() {
+        0.0 => "no more driving".to_owned(),
+        more_s if more_s < 0.0 => format!("{:.0} s less", -more_s),
+        more_s => format!("{more_s:.0} s more"),
+    };
+    format!("{what}: {before} → {:.1} mm, {costs}", after_m * 1e3)
+}
+
+/// Where the prisms of the three stations are along a way, in the frame of the plan.
+fn places_m(plan: &Plan, looked: &Looked) -> [Vec<Vector3<f64>>; 3] {
+    let triplets = &looked.driven.pipeline.triplets;
+    let transforms = &looked.driven.simulated.truth.station1_from_station;
+    let step = (triplets.len() / MOST_PLACES).max(1);
+    std::array::from_fn(|station| {
+        let own = triplets.points_m[station].iter().step_by(step);
+        own.map(|p| transforms[station].apply(p) + plan.stations_m[0]).collect()
+    })
+}
+
+/// What a plan leaves open at the worst of some places (m); `None` where a direction is free.
+fn far_end_m(plan: &Plan, looked: &Looked, places_m: &[Vec<Vector3<f64>>; 3]) -> Option<f64> {
+    let transforms = looked.driven.simulated.truth.station1_from_station.map(RigidTransform::from);
+    let own: [Vec<Vector3<f64>>; 3] = std::array::from_fn(|station| {
+        let station_from_station1 = transforms[station].inverse();
+        let own = places_m[station].iter();
+        own.map(|p| station_from_station1.apply(&(p - plan.stations_m[0]))).collect()
+    });
+    Some(far_end(&transforms, &looked.held()?.covariance, &own)?.sigma_m)
+}
+
+fn candidates(plan: &Plan, looked: &Looked) -> Vec<Candidate> {
+    let mut all = Vec::new();
+    let mut add = |kind, what: String, plan: Plan| all.push(Candidate { kind, what, plan });
+    let (far_m, along) = far_place(plan);
+    let heading_rad = along.y.atan2(along.x);
+    for length_m in EIGHTS_M {
+        let eight = FigureEight { centre_m: far_m.into(), length_m, heading_rad, times: 1 };
+        let what = format!("a figure-eight of {length_m:.0} m at the far end");
+        add(ImprovementKind::FigureEight, what, with(plan, &far_m, Piece::FigureEight(eight)));
+    }
+    for side in [1.0, -1.0] {
+        let centre_m = far_m + Rotation2::new(side * FRAC_PI_2) * along * LOOP_RADIUS_M;
+        let from_rad = heading_rad - side * FRAC_PI_2;
+        let (centre_m, radius_m) = (centre_m.into(), LOOP_RADIUS_M);
+        let one = Piece::Loop(Loop { centre_m, radius_m, from_rad, turns: side });
+        let hand = if side > 0.0 { "left" } else { "right" };
+        let what = format!("a loop to the {hand} of {:.0} m at the far end", 2.0 * LOOP_RADIUS_M);
+        add(ImprovementKind::Loop, what, with(plan, &far_m, one));
+    }
+    let ramp_m = along_the_middle(plan);
+    let mut ramped = plan.clone();
+    ramped.ground.ramps.push(Ramp { centre_m: ramp_m.into(), ..RAMP });
+    let what = format!(
+        "a ramp or bank {:.1} m high on the way, at ({:.0}, {:.0})",
+        RAMP.height_m, ramp_m.x, ramp_m.y
+    );
+    add(ImprovementKind::Ramp, what, ramped);
+    let stations = plan.stations_m.iter().map(|at| at.xy());
+    let middle_m = stations.sum::<Vector2<f64>>() / 3.0;
+    if let Some((end_m, _)) = plan.end() {
+        let away = (end_m - middle_m).try_normalize(1e-6).unwrap_or_else(Vector2::x);
+        let near = Waypoint::at(middle_m + away * NEAR_M);
+        let mut closer = plan.clone();
+        closer.way.push(Piece::Waypoints(vec![near, Waypoint::at(end_m)]));
+        let what = format!("a pass {NEAR_M:.0} m from the stations, and back");
+        add(ImprovementKind::CloserPass, what, closer);
+    }
+    if !plan.rig.is_one_prism() {
+        for prism in 0..3 {
+            for (by_m, way) in [(MAST_M, "higher"), (-MAST_M, "lower")] {
+                let mut other = plan.clone();
+                other.rig.prisms_m[prism].z += by_m;
+                let what = format!("prism {} {MAST_M:.1} m {way} on the vehicle", prism + 1);
+                add(ImprovementKind::PrismHeight, what, other);
+            }
+        }
+    }
+    for station in 0..3 {
+        for direction in 0..DIRECTIONS {
+            // Along the sight to the far end, and across it.
+            let turn = Rotation2::new(f64::from(direction) * FRAC_PI_2);
+            let own_m = plan.stations_m[station].xy();
+            let sight = (far_m - own_m).try_normalize(1e-6).unwrap_or_else(Vector2::x);
+            let moved_m = own_m + turn * sight * STEP_M;
+            let mut other = plan.clone();
+            other.stations_m[station].x = moved_m.x;
+            other.stations_m[station].y = moved_m.y;
+            let what = format!(
+                "station {} {STEP_M:.0} m elsewhere, at ({:.1}, {:.1})",
+                station + 1,
+                moved_m.x,
+                moved_m.y
+            );
+            add(ImprovementKind::StationMoved, what, other);
+        }
+    }
+    let mut twice = plan.clone();
+    twice.way.extend(plan.way.iter().cloned());
+    let minutes = looked.driven.simulated.scenario.duration_s / 60.0;
+    let what = format!("the same way once more ({minutes:.0} minutes)");
+    add(ImprovementKind::LongerDrive, what, twice);
+    all
+}
+
+/// The place of the way that is furthest from the stations, and which way the vehicle goes there.
+fn far_place(plan: &Plan) -> (Vector2<f64>, Vector2<f64>) {
+    let waypoints = plan.waypoints();
+    let away_m = |place_m: Vector2<f64>| {
+        let from = plan.stations_m.iter().map(|station_m| (place_m - station_m.xy()).norm());
+        from.fold(0.0, f64::max)
+    };
+    let furthest = (0..waypoints.len())
+        .max_by(|a, b| away_m(waypoints[*a].place_m()).total_cmp(&away_m(waypoints[*b].place_m())))
+        .unwrap_or(0);
+    let place_m = waypoints[furthest].place_m();
+    let before = waypoints[..furthest].iter().rev().map(|at| place_m - at.place_m());
+    let after = waypoints[furthest..].iter().map(|at| at.place_m() - place_m);
+    let along = before.chain(after).find(|leg_m| leg_m.norm() > 0.1).unwrap_or_else(Vector2::x);
+    (place_m, along.normalize())
+}
+
+/// The place that is half way along.
+fn along_the_middle(plan: &Plan) -> Vector2<f64> {
+    let waypoints = plan.waypoints();
+    let mut left_m = super::way::length_m(&waypoints) / 2.0;
+    for pair in waypoints.windows(2) {
+        let leg_m = pair[1].place_m() - pair[0].place_m();
+        if leg_m.norm() >= left_m {
+            return pair[0].place_m() + leg_m * (left_m / leg_m.norm().max(1e-9));
+        }
+        left_m -= leg_m.norm();
+    }
+    waypoints.last().map_or_else(Vector2::zeros, |last| last.place_m())
+}
+
+/// A plan with one more piece where the way comes nearest to a place.
+fn with(plan: &Plan, place_m: &Vector2<f64>, piece: Piece) -> Plan {
+    let away_m = |at: &Waypoint| (at.place_m() - place_m).norm();
+    let mut nearest = (f64::INFINITY, 0, 0);
+    for (index, own) in plan.way.iter().enumerate() {
+        for (within, at) in own.waypoints().iter().enumerate() {
+            if away_m(at) < nearest.0 {
+                nearest = (away_m(at), index, within);
+            }
+        }
+    }
+    let (_, index, within) = nearest;
+    let mut with = plan.clone();
+    let rest = match &mut with.way[index] {
+        Piece::Waypoints(waypoints) => waypoints.split_off(within + 1),
+        Piece::FigureEight(_) | Piece::Loop(_) => Vec::new(),
+    };
+    with.way.insert(index + 1, piece);
+    if !rest.is_empty() {
+        with.way.insert(index + 2, Piece::Waypoints(rest));
+    }
+    with
+}

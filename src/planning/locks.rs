@@ -1,0 +1,127 @@
+//! Whether stations can follow their prisms along a way: reach, rates, and prisms that hide each other.
+
+use nalgebra::Vector3;
+
+use super::Plan;
+use crate::deployment::{Measurement, Track};
+use crate::pipeline::OutlierReason;
+use crate::pipeline::outlier_filter::{rates, too_fast};
+use crate::simulation::{EPOCH_S, Simulated};
+
+/// Conditions that pause for no longer than this are one (s).
+const PAUSE_S: f64 = 2.0;
+
+/// What one station meets along the way. Times are seconds of the drive.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lock {
+    /// The shortest and the longest range.
+    pub range_m: [f64; 2],
+    /// The fastest change of range, azimuth and zenith angle from reading to reading.
+    pub fastest_range_m_per_s: f64,
+    pub fastest_azimuth_deg_per_s: f64,
+    pub fastest_zenith_deg_per_s: f64,
+    /// What cannot be read, or is thrown away, in order of time.
+    pub failures: Vec<LockFailure>,
+}
+
+/// A span of the drive in which a station's readings do not count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LockFailure {
+    pub span_s: [f64; 2],
+    pub readings: usize,
+    pub why: WhyNotRead,
+    /// Where the prism is in the middle of it, in the frame of the plan.
+    pub position_m: Vector3<f64>,
+}
+
+/// Why a reading does not count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhyNotRead {
+    TooNear,
+    TooFar,
+    /// Another prism (0 to 2) stands in the sight.
+    Hidden(usize),
+    /// The outlier filter takes the vehicle's own motion for a gross error.
+    TooFast(OutlierReason),
+}
+
+/// Looks at what three stations read, and takes out what they cannot.
+pub fn held(tracks: &mut [Track; 3], simulated: &Simulated, plan: &Plan) -> [Lock; 3] {
+    std::array::from_fn(|station| {
+        let track = &mut tracks[station];
+        let lock = of_station(station, track, simulated, plan);
+        let unread = |m: &Measurement| {
+            let time_s = m.time_s - EPOCH_S;
+            lock.failures.iter().any(|failure| {
+                !matches!(failure.why, WhyNotRead::TooFast(_))
+                    && (failure.span_s[0]..=failure.span_s[1]).contains(&time_s)
+            })
+        };
+        track.measurements.retain(|m| !unread(m));
+        lock
+    })
+}
+
+fn of_station(station: usize, track: &Track, simulated: &Simulated, plan: &Plan) -> Lock {
+    let mut lock = Lock { range_m: [f64::INFINITY, 0.0], ..Lock::default() };
+    let mut before: Option<&Measurement> = None;
+    for reading in &track.measurements {
+        let time_s = reading.time_s - EPOCH_S;
+        let prisms_m = simulated.truth.prisms_m;
+        let at = prisms_m.map(|prism_m| simulated.truth.motion.position_m(&prism_m, time_s));
+        let instrument_m = simulated.truth.station1_from_station[station].translation_m;
+        let range_m = (at[station] - instrument_m).norm();
+        lock.range_m = [lock.range_m[0].min(range_m), lock.range_m[1].max(range_m)];
+        let fast = before.and_then(|before| {
+            let rates = rates(before, reading);
+            let raise = |most: &mut f64, rate: f64| *most = most.max(rate.abs());
+            raise(&mut lock.fastest_range_m_per_s, rates.range_m_per_s);
+            raise(&mut lock.fastest_azimuth_deg_per_s, rates.azimuth_deg_per_s);
+            raise(&mut lock.fastest_zenith_deg_per_s, rates.zenith_deg_per_s);
+            too_fast(&rates, &plan.thresholds)
+        });
+        before = Some(reading);
+        let hiding = hidden_by(&at, station, &instrument_m, plan.rig.clearance_m)
+            .filter(|_| !plan.rig.is_one_prism());
+        let [nearest_m, furthest_m] = plan.instrument.reach_m;
+        let why = match (hiding, fast) {
+            _ if range_m < nearest_m => WhyNotRead::TooNear,
+            _ if range_m > furthest_m => WhyNotRead::TooFar,
+            (Some(prism), _) => WhyNotRead::Hidden(prism),
+            (_, Some(reason)) => WhyNotRead::TooFast(reason),
+            _ => continue,
+        };
+        let position_m = plan.stations_m[0] + at[station];
+        match lock.failures.last_mut() {
+            Some(last) if last.why == why && time_s - last.span_s[1] < PAUSE_S => {
+                last.span_s[1] = time_s;
+                last.readings += 1;
+                last.position_m = position_m;
+            }
+            _ => lock.failures.push(LockFailure {
+                span_s: [time_s; 2],
+                readings: 1,
+                why,
+                position_m,
+            }),
+        }
+    }
+    lock
+}
+
+/// Another prism that is nearer than the followed one and close to the sight.
+fn hidden_by(
+    at: &[Vector3<f64>; 3],
+    followed: usize,
+    instrument_m: &Vector3<f64>,
+    clearance_m: f64,
+) -> Option<usize> {
+    let sight_m = at[followed] - instrument_m;
+    let length_m = sight_m.norm();
+    let along = sight_m.try_normalize(1e-9)?;
+    (0..3).filter(|prism| *prism != followed).find(|prism| {
+        let other_m = at[*prism] - instrument_m;
+        let depth_m = other_m.dot(&along);
+        (0.0..length_m).contains(&depth_m) && (other_m - along * depth_m).norm() < clearance_m
+    })
+}

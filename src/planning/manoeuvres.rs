@@ -1,0 +1,75 @@
+//! Manoeuvres by their measures, laid out as places that are driven through.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Rotation2, Vector2};
+use serde::{Deserialize, Serialize};
+
+/// Places on a bend are this far apart at most (rad of it).
+const STEP_RAD: f64 = TAU / 24.0;
+
+/// Two circles, one to each side, that touch in the middle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FigureEight {
+    pub centre_m: [f64; 2],
+    /// From tip to tip.
+    pub length_m: f64,
+    /// Which way the middle is driven through (counter-clockwise from x).
+    #[serde(default)]
+    pub heading_rad: f64,
+    #[serde(default = "once")]
+    pub times: u32,
+}
+
+/// A circle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Loop {
+    pub centre_m: [f64; 2],
+    pub radius_m: f64,
+    /// Where on the circle it begins, seen from its centre (counter-clockwise from x).
+    #[serde(default)]
+    pub from_rad: f64,
+    /// How often around; to the right where it is negative.
+    #[serde(default = "one_turn")]
+    pub turns: f64,
+}
+
+fn once() -> u32 {
+    1
+}
+
+fn one_turn() -> f64 {
+    1.0
+}
+
+impl FigureEight {
+    /// From its middle to its middle.
+    pub fn places_m(&self) -> Vec<Vector2<f64>> {
+        let radius_m = self.length_m / 4.0;
+        let turned = Rotation2::new(self.heading_rad);
+        let steps = (TAU / STEP_RAD).round() as u32;
+        let of_lobe = |side: f64| {
+            (1..=steps).map(move |step| {
+                let around = f64::from(step) / f64::from(steps) * TAU;
+                Vector2::new(around.sin(), side * (1.0 - around.cos())) * radius_m
+            })
+        };
+        let one = || of_lobe(1.0).chain(of_lobe(-1.0));
+        let all = (0..self.times).flat_map(|_| one());
+        let middle_m = Vector2::from(self.centre_m);
+        std::iter::once(Vector2::zeros()).chain(all).map(|p| middle_m + turned * p).collect()
+    }
+}
+
+impl Loop {
+    pub fn places_m(&self) -> Vec<Vector2<f64>> {
+        let steps = (self.turns.abs() * TAU / STEP_RAD).ceil().max(1.0) as u32;
+        let place = |step: u32| {
+            let angle = self.from_rad + self.turns * TAU * f64::from(step) / f64::from(steps);
+            Vector2::from(self.centre_m) + Vector2::new(angle.cos(), angle.sin()) * self.radius_m
+        };
+        (0..=steps).map(place).collect()
+    }
+}

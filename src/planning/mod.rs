@@ -1,0 +1,28 @@
+//! Plans: what a drive will tell before it is driven, and what would tell more.
+//!
+//! ```text
+//! Plan ──drive──▶ readings without noise ──joint::foresee──▶ Prediction ──improvements──▶ better plans, ranked
+//!                          readings so far of a drive in progress ──what_next──▶ manoeuvres, ranked
+//! ```
+//! A [`Plan`] is a file ([`plan_file`]) or made from a preset or a past deployment ([`past`]); [`way`] lays out its way, and
+//! [`drive`] drives and reads it by the simulation. [`predict()`] asks the joint estimate what such readings leave open, with
+//! the conditions of [`locks`]; [`in_words`] says it. [`improvements()`] tries [`manoeuvres`] and other changes.
+
+mod drive;
+mod improvements;
+mod in_words;
+pub mod locks;
+mod manoeuvres;
+pub mod past;
+pub mod plan;
+pub mod plan_file;
+mod predict;
+mod prediction;
+pub mod way;
+
+pub use improvements::{Improvement, ImprovementKind, improvements};
+pub use manoeuvres::{FigureEight, Loop};
+pub use plan::{Ground, Instrument, Plan, Ramp, Rig};
+pub use predict::predict;
+pub use prediction::{Held, OnTheWay, PlanError, Prediction};
+pub use way::{Piece, Waypoint};

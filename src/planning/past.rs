@@ -1,0 +1,195 @@
+//! Plans of what was driven before: of presets, and of past deployments.
+
+use nalgebra::{Matrix3, Vector2, Vector3};
+
+use super::way::{Piece, waypoints_along};
+use super::{Ground, Instrument, Plan, Rig};
+use crate::analysis::Analysis;
+use crate::calibration::Targets;
+use crate::calibration::joint::JointEstimate;
+use crate::deployment::Deployment;
+use crate::evaluation::vehicle::prisms_in_vehicle;
+use crate::geometry::{RigidTransform, align_rigid};
+use crate::pipeline::Thresholds;
+use crate::simulation::{ARCSECOND_RAD, Preset, Scenario, simulate_scenario};
+
+/// Waypoints of a way that was driven are this far apart (m).
+const APART_M: f64 = 2.0;
+/// A vehicle's place is looked at so often (s).
+const STEP_S: f64 = 0.2;
+
+/// Why a deployment is no plan.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{deployment}: {why}; a plan is made of a deployment that `calibrate` has an answer for")]
+pub struct NoPlan {
+    deployment: String,
+    why: String,
+}
+
+impl Plan {
+    /// What a preset drives with a seed, where it drives it.
+    pub fn from_preset(preset: Preset, seed: u64) -> Self {
+        let scenario = preset.scenario();
+        let noiseless = Scenario { control_point_sets: 0, pillars: false, ..scenario.clone() };
+        let motion = simulate_scenario(&noiseless, seed).truth.motion;
+        let steps = (scenario.duration_s / STEP_S) as usize;
+        let time_s: Vec<f64> = (0..=steps).map(|step| step as f64 * STEP_S).collect();
+        let places_m: Vec<Vector2<f64>> =
+            time_s.iter().map(|t| motion.position_m(&Vector3::zeros(), *t).xy()).collect();
+        let noise = scenario.noise;
+        Self {
+            name: preset.name().to_owned(),
+            stations_m: [Vector3::zeros(), scenario.stations_m[0], scenario.stations_m[1]],
+            speed_m_per_s: scenario.cruise_m_per_s,
+            turn_radius_m: 1.0,
+            ground: Ground {
+                height_m: -scenario.instrument_height_m,
+                slope_rms_rad: scenario.ground.slope_rms_rad,
+                wavelengths_m: scenario.ground.wavelengths_m,
+                ramps: Vec::new(),
+            },
+            rig: Rig { prisms_m: scenario.prisms_m, ..Rig::default() },
+            instrument: Instrument {
+                range_mm: 1e3 * noise.range_sigma_m,
+                range_ppm: 0.0,
+                angle_arcsec: noise.angle_sigma_rad / ARCSECOND_RAD,
+                rate_hz: scenario.rate_hz,
+                lost_locks_per_minute: noise.lost_locks_per_minute,
+                outlier_share: noise.outlier_share,
+                ..Instrument::default()
+            },
+            way: vec![Piece::Waypoints(waypoints_along(&time_s, &places_m, APART_M))],
+            ..Self::default()
+        }
+    }
+
+    /// What was driven in a deployment that has an answer, in the frame of its station 1.
+    pub fn from_analysis(deployment: &Deployment, analysis: &Analysis) -> Result<Self, NoPlan> {
+        let lacking = |why: String| NoPlan { deployment: deployment.name.clone(), why };
+        let answer = analysis.answer.as_ref().map_err(|error| lacking(error.to_string()))?;
+        let (calibration, triplets) = (&answer.calibration, &answer.triplets);
+        let transforms =
+            calibration.placing_tracks(deployment).filter(|_| !triplets.is_empty()).ok_or_else(
+                || lacking("its tracks are not in the frames of its stations".to_owned()),
+            )?;
+        let placed = |index: usize| -> [Vector3<f64>; 3] {
+            let points_m = triplets.triplet_m(index);
+            std::array::from_fn(|station| transforms[station].apply(&points_m[station]))
+        };
+        let places_m: Vec<[Vector3<f64>; 3]> = (0..triplets.len()).map(placed).collect();
+        let middle_m = |at: &[Vector3<f64>; 3]| (at[0] + at[1] + at[2]) / 3.0;
+        let level_m: Vec<Vector2<f64>> = places_m.iter().map(|at| middle_m(at).xy()).collect();
+        let height_m =
+            places_m.iter().map(|at| middle_m(at).z).sum::<f64>() / places_m.len() as f64;
+        let given = deployment.rig.as_ref().and_then(prisms_in_vehicle);
+        let as_driven =
+            given.and_then(|(prisms_m, _)| AsDriven::of(&prisms_m, &triplets.time_s, &places_m));
+        let as_driven = match (as_driven, analysis.offer.targets) {
+            (Some(as_driven), _) => as_driven,
+            (None, Targets::OnePrism) => AsDriven {
+                prisms_m: [Vector3::zeros(); 3],
+                slope_rms_rad: Ground::default().slope_rms_rad,
+            },
+            (None, _) => return Err(lacking("its rig is not known".to_owned())),
+        };
+        let waypoints = waypoints_along(&triplets.time_s, &level_m, APART_M);
+        let inter_prism_sigma_m = analysis.settings.calibration.inter_prism_sigma_m;
+        let joint = calibration.joint();
+        Ok(Self {
+            name: deployment.name.clone(),
+            stations_m: [0, 1, 2].map(|station| transforms[station].translation_m),
+            turn_radius_m: 1.0,
+            // Nobody says how high prisms stand above the ground: it lies at their own height here.
+            ground: Ground {
+                height_m,
+                slope_rms_rad: as_driven.slope_rms_rad,
+                ..Ground::default()
+            },
+            rig: Rig { prisms_m: as_driven.prisms_m, inter_prism_sigma_m, ..Rig::default() },
+            instrument: joint.map_or_else(Instrument::default, Instrument::from_estimate),
+            thresholds: analysis.settings.pipeline.thresholds,
+            errors: analysis.settings.calibration.errors,
+            way: vec![Piece::Waypoints(waypoints)],
+            ..Self::default()
+        })
+    }
+}
+
+impl Instrument {
+    /// An instrument that reads as well as an estimate learned, and as often.
+    pub fn from_estimate(joint: &JointEstimate) -> Self {
+        let levels = &joint.levels;
+        Self {
+            range_mm: 1e3 * levels.range_m(),
+            // What is learned is how many times the stated noise it is, share and constant alike.
+            range_ppm: 1e3 * levels.range_m(),
+            angle_arcsec: levels.angle_rad / ARCSECOND_RAD,
+            rate_hz: joint.solution.readings_hz(),
+            stamp_jitter_ms: 1e3 * levels.jitter_s,
+            range_wander_mm: 1e3 * joint.wander.sigma_m,
+            ..Self::default()
+        }
+    }
+}
+
+/// The rig as it stood on the vehicle while it drove.
+struct AsDriven {
+    /// Prisms about their middle: x ahead, y left, z up.
+    prisms_m: [Vector3<f64>; 3],
+    /// How the vehicle pitched and rolled (root mean square).
+    slope_rms_rad: f64,
+}
+
+impl AsDriven {
+    /// From where the prisms were at some times; `None` of prisms on a line, or of a vehicle that never moved.
+    fn of(
+        prisms_m: &[Vector3<f64>; 3],
+        time_s: &[f64],
+        places_m: &[[Vector3<f64>; 3]],
+    ) -> Option<Self> {
+        /// So far apart two places tell where the vehicle heads (m).
+        const HEADING_M: f64 = 0.5;
+        let middle_m = (prisms_m[0] + prisms_m[1] + prisms_m[2]) / 3.0;
+        let poses: Vec<RigidTransform> =
+            places_m.iter().map(|at| align_rigid(at, prisms_m)).collect::<Option<_>>()?;
+        let up = |pose: &RigidTransform| pose.rotation.inverse() * Vector3::z();
+        let mean_up = poses.iter().map(up).sum::<Vector3<f64>>().try_normalize(1e-9)?;
+        let squares: f64 = poses.iter().map(|pose| up(pose).angle(&mean_up).powi(2)).sum();
+        let slope_rms_rad = (squares / poses.len() as f64).sqrt();
+        let (mut ahead, mut from) = (Vector3::zeros(), 0);
+        for now in 1..poses.len() {
+            let gone_m = poses[now].apply(&middle_m) - poses[from].apply(&middle_m);
+            // Across a gap nobody knows which way was driven.
+            if time_s[now] - time_s[now - 1] > 1.0 {
+                from = now;
+            } else if gone_m.norm() > HEADING_M {
+                ahead += poses[(now + from) / 2].rotation.inverse() * gone_m.normalize();
+                from = now;
+            }
+        }
+        let ahead = (ahead - mean_up * mean_up.dot(&ahead)).try_normalize(1e-6)?;
+        let left = mean_up.cross(&ahead);
+        let vehicle = Matrix3::from_columns(&[ahead, left, mean_up]).transpose();
+        Some(Self { prisms_m: prisms_m.map(|at| vehicle * (at - middle_m)), slope_rms_rad })
+    }
+}
+
+impl Default for Plan {
+    /// The stations, rig and instruments of the preset warthog, and a figure-eight at the far end of where it drives.
+    fn default() -> Self {
+        let scenario = Preset::Warthog.scenario();
+        Self {
+            name: String::new(),
+            target_mm: 2.0,
+            speed_m_per_s: 0.8,
+            turn_radius_m: 3.5,
+            stations_m: [Vector3::zeros(), scenario.stations_m[0], scenario.stations_m[1]],
+            ground: Ground::default(),
+            rig: Rig::default(),
+            instrument: Instrument::default(),
+            thresholds: Thresholds::default(),
+            errors: crate::calibration::ErrorSizes::default(),
+            way: Vec::new(),
+        }
+    }
+}

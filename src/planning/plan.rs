@@ -1,0 +1,251 @@
+//! A planned deployment as plain data: what its file holds and the window's handles move.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::way::Piece;
+use crate::calibration::ErrorSizes;
+use crate::pipeline::Thresholds;
+
+/// A deployment that is not driven yet.
+///
+/// Positions are in any level frame (m, z up); where it lies and which way it faces changes nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    #[serde(default)]
+    pub name: String,
+    /// Largest root mean square error at the far end of the track that is wanted (mm).
+    #[serde(default = "target_mm")]
+    pub target_mm: f64,
+    /// How fast is driven where a waypoint says nothing.
+    #[serde(default = "speed_m_per_s")]
+    pub speed_m_per_s: f64,
+    /// The tightest turn of the vehicle.
+    #[serde(default = "turn_radius_m")]
+    pub turn_radius_m: f64,
+    /// Where the instruments of stations 1, 2, 3 stand.
+    pub stations_m: [Vector3<f64>; 3],
+    #[serde(default)]
+    pub ground: Ground,
+    #[serde(default)]
+    pub rig: Rig,
+    #[serde(default)]
+    pub instrument: Instrument,
+    /// Beyond these rates the outlier filter drops readings.
+    #[serde(default)]
+    pub thresholds: Thresholds,
+    /// How large the errors of instruments are (1 σ).
+    #[serde(default)]
+    pub errors: ErrorSizes,
+    /// What is driven, one piece after the other.
+    pub way: Vec<Piece>,
+}
+
+/// The ground that the vehicle drives on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Ground {
+    /// Its mean height in the frame of the plan.
+    pub height_m: f64,
+    /// How steep its bumps are (root mean square), which is what pitches and rolls the vehicle.
+    pub slope_rms_rad: f64,
+    /// The shortest and the longest of them.
+    pub wavelengths_m: [f64; 2],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ramps: Vec<Ramp>,
+}
+
+/// A rise that is driven up and down again.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ramp {
+    pub centre_m: [f64; 2],
+    pub radius_m: f64,
+    pub height_m: f64,
+}
+
+/// The prisms on the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Rig {
+    /// Prisms 1, 2, 3 about the vehicle's origin on the ground: x ahead, y left, z up. All the same where all stations follow
+    /// one.
+    pub prisms_m: [Vector3<f64>; 3],
+    /// How well the distances between them are known (1 σ).
+    pub inter_prism_sigma_m: f64,
+    /// A sight that passes another, nearer prism by less than this is hidden by its housing or mast.
+    pub clearance_m: f64,
+}
+
+/// How well the stations read (1 σ), as data sheets say it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Instrument {
+    pub range_mm: f64,
+    pub range_ppm: f64,
+    pub angle_arcsec: f64,
+    /// Readings per second of each station.
+    pub rate_hz: f64,
+    /// By how much every stamp is off on its own.
+    pub stamp_jitter_ms: f64,
+    /// How far ranges wander for seconds to minutes, where [`ErrorSizes::ranges_wander`] says so.
+    pub range_wander_mm: f64,
+    /// What a moving prism is followed from and up to.
+    pub reach_m: [f64; 2],
+    /// How often a minute each station loses its prism for some seconds.
+    pub lost_locks_per_minute: f64,
+    /// Share of readings that are grossly wrong.
+    pub outlier_share: f64,
+}
+
+impl Default for Ground {
+    fn default() -> Self {
+        Self { height_m: -1.6, slope_rms_rad: 0.05, wavelengths_m: [7.0, 30.0], ramps: Vec::new() }
+    }
+}
+
+impl Default for Rig {
+    fn default() -> Self {
+        let prisms_m = crate::simulation::Preset::Warthog.scenario().prisms_m;
+        Self { prisms_m, inter_prism_sigma_m: 0.001, clearance_m: 0.08 }
+    }
+}
+
+impl Default for Instrument {
+    /// The Trimble S7 and its active prism, in the field.
+    fn default() -> Self {
+        Self {
+            range_mm: 2.0,
+            range_ppm: 2.0,
+            angle_arcsec: 1.0,
+            rate_hz: 2.5,
+            stamp_jitter_ms: 2.9,
+            range_wander_mm: 0.8,
+            reach_m: [1.5, 700.0],
+            lost_locks_per_minute: 0.4,
+            outlier_share: 0.004,
+        }
+    }
+}
+
+fn target_mm() -> f64 {
+    2.0
+}
+
+fn speed_m_per_s() -> f64 {
+    0.8
+}
+
+fn turn_radius_m() -> f64 {
+    3.5
+}
+
+impl Rig {
+    /// Whether all stations follow the same prism.
+    pub fn is_one_prism(&self) -> bool {
+        self.prisms_m[0] == self.prisms_m[1] && self.prisms_m[0] == self.prisms_m[2]
+    }
+}
+
+/// Planning goes no further than this (m): beyond, a level frame is none.
+const FURTHEST_M: f64 = 20_000.0;
+/// Longest way (m): some hours of driving.
+const LONGEST_WAY_M: f64 = 20_000.0;
+
+impl Plan {
+    /// The first thing that makes no sense, and what to do about it.
+    pub fn check(&self) -> Result<(), (String, &'static str)> {
+        let within = |name: &str, value: f64, [low, high]: [f64; 2], remedy| match (low..=high)
+            .contains(&value)
+        {
+            true => Ok(()),
+            false => Err((format!("{name} is {value}"), remedy)),
+        };
+        let Instrument { range_mm, range_ppm, angle_arcsec, .. } = self.instrument;
+        let one = &self.instrument;
+        for (name, value, limits, remedy) in [
+            ("target_mm", self.target_mm, [0.01, 1e4], "give millimetres, from 0.01 to 10000"),
+            ("speed_m_per_s", self.speed_m_per_s, [0.01, 20.0], "give 0.01 to 20 m/s"),
+            ("turn_radius_m", self.turn_radius_m, [0.1, 100.0], "give 0.1 to 100 m"),
+            ("range_mm", range_mm, [0.01, 1e3], "give 0.01 to 1000 mm"),
+            ("range_ppm", range_ppm, [0.0, 1e3], "give 0 to 1000 ppm"),
+            ("angle_arcsec", angle_arcsec, [0.01, 3600.0], "give 0.01 to 3600 arcseconds"),
+            ("rate_hz", one.rate_hz, [0.5, 50.0], "give 0.5 to 50 readings a second"),
+            ("stamp_jitter_ms", one.stamp_jitter_ms, [0.0, 100.0], "give 0 to 100 ms"),
+            ("range_wander_mm", one.range_wander_mm, [0.0, 100.0], "give 0 to 100 mm"),
+            ("lost_locks_per_minute", one.lost_locks_per_minute, [0.0, 5.0], "give 0 to 5"),
+            ("outlier_share", one.outlier_share, [0.0, 0.5], "give a share from 0 to 0.5"),
+            ("slope_rms_rad", self.ground.slope_rms_rad, [0.0, 0.5], "give 0 to 0.5 rad"),
+            (
+                "inter_prism_sigma_m",
+                self.rig.inter_prism_sigma_m,
+                [0.0, 1.0],
+                "give metres, from 0 to 1",
+            ),
+            ("clearance_m", self.rig.clearance_m, [0.0, 1.0], "give metres, from 0 to 1"),
+        ] {
+            within(name, value, limits, remedy)?;
+        }
+        let [nearest_m, furthest_m] = one.reach_m;
+        if !(0.0..furthest_m).contains(&nearest_m) {
+            let what = format!("reach_m is [{nearest_m}, {furthest_m}]");
+            return Err((what, "give the nearest and the furthest prism that is followed"));
+        }
+        let [shortest_m, longest_m] = self.ground.wavelengths_m;
+        if !(0.1..longest_m).contains(&shortest_m) || longest_m > 1e4 {
+            let what = format!("wavelengths_m is [{shortest_m}, {longest_m}]");
+            return Err((what, "give the shortest and the longest, from 0.1 to 10000 m"));
+        }
+        self.check_places()
+    }
+
+    fn check_places(&self) -> Result<(), (String, &'static str)> {
+        let far = |p: &Vector3<f64>| !p.iter().all(|value| value.abs() <= FURTHEST_M);
+        if let Some(station) = self.stations_m.iter().position(far) {
+            let what = format!("station {} is no place near the origin", station + 1);
+            return Err((what, "give metres in a level frame, up to 20 km from its origin"));
+        }
+        for (a, b) in crate::deployment::PAIRS {
+            if (self.stations_m[a] - self.stations_m[b]).norm() < 0.1 {
+                let what = format!("stations {} and {} stand at one place", a + 1, b + 1);
+                return Err((what, "give three places"));
+            }
+            let apart_m = (self.rig.prisms_m[a] - self.rig.prisms_m[b]).norm();
+            if !self.rig.is_one_prism() && !(0.01..=50.0).contains(&apart_m) {
+                let what = format!("prisms {} and {} are {apart_m} m apart", a + 1, b + 1);
+                return Err((what, "give places of prisms in metres, or three times the same"));
+            }
+        }
+        if self.rig.prisms_m.iter().any(far) {
+            return Err(("a prism is at no place".to_owned(), "give metres about the vehicle"));
+        }
+        if !(self.ground.height_m.abs() <= FURTHEST_M) {
+            return Err((format!("height_m is {}", self.ground.height_m), "give metres"));
+        }
+        for ramp in &self.ground.ramps {
+            let numbers = [ramp.centre_m[0], ramp.centre_m[1], ramp.height_m];
+            let is_sound = numbers.iter().all(|n| n.abs() <= FURTHEST_M)
+                && (0.5..=1000.0).contains(&ramp.radius_m)
+                && ramp.height_m.abs() <= ramp.radius_m;
+            if !is_sound {
+                let what = "a ramp has no place, or is steeper than it is wide".to_owned();
+                return Err((what, "give centre, radius (from 0.5 m) and a height below it"));
+            }
+        }
+        for piece in &self.way {
+            piece.check()?;
+        }
+        let waypoints = self.waypoints();
+        if waypoints.iter().any(|at| !(at.x_m.abs() <= FURTHEST_M && at.y_m.abs() <= FURTHEST_M)) {
+            let what = "a waypoint is no place near the origin".to_owned();
+            return Err((what, "give metres in the frame of the stations"));
+        }
+        let length_m = super::way::length_m(&waypoints);
+        if !(1.0..=LONGEST_WAY_M).contains(&length_m) {
+            let what = format!("the way is {length_m:.1} m long");
+            return Err((what, "give waypoints or manoeuvres that are 1 m to 20 km together"));
+        }
+        Ok(())
+    }
+}
