@@ -219,6 +219,9 @@ impl Panes<'_> {
             Pane::ControlPoints => panels::control_points::ui(ui, self.state, self.commands),
             Pane::Trajectory => plots::way::ui(ui, self.state, self.commands),
             Pane::Evaluation => panels::evaluation::ui(ui, self.state, self.commands),
+            Pane::PlanNumbers => panels::plan::numbers(ui, self.state, self.commands),
+            Pane::PlanMap => plots::plan_map::ui(ui, self.state, self.commands),
+            Pane::Prediction => panels::plan::foreseen(ui, self.state, self.commands),
         }
     }
 }

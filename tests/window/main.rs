@@ -16,6 +16,7 @@ mod naming;
 mod numbers;
 mod opening;
 mod panes;
+mod planning;
 mod playback;
 mod plots;
 mod put_right;

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use egui::Theme;
 use egui::accesskit::Role;
+use egui::{Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable;
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -21,7 +21,7 @@ use resect::validation::one_frame::PlacedBy;
 
 use crate::common::{knock, two_runs};
 use crate::harness::{
-    LARGE, Part, SMALL, Window, click, open, send, set, settle, shown, snapshot_of,
+    LARGE, Part, SMALL, Window, click, open, press, send, set, settle, shown, snapshot_of,
     type_and_enter_at_once, window,
 };
 
@@ -235,7 +235,9 @@ fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() 
     assert_eq!(shown(&harness).judging.options.body, Body::Lever(lever_m));
     assert_eq!(fit(&harness).lever_arm_m, Some(lever_m));
 
+    click(&mut harness, "Show…");
     click(&mut harness, "by distance");
+    press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(harness.query_by_label("position errors of lio over time").is_none());
     let driven = "position errors of lio over the driven way";
     let place = harness.get_by_label(driven).rect();
@@ -243,7 +245,9 @@ fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() 
     harness.get_by_label(driven).click();
     settle(&mut harness);
     assert!(place.height() > 50.0 && shown(&harness).timeline.cursor_s != before_s);
+    click(&mut harness, "Show…");
     click(&mut harness, "one scale");
+    press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(harness.state().state.way_plots.one_scale);
     snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "estimates-by-distance-dark");
 }

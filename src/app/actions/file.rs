@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
-use crate::app::model::{Command, PictureTo};
+use crate::app::model::{Command, PictureTo, PlanCommand};
 use crate::app::state::State;
 use crate::deployment::{Extras, Sample, Source};
 use crate::export::copy::{CopyFormat, Part};
@@ -24,6 +24,12 @@ pub fn actions(state: &State) -> Vec<Action> {
         ));
     }
     actions.extend([
+        file("Plan", "Open a plan…", Command::Plan(PlanCommand::OpenDialog))
+            .hint("Stations, way, rig and instruments of a drive to come (TOML)"),
+        file("Plan", "Save the plan…", Command::Plan(PlanCommand::SaveDialog)),
+        file("Plan", "Plan from what was driven", Command::Plan(PlanCommand::FromDeployment))
+            .hint("Stations, way, rig and noise of the deployment that is shown")
+            .possible(state.analysed().is_some()),
         file("Session", "Open session…", Command::OpenSessionDialog)
             .hint("Deployments with their settings, view and pinned results"),
         file("Session", "Save session", Command::SaveSession)

@@ -48,7 +48,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     ];
     for station in 0..3 {
         let name = format!("From station {}", station + 1);
-        let keys = [Key::Num1, Key::Num2, Key::Num3];
+        let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4];
         let look = Command::Look(ViewPreset::Station(station));
         actions.push(view("Scene", &name, look).key(keys[station]));
     }

@@ -6,7 +6,7 @@ use super::Units;
 use super::studies::StudyOptions;
 use super::{Asked, AskedAnswer, Lookup, Palette, Picked, Plotted, Visibility};
 use super::{Colouring, Ruler, SceneOptions, ViewPreset};
-use super::{LayoutPreset, Pane, WayPlots};
+use super::{LayoutPreset, Pane, PlanCommand, WayPlots};
 use crate::analysis::Settings;
 use crate::app::file_dialog::PromptCommand;
 use crate::deployment::{Extras, Sample, Source};
@@ -136,6 +136,8 @@ pub enum Command {
     SetJudging(Options),
     /// Chooses what the pane of the trajectory plots.
     PlotWay(WayPlots),
+
+    Plan(PlanCommand),
 
     /// Holds the active deployment's calibration against the others that are open.
     ValidateOthers,

@@ -34,6 +34,11 @@ impl Shown {
         self
     }
 
+    /// "0.011 mrad", the σ alone.
+    pub fn sigma_in_words(&self) -> String {
+        format!("{} {}", self.sigma, self.unit)
+    }
+
     /// "0.412 ± 0.011 mrad", for running text.
     pub fn in_words(&self) -> String {
         format!("{} ± {} {}", self.value, self.sigma, self.unit)

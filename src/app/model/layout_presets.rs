@@ -3,8 +3,8 @@
 use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
     Channels, Clocks, ControlPoints, Deployment, Evaluation, Findings, Guide, Histogram, Intervals,
-    Pipeline, PriorSearch, Rates, Reading, Residuals, Result, Runs, Scene, SideBySide, Studies,
-    Trajectory,
+    Pipeline, PlanMap, PlanNumbers, Prediction, PriorSearch, Rates, Reading, Residuals, Result,
+    Runs, Scene, SideBySide, Studies, Trajectory,
 };
 
 /// A ready-made layout for one kind of work.
@@ -16,16 +16,19 @@ pub enum LayoutPreset {
     Tune,
     /// Deployments, methods and runs beside each other.
     Compare,
+    /// Where to put stations and what to drive, before it is driven.
+    Plan,
 }
 
 impl LayoutPreset {
-    pub const ALL: [Self; 3] = [Self::Inspect, Self::Tune, Self::Compare];
+    pub const ALL: [Self; 4] = [Self::Inspect, Self::Tune, Self::Compare, Self::Plan];
 
     pub fn title(self) -> &'static str {
         match self {
             Self::Inspect => "Inspect",
             Self::Tune => "Tune",
             Self::Compare => "Compare",
+            Self::Plan => "Plan",
         }
     }
 
@@ -35,6 +38,7 @@ impl LayoutPreset {
             Self::Inspect => "A large scene, the picked reading, and what was measured over time",
             Self::Tune => "The pipeline beside the rates and intervals that its thresholds cut",
             Self::Compare => "Deployments, studies and runs beside each other",
+            Self::Plan => "Stations and way from above, and what a drive there will tell",
         }
     }
 
@@ -69,6 +73,11 @@ impl LayoutPreset {
                     ]),
                 ),
             ]),
+            Self::Plan => row([
+                (0.22, tabs(&[PlanNumbers, Deployment])),
+                (0.53, tabs(&[PlanMap, Scene])),
+                (0.25, tabs(&[Prediction, Result])),
+            ]),
             Self::Compare => row([
                 (
                     0.7,
@@ -89,11 +98,11 @@ impl LayoutPreset {
 /// What the first window shows: a place for every pane.
 pub fn first() -> Node {
     row([
-        (0.2, column([(0.3, tabs(&[Deployment])), (0.7, tabs(&[Pipeline]))])),
+        (0.2, column([(0.3, tabs(&[Deployment])), (0.7, tabs(&[Pipeline, PlanNumbers]))])),
         (
             0.6,
             column([
-                (0.68, tabs(&[Scene, Studies, SideBySide])),
+                (0.68, tabs(&[Scene, Studies, SideBySide, PlanMap])),
                 (
                     0.32,
                     row([
@@ -114,6 +123,6 @@ pub fn first() -> Node {
                 ),
             ]),
         ),
-        (0.2, tabs(&[Result, Runs, Evaluation, Guide])),
+        (0.2, tabs(&[Result, Runs, Evaluation, Guide, Prediction])),
     ])
 }

@@ -33,11 +33,17 @@ pub enum Pane {
     Trajectory,
     /// Which of the trajectories of other systems is better, by how much, and where they are wrong.
     Evaluation,
+    /// The numbers of a plan.
+    PlanNumbers,
+    /// A plan from above, with its handles.
+    PlanMap,
+    /// What is foreseen of a plan.
+    Prediction,
 }
 
 impl Pane {
     /// All panes in the order of the menu.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 23] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -58,6 +64,9 @@ impl Pane {
         Self::PriorSearch,
         Self::Guide,
         Self::ControlPoints,
+        Self::PlanMap,
+        Self::PlanNumbers,
+        Self::Prediction,
     ];
 
     pub fn title(self) -> &'static str {
@@ -82,6 +91,9 @@ impl Pane {
             Self::ControlPoints => "Control points",
             Self::Trajectory => "Trajectory",
             Self::Evaluation => "Evaluation",
+            Self::PlanNumbers => "Plan in numbers",
+            Self::PlanMap => "Plan",
+            Self::Prediction => "Prediction",
         }
     }
 
@@ -108,6 +120,9 @@ impl Pane {
             Self::ControlPoints => "control-points",
             Self::Trajectory => "trajectory",
             Self::Evaluation => "evaluation",
+            Self::PlanNumbers => "plan-numbers",
+            Self::PlanMap => "plan",
+            Self::Prediction => "prediction",
         }
     }
 

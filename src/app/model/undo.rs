@@ -1,4 +1,4 @@
-//! Undo and redo of settings, and of what is put right in the data.
+//! Undo and redo of settings, of what is put right in the data, and of the plan.
 //!
 //! A drag sends many settings; it is one step. egui's own `Undoer` merges whatever comes within a second, also two
 //! different switches, and cannot name a step; this one merges changes of the same setting only.
@@ -6,6 +6,7 @@
 use super::Units;
 use crate::analysis::{Settings, setting_changes};
 use crate::deployment::Extras;
+use crate::planning::Plan;
 
 /// Changes of the same setting that come this soon after each other (s) are one step: a key held down.
 const SAME_STEP_S: f64 = 0.5;
@@ -35,31 +36,48 @@ pub enum Changed {
         both: Box<[Extras; 2]>,
         words: String,
     },
+    /// The plan, which is of no deployment.
+    Plan {
+        both: Box<[Plan; 2]>,
+        words: &'static str,
+    },
 }
 
 impl Changed {
     /// Goes on to where a later change of the same settings went.
     fn go_on(&mut self, later: &Self) {
-        if let (Self::Settings([_, after]), Self::Settings([_, new])) = (self, later) {
-            *after = *new;
+        match (self, later) {
+            (Self::Settings([_, after]), Self::Settings([_, new])) => *after = *new,
+            (Self::Plan { both, .. }, Self::Plan { both: later, .. }) => both[1] = later[1].clone(),
+            _ => {}
         }
     }
 
     fn is_none(&self) -> bool {
-        matches!(self, Self::Settings([before, after]) if before == after)
+        match self {
+            Self::Settings([before, after]) => before == after,
+            Self::Plan { both, .. } => both[0] == both[1],
+            Self::Extras { .. } => false,
+        }
     }
 
     fn in_words(&self, units: Units) -> String {
         match self {
             Self::Settings([before, after]) => units.changes(before, after),
             Self::Extras { words, .. } => words.clone(),
+            Self::Plan { words, .. } => (*words).to_owned(),
         }
     }
 
     /// The settings that it touches; none of what has the data read again, which is a step of its own each time.
     fn touched(&self) -> Option<Vec<&'static str>> {
-        let Self::Settings([before, after]) = self else { return None };
-        Some(setting_changes(before, after).iter().map(|change| change.name).collect())
+        match self {
+            Self::Settings([before, after]) => {
+                Some(setting_changes(before, after).iter().map(|change| change.name).collect())
+            }
+            Self::Plan { words, .. } => Some(vec![*words]),
+            Self::Extras { .. } => None,
+        }
     }
 }
 
@@ -171,7 +189,7 @@ impl UndoStack {
 
     /// Lets go of what was put right in a deployment: its files say it now, and going back would not unsay it.
     pub fn forget_extras(&mut self, id: u64) {
-        self.keep(|change| change.id != id || matches!(change.what, Changed::Settings(_)));
+        self.keep(|change| change.id != id || !matches!(change.what, Changed::Extras { .. }));
     }
 
     fn keep(&mut self, wanted: impl Fn(&Change) -> bool) {

@@ -16,6 +16,7 @@ mod number;
 pub mod observability;
 pub mod path_prompt;
 pub mod pipeline;
+pub mod plan;
 pub mod progress;
 pub mod put_right;
 pub mod reading;

@@ -14,6 +14,7 @@ use crate::atomic::WriteError;
 use crate::deployment::{Deployment, OpenError, Source};
 use crate::estimates::Options;
 use crate::export::summary::ResultSummary;
+use crate::planning::Plan;
 use crate::progress::Progress;
 
 /// Ending of a session's file name.
@@ -46,6 +47,8 @@ pub struct Session {
     pub view: SavedView,
     pub layout: Option<LayoutDescription>,
     pub pins: Vec<SavedPin>,
+    /// The user's plan; none where nobody touched it.
+    pub plan: Option<Box<Plan>>,
 }
 
 /// One deployment of a session: where it comes from, what is set, where one looks.
@@ -146,7 +149,7 @@ fn yes() -> bool {
 impl Session {
     /// Whether there is nothing that anyone would miss.
     pub fn is_empty(&self) -> bool {
-        self.deployments.is_empty() && self.pins.is_empty()
+        self.deployments.is_empty() && self.pins.is_empty() && self.plan.is_none()
     }
 
     /// Whether the data, its settings and what is pinned are the same, wherever one looks at the moment.
@@ -154,6 +157,6 @@ impl Session {
         fn of(session: &Session) -> impl Iterator<Item = (&Source, &Settings)> {
             session.deployments.iter().map(|saved| (&saved.source, &saved.settings))
         }
-        of(self).eq(of(other)) && self.pins == other.pins
+        of(self).eq(of(other)) && self.pins == other.pins && self.plan == other.plan
     }
 }

@@ -10,7 +10,7 @@ use crate::app::model::Colouring;
 use crate::app::model::LayoutPreset;
 use crate::app::model::Plotted;
 use crate::app::model::SceneOptions;
-use crate::app::model::{StudyKind, StudyOptions};
+use crate::app::model::{Planning, StudyKind, StudyOptions};
 use crate::app::persist::hashes::used_files;
 use crate::app::persist::session::{SavedDeployment, SavedPin, SavedView};
 use crate::app::prepared::channels::Channel;
@@ -52,6 +52,7 @@ fn session(folder: &Path) -> Session {
     };
     let result = ResultSummary::of(&deployment, &analysis, &answer);
     Session {
+        plan: Some(Planning::default().plan.into()),
         deployments: vec![below, sample],
         active: 1,
         view: SavedView {

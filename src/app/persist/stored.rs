@@ -12,6 +12,7 @@ use crate::app::model::LayoutDescription;
 use crate::calibration::Method;
 use crate::deployment::{Extras, Finding, Place, Source};
 use crate::estimates::Options;
+use crate::planning::Plan;
 
 /// Version of the format that this program writes.
 pub const VERSION: u32 = 1;
@@ -42,6 +43,8 @@ pub struct StoredSession {
     pins: Vec<Lenient<SavedPin>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     layout: Option<Lenient<LayoutDescription>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    plan: Option<Lenient<Box<Plan>>>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -113,6 +116,7 @@ impl StoredSession {
             view: Lenient::Read(session.view),
             deployments: session.deployments.iter().map(deployment).collect(),
             pins: session.pins.iter().cloned().map(Lenient::Read).collect(),
+            plan: session.plan.clone().map(Lenient::Read),
             layout: session.layout.clone().map(Lenient::Read),
         }
     }
@@ -157,9 +161,19 @@ impl StoredSession {
             view: self.view.read("the session's view", &mut findings).unwrap_or_default(),
             layout: self.layout.and_then(|it| it.read("the session's layout", &mut findings)),
             pins: pins.filter_map(|pin| read_pin(pin, &mut findings)).collect(),
+            plan: self
+                .plan
+                .and_then(|it| it.read("the plan", &mut findings))
+                .filter(|plan| plan_makes_sense(plan, &mut findings)),
         };
         Ok((session, findings))
     }
+}
+
+fn plan_makes_sense(plan: &Plan, findings: &mut Vec<Finding>) -> bool {
+    let Err((what, _)) = plan.check() else { return true };
+    findings.push(Finding::warning(format!("the plan: {what}; left out")));
+    false
 }
 
 /// Says of which of a session's settings it is, what this version has no switch for.

@@ -13,6 +13,7 @@ pub mod intervals;
 mod log_axis;
 mod marks;
 mod navigation;
+pub mod plan_map;
 pub mod prior_search;
 pub mod quads;
 pub mod rates;
@@ -24,6 +25,9 @@ mod times;
 pub mod way;
 
 use egui_plot::{GridInput, GridMark};
+
+pub use strips::{axis_below, bare_axis};
+pub use time_plot::still;
 
 use crate::analysis::{Analysis, Answer};
 use crate::app::model::{Command, Commands, OpenDeployment};

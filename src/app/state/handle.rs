@@ -191,6 +191,8 @@ impl State {
             Command::SetJudging(options) => self.set_judging(options),
             Command::PlotWay(plots) => self.way_plots = plots,
 
+            Command::Plan(command) => self.handle_plan(command, Moment::now(ctx)),
+
             Command::ValidateOthers => self.validate_others(),
 
             Command::SetStudy(options) => self.studies.options = options.within_bounds(),
@@ -249,6 +251,7 @@ impl State {
                 Changed::Extras { both, .. } => {
                     self.read_with(change.id, both[side].clone(), false);
                 }
+                Changed::Plan { both, .. } => self.planning.set(both[side].clone()),
             }
         }
         if let Some(id) = first.filter(|_| unseen)

@@ -15,6 +15,7 @@ mod naming;
 mod opening;
 mod outcomes;
 mod picture;
+mod planning;
 pub mod put_right;
 mod restoring;
 mod results;
@@ -41,8 +42,8 @@ use crate::analysis::{Analysis, Settings};
 use crate::app::model::studies::Studies;
 use crate::app::model::toasts::Toasts;
 use crate::app::model::{
-    Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Playback, Plotted, Results,
-    Ruler, SceneOptions, UndoStack, Units, Validations, Visibility, WayPlots,
+    Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Planning, Playback, Plotted,
+    Results, Ruler, SceneOptions, UndoStack, Units, Validations, Visibility, WayPlots,
 };
 use crate::export::of_run;
 use crate::progress::Progress;
@@ -76,6 +77,7 @@ pub struct State {
     pub plotted: Plotted,
     /// What the pane of the trajectory plots.
     pub way_plots: WayPlots,
+    pub planning: Planning,
     /// Trajectories that came with the deployment that is being opened.
     estimates_to_come: Vec<PathBuf>,
     pub theme: egui::ThemePreference,
@@ -137,6 +139,7 @@ impl State {
             units: Units::default(),
             plotted: Plotted::default(),
             way_plots: WayPlots::default(),
+            planning: Planning::default(),
             estimates_to_come: Vec::new(),
             theme,
             overlay: Overlay::None,
@@ -190,6 +193,8 @@ impl State {
             || analysing
             || self.studies.running.is_some()
             || self.validations.running.is_some()
+            || self.planning.foreseen.is_running()
+            || self.planning.better.is_running()
             || self.open.iter().any(OpenDeployment::is_making)
     }
 
@@ -232,6 +237,8 @@ impl State {
             self.playback.advance(&mut open.timeline, now_s);
         }
         self.make_what_is_looked_at();
+        let hand_is_on = self.jobs.ctx().input(|input| input.pointer.any_down());
+        self.foresee(hand_is_on);
         self.toasts.advance(now_s)
     }
 

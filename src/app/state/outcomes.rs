@@ -44,6 +44,8 @@ impl State {
             open.beside.failed(number);
             open.judging.judgement.failed(number);
         }
+        self.planning.foreseen.failed(number);
+        self.planning.better.failed(number);
         self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);
         let validating = &mut self.validations.running;
         *validating = validating.take().filter(|(n, _)| *n != number);

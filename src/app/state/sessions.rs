@@ -157,6 +157,7 @@ impl State {
             },
             layout: Some(self.layout.describe()),
             pins: self.results.pins.iter().map(pin).collect(),
+            plan: self.planning.touched.then(|| self.planning.plan.clone().into()),
         }
     }
 
@@ -183,6 +184,9 @@ impl State {
         self.plotted = session.view.plotted;
         self.studies.options = session.view.study.within_bounds();
         self.way_plots = session.view.way;
+        if let Some(plan) = session.plan {
+            self.planning.set(*plan);
+        }
         if let Some(description) = &session.layout {
             let (layout, findings) = Layout::of_description(description);
             self.layout = layout;

@@ -1,0 +1,213 @@
+//! What is foreseen of a plan: the verdict, σ of all eight numbers, what is weak, and what improves it most.
+
+use egui::RichText;
+use egui_plot::{Line, Plot, PlotPoints};
+
+use crate::app::model::estimates::Shown;
+use crate::app::model::{Command, Commands, PlanCommand, Units};
+use crate::app::panels::result::badge;
+use crate::app::panels::{finding, heading, observability, scrolled};
+use crate::app::plots::{axis_below, bare_axis, still};
+use crate::app::state::State;
+use crate::app::theme;
+use crate::app::words;
+use crate::glossary;
+use crate::palette;
+use crate::planning::{Held, Prediction};
+
+/// Height of the plot of σ along the way (points).
+const PLOT: f32 = 110.0;
+/// So many improvements are offered at most.
+const MOST_OFFERED: usize = 8;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let planning = &state.planning;
+    scrolled(ui, |ui| {
+        let Some(foreseen) = planning.foreseen.newest.as_deref() else {
+            ui.weak("Looking ahead…");
+            return;
+        };
+        let foreseen = match foreseen {
+            Ok(foreseen) => foreseen,
+            Err(why) => {
+                ui.heading("No prediction");
+                ui.add(egui::Label::new(why.to_string()).wrap());
+                return;
+            }
+        };
+        if !planning.is_foreseen() {
+            ui.multiply_opacity(0.6);
+        }
+        head(ui, foreseen, planning.plan.target_mm);
+        for one in &foreseen.findings {
+            finding(ui, state, one, commands);
+        }
+        improvements(ui, state, commands);
+        if let Some(held) = &foreseen.held {
+            heading(ui, "Predicted σ");
+            table(ui, held, state.units);
+        }
+        along(ui, foreseen);
+        locks(ui, foreseen);
+        if let Some(observed) = &foreseen.observability {
+            observability::ui(ui, observed);
+        }
+    });
+}
+
+/// The verdict that the drive would end in, and its far end.
+fn head(ui: &mut egui::Ui, foreseen: &Prediction, target_mm: f64) {
+    ui.horizontal_wrapped(|ui| {
+        badge(ui, foreseen.verdict, 15.0);
+        let line = match &foreseen.held {
+            Some(held) => format!("{:.1} mm at the far end", 1e3 * held.far_end.sigma_m),
+            None => "a direction stays free".to_owned(),
+        };
+        ui.label(RichText::new(line).size(15.0).strong()).on_hover_text(
+            "Root mean square error of where a calibrated station puts its prism where that is worst on the track, from the \
+             joint estimate's own information: priors and errors of instruments included",
+        );
+    });
+    let minutes = foreseen.duration_s / 60.0;
+    let length_m = foreseen.length_m;
+    ui.weak(format!("wanted {target_mm:.1} mm · {minutes:.1} minutes · {length_m:.0} m"));
+}
+
+/// σ of (x, y, z, yaw) of stations 2 and 3, with what most of each comes from.
+fn table(ui: &mut egui::Ui, held: &Held, units: Units) {
+    let mut rows = Vec::new();
+    for (slot, sigma) in held.sigma.iter().enumerate() {
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            rows.push((slot, 4 * slot + axis, name, 1e3 * sigma.translation_m[axis], "mm"));
+        }
+        let per = units.angle.small_per_radian();
+        rows.push((slot, 4 * slot + 3, "yaw", sigma.yaw_rad * per, units.angle.small_name()));
+    }
+    egui::Grid::new("predicted σ").num_columns(3).spacing([10.0, 3.0]).striped(true).show(
+        ui,
+        |ui| {
+            for (slot, place, name, sigma, unit) in rows {
+                let label = ui.label(format!("{name} of T1{}", slot + 2));
+                if place % 4 == 0 {
+                    words::explain(label, [&glossary::T12, &glossary::T13][slot]);
+                }
+                let shown = Shown::new(sigma, Some(sigma), unit, 3);
+                ui.monospace(format!("± {}", shown.sigma_in_words()));
+                let dominant = &held.dominant[place];
+                let share = 100.0 * (dominant.part / dominant.whole).powi(2);
+                ui.small(format!("{share:.0} % {}", dominant.what))
+                    .on_hover_text("What most of the variance comes from");
+                ui.end_row();
+            }
+        },
+    );
+}
+
+/// How well the vehicle's position will be known along the drive.
+fn along(ui: &mut egui::Ui, foreseen: &Prediction) {
+    heading(ui, "σ of the vehicle along the way");
+    let mut pieces: Vec<Vec<[f64; 2]>> = vec![Vec::new()];
+    for at in &foreseen.way {
+        match at.position_sigma_m {
+            Some(sigma_m) => {
+                let piece = pieces.last_mut().expect("never empty");
+                piece.push([at.time_s, 1e3 * sigma_m]);
+            }
+            None if pieces.last().is_some_and(|piece| !piece.is_empty()) => pieces.push(Vec::new()),
+            None => {}
+        }
+    }
+    let most_mm = pieces.iter().flatten().map(|at| at[1]).fold(0.0, f64::max);
+    if most_mm == 0.0 {
+        ui.weak("No motion is known: see the findings.");
+        return;
+    }
+    let plot = still(Plot::new("σ along the planned way"))
+        .height(PLOT)
+        .custom_x_axes(vec![axis_below("time (s)")])
+        .custom_y_axes(vec![bare_axis().label(RichText::new("σ position (mm)").small())])
+        .label_formatter(|_| None);
+    let shown = plot.show(ui, |plot_ui| {
+        plot_ui.set_plot_bounds_x(0.0..=foreseen.duration_s);
+        plot_ui.set_plot_bounds_y(0.0..=1.1 * most_mm);
+        for piece in pieces {
+            let line = Line::new("", PlotPoints::from(piece)).width(1.6);
+            plot_ui.line(line.color(theme::rgb(palette::METRICS[0])));
+        }
+    });
+    let role = egui::accesskit::Role::Canvas;
+    let name = "σ of the position along the planned way";
+    shown.response.widget_info(|| egui::WidgetInfo::labeled(role, true, name));
+    let rotations = foreseen.way.iter().filter_map(|at| at.rotation_sigma_rad);
+    let (sum, count) = rotations.fold((0.0, 0), |(sum, count), sigma| (sum + sigma, count + 1));
+    if count > 0 {
+        let mean_mrad = 1e3 * sum / f64::from(count);
+        ui.small(format!("rotation: {mean_mrad:.2} mrad on average"));
+    }
+}
+
+/// What each station meets.
+fn locks(ui: &mut egui::Ui, foreseen: &Prediction) {
+    heading(ui, "Following the prisms");
+    let grid = egui::Grid::new("locks").num_columns(6).spacing([10.0, 3.0]).striped(true);
+    grid.show(ui, |ui| {
+        for title in ["", "range", "fastest", "azimuth", "zenith", "kept"] {
+            ui.small(title);
+        }
+        ui.end_row();
+        for (station, lock) in foreseen.locks.iter().enumerate() {
+            let dark = ui.visuals().dark_mode;
+            let colour = theme::readable(palette::STATIONS[station], dark);
+            ui.label(RichText::new((station + 1).to_string()).color(colour).strong());
+            let [near, far] = lock.range_m;
+            for cell in [
+                format!("{near:.0}–{far:.0} m"),
+                format!("{:.1} m/s", lock.fastest_range_m_per_s),
+                format!("{:.2} °/s", lock.fastest_azimuth_deg_per_s),
+                format!("{:.2} °/s", lock.fastest_zenith_deg_per_s),
+                format!("{} of {}", foreseen.kept[station], foreseen.readings[station]),
+            ] {
+                ui.small(cell);
+            }
+            ui.end_row();
+        }
+    });
+}
+
+/// Changes that were tried, the best first; each can be taken.
+fn improvements(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    heading(ui, "What improves it most");
+    let better = &state.planning.better;
+    let of_this = better.is_of((state.planning.version, 0));
+    match better.newest.as_deref().filter(|_| of_this) {
+        None => {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.weak("trying manoeuvres, prisms and stations");
+            });
+        }
+        Some(Err(why)) => {
+            ui.weak(why.to_string());
+        }
+        Some(Ok(found)) if found.is_empty() => {
+            ui.weak("Nothing that was tried brings 2 % or more.");
+        }
+        Some(Ok(found)) => {
+            for one in found.iter().take(MOST_OFFERED) {
+                ui.horizontal_top(|ui| {
+                    let name = format!("Take: {}", one.sentence);
+                    let button = ui.small_button("Take");
+                    button.widget_info(|| {
+                        egui::WidgetInfo::labeled(egui::accesskit::Role::Button, true, &name)
+                    });
+                    if button.on_hover_text("Make it the plan; Undo takes it back").clicked() {
+                        let plan = Box::new(one.plan.clone());
+                        let set = PlanCommand::Set(plan, "an improvement taken");
+                        commands.push(Command::Plan(set));
+                    }
+                    ui.add(egui::Label::new(&one.sentence).wrap());
+                });
+            }
+        }
+    }
+}

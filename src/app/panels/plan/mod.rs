@@ -1,0 +1,7 @@
+//! The numbers of a plan, and what is foreseen of it; the plan from above is in `plots/plan_map.rs`.
+
+mod foreseen;
+mod numbers;
+
+pub use foreseen::ui as foreseen;
+pub use numbers::ui as numbers;

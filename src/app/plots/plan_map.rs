@@ -1,0 +1,387 @@
+//! The plan from above: stations and the way as handles, the way coloured by how well the vehicle will be known on it.
+
+use egui::accesskit::Role;
+use egui::{Color32, Pos2, Rect, Sense, Shape, Stroke, Vec2, WidgetInfo};
+use egui_plot::{Line, Plot, PlotBounds, PlotPoint, PlotPoints, PlotTransform};
+
+use super::strips::{axis_below, bare_axis};
+use super::{round_marks, time_plot};
+use crate::app::model::planning::{Addition, Handle, Planning};
+use crate::app::model::{Command, Commands, PlanCommand};
+use crate::app::state::State;
+use crate::app::theme;
+use crate::calibration::inter_prism::observability::Hold;
+use crate::deployment::Severity;
+use crate::palette;
+use crate::planning::{OnTheWay, Plan, Prediction};
+
+/// Half the side of the square in which a handle is caught (points).
+const REACH: f32 = 9.0;
+const RADIUS: f32 = 5.5;
+/// Longer ways have smaller waypoints (how many there are).
+const MANY: usize = 60;
+/// Length of the arrows along weak directions (points).
+const ARROW: f32 = 46.0;
+/// A turn of the wheel zooms by e over so many points.
+const WHEEL: f32 = 240.0;
+/// How much larger than true σ of stations is drawn.
+const SIGMA_SCALE: f64 = 1000.0;
+/// Height of the line that says what colours and signs mean (points), and size of its scale of colours.
+const KEY: f32 = 20.0;
+const SCALE: Vec2 = Vec2::new(60.0, 8.0);
+/// Room about what is fitted in (share of its size).
+const ROOM: f64 = 0.12;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let planning = &state.planning;
+    let plan = &planning.plan;
+    let fit_id = ui.scope_id().with("fit");
+    let mut fit: bool = ui.data(|data| data.get_temp(fit_id)).unwrap_or(true);
+    let middle_id = ui.scope_id().with("middle");
+    let middle_m: [f64; 2] = ui.data(|data| data.get_temp(middle_id)).unwrap_or([40.0, 0.0]);
+    time_plot::head(ui, |ui| head(ui, planning, middle_m, &mut fit, commands));
+    let foreseen = planning.foreseen.newest.as_deref().and_then(|found| found.as_ref().ok());
+    let on_the_way = foreseen.map_or(&[][..], |foreseen| &foreseen.way);
+    let bounds = bounds(plan);
+    let height = ui.available_height() - KEY;
+    let plot = Plot::new("plan")
+        .height(height)
+        .data_aspect(1.0)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .custom_x_axes(vec![axis_below("x (m)")])
+        .custom_y_axes(vec![bare_axis().label(egui::RichText::new("y (m)").small())])
+        .x_grid_spacer(round_marks)
+        .y_grid_spacer(round_marks)
+        .label_formatter(|_| None);
+    let planned: Vec<[f64; 2]> = plan.waypoints().iter().map(|at| [at.x_m, at.y_m]).collect();
+    let faint = theme::faint(ui.visuals().dark_mode);
+    let shown = plot.show(ui, |plot_ui| {
+        if fit {
+            plot_ui.set_plot_bounds(bounds);
+        }
+        let wheel = plot_ui.ctx().input(|input| input.smooth_scroll_delta().y);
+        if wheel != 0.0 && plot_ui.response().hovered() {
+            plot_ui.zoom_bounds_around_hovered(Vec2::splat((wheel / WHEEL).exp()));
+        }
+        plot_ui.line(Line::new("", PlotPoints::from(planned)).color(faint).width(1.0));
+    });
+    let (response, transform) = (shown.response, shown.transform);
+    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "the plan from above"));
+    if response.dragged() || response.hovered() && ui.input(|i| i.smooth_scroll_delta().y != 0.0) {
+        fit = false;
+    }
+    if response.double_clicked() {
+        fit = true;
+    }
+    let painter = ui.painter().with_clip_rect(*transform.frame());
+    if !planning.is_foreseen() {
+        ui.ctx().request_repaint_after(std::time::Duration::from_millis(30));
+    }
+    paint_way(&painter, &transform, on_the_way);
+    if let Some(foreseen) = foreseen {
+        paint_failures(&painter, &transform, foreseen);
+        paint_stations_sigma(&painter, &transform, plan, foreseen);
+        paint_weak(&painter, &transform, plan, foreseen);
+        paint_far_end(ui, &painter, &transform, plan, foreseen);
+    }
+    for ramp in &plan.ground.ramps {
+        let [x, y] = ramp.centre_m;
+        let radius = (transform.dpos_dvalue_x() * ramp.radius_m).abs() as f32;
+        painter.circle_stroke(at(&transform, [x, y]), radius, Stroke::new(1.0, faint));
+    }
+    handles(ui, state, &transform, commands);
+    if response.clicked() {
+        commands.push(Command::Plan(PlanCommand::Select(None)));
+    }
+    key(ui, on_the_way);
+    let centre = transform.value_from_position(transform.frame().center());
+    ui.data_mut(|data| {
+        data.insert_temp(fit_id, fit);
+        data.insert_temp(middle_id, [centre.x, centre.y]);
+    });
+}
+
+/// What can be added and taken away, and what the pointer does.
+fn head(
+    ui: &mut egui::Ui,
+    planning: &Planning,
+    middle_m: [f64; 2],
+    fit: &mut bool,
+    commands: &mut Commands,
+) {
+    ui.menu_button("Add…", |ui| {
+        for addition in Addition::ALL {
+            if ui.button(addition.name()).clicked() {
+                let plan = addition.put(&planning.plan, middle_m);
+                commands.push(Command::Plan(PlanCommand::Set(plan.into(), "something added")));
+            }
+        }
+    })
+    .response
+    .on_hover_text("In the middle of what is shown; drag it where it belongs");
+    let without = planning.selected.and_then(|handle| handle.taken_out(&planning.plan));
+    let remove = ui.add_enabled(without.is_some(), egui::Button::new("Remove"));
+    let remove = remove.on_disabled_hover_text(
+        "Click a waypoint, a manoeuvre or a ramp; stations stay, and a way has two places at least",
+    );
+    let by_key = planning.selected.is_some()
+        && !ui.ctx().egui_wants_keyboard_input()
+        && ui.input(|input| input.key_pressed(egui::Key::Delete));
+    if let Some(plan) = without.filter(|_| remove.clicked() || by_key) {
+        commands.push(Command::Plan(PlanCommand::Set(plan.into(), "something removed")));
+    }
+    if ui.button("Fit").on_hover_text("Shows all of the plan; so does a double click").clicked() {
+        *fit = true;
+    }
+    let hint = "drag what is to be moved · scroll: zoom · drag the ground: move about";
+    ui.add(egui::Label::new(egui::RichText::new(hint).small().weak()).truncate());
+}
+
+/// Everything of a plan, with some room.
+fn bounds(plan: &Plan) -> PlotBounds {
+    let places = Handle::all(plan).into_iter().filter_map(|handle| handle.place_m(plan));
+    let waypoints = plan.waypoints();
+    let all = places.chain(waypoints.iter().map(|at| [at.x_m, at.y_m]));
+    let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for place in all {
+        for axis in 0..2 {
+            min[axis] = min[axis].min(place[axis]);
+            max[axis] = max[axis].max(place[axis]);
+        }
+    }
+    for axis in 0..2 {
+        let room = (ROOM * (max[axis] - min[axis])).max(1.0);
+        (min[axis], max[axis]) = (min[axis] - room, max[axis] + room);
+    }
+    PlotBounds::from_min_max(min, max)
+}
+
+fn at(transform: &PlotTransform, [x, y]: [f64; 2]) -> Pos2 {
+    transform.position_from_point(&PlotPoint::new(x, y))
+}
+
+/// The way by how well the vehicle will be known, from the best place to the worst; grey where no motion is known.
+fn paint_way(painter: &egui::Painter, transform: &PlotTransform, way: &[OnTheWay]) {
+    let Some([least, most]) = sigma_range_m(way) else { return };
+    for pair in way.windows(2) {
+        let ends = [0, 1].map(|k| at(transform, [pair[k].position_m.x, pair[k].position_m.y]));
+        let colour = match pair[1].position_sigma_m {
+            Some(sigma_m) => sigma_colour(sigma_m, [least, most]),
+            None => theme::rgb(palette::NO_VALUE).gamma_multiply(0.5),
+        };
+        painter.line_segment(ends, Stroke::new(3.0, colour));
+    }
+}
+
+/// What colours and signs mean.
+fn key(ui: &mut egui::Ui, way: &[OnTheWay]) {
+    ui.horizontal(|ui| {
+        ui.add_space(6.0);
+        if let Some([least_m, most_m]) = sigma_range_m(way) {
+            ui.small(format!("vehicle known to {:.1}", 1e3 * least_m));
+            let (place, _) = ui.allocate_exact_size(SCALE, Sense::hover());
+            let width = place.width() / 24.0;
+            for step in 0..24 {
+                let left = place.left() + width * step as f32;
+                let part = Rect::from_x_y_ranges(left..=left + width + 0.5, place.y_range());
+                let colour = theme::rgb(palette::continuous(step as f32 / 23.0));
+                ui.painter().rect_filled(part, 0.0, colour);
+            }
+            ui.small(format!("{:.1} mm (1 σ)", 1e3 * most_m));
+        }
+        let signs = format!(
+            "ellipses: stations, 95 %, ×{SIGMA_SCALE} · crosses: readings that will not count"
+        );
+        ui.add(egui::Label::new(egui::RichText::new(signs).small().weak()).truncate());
+    });
+}
+
+/// The least and the greatest σ of the vehicle's position along the way (m).
+fn sigma_range_m(way: &[OnTheWay]) -> Option<[f64; 2]> {
+    let all = || way.iter().filter_map(|at| at.position_sigma_m);
+    let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+    (least <= most).then_some([least, most])
+}
+
+fn sigma_colour(sigma_m: f64, [least, most]: [f64; 2]) -> Color32 {
+    let share = (sigma_m - least) / (most - least).max(1e-12);
+    theme::rgb(palette::continuous(share as f32))
+}
+
+/// Crosses where readings will be missing or thrown away.
+fn paint_failures(painter: &egui::Painter, transform: &PlotTransform, foreseen: &Prediction) {
+    for (station, lock) in foreseen.locks.iter().enumerate() {
+        let stroke = Stroke::new(1.6, theme::rgb(palette::STATIONS[station]));
+        for failure in &lock.failures {
+            let middle = at(transform, [failure.position_m.x, failure.position_m.y]);
+            for turn in [Vec2::splat(4.0), Vec2::new(4.0, -4.0)] {
+                painter.line_segment([middle - turn, middle + turn], stroke);
+            }
+        }
+    }
+}
+
+/// Ellipses of 95 % of where stations 2 and 3 will be said to stand, drawn larger than true.
+fn paint_stations_sigma(
+    painter: &egui::Painter,
+    transform: &PlotTransform,
+    plan: &Plan,
+    foreseen: &Prediction,
+) {
+    const SIGMAS_95: f64 = 2.4477;
+    const CORNERS: usize = 48;
+    let Some(held) = &foreseen.held else { return };
+    for slot in 0..2 {
+        let middle = plan.stations_m[slot + 1];
+        let of_station = held.covariance.fixed_view::<2, 2>(4 * slot, 4 * slot).into_owned();
+        let Some(root) = of_station.cholesky() else { continue };
+        let corner = |k: usize| {
+            let (sin, cos) = (std::f64::consts::TAU * k as f64 / CORNERS as f64).sin_cos();
+            let out = root.l() * nalgebra::Vector2::new(cos, sin) * SIGMAS_95 * SIGMA_SCALE;
+            at(transform, [middle.x + out.x, middle.y + out.y])
+        };
+        let colour = theme::rgb(palette::STATIONS[slot + 1]);
+        let outline = Stroke::new(1.2, colour.gamma_multiply(0.8));
+        painter.add(Shape::closed_line((0..CORNERS).map(corner).collect(), outline));
+    }
+}
+
+/// Arrows at stations 2 and 3 along what the drive leaves free or weak.
+fn paint_weak(
+    painter: &egui::Painter,
+    transform: &PlotTransform,
+    plan: &Plan,
+    foreseen: &Prediction,
+) {
+    let directions = foreseen.observability.iter().flat_map(|observed| &observed.directions);
+    for direction in directions.filter(|direction| direction.hold != Hold::Held) {
+        let stroke = Stroke::new(2.0, theme::rgb(palette::hold(direction.hold)));
+        for (slot, motion) in direction.motion.iter().enumerate() {
+            let level = motion.translation_m.xy();
+            let station_m = plan.stations_m[slot + 1];
+            let start = at(transform, [station_m.x, station_m.y]);
+            if level.norm() > 1e-3 {
+                let along = Vec2::new(level.x as f32, -level.y as f32).normalized();
+                painter.arrow(start, ARROW * along, stroke);
+                painter.arrow(start, -ARROW * along, stroke);
+            }
+        }
+    }
+}
+
+fn paint_far_end(
+    ui: &egui::Ui,
+    painter: &egui::Painter,
+    transform: &PlotTransform,
+    plan: &Plan,
+    foreseen: &Prediction,
+) {
+    let Some(held) = &foreseen.held else { return };
+    let place = held.far_end.position_m;
+    let middle = at(transform, [place.x, place.y]);
+    let sigma_mm = 1e3 * held.far_end.sigma_m;
+    let dark = ui.visuals().dark_mode;
+    let colour = match sigma_mm <= plan.target_mm {
+        true => theme::readable(palette::DONE, dark),
+        false => theme::severity(Severity::Warning, dark).0,
+    };
+    painter.circle_stroke(middle, 9.0, Stroke::new(1.6, colour));
+    let text = format!("far end: {sigma_mm:.1} mm");
+    let font = egui::FontId::proportional(12.0);
+    let galley = painter.layout_no_wrap(text, font, colour);
+    let mut ground = Rect::from_min_size(middle + Vec2::new(12.0, -8.0), galley.size()).expand(2.0);
+    if ground.right() > transform.frame().right() {
+        ground = ground.translate(Vec2::new(-ground.width() - 24.0, 0.0));
+    }
+    painter.rect_filled(ground, 2.0, ui.visuals().panel_fill.gamma_multiply(0.8));
+    painter.galley(ground.min + Vec2::splat(2.0), galley, colour);
+}
+
+/// Everything that is moved by the pointer, above all else.
+fn handles(ui: &mut egui::Ui, state: &State, transform: &PlotTransform, commands: &mut Commands) {
+    let plan = &state.planning.plan;
+    let all = Handle::all(plan);
+    let radius = if all.len() > MANY { 0.5 * RADIUS } else { RADIUS };
+    let dark = ui.visuals().dark_mode;
+    let frame = *transform.frame();
+    for handle in all {
+        let Some(place_m) = handle.place_m(plan) else { continue };
+        let middle = at(transform, place_m);
+        if !frame.contains(middle) {
+            continue;
+        }
+        let place = Rect::from_center_size(middle, Vec2::splat(2.0 * REACH));
+        let response = ui.interact(place, ui.scope_id().with(handle), Sense::click_and_drag());
+        let name = handle.name(plan);
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+        if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+            let to = transform.value_from_position(pointer.clamp(frame.min, frame.max));
+            // Centimetres: no tripod is put up better on purpose.
+            let to_m = [to.x, to.y].map(|value| (1e2 * value).round() / 1e2);
+            let plan = handle.moved(plan, to_m);
+            commands.push(Command::Plan(PlanCommand::Set(plan.into(), words(handle))));
+        }
+        if response.clicked() || response.drag_started() {
+            commands.push(Command::Plan(PlanCommand::Select(Some(handle))));
+        }
+        let selected = state.planning.selected == Some(handle);
+        let lit = selected || response.hovered() || response.dragged();
+        paint_handle(ui, handle, middle, radius, lit, dark);
+        let said = match handle {
+            Handle::Station(station) => {
+                let z_m = plan.stations_m[station].z;
+                format!("{name}: x {:.2}  y {:.2}  z {z_m:.2} m", place_m[0], place_m[1])
+            }
+            _ => format!("{name}: x {:.2}  y {:.2} m", place_m[0], place_m[1]),
+        };
+        response.on_hover_text(said);
+    }
+}
+
+fn words(handle: Handle) -> &'static str {
+    match handle {
+        Handle::Station(0) => "station 1 of the plan moved",
+        Handle::Station(1) => "station 2 of the plan moved",
+        Handle::Station(_) => "station 3 of the plan moved",
+        Handle::Waypoint { .. } => "a waypoint of the plan moved",
+        Handle::Middle(_) | Handle::Tip(_) => "a manoeuvre of the plan moved",
+        Handle::Ramp(_) => "a ramp of the plan moved",
+    }
+}
+
+fn paint_handle(ui: &egui::Ui, handle: Handle, middle: Pos2, radius: f32, lit: bool, dark: bool) {
+    let painter = ui.painter();
+    let ink = theme::rgb(theme::cursor(dark));
+    let ring = Stroke::new(if lit { 2.5 } else { 1.2 }, if lit { ink } else { theme::faint(dark) });
+    match handle {
+        Handle::Station(station) => {
+            let colour = theme::rgb(palette::STATIONS[station]);
+            let corners = [0, 1, 2].map(|k| {
+                let angle = std::f32::consts::TAU * k as f32 / 3.0;
+                middle + 1.6 * RADIUS * Vec2::new(angle.sin(), -angle.cos())
+            });
+            let fill = Shape::convex_polygon(corners.to_vec(), colour, ring);
+            painter.add(fill);
+            // Stations stand close to each other: the number alone, and the rest under the pointer.
+            let font = egui::FontId::proportional(13.0);
+            let above = middle - Vec2::new(0.0, 11.0);
+            let ink = theme::readable(palette::STATIONS[station], dark);
+            let number = (station + 1).to_string();
+            painter.text(above, egui::Align2::CENTER_BOTTOM, number, font, ink);
+        }
+        Handle::Waypoint { .. } => {
+            painter.circle(middle, 0.8 * radius, ui.visuals().panel_fill, ring);
+        }
+        Handle::Middle(_) | Handle::Ramp(_) => {
+            let square = Rect::from_center_size(middle, Vec2::splat(1.8 * radius));
+            painter.rect_filled(square, 1.0, ui.visuals().panel_fill);
+            painter.rect_stroke(square, 1.0, ring, egui::StrokeKind::Middle);
+        }
+        Handle::Tip(_) => {
+            painter.circle(middle, 0.8 * radius, theme::faint(dark), ring);
+        }
+    }
+}
