@@ -1,0 +1,11 @@
+//! Live deployments: streams of servers that break off, repeat and garble, and what is recorded of them.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_input;
+mod bonn;
+mod command;
+mod peers;
+mod server;
+mod stream;
