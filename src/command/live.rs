@@ -81,9 +81,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         error => Failure::from(error),
     })?;
     tell(&session, arguments, &stop)?;
-    let finished = session
-        .stop()
-        .ok_or_else(|| anyhow::anyhow!("the live deployment broke off; this is a mistake in resect"))?;
+    let finished = session.stop().ok_or_else(|| {
+        anyhow::anyhow!("the live deployment broke off; this is a mistake in resect")
+    })?;
     end(finished, arguments, &settings)
 }
 
@@ -91,10 +91,13 @@ fn wanted(arguments: &Arguments) -> Result<Wanted, Failure> {
     let settings = arguments.settings.settings()?;
     let mut extras = arguments.settings.extras();
     if !arguments.topics.is_empty() {
-        let topics: [String; 3] = arguments.topics.clone().try_into().map_err(|given: Vec<_>| {
-            let count = given.len();
-            Failure::Usage(format!("--topics has {count} names; give those of stations 1, 2, 3"))
-        })?;
+        let topics: [String; 3] =
+            arguments.topics.clone().try_into().map_err(|given: Vec<_>| {
+                let count = given.len();
+                Failure::Usage(format!(
+                    "--topics has {count} names; give those of stations 1, 2, 3"
+                ))
+            })?;
         extras.put_right.topics = Some(topics);
     }
     let feed = match (&arguments.url, &arguments.replay) {
@@ -104,7 +107,8 @@ fn wanted(arguments: &Arguments) -> Result<Wanted, Failure> {
             Feed::Replay { source, speed: arguments.speed }
         }
         _ => {
-            let line = "--drive is about drives that are over; open the recording with it afterwards";
+            let line =
+                "--drive is about drives that are over; open the recording with it afterwards";
             return Err(Failure::Usage(line.to_owned()));
         }
     };
@@ -118,6 +122,7 @@ fn wanted(arguments: &Arguments) -> Result<Wanted, Failure> {
         settings,
         record: arguments.record.clone(),
         target_m: arguments.target_mm * 1e-3,
+        calculates: true,
     })
 }
 

@@ -78,9 +78,9 @@ impl Growing {
     ) -> Result<Heard, String> {
         self.messages += 1;
         let (place, into) = (self.messages, &mut self.recording);
-        self.stream.message(subscription, recorded_s, place, data, into).map_err(|why| {
-            format!("message {place}, of {}, {why}", self.stream.name(subscription))
-        })
+        self.stream
+            .message(subscription, recorded_s, place, data, into)
+            .map_err(|why| format!("message {place}, of {}, {why}", self.stream.name(subscription)))
     }
 
     /// What is added to the ranges of messages that name their station (m).

@@ -53,19 +53,12 @@ pub fn open_files(name: &str, files: &[(&str, &str)]) -> Result<Deployment, Open
 ///
 /// `progress` counts the bytes of the files that are read.
 pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenError> {
-    put_together(found, progress, |name, overrides| {
-        tracks::read(name, found, overrides, progress)
-    })
+    put_together(found, progress, |name, overrides| tracks::read(name, found, overrides, progress))
 }
 
 /// Reads everything but tracks, for those whose readings come from elsewhere.
-pub fn combine_without_tracks(
-    found: &Found,
-    progress: &Progress,
-) -> Result<Deployment, OpenError> {
-    put_together(found, progress, |_, overrides| {
-        Ok(tracks::TracksRead::none(overrides))
-    })
+pub fn combine_without_tracks(found: &Found, progress: &Progress) -> Result<Deployment, OpenError> {
+    put_together(found, progress, |_, overrides| Ok(tracks::TracksRead::none(overrides)))
 }
 
 /// `read_tracks` is given the deployment's name and its overrides.

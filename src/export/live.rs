@@ -38,9 +38,7 @@ pub fn json(view: &View) -> Value {
     let left_out: Map<String, Value> = view
         .left_out
         .iter()
-        .map(|left| {
-            (left.what.to_owned(), json!({ "count": left.count, "first": left.first }))
-        })
+        .map(|left| (left.what.to_owned(), json!({ "count": left.count, "first": left.first })))
         .collect();
     let warnings: Vec<Value> = view
         .warnings

@@ -92,7 +92,8 @@ impl Protocol {
         let mut events: Vec<Event> =
             readings.iter().filter_map(|reading| self.reading(reading, received_s)).collect();
         if !events.is_empty() && self.repeats > 0 {
-            let (what, first) = (LeftOut::Repeat, "the stream repeats the latest reading".to_owned());
+            let (what, first) =
+                (LeftOut::Repeat, "the stream repeats the latest reading".to_owned());
             events.push(Event::LeftOut { what, count: std::mem::take(&mut self.repeats), first });
         }
         events

@@ -131,7 +131,9 @@ impl Coach {
     /// What whoever drives has to know, in one sentence.
     pub fn sentence(&self, latest: Option<&Outcome>) -> String {
         let judged = match latest.map(|outcome| &outcome.judged) {
-            None => return "no answer yet: drive where all three stations see their prisms".to_owned(),
+            None => {
+                return "no answer yet: drive where all three stations see their prisms".to_owned();
+            }
             Some(Err(why)) => return format!("no answer yet: {why}"),
             Some(Ok(judged)) => judged,
         };
@@ -158,7 +160,10 @@ impl Coach {
             return format!("{stepped}; set that station up again, and begin the drive again");
         }
         if judged.verdict != Verdict::Good {
-            return format!("the answer is {}, see its reasons; {at}{next}", judged.verdict_in_words);
+            return format!(
+                "the answer is {}, see its reasons; {at}{next}",
+                judged.verdict_in_words
+            );
         }
         match far_end.sigma_m <= self.target_m {
             true => format!("drive on a little, to see that it stays: {at}"),
@@ -257,7 +262,10 @@ mod tests {
         let open = outcome(1.0, 9.0, |judged| {
             judged.open.push("station 2 can slide along the track (weak)".to_owned());
         });
-        assert_eq!(said(&open), "not held yet: station 2 can slide along the track (weak); turn more");
+        assert_eq!(
+            said(&open),
+            "not held yet: station 2 can slide along the track (weak); turn more"
+        );
         let large = said(&outcome(1.0, 9.0, |_| ()));
         assert!(large.starts_with("not yet: 9.0 mm") && large.ends_with("turn more"), "{large}");
         assert!(coach.sentence(None).starts_with("no answer yet"));

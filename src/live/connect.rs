@@ -43,9 +43,15 @@ pub fn address(text: &str) -> Result<Uri, AddressError> {
         None => format!("ws://{text_trimmed}"),
         Some(("ws", _)) => text_trimmed.to_owned(),
         Some(("wss", _)) => {
-            return Err(wrong("encrypted streams are not read; give the ws:// address, over a tunnel if need be"));
+            return Err(wrong(
+                "encrypted streams are not read; give the ws:// address, over a tunnel if need be",
+            ));
         }
-        Some(_) => return Err(wrong("not the address of a stream; it begins with ws://, as ws://robot:8765")),
+        Some(_) => {
+            return Err(wrong(
+                "not the address of a stream; it begins with ws://, as ws://robot:8765",
+            ));
+        }
     };
     let not_one = "not the address of a stream; give it as ws://robot:8765";
     let uri: Uri = whole.parse().map_err(|_| wrong(not_one))?;
@@ -122,7 +128,8 @@ fn listen(
     heard: &mut bool,
 ) -> Result<(), Broken> {
     let stream = open(&expected.address)?;
-    let Some(mut socket) = shake_hands(&expected.address, stream, without_subprotocol, stop)? else {
+    let Some(mut socket) = shake_hands(&expected.address, stream, without_subprotocol, stop)?
+    else {
         return Ok(());
     };
     let mut protocol = match without_subprotocol {
@@ -146,7 +153,8 @@ fn listen(
             Err(error) => return Err(in_words(&error).into()),
         };
         alive = Instant::now();
-        let received_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |t| t.as_secs_f64());
+        let received_s =
+            SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |t| t.as_secs_f64());
         let mut events = Vec::new();
         match message {
             Message::Text(text) => {
@@ -172,7 +180,8 @@ fn listen(
             Message::Binary(bytes) => match &protocol {
                 Protocol::Foxglove(protocol) => events.extend(protocol.binary(&bytes, received_s)),
                 _ => {
-                    let first = format!("a binary frame of {} bytes, where text is sent", bytes.len());
+                    let first =
+                        format!("a binary frame of {} bytes, where text is sent", bytes.len());
                     events.push(Event::LeftOut { what: LeftOut::Frame, count: 1, first });
                 }
             },
@@ -225,14 +234,17 @@ fn open(address: &Uri) -> Result<TcpStream, String> {
     for place in places {
         match TcpStream::connect_timeout(&place, ANSWER) {
             Ok(stream) => {
-                let set = stream.set_nodelay(true).and_then(|()| stream.set_read_timeout(Some(NAP)));
+                let set =
+                    stream.set_nodelay(true).and_then(|()| stream.set_read_timeout(Some(NAP)));
                 let set = set.and_then(|()| stream.set_write_timeout(Some(ANSWER)));
                 return set.map(|()| stream).map_err(|error| error.to_string());
             }
             Err(error) => why = error.to_string(),
         }
     }
-    Err(format!("nobody answers at {host}:{port} ({why}); start the server there, or give another address"))
+    Err(format!(
+        "nobody answers at {host}:{port} ({why}); start the server there, or give another address"
+    ))
 }
 
 /// `None` where nobody wants more.
@@ -291,9 +303,14 @@ fn in_words(error: &Error) -> String {
             response.status()
         ),
         Error::Capacity(error) => {
-            format!("a frame that is too long ({error}; the limit is {} MiB)", LARGEST_FRAME_BYTES >> 20)
+            format!(
+                "a frame that is too long ({error}; the limit is {} MiB)",
+                LARGEST_FRAME_BYTES >> 20
+            )
         }
-        Error::Protocol(error) => format!("what is there does not speak as a WebSocket ({error}); look at the address"),
+        Error::Protocol(error) => {
+            format!("what is there does not speak as a WebSocket ({error}); look at the address")
+        }
         error => error.to_string(),
     }
 }
@@ -313,7 +330,9 @@ mod tests {
             let uri = address(text).unwrap_or_else(|error| panic!("{text}: {error}"));
             assert_eq!((uri.host(), uri.port_u16()), (Some(host), port), "{text}");
         }
-        for text in ["", "ws://", "http://robot:8080", "wss://robot", "ws://a b", "file:///x", "ws://:8765"] {
+        for text in
+            ["", "ws://", "http://robot:8080", "wss://robot", "ws://a b", "file:///x", "ws://:8765"]
+        {
             let said = address(text).expect_err(text).to_string();
             assert!(said.contains("; ") && said.contains("ws://"), "{text}: {said}");
         }

@@ -12,6 +12,7 @@ use super::view::{Left, Link, View};
 use super::warnings::{Amiss, Seen, Told, Warning, amiss};
 use crate::deployment::format::bag::stream::{Heard, Subscription};
 use crate::deployment::format::bag::wire::Encoding;
+use crate::deployment::printable::printable;
 use crate::deployment::{Deployment, Growing, OpenError};
 
 /// Takes everything in that happens.
@@ -76,7 +77,7 @@ impl Engine {
     pub fn take(&mut self, event: Event, clock_s: f64) {
         match event {
             Event::Connected(to) => {
-                self.link = Link::Connected(to);
+                self.link = Link::Connected(printable(&to));
                 self.connections += 1;
                 self.subscriptions.clear();
                 if let Some(recorder) = &mut self.recorder {
@@ -87,12 +88,12 @@ impl Engine {
             Event::Ended => self.link = Link::Ended,
             Event::Channel(channel) => self.channel(&channel),
             Event::Message(sent) => self.message(&sent, clock_s),
-            Event::LeftOut { what, count, first } => self.leave_out(what, count, first),
+            Event::LeftOut { what, count, first } => self.leave_out(what, count, &first),
         }
     }
 
-    fn leave_out(&mut self, what: LeftOut, count: u64, first: String) {
-        let (known, _) = self.left_out.entry(what).or_insert((0, first));
+    fn leave_out(&mut self, what: LeftOut, count: u64, first: &str) {
+        let (known, _) = self.left_out.entry(what).or_insert_with(|| (0, printable(first)));
         *known += count;
     }
 
@@ -134,7 +135,7 @@ impl Engine {
                 self.watches[station].correct(correction.offset_s);
             }
             Ok(_) => {}
-            Err(why) => self.leave_out(LeftOut::Malformed, 1, why),
+            Err(why) => self.leave_out(LeftOut::Malformed, 1, &why),
         }
     }
 
@@ -217,8 +218,10 @@ impl Engine {
             left_out: self
                 .left_out
                 .iter()
-                .map(|(what, (count, first))| {
-                    Left { what: what.name(), count: *count, first: first.clone() }
+                .map(|(what, (count, first))| Left {
+                    what: what.name(),
+                    count: *count,
+                    first: first.clone(),
                 })
                 .collect(),
             warnings: self.warnings.clone(),

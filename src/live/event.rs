@@ -20,11 +20,18 @@ pub enum Event {
     /// The source answered, with this name; channels of before are no longer.
     Connected(String),
     /// There is no connection, and why not; it is tried again after so many seconds.
-    Lost { why: String, again_in_s: f64 },
+    Lost {
+        why: String,
+        again_in_s: f64,
+    },
     Channel(Channel),
     Message(Sent),
     /// So many things that cannot be taken in.
-    LeftOut { what: LeftOut, count: u64, first: String },
+    LeftOut {
+        what: LeftOut,
+        count: u64,
+        first: String,
+    },
     /// All was said, and nothing more will come.
     Ended,
 }

@@ -138,7 +138,8 @@ impl Protocol {
         let channel = *self.channels.get(&subscription)?;
         if payload.len() > LARGEST_MESSAGE_BYTES {
             let bytes = payload.len();
-            let first = format!("a message of {bytes} bytes (the limit is {LARGEST_MESSAGE_BYTES})");
+            let first =
+                format!("a message of {bytes} bytes (the limit is {LARGEST_MESSAGE_BYTES})");
             return left_out(LeftOut::TooLong, first);
         }
         // A server that does not say when is taken to send at once.
@@ -206,7 +207,8 @@ mod tests {
             [Event::LeftOut { what, first, .. }] => (*what, first.clone()),
             other => panic!("{other:?}"),
         };
-        for text in ["", "{", "[]", "5", r#"{"op":"advertise"}"#, r#"{"op":"advertise","channels":[{}]}"#]
+        for text in
+            ["", "{", "[]", "5", r#"{"op":"advertise"}"#, r#"{"op":"advertise","channels":[{}]}"#]
         {
             let (what, line) = said(text);
             assert_eq!(what, LeftOut::Frame, "{text}");

@@ -81,9 +81,8 @@ impl Recorder {
         let Channel { topic, message_type, encoding, schema, schema_encoding, .. } = channel;
         // The crate gives the same channel and definition the same number again.
         let added = self.writer.add_schema(message_type, schema_encoding, schema);
-        let number = added.and_then(|schema| {
-            self.writer.add_channel(schema, topic, encoding, &BTreeMap::new())
-        });
+        let number = added
+            .and_then(|schema| self.writer.add_channel(schema, topic, encoding, &BTreeMap::new()));
         let number = number.map_err(|error| self.failed(error))?;
         self.channels.insert(channel.id, number);
         Ok(())
@@ -119,9 +118,9 @@ impl Recorder {
         let recorded = self.recorded();
         let path = self.path.clone();
         let file = self.writer.into_inner();
-        let file = file.into_inner().map_err(|error| {
-            RecordError::Write(WriteError::of_file(&path, error.into_error()))
-        })?;
+        let file = file
+            .into_inner()
+            .map_err(|error| RecordError::Write(WriteError::of_file(&path, error.into_error())))?;
         file.sync_all().map_err(|error| RecordError::Write(WriteError::of_file(&path, error)))?;
         Ok(recorded)
     }

@@ -32,7 +32,8 @@ fn readings(station: usize, track: &Track) -> impl Iterator<Item = Queued<'_>> {
 
 /// The messages of a deployment in the order of their stamps. Whoever reads them adds `added_m` to the ranges of each station.
 pub fn messages(deployment: &Deployment, added_m: [f64; 3]) -> impl Iterator<Item = Sent> {
-    let later_s = if deployment.start_s().is_some_and(|start_s| start_s < 1.0) { LATER_S } else { 0.0 };
+    let later_s =
+        if deployment.start_s().is_some_and(|start_s| start_s < 1.0) { LATER_S } else { 0.0 };
     let mut queued: Vec<Queued<'_>> = Vec::new();
     for (station, track) in deployment.tracks.iter().enumerate() {
         queued.extend(readings(station, track));

@@ -23,7 +23,7 @@ use super::judged::{Judged, Outcome, judge};
 use super::recorder::{RecordError, Recorded, Recorder};
 use super::replay;
 use super::view::View;
-use crate::analysis::{Analyst, Settings};
+use crate::analysis::{Analysis, Analyst, Settings};
 use crate::calibration::Method;
 use crate::deployment::{Deployment, Extras, Growing, OpenError, Source};
 use crate::progress::Progress;
@@ -53,6 +53,8 @@ pub struct Wanted {
     pub extras: Extras,
     pub settings: Settings,
     pub record: Option<PathBuf>,
+    /// Whether answers are calculated here; otherwise whoever holds the session hands them in ([`Session::answered`]).
+    pub calculates: bool,
     /// What σ at the far end of the track has to come down to (m).
     pub target_m: f64,
 }
@@ -86,6 +88,17 @@ struct Shown {
     deployment: Option<Arc<Deployment>>,
     target_m: Option<f64>,
     settings: Settings,
+    /// Whether the newest deployment was taken, and the next is wanted.
+    is_taken: bool,
+    /// Answers that were handed in.
+    answered: Vec<Answered>,
+}
+
+/// An answer from elsewhere, of a deployment that was taken.
+struct Answered {
+    deployment: Arc<Deployment>,
+    analysis: Arc<Analysis>,
+    is_first: bool,
 }
 
 /// A live deployment.
@@ -109,7 +122,8 @@ impl Session {
         let recorder = wanted.record.as_deref().map(Recorder::create).transpose()?;
         std::thread::spawn(source);
         let engine = Engine::new(growing, speed, recorder, wanted.target_m);
-        let shown = Arc::new(Mutex::new(Shown { settings: wanted.settings, ..Shown::default() }));
+        let shown = Shown { settings: wanted.settings, is_taken: true, ..Shown::default() };
+        let shown = Arc::new(Mutex::new(shown));
         let progress = Arc::new(Progress::default());
         let intake = Intake {
             engine,
@@ -117,6 +131,7 @@ impl Session {
             shown: Arc::clone(&shown),
             progress: Arc::clone(&progress),
             begun: Instant::now(),
+            calculates: wanted.calculates,
         };
         let intake = std::thread::spawn(move || intake.run());
         Ok(Self { shown, stop, progress, intake: Some(intake) })
@@ -127,9 +142,17 @@ impl Session {
         Arc::clone(&lock(&self.shown).view)
     }
 
-    /// The newest deployment that was made of the readings, at most some seconds old.
-    pub fn deployment(&self) -> Option<Arc<Deployment>> {
-        lock(&self.shown).deployment.clone()
+    /// The newest deployment that was made of the readings, once; the next is made when this one was taken.
+    pub fn take_deployment(&self) -> Option<Arc<Deployment>> {
+        let mut shown = lock(&self.shown);
+        let taken = shown.deployment.take();
+        shown.is_taken |= taken.is_some();
+        taken
+    }
+
+    /// Hands in an answer to a deployment that was taken; `is_first` is the paper's, ahead of the one of the settings.
+    pub fn answered(&self, deployment: Arc<Deployment>, analysis: Arc<Analysis>, is_first: bool) {
+        lock(&self.shown).answered.push(Answered { deployment, analysis, is_first });
     }
 
     /// Sets another target (m).
@@ -216,6 +239,7 @@ struct Intake {
     shown: Arc<Mutex<Shown>>,
     progress: Arc<Progress>,
     begun: Instant,
+    calculates: bool,
 }
 
 impl Intake {
@@ -237,6 +261,12 @@ impl Intake {
             };
             while let Ok(outcome) = judged.try_recv() {
                 if outcome.is_first { &mut first } else { &mut second }.has_finished();
+                self.engine.judged(outcome);
+            }
+            let handed_in = std::mem::take(&mut lock(&self.shown).answered);
+            for Answered { deployment, analysis, is_first } in handed_in {
+                let known = self.engine.known();
+                let outcome = judge(&deployment, &analysis, is_first, known.as_deref());
                 self.engine.judged(outcome);
             }
             if ended {
@@ -262,21 +292,37 @@ impl Intake {
         if let Some(target_m) = target_m {
             self.engine.aim(target_m);
         }
-        // One that has no paper's answer beside it comes by the first alone.
+        if self.calculates {
+            self.calculate(&settings, first, second);
+        } else if lock(&self.shown).is_taken
+            && let Some(Ok(deployment)) = self.engine.snapshot()
+        {
+            let mut shown = lock(&self.shown);
+            (shown.deployment, shown.is_taken) = (Some(Arc::new(deployment)), false);
+        }
+        self.show();
+    }
+
+    /// Gives the newest readings to whoever is free.
+    fn calculate(
+        &mut self,
+        settings: &Settings,
+        first: &mut Calculating,
+        second: &mut Calculating,
+    ) {
+        // One that has no paper's answer beside it comes by the second alone.
         let is_joint = settings.calibration.method.unwrap_or_default() == Method::Joint;
         if (first.is_free() && is_joint) || second.is_free() {
             // What has no deployment yet is told in the view: there are no readings, or they cannot be any.
             if let Some(Ok(deployment)) = self.engine.snapshot() {
                 let deployment = Arc::new(deployment);
-                lock(&self.shown).deployment = Some(Arc::clone(&deployment));
                 let known = self.engine.known();
                 if is_joint {
-                    first.offer(&deployment, &settings, known.as_ref());
+                    first.offer(&deployment, settings, known.as_ref());
                 }
-                second.offer(&deployment, &settings, known.as_ref());
+                second.offer(&deployment, settings, known.as_ref());
             }
         }
-        self.show();
     }
 
     fn show(&mut self) {
@@ -333,7 +379,12 @@ impl Calculating {
     }
 
     /// Gives it a snapshot, unless it is busy.
-    fn offer(&mut self, deployment: &Arc<Deployment>, settings: &Settings, known: Option<&Arc<Judged>>) {
+    fn offer(
+        &mut self,
+        deployment: &Arc<Deployment>,
+        settings: &Settings,
+        known: Option<&Arc<Judged>>,
+    ) {
         if self.is_free() {
             let job = Job {
                 deployment: Arc::clone(deployment),

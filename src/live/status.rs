@@ -134,7 +134,8 @@ impl Watch {
         let mut last: Vec<&Arrived> = self.last.iter().collect();
         last.sort_by(|a, b| a.measurement.time_s.total_cmp(&b.measurement.time_s));
         // Where both ends are alike there is nothing to look for.
-        let level_s = |of: &[&Arrived]| median(of.iter().map(|one| one.sent_s - one.measurement.time_s));
+        let level_s =
+            |of: &[&Arrived]| median(of.iter().map(|one| one.sent_s - one.measurement.time_s));
         let (first, rest) = last.split_at_checked(AFTER_JUMP)?;
         let end = rest.get(rest.len().checked_sub(AFTER_JUMP)?..)?;
         if (level_s(end)? - level_s(first)?).abs() < LEAST_JUMP_S {
@@ -167,7 +168,10 @@ mod tests {
             Measurement { time_s: stamp_s, range_m: 10.0, azimuth_rad: 0.1, zenith_rad: 1.5 };
         let record = RawRecord { station: 1, status, place: 1, measurement, own_clock_s: None };
         let sent_ns = (sent_s * 1e9) as u64;
-        watch.take(&record, &Sent { channel: 1, sent_ns, received_s: sent_s + 0.02, payload: vec![] });
+        watch.take(
+            &record,
+            &Sent { channel: 1, sent_ns, received_s: sent_s + 0.02, payload: vec![] },
+        );
     }
 
     #[test]
@@ -201,7 +205,12 @@ mod tests {
             let mut watch = Watch::default();
             for k in 0..150 {
                 let (t, jitter_s) = (f64::from(k) * 0.4, 2e-3 * (f64::from(k) * 2.4).sin());
-                take(&mut watch, START_S + t + ahead_s(t), START_S + t + 0.01 + jitter_s + late_s(t), 0);
+                take(
+                    &mut watch,
+                    START_S + t + ahead_s(t),
+                    START_S + t + 0.01 + jitter_s + late_s(t),
+                    0,
+                );
             }
             watch.clock_jump()
         };

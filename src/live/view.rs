@@ -15,7 +15,10 @@ pub enum Link {
     Connecting,
     /// To a source of this name.
     Connected(String),
-    Lost { why: String, again_in_s: f64 },
+    Lost {
+        why: String,
+        again_in_s: f64,
+    },
     /// Everything was said.
     Ended,
 }

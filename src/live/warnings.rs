@@ -119,7 +119,8 @@ pub fn amiss(seen: &Seen<'_>) -> Vec<(Amiss, String)> {
     }
     for (station, words) in seen.deciding.iter().flat_map(|judged| &judged.stepped) {
         if !all.iter().any(|(amiss, _)| *amiss == Amiss::Stepped(*station)) {
-            let line = format!("{words}; look at its tripod and its clock, and begin the drive again");
+            let line =
+                format!("{words}; look at its tripod and its clock, and begin the drive again");
             all.push((Amiss::Stepped(*station), line));
         }
     }

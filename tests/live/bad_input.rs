@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::net::TcpListener;
 
+use resect::deployment::Sample;
 use resect::live::event::Sent;
 use resect::live::{Feed, Link, Session, View, replay};
-use resect::deployment::Sample;
 use serde_json::json;
 
 use crate::server::{Server, Step};

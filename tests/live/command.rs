@@ -33,7 +33,15 @@ fn a_replay_prints_a_line_a_second_and_in_the_end_what_calibrate_prints_of_its_r
     let folder = tempfile::tempdir().expect("a folder");
     let (sample, file) = (sample_folder("hd2-tunnel"), folder.path().join("r.mcap"));
     let output = run(&[
-        "live", "--replay", text(&sample), "--speed", "60", "--json", "--answer", "--record", text(&file),
+        "live",
+        "--replay",
+        text(&sample),
+        "--speed",
+        "60",
+        "--json",
+        "--answer",
+        "--record",
+        text(&file),
     ]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let lines = objects(&output.stdout);
@@ -91,7 +99,11 @@ fn bad_usage_is_one_line() {
         (vec!["live", "--replay", "/not/there"], 1, "/not/there"),
         (vec!["live", "ws://127.0.0.1:9", "--drive", "x"], 2, "--drive"),
         (vec!["live", "ws://127.0.0.1:9", "--seconds", "1"], 1, "nobody answers"),
-        (vec!["live", "ws://127.0.0.1:9", "--record", "/not/there/x.mcap"], 1, "there is no folder"),
+        (
+            vec!["live", "ws://127.0.0.1:9", "--record", "/not/there/x.mcap"],
+            1,
+            "there is no folder",
+        ),
     ] {
         let output = run(&arguments);
         let said = String::from_utf8(output.stderr).expect("UTF-8");

@@ -5,6 +5,7 @@ mod common;
 
 mod bad_input;
 mod bonn;
+mod coach;
 mod command;
 mod peers;
 mod server;

@@ -87,23 +87,26 @@ impl Connection {
     fn accept(listener: &TcpListener, subprotocol: Option<&'static str>) -> Self {
         loop {
             let (stream, _) = listener.accept().expect("somebody connects");
-            let choose = |request: &Request, mut response: Response| -> Result<Response, ErrorResponse> {
-                if let (Some(name), true) =
-                    (subprotocol, request.headers().contains_key("Sec-WebSocket-Protocol"))
-                {
-                    let name = HeaderValue::from_static(name);
-                    response.headers_mut().insert("Sec-WebSocket-Protocol", name);
-                }
-                Ok(response)
-            };
+            let mut is_asked = false;
+            let choose =
+                |request: &Request, mut response: Response| -> Result<Response, ErrorResponse> {
+                    is_asked = request.headers().contains_key("Sec-WebSocket-Protocol");
+                    if let (Some(name), true) = (subprotocol, is_asked) {
+                        let name = HeaderValue::from_static(name);
+                        response.headers_mut().insert("Sec-WebSocket-Protocol", name);
+                    }
+                    Ok(response)
+                };
             // Who does not like the answer comes again.
             let Ok(mut socket) = accept_hdr(stream, choose) else { continue };
             let mut connection = match subprotocol {
+                None if is_asked => continue,
                 None => return Self { socket, subscriptions: BTreeMap::new() },
                 Some(_) => {
                     let info = json!({ "op": "serverInfo", "name": "test", "capabilities": [] });
                     let greeted = socket.send(Message::Text(info.to_string().into()));
-                    let greeted = greeted.and_then(|()| socket.send(Message::Text(advertisement().into())));
+                    let greeted =
+                        greeted.and_then(|()| socket.send(Message::Text(advertisement().into())));
                     if greeted.is_err() {
                         continue;
                     }

@@ -22,6 +22,7 @@ pub fn wanted(feed: Feed, record: Option<&Path>) -> Wanted {
         settings: Settings::default(),
         record: record.map(Path::to_owned),
         target_m: 2e-3,
+        calculates: true,
     }
 }
 
@@ -42,7 +43,8 @@ fn disturbed() -> Vec<Sent> {
         index += 1;
         index % 17 != 0
     });
-    let repeated: Vec<(usize, Sent)> = (0..sent.len()).step_by(11).map(|k| (k + 5, sent[k].clone())).collect();
+    let repeated: Vec<(usize, Sent)> =
+        (0..sent.len()).step_by(11).map(|k| (k + 5, sent[k].clone())).collect();
     for pair in sent.chunks_exact_mut(2).step_by(3) {
         pair.swap(0, 1);
     }
@@ -104,7 +106,8 @@ fn a_stream_that_breaks_off_twice_gives_what_its_recording_gives_exactly() {
     let server = Server::start(Some("foxglove.websocket.v1"), steps);
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("drive.mcap");
-    let session = Session::start(wanted(Feed::Url(server.url.clone()), Some(&file))).expect("it begins");
+    let session =
+        Session::start(wanted(Feed::Url(server.url.clone()), Some(&file))).expect("it begins");
     wait_until(&session, |view| view.messages == count);
     let view = session.view();
     assert_eq!(view.connections, 3);

@@ -3,8 +3,8 @@
 use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
     Channels, Clocks, ControlPoints, Deployment, Evaluation, Findings, Guide, Histogram, Intervals,
-    Pipeline, PriorSearch, Rates, Reading, Residuals, Result, Runs, Scene, SideBySide, Studies,
-    Trajectory,
+    Live, Pipeline, PriorSearch, Rates, Reading, Residuals, Result, Runs, Scene, SideBySide,
+    Studies, Trajectory,
 };
 
 /// A ready-made layout for one kind of work.
@@ -16,16 +16,19 @@ pub enum LayoutPreset {
     Tune,
     /// Deployments, methods and runs beside each other.
     Compare,
+    /// Watching a deployment grow while it is driven.
+    Live,
 }
 
 impl LayoutPreset {
-    pub const ALL: [Self; 3] = [Self::Inspect, Self::Tune, Self::Compare];
+    pub const ALL: [Self; 4] = [Self::Inspect, Self::Tune, Self::Compare, Self::Live];
 
     pub fn title(self) -> &'static str {
         match self {
             Self::Inspect => "Inspect",
             Self::Tune => "Tune",
             Self::Compare => "Compare",
+            Self::Live => "Live",
         }
     }
 
@@ -35,6 +38,7 @@ impl LayoutPreset {
             Self::Inspect => "A large scene, the picked reading, and what was measured over time",
             Self::Tune => "The pipeline beside the rates and intervals that its thresholds cut",
             Self::Compare => "Deployments, studies and runs beside each other",
+            Self::Live => "Whether it is enough while it is driven, and the tracks as they grow",
         }
     }
 
@@ -81,6 +85,16 @@ impl LayoutPreset {
                     ]),
                 ),
                 (0.3, column([(0.6, tabs(&[Result, Findings])), (0.4, tabs(&[Runs, Deployment]))])),
+            ]),
+            Self::Live => row([
+                (0.45, tabs(&[Live])),
+                (
+                    0.55,
+                    column([
+                        (0.7, tabs(&[Scene, Result, Findings])),
+                        (0.3, tabs(&[Residuals, Intervals, Clocks])),
+                    ]),
+                ),
             ]),
         }
     }

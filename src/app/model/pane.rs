@@ -33,11 +33,13 @@ pub enum Pane {
     Trajectory,
     /// Which of the trajectories of other systems is better, by how much, and where they are wrong.
     Evaluation,
+    /// A live deployment: is it enough, and if not what to drive.
+    Live,
 }
 
 impl Pane {
     /// All panes in the order of the menu.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -58,6 +60,7 @@ impl Pane {
         Self::PriorSearch,
         Self::Guide,
         Self::ControlPoints,
+        Self::Live,
     ];
 
     pub fn title(self) -> &'static str {
@@ -82,6 +85,7 @@ impl Pane {
             Self::ControlPoints => "Control points",
             Self::Trajectory => "Trajectory",
             Self::Evaluation => "Evaluation",
+            Self::Live => "Live",
         }
     }
 
@@ -108,6 +112,7 @@ impl Pane {
             Self::ControlPoints => "control-points",
             Self::Trajectory => "trajectory",
             Self::Evaluation => "evaluation",
+            Self::Live => "live",
         }
     }
 

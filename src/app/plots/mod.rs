@@ -9,6 +9,7 @@ pub mod chart;
 pub mod clocks;
 pub mod histogram;
 pub mod intervals;
+pub mod live_sigma;
 mod log_axis;
 mod marks;
 mod navigation;

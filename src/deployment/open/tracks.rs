@@ -4,8 +4,8 @@ use super::cartesian;
 use super::{Found, FoundFile, bags, dated, tables};
 use crate::deployment::format::{self, Format, OpenError, Question};
 use crate::deployment::{
-    ColumnMapping, Finding, Measurement, OneOrMany, Overrides, Recording,
-    TimeCorrection, Track, TrackFrame, station_clocks,
+    ColumnMapping, Finding, Measurement, OneOrMany, Overrides, Recording, TimeCorrection, Track,
+    TrackFrame, station_clocks,
 };
 use crate::progress::Progress;
 

@@ -2,8 +2,8 @@
 
 use super::OpenError;
 use super::messages::StampedPose;
-pub use super::stream::{LARGEST_MESSAGE_BYTES, Subscription};
 use super::stream::{Heard, Stream};
+pub use super::stream::{LARGEST_MESSAGE_BYTES, Subscription};
 use super::wire::Encoding;
 use crate::deployment::{Finding, Recording};
 use crate::progress::Progress;

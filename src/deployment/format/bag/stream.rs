@@ -41,8 +41,14 @@ pub enum Heard {
     /// A reading, or a station's word that it has none; the recording has it, or counted why not.
     Record(RawRecord),
     /// What the clock of a station (0 to 2) was corrected by.
-    Correction { station: Option<usize>, correction: TimeCorrection },
-    Pose { topic: usize, pose: StampedPose },
+    Correction {
+        station: Option<usize>,
+        correction: TimeCorrection,
+    },
+    Pose {
+        topic: usize,
+        pose: StampedPose,
+    },
     /// A position that nobody says the station of, or a reading that other topics stand in for.
     NotTaken,
 }
@@ -217,13 +223,7 @@ impl Stream {
         }
     }
 
-    fn point(
-        &mut self,
-        station: usize,
-        point: &Point,
-        recorded_s: f64,
-        place: usize,
-    ) -> RawRecord {
+    fn point(&mut self, station: usize, point: &Point, recorded_s: f64, place: usize) -> RawRecord {
         if point.stamp_s.is_none() {
             self.without_any_time[station] += 1;
         }
