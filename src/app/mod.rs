@@ -54,9 +54,9 @@ mod words;
 pub use layout::Layout;
 pub use model::{
     AngleUnit, Asked, AskedAnswer, Camera, Colouring, Command, LayoutDescription, LayoutPreset,
-    LengthUnit, OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, PlanCommand, Playback,
-    Plotted, Results, Ruler, RulerEnd, Run, SceneOptions, StudyKind, StudyOptions, StudyResult,
-    TimeUnit, Timeline, Units, ViewPreset, Visibility, WayPlots, toasts,
+    LengthUnit, LiveCommand, LiveForm, OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin,
+    PlanCommand, Playback, Plotted, Results, Ruler, RulerEnd, Run, SceneOptions, StudyKind,
+    StudyOptions, StudyResult, TimeUnit, Timeline, Units, ViewPreset, Visibility, WayPlots, toasts,
 };
 pub use picture::{offscreen_renderer, picture};
 pub use prepared::channels::Channel;

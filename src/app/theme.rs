@@ -5,6 +5,9 @@ use egui::{Color32, FontFamily, FontId, TextStyle};
 use crate::deployment::Severity;
 use crate::palette::Rgb;
 
+const TEXT_LIGHT: Color32 = Color32::from_gray(40);
+const TEXT_DARK: Color32 = Color32::from_gray(205);
+
 /// Sets fonts and spacing for both themes.
 pub fn apply(ctx: &egui::Context) {
     // Inter has the arrows and Greek letters that egui's own font lacks, and reads better at 13 points.
@@ -31,11 +34,36 @@ pub fn apply(ctx: &egui::Context) {
         style.spacing.interact_size.y = 20.0;
     });
     ctx.style_mut_of(egui::Theme::Light, |style| {
-        style.visuals.override_text_color = Some(Color32::from_gray(40));
+        style.visuals.override_text_color = Some(TEXT_LIGHT);
     });
     ctx.style_mut_of(egui::Theme::Dark, |style| {
-        style.visuals.override_text_color = Some(Color32::from_gray(205));
+        style.visuals.override_text_color = Some(TEXT_DARK);
     });
+}
+
+/// How much larger type is in the sun.
+const IN_THE_SUN: f32 = 1.3;
+
+/// Makes type large and contrast full, in either theme; or as it was.
+pub fn in_the_sun(ctx: &egui::Context, on: bool) {
+    ctx.set_zoom_factor(if on { IN_THE_SUN } else { 1.0 });
+    for (theme, ink, ground, text) in [
+        (egui::Theme::Light, Color32::BLACK, Color32::WHITE, TEXT_LIGHT),
+        (egui::Theme::Dark, Color32::WHITE, Color32::BLACK, TEXT_DARK),
+    ] {
+        let usual = theme.default_visuals();
+        ctx.style_mut_of(theme, |style| {
+            let visuals = &mut style.visuals;
+            visuals.override_text_color = Some(if on { ink } else { text });
+            (visuals.panel_fill, visuals.window_fill) =
+                if on { (ground, ground) } else { (usual.panel_fill, usual.window_fill) };
+            let (weak, width) = if on { (Some(ink), 1.5) } else { (usual.weak_text_color, 1.0) };
+            visuals.weak_text_color = weak;
+            let lines = &mut visuals.widgets.noninteractive.bg_stroke;
+            let colour = if on { ink } else { usual.widgets.noninteractive.bg_stroke.color };
+            *lines = egui::Stroke::new(width, colour);
+        });
+    }
 }
 
 pub fn rgb([r, g, b]: Rgb) -> Color32 {

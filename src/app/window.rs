@@ -21,6 +21,9 @@ use crate::analysis::Settings;
 use crate::app::model::{Command, Commands, Overlay, Pane};
 use crate::deployment::{Deployment, Sample, Source};
 
+/// How often it is looked what came in of a live deployment.
+const LIVE_EVERY: std::time::Duration = std::time::Duration::from_millis(200);
+
 /// What the window shows first.
 #[derive(Clone)]
 pub enum Start {
@@ -100,6 +103,9 @@ impl eframe::App for ResectWindow {
         }
         self.state.take_outcomes();
         self.state.keep_replaced();
+        if self.state.follow_live() {
+            ui.ctx().request_repaint_after(LIVE_EVERY);
+        }
         let now_s = ui.input(|input| input.time);
         if let Some(next_s) = self.state.advance(now_s) {
             ui.ctx().request_repaint_after_secs((next_s - now_s) as f32);
@@ -222,6 +228,7 @@ impl Panes<'_> {
             Pane::PlanNumbers => panels::plan::numbers(ui, self.state, self.commands),
             Pane::PlanMap => plots::plan_map::ui(ui, self.state, self.commands),
             Pane::Prediction => panels::plan::foreseen(ui, self.state, self.commands),
+            Pane::Live => panels::live::ui(ui, self.state, self.commands),
         }
     }
 }

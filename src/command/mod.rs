@@ -8,6 +8,7 @@ mod desktop;
 mod evaluate;
 mod explain;
 mod export;
+mod live;
 mod output;
 mod report;
 mod screenshot;
@@ -60,6 +61,8 @@ enum Command {
     Trajectory(trajectory::Arguments),
     /// Judge trajectories of other systems by the deployment's own, with its σ
     Evaluate(evaluate::Arguments),
+    /// Calibrate while it is driven, from a stream of the network or a replay
+    Live(live::Arguments),
     /// Tell what is in a folder or file, and what is wrong with it
     Check(check::Arguments),
     /// Write verdict, transforms, residuals and data as one HTML page
@@ -111,6 +114,7 @@ pub fn run() -> ExitCode {
         Some(Command::Sweep(arguments)) => sweep::run(&arguments),
         Some(Command::Trajectory(arguments)) => trajectory::run(&arguments),
         Some(Command::Evaluate(arguments)) => evaluate::run(&arguments),
+        Some(Command::Live(arguments)) => live::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),

@@ -21,6 +21,7 @@ pub use self::found::{FOLDER_DEPTH, FoundFile, find, in_memory, list_folder};
 use self::gnss::read_gnss;
 use self::rig::read_rig;
 use self::surveys::Surveys;
+pub use self::tracks::of_recording as tracks_of_recording;
 use super::format::{self, Format, OpenError};
 use super::printable::printable;
 use super::{Deployment, Finding, Overrides};
@@ -52,6 +53,20 @@ pub fn open_files(name: &str, files: &[(&str, &str)]) -> Result<Deployment, Open
 ///
 /// `progress` counts the bytes of the files that are read.
 pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenError> {
+    put_together(found, progress, |name, overrides| tracks::read(name, found, overrides, progress))
+}
+
+/// Reads everything but tracks, for those whose readings come from elsewhere.
+pub fn combine_without_tracks(found: &Found, progress: &Progress) -> Result<Deployment, OpenError> {
+    put_together(found, progress, |_, overrides| Ok(tracks::TracksRead::none(overrides)))
+}
+
+/// `read_tracks` is given the deployment's name and its overrides.
+fn put_together<'a>(
+    found: &'a Found,
+    progress: &Progress,
+    read_tracks: impl FnOnce(&str, &Overrides) -> Result<tracks::TracksRead<'a>, OpenError>,
+) -> Result<Deployment, OpenError> {
     let files = &found.files;
     // Only the folder's own: one further down belongs to another deployment.
     let is_overrides =
@@ -73,7 +88,7 @@ pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenErr
     let mut used: Vec<&str> = Vec::new();
     used.extend(files.iter().filter(is_overrides).map(|f| f.file.as_str()));
 
-    let read = tracks::read(&name, found, &overrides, progress)?;
+    let read = read_tracks(&name, &overrides)?;
     used.extend(read.files);
     findings.extend(read.findings);
     let prism_constants_m = read.prism_constants_m;
@@ -93,7 +108,7 @@ pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenErr
     let gnss = read_gnss(&mut reading)?;
     let mut as_read = in_folder;
     as_read.inter_prism_m = as_read.inter_prism_m.or(reading.distances_of_files_m);
-    findings.push(read.about_prism_constant);
+    findings.extend(read.about_prism_constant);
 
     let ingredients = files
         .iter()

@@ -122,6 +122,11 @@ pub struct MaskedReading {
 }
 
 impl Overrides {
+    /// Whether azimuths of the tracks turn against the clock.
+    pub fn is_counter_clockwise(&self) -> bool {
+        self.azimuth == Some(AzimuthSense::CounterClockwise)
+    }
+
     /// What these overrides say, and where they say nothing, what `base` says.
     #[must_use]
     pub fn over(self, base: Self) -> Self {

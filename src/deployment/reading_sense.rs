@@ -87,7 +87,7 @@ impl Impossible {
 
 /// What is remembered of a station's readings that its recorder calls valid: how many are impossible, and a sample spread
 /// evenly over all.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct StationSense {
     valid: u64,
     impossible: [u64; Impossible::DOUBTFUL.len()],

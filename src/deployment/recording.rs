@@ -21,7 +21,7 @@ pub struct RawRecord {
 const REASONS_IN_AN_ERROR: usize = 3;
 
 /// What the readers of tracks fill, file by file: usable readings, and why the others are not.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Recording {
     file: String,
     place_word: &'static str,
@@ -30,6 +30,8 @@ pub struct Recording {
     counter_clockwise: bool,
     tracks: [Track; 3],
     late: [usize; 3],
+    /// Whether a track holds readings that came late, and is to be sorted.
+    unsorted: [bool; 3],
     /// Count of duplicates, and the first place where one stood.
     duplicates: [(usize, Option<String>); 3],
     dropped: Dropped,
@@ -97,7 +99,10 @@ impl Recording {
                 });
                 return;
             }
-            Some(last) if measurement.time_s < last.time_s => self.late[station] += 1,
+            Some(last) if measurement.time_s < last.time_s => {
+                self.late[station] += 1;
+                self.unsorted[station] = true;
+            }
             _ => {}
         }
         if let Some(own_clock_s) = record.own_clock_s {
@@ -129,10 +134,38 @@ impl Recording {
         reading_sense::check(&self.sense, files, self.place_word == "line")
     }
 
+    /// Puts what came so far in order of time, and takes out what has the stamp of another reading: the first to come stays.
+    pub fn settle(&mut self) {
+        for (station, track) in self.tracks.iter_mut().enumerate() {
+            if !track.own_clock_s.is_empty() {
+                track.own_clock_s.resize(track.measurements.len(), f64::NAN);
+            }
+            if std::mem::take(&mut self.unsorted[station]) {
+                self.duplicates[station].0 += sort_by_time(track);
+            }
+        }
+    }
+
+    /// The tracks so far; in order of time once they are settled.
+    pub fn tracks(&self) -> &[Track; 3] {
+        &self.tracks
+    }
+
+    /// How many readings of each station came late, and how many were repeated.
+    pub fn late_and_repeated(&self) -> [[usize; 2]; 3] {
+        [0, 1, 2].map(|station| [self.late[station], self.duplicates[station].0])
+    }
+
+    /// How many records cannot be readings.
+    pub fn dropped(&self) -> usize {
+        self.dropped.0.iter().map(|(_, count, _)| count).sum()
+    }
+
     /// The tracks in order of time, and everything that was noticed; `files` names where they come from.
     ///
     /// An error where there is no usable reading at all: it says what was wrong with those there are.
-    pub fn finish(self, files: &str) -> Result<([Track; 3], Vec<Finding>), OpenError> {
+    pub fn finish(mut self, files: &str) -> Result<([Track; 3], Vec<Finding>), OpenError> {
+        self.settle();
         let Self { tracks, late, duplicates, dropped, mut findings, .. } = self;
         if tracks.iter().all(|track| track.measurements.is_empty()) {
             return Err(OpenError::file(
@@ -144,13 +177,9 @@ impl Recording {
         findings.extend(dropped.into_findings());
         let stations = tracks.into_iter().zip(late).zip(duplicates).enumerate();
         let tracks: Vec<Track> = stations
-            .map(|(station, ((mut track, late), (mut repeated, first)))| {
+            .map(|(station, ((track, late), (repeated, first)))| {
                 let number = station + 1;
-                if !track.own_clock_s.is_empty() {
-                    track.own_clock_s.resize(track.measurements.len(), f64::NAN);
-                }
                 if late > 0 {
-                    repeated += sort_by_time(&mut track);
                     findings.push(Finding::warning(format!(
                         "station {number}: {late} out-of-order stamps in {files}; the track was sorted by time"
                     )));
@@ -197,7 +226,7 @@ pub fn station_index(number: i64) -> Option<usize> {
 }
 
 /// Counts of left-out records by reason, each with the first place it happened.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Dropped(Vec<(String, usize, String)>);
 
 impl Dropped {

@@ -9,6 +9,7 @@ pub mod drawing;
 pub mod estimates;
 mod frame;
 pub mod json;
+pub mod live;
 pub mod of_run;
 pub mod plan_view;
 pub mod report;

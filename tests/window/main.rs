@@ -11,6 +11,7 @@ mod clocks;
 mod drives;
 mod guide;
 mod harness;
+mod live;
 mod messages;
 mod naming;
 mod numbers;

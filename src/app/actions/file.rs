@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
-use crate::app::model::{Command, PictureTo, PlanCommand};
+use crate::app::model::{Command, LiveCommand, PictureTo, PlanCommand};
 use crate::app::state::State;
 use crate::deployment::{Extras, Sample, Source};
 use crate::export::copy::{CopyFormat, Part};
@@ -18,6 +18,15 @@ pub fn actions(state: &State) -> Vec<Action> {
             .hint("A file of tracks, with what lies beside it")
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::O),
     ];
+    let (live, running) = (Command::Live(LiveCommand::Show), state.live.is_running());
+    actions.push(
+        file("", "Connect…", live)
+            .hint("To a stream of the network or a replay: answers while it is driven"),
+    );
+    if running {
+        let stop = Command::Live(LiveCommand::Stop);
+        actions.push(file("", "Stop the live deployment", stop).hint("What it recorded is kept"));
+    }
     if state.active().is_some() {
         actions.push(file("", "Judge a trajectory…", Command::AddEstimateDialog).hint(
             "SLAM's or odometry's (TUM, EuRoC, KITTI, CSV), by the deployment that is shown",

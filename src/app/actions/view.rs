@@ -48,7 +48,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     ];
     for station in 0..3 {
         let name = format!("From station {}", station + 1);
-        let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4];
+        let keys = [Key::Num1, Key::Num2, Key::Num3];
         let look = Command::Look(ViewPreset::Station(station));
         actions.push(view("Scene", &name, look).key(keys[station]));
     }
@@ -61,7 +61,8 @@ pub fn actions(state: &State) -> Vec<Action> {
         Pane::ALL.into_iter().map(|pane| view("Panes", pane.title(), Command::ShowPane(pane))),
     );
     actions.extend(channels(state));
-    for (preset, key) in LayoutPreset::ALL.into_iter().zip([Key::Num1, Key::Num2, Key::Num3]) {
+    let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
+    for (preset, key) in LayoutPreset::ALL.into_iter().zip(keys) {
         let name = format!("Layout: {}", preset.title());
         actions
             .push(view("Layout", &name, Command::UseLayout(preset)).hint(preset.hint()).ctrl(key));
@@ -77,6 +78,11 @@ pub fn actions(state: &State) -> Vec<Action> {
     {
         actions.push(view("Theme", name, Command::UseTheme(theme)).one_of(state.theme == theme));
     }
+    actions.push(
+        view("Theme", "Readable in the sun", Command::ReadInTheSun(!state.in_the_sun))
+            .hint("Large type and full contrast, in either theme")
+            .on(state.in_the_sun),
+    );
     for length in LengthUnit::ALL {
         let name = format!("Lengths in {}", length.name());
         let units = Units { length, ..state.units };

@@ -6,7 +6,7 @@ use super::Units;
 use super::studies::StudyOptions;
 use super::{Asked, AskedAnswer, Lookup, Palette, Picked, Plotted, Visibility};
 use super::{Colouring, Ruler, SceneOptions, ViewPreset};
-use super::{LayoutPreset, Pane, PlanCommand, WayPlots};
+use super::{LayoutPreset, LiveCommand, Pane, PlanCommand, WayPlots};
 use crate::analysis::Settings;
 use crate::app::file_dialog::PromptCommand;
 use crate::deployment::{Extras, Sample, Source};
@@ -112,6 +112,8 @@ pub enum Command {
     Measure(Ruler),
     SetUnits(Units),
     UseTheme(egui::ThemePreference),
+    /// Large type and full contrast, to be read in the sun.
+    ReadInTheSun(bool),
     Look(ViewPreset),
     /// The camera glides to a place (m, in station 1's frame).
     ComeTo(nalgebra::Vector3<f64>),
@@ -137,7 +139,10 @@ pub enum Command {
     /// Chooses what the pane of the trajectory plots.
     PlotWay(WayPlots),
 
+    /// Something about the plan.
     Plan(PlanCommand),
+    /// Something about the live deployment.
+    Live(LiveCommand),
 
     /// Holds the active deployment's calibration against the others that are open.
     ValidateOthers,

@@ -3,8 +3,8 @@
 use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
     Channels, Clocks, ControlPoints, Deployment, Evaluation, Findings, Guide, Histogram, Intervals,
-    Pipeline, PlanMap, PlanNumbers, Prediction, PriorSearch, Rates, Reading, Residuals, Result,
-    Runs, Scene, SideBySide, Studies, Trajectory,
+    Live, Pipeline, PlanMap, PlanNumbers, Prediction, PriorSearch, Rates, Reading, Residuals,
+    Result, Runs, Scene, SideBySide, Studies, Trajectory,
 };
 
 /// A ready-made layout for one kind of work.
@@ -18,10 +18,12 @@ pub enum LayoutPreset {
     Compare,
     /// Where to put stations and what to drive, before it is driven.
     Plan,
+    /// Watching a deployment grow while it is driven.
+    Live,
 }
 
 impl LayoutPreset {
-    pub const ALL: [Self; 4] = [Self::Inspect, Self::Tune, Self::Compare, Self::Plan];
+    pub const ALL: [Self; 5] = [Self::Inspect, Self::Tune, Self::Compare, Self::Plan, Self::Live];
 
     pub fn title(self) -> &'static str {
         match self {
@@ -29,6 +31,7 @@ impl LayoutPreset {
             Self::Tune => "Tune",
             Self::Compare => "Compare",
             Self::Plan => "Plan",
+            Self::Live => "Live",
         }
     }
 
@@ -39,6 +42,7 @@ impl LayoutPreset {
             Self::Tune => "The pipeline beside the rates and intervals that its thresholds cut",
             Self::Compare => "Deployments, studies and runs beside each other",
             Self::Plan => "Stations and way from above, and what a drive there will tell",
+            Self::Live => "Whether it is enough while it is driven, and the tracks as they grow",
         }
     }
 
@@ -90,6 +94,16 @@ impl LayoutPreset {
                     ]),
                 ),
                 (0.3, column([(0.6, tabs(&[Result, Findings])), (0.4, tabs(&[Runs, Deployment]))])),
+            ]),
+            Self::Live => row([
+                (0.45, tabs(&[Live])),
+                (
+                    0.55,
+                    column([
+                        (0.7, tabs(&[Scene, Result, Findings])),
+                        (0.3, tabs(&[Residuals, Intervals, Clocks])),
+                    ]),
+                ),
             ]),
         }
     }

@@ -17,6 +17,8 @@ pub struct OpenDeployment {
     /// Tells it from every other that was ever opened.
     pub id: u64,
     pub deployment: Arc<Deployment>,
+    /// The same with more readings, of which an answer is awaited.
+    pub more: Option<Arc<Deployment>>,
     /// Where the deployment can be read again.
     pub source: Option<Source>,
     /// The longest range of each station (m); found once, because the window asks in every frame.
@@ -71,6 +73,7 @@ impl OpenDeployment {
         Self {
             id,
             deployment,
+            more: None,
             source,
             longest_range_m,
             settings,
@@ -119,8 +122,16 @@ impl OpenDeployment {
             self.timeline.picked = None;
         }
         self.deployment = deployment;
+        self.more = None;
         self.source = Some(source);
         self.placeholder = false;
+    }
+
+    /// Takes in what the answer that comes with it is of: the same deployment with more readings.
+    fn grow(&mut self, deployment: Arc<Deployment>) {
+        self.longest_range_m = longest_range_m(&deployment);
+        self.timeline.grow(&deployment);
+        self.deployment = deployment;
     }
 
     /// Time of the first measurement (s): what the plots count from.
@@ -140,6 +151,9 @@ impl OpenDeployment {
             return false;
         };
         let Answered { analysis, plots, clouds, joint_follows, .. } = answered;
+        if let Some(more) = self.more.take() {
+            self.grow(more);
+        }
         self.analysing = joint_follows.then_some(Analysing { joint_follows, ..analysing });
         self.answered |= !joint_follows;
         if self.timeline.cursor_s.is_none() {

@@ -39,11 +39,13 @@ pub enum Pane {
     PlanMap,
     /// What is foreseen of a plan.
     Prediction,
+    /// A live deployment: is it enough, and if not what to drive.
+    Live,
 }
 
 impl Pane {
     /// All panes in the order of the menu.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -67,6 +69,7 @@ impl Pane {
         Self::PlanMap,
         Self::PlanNumbers,
         Self::Prediction,
+        Self::Live,
     ];
 
     pub fn title(self) -> &'static str {
@@ -94,6 +97,7 @@ impl Pane {
             Self::PlanNumbers => "Plan in numbers",
             Self::PlanMap => "Plan",
             Self::Prediction => "Prediction",
+            Self::Live => "Live",
         }
     }
 
@@ -123,6 +127,7 @@ impl Pane {
             Self::PlanNumbers => "plan-numbers",
             Self::PlanMap => "plan",
             Self::Prediction => "prediction",
+            Self::Live => "live",
         }
     }
 

@@ -57,6 +57,17 @@ impl Timeline {
         Self { whole_s, window_s: whole_s, cursor_s: None, selection_s: None, picked: None }
     }
 
+    /// The same deployment has more readings: who saw all sees all, and who looks closer stays where he is.
+    pub fn grow(&mut self, deployment: &Deployment) {
+        let new = Self::new(deployment);
+        if self.window_s == self.whole_s {
+            self.window_s = new.window_s;
+        }
+        self.whole_s = new.whole_s;
+        // Readings that came late move the others on.
+        self.picked = None;
+    }
+
     /// Moves the cursor, within the deployment.
     pub fn move_cursor(&mut self, time_s: f64) {
         if time_s.is_finite() {

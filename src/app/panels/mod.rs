@@ -11,6 +11,7 @@ pub mod evaluation;
 pub mod findings;
 pub mod glossary;
 pub mod guide;
+pub mod live;
 pub mod minima;
 mod number;
 pub mod observability;

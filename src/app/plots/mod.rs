@@ -10,6 +10,7 @@ pub mod clocks;
 mod estimate_errors;
 pub mod histogram;
 pub mod intervals;
+pub mod live_sigma;
 mod log_axis;
 mod marks;
 mod navigation;

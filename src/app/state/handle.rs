@@ -8,7 +8,7 @@ use crate::analysis::Settings;
 use crate::app::layout::Layout;
 use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{Command, Lookup, Overlay, Palette, Pane, Picked, Timeline, studies};
-use crate::app::words;
+use crate::app::{theme, words};
 use crate::deployment::{Deployment, Source};
 use crate::export;
 use crate::progress::Progress;
@@ -144,6 +144,10 @@ impl State {
                 ctx.set_theme(theme);
                 self.theme = theme;
             }
+            Command::ReadInTheSun(on) => {
+                theme::in_the_sun(ctx, on);
+                self.in_the_sun = on;
+            }
             Command::Look(preset) => self.look(preset),
             Command::ComeTo(position_m) => self.come_to(&position_m),
             Command::ShowPane(pane) => self.layout.show(pane),
@@ -192,6 +196,7 @@ impl State {
             Command::PlotWay(plots) => self.way_plots = plots,
 
             Command::Plan(command) => self.handle_plan(command, Moment::now(ctx)),
+            Command::Live(command) => self.handle_live(command),
 
             Command::ValidateOthers => self.validate_others(),
 

@@ -10,6 +10,7 @@ mod deployment_toml;
 mod handle;
 mod hovering;
 mod judging;
+mod live;
 mod looking;
 mod naming;
 mod opening;
@@ -39,6 +40,7 @@ use super::layout::Layout;
 use super::model::View;
 use super::prepared::analyser::Analyser;
 use crate::analysis::{Analysis, Settings};
+use crate::app::model::live::Live;
 use crate::app::model::studies::Studies;
 use crate::app::model::toasts::Toasts;
 use crate::app::model::{
@@ -84,6 +86,9 @@ pub struct State {
     pub overlay: Overlay,
     pub studies: Studies,
     pub validations: Validations,
+    pub live: Live,
+    /// Whether type is large and contrast full.
+    pub in_the_sun: bool,
     /// The dialog for a path inside the window.
     pub prompt: Option<OpenPrompt>,
     /// What the user is asked before it goes on, one after the other.
@@ -145,6 +150,8 @@ impl State {
             overlay: Overlay::None,
             studies: Studies::default(),
             validations: Validations::default(),
+            live: Live::default(),
+            in_the_sun: false,
             prompt: None,
             asked: VecDeque::new(),
             asks_in_window: !file_dialog::system::is_there(),

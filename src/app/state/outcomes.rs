@@ -88,7 +88,9 @@ impl State {
         if !open.take(answered) {
             return;
         }
-        if !joint_follows {
+        // What is new each second is told where it grows.
+        let is_live = self.live.is_running() && self.live.id == Some(id);
+        if !joint_follows && !is_live {
             let of_answer = analysis.answer.as_ref().map(|answer| &answer.calibration.findings[..]);
             let now = open.deployment.findings.iter().chain(of_answer.unwrap_or_default());
             self.toasts.update((id, &name), &now);
@@ -109,6 +111,7 @@ impl State {
             // Prisms are found anew; everything else stands elsewhere now.
             self.ruler.ends.retain(|end| end.prism.is_some());
         }
+        self.tell_live(id, &analysis, joint_follows);
         // What is told, remembered and pinned is the joint estimate.
         if !joint_follows {
             self.remember_run(id, &analysis);

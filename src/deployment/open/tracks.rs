@@ -4,8 +4,8 @@ use super::cartesian;
 use super::{Found, FoundFile, bags, dated, tables};
 use crate::deployment::format::{self, Format, OpenError, Question};
 use crate::deployment::{
-    AzimuthSense, ColumnMapping, Finding, Measurement, OneOrMany, Overrides, Recording,
-    TimeCorrection, Track, TrackFrame, station_clocks,
+    ColumnMapping, Finding, Measurement, OneOrMany, Overrides, Recording, TimeCorrection, Track,
+    TrackFrame, station_clocks,
 };
 use crate::progress::Progress;
 
@@ -19,7 +19,8 @@ pub struct TracksRead<'a> {
     pub time_corrections: [Vec<TimeCorrection>; 3],
     /// What belongs on every range of a station (m), whether or not those of the tracks contain it already.
     pub prism_constants_m: [f64; 3],
-    pub about_prism_constant: Finding,
+    /// What is added to which ranges, once there are any.
+    pub about_prism_constant: Option<Finding>,
     /// Names of the files that were read.
     pub files: Vec<&'a str>,
     pub findings: Vec<Finding>,
@@ -45,8 +46,7 @@ pub fn read<'a>(
     let beside = files.iter().filter(|f| f.is_read_beside_tracks()).map(|f| f.bytes);
     progress.expect(track_files.iter().map(|f| f.bytes).sum::<u64>() + beside.sum::<u64>());
     let mut used: Vec<&str> = track_files.iter().map(|f| f.file.as_str()).collect();
-    let counter_clockwise = overrides.azimuth == Some(AzimuthSense::CounterClockwise);
-    let mut recording = Recording::new(overrides.stations, counter_clockwise);
+    let mut recording = Recording::new(overrides.stations, overrides.is_counter_clockwise());
     let mut frame = TrackFrame::Own;
     if track_files.iter().all(|f| f.format == Format::CartesianTrack) {
         let (theirs, undone) = cartesian::read(&track_files, files, progress, &mut recording)?;
@@ -55,34 +55,50 @@ pub fn read<'a>(
     } else {
         read_files(&track_files, &stations, overrides, progress, &mut recording)?;
     }
+    let track_names = track_files.iter().map(|f| f.file.as_str()).collect::<Vec<_>>().join(", ");
+    let mut read = of_recording(recording, &track_names, &found.put_right, overrides)?;
+    read.findings.splice(0..0, findings);
+    read.findings.extend(dated::contradicts_folder(&found.name, &read.tracks));
+    Ok(TracksRead { frame, files: used, ..read })
+}
+
+/// The tracks that a recording holds, by what the overrides say of them; `track_names` says where they come from.
+pub fn of_recording<'a>(
+    mut recording: Recording,
+    track_names: &str,
+    put_right: &Overrides,
+    overrides: &Overrides,
+) -> Result<TracksRead<'a>, OpenError> {
     let time_corrections = std::mem::take(&mut recording.time_corrections);
     let include_constant =
         overrides.ranges_include_prism_constant.unwrap_or(recording.ranges_include_prism_constant);
-    let track_names = track_files.iter().map(|f| f.file.as_str()).collect::<Vec<_>>().join(", ");
-    findings.extend(recording.check_sense(&track_names)?);
-    let (mut tracks, track_findings) = recording.finish(&track_names)?;
+    let mut findings = recording.check_sense(track_names)?;
+    let (mut tracks, track_findings) = recording.finish(track_names)?;
     findings.extend(track_findings);
     findings.extend(station_clocks::findings(&tracks, &time_corrections));
-    let prism_constants_m = overrides.prism_constant_m.unwrap_or_default().each_m();
-    for (track, constant_m) in tracks.iter_mut().zip(prism_constants_m) {
-        track.prism_constant_m = if include_constant { 0.0 } else { constant_m };
+    let none = TracksRead::none(overrides);
+    let constants_m = &none.prism_constants_m;
+    for (track, constant_m) in tracks.iter_mut().zip(constants_m) {
+        track.prism_constant_m = if include_constant { 0.0 } else { *constant_m };
     }
-    findings.extend(dated::contradicts_folder(&found.name, &tracks));
     leave_out(&mut tracks, overrides, &mut findings);
-    Ok(TracksRead {
-        tracks,
-        frame,
-        time_corrections,
-        prism_constants_m,
-        about_prism_constant: about_prism_constant(
-            &prism_constants_m,
-            include_constant,
-            &found.put_right,
-            overrides,
-        ),
-        files: used,
-        findings,
-    })
+    let about = about_prism_constant(constants_m, include_constant, put_right, overrides);
+    Ok(TracksRead { tracks, time_corrections, findings, about_prism_constant: Some(about), ..none })
+}
+
+impl TracksRead<'_> {
+    /// Tracks that nothing was measured of yet.
+    pub fn none(overrides: &Overrides) -> Self {
+        Self {
+            tracks: Default::default(),
+            frame: TrackFrame::Own,
+            time_corrections: Default::default(),
+            prism_constants_m: overrides.prism_constant_m.unwrap_or_default().each_m(),
+            about_prism_constant: None,
+            files: Vec::new(),
+            findings: Vec::new(),
+        }
+    }
 }
 
 /// What is added to which ranges, and who says so.

@@ -8,7 +8,7 @@ use crate::statistics::median;
 const KEPT_ARRIVALS: usize = 4096;
 
 /// When readings reached the recorder, against both of their times: an independent witness.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Arrivals {
     /// How long after its stamp and after its own clock a reading of each station arrived (s); every `every`-th.
     kept: [Vec<(f64, f64)>; 3],

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
+pub use crate::deployment::format::bag::wire::stamp;
 use crate::evaluation::trajectory::{Pose, Twist};
 
 pub const TOPIC: &str = "/resect/odometry";
@@ -39,16 +40,6 @@ pub fn ros1_definition() -> String {
 /// The same as ROS 2 writes it.
 pub fn ros2_definition() -> String {
     [&[ODOMETRY], &HEADER_2[..], &PARTS].concat().join(SEPARATOR)
-}
-
-/// A time as ROS writes it: whole seconds, and nanoseconds beyond.
-pub fn stamp(time_s: f64) -> [u32; 2] {
-    // Nanoseconds of today have more digits than a number in double precision.
-    let seconds = time_s.max(0.0).floor();
-    match ((time_s - seconds) * 1e9).round() as u32 {
-        1_000_000_000 => [seconds as u32 + 1, 0],
-        nanoseconds => [seconds as u32, nanoseconds],
-    }
 }
 
 /// One pose in ROS 1's encoding; `number` counts the messages.
@@ -116,12 +107,6 @@ fn rows(covariance: &Matrix6<f64>) -> impl Iterator<Item = f64> {
 mod tests {
     use super::*;
     use nalgebra::UnitQuaternion;
-
-    #[test]
-    fn stamps_are_rounded_to_nanoseconds_across_whole_seconds() {
-        assert_eq!(stamp(1.999_999_999_9), [2, 0]);
-        assert_eq!(stamp(1_657_543_210.25), [1_657_543_210, 250_000_000]);
-    }
 
     #[test]
     fn a_vehicle_that_drives_ahead_has_its_velocity_along_its_own_x() {

@@ -15,7 +15,7 @@
 //!
 //! Time corrections and Leica points could not be tried on a real recording, only on messages written to these definitions.
 
-use super::wire::{Encoding, Malformed, Wire};
+use super::wire::{Encoding, Malformed, Wire, stamp};
 
 /// What a message is, by the name of its type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,6 +149,31 @@ pub fn decode(kind: Kind, encoding: Encoding, message: &[u8]) -> Result<Message,
     })
 }
 
+/// The definition of the authors' readings as ROS 2 writes it, with those of the messages in it.
+pub const THEODOLITE_DEFINITION: &str = "std_msgs/Header header\nbuiltin_interfaces/Time theodolite_time\nuint8 theodolite_id\nuint8 status\n\
+    float64 azimuth\nfloat64 elevation\nfloat64 distance\n\
+    ================================================================================\n\
+    MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n\
+    ================================================================================\n\
+    MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+
+/// A reading as little-endian CDR, which [`decode`] reads again; times are rounded to nanoseconds.
+pub fn encode_coords(coords: &Coords) -> Vec<u8> {
+    let mut bytes = vec![0, 1, 0, 0];
+    let times = |bytes: &mut Vec<u8>, time_s: Option<f64>| {
+        stamp(time_s.unwrap_or(0.0)).iter().for_each(|part| bytes.extend(part.to_le_bytes()));
+    };
+    times(&mut bytes, coords.stamp_s);
+    // An empty name of a frame with its closing zero, and room up to the next number.
+    bytes.extend([1, 0, 0, 0, 0, 0, 0, 0]);
+    times(&mut bytes, coords.own_clock_s);
+    bytes.extend([coords.station, coords.status, 0, 0, 0, 0, 0, 0]);
+    for number in [coords.azimuth_rad, coords.zenith_rad, coords.range_m] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes
+}
+
 fn position_m(wire: &mut Wire<'_>) -> Result<[f64; 3], Malformed> {
     Ok([wire.f64()?, wire.f64()?, wire.f64()?])
 }
@@ -240,6 +265,24 @@ mod tests {
             let leica = writer().header(0, 0).string("p12").floats(&point.position_m);
             let leica = leica.string("11.07.2022").string("19:50:01");
             assert_eq!(decode(Kind::LeicaPoint, encoding, &leica.0), Ok(Message::Point(point)));
+        }
+    }
+
+    #[test]
+    fn a_reading_that_is_written_reads_as_it_was() {
+        for own_clock_s in [None, Some(1_657_569_000.25)] {
+            let coords = Coords {
+                stamp_s: Some(1_657_569_001.123_456_7),
+                own_clock_s,
+                station: 3,
+                status: 0,
+                azimuth_rad: 0.1,
+                zenith_rad: 1.5,
+                range_m: 30.25,
+            };
+            let bytes = encode_coords(&coords);
+            let read = decode(Kind::TheodoliteCoords, Encoding::Cdr, &bytes);
+            assert_eq!(read, Ok(Message::Coords(coords)));
         }
     }
 

@@ -6,7 +6,8 @@
 //! | [`sqlite`], [`mcap`] | those of ROS 2 |
 //! | [`container`] | bytes with a position, and how a walk goes on after damage |
 //! | [`inflate`] | bz2, lz4, zstd, under a cap |
-//! | [`messages`], [`wire`] | which fields the messages have, and how they are written; a live stream has the same |
+//! | [`messages`], [`wire`] | which fields the messages have, and how they are written |
+//! | [`stream`] | what message after message says, in a recording or live |
 //! | [`intake`], [`outcome`] | messages into the recording; what is said of them in the end |
 //!
 //! A container is told by its first bytes, and so is what zstd compressed by file (`.db3.zstd`, `.mcap.zstd`) or by message: what
@@ -22,6 +23,7 @@ pub mod messages;
 mod outcome;
 mod ros1;
 mod sqlite;
+pub mod stream;
 pub mod wire;
 
 use std::fs::File;
@@ -117,7 +119,7 @@ pub fn poses(
         intake.end_file()?;
     }
     let poses = intake.poses.take().unwrap_or_default();
-    let names: Vec<String> = intake.topics.iter().map(|topic| topic.name.clone()).collect();
+    let names: Vec<String> = intake.stream.topics.iter().map(|topic| topic.name.clone()).collect();
     drop(intake);
     let topics = names.into_iter().zip(poses).map(|(name, poses)| PoseTopic { name, poses });
     let mut topics: Vec<PoseTopic> = topics.filter(|topic| !topic.poses.is_empty()).collect();

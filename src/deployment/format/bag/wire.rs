@@ -124,3 +124,24 @@ impl<'a> Wire<'a> {
         Ok(stamp_s)
     }
 }
+
+/// A time as ROS writes it: whole seconds, and nanoseconds beyond.
+pub fn stamp(time_s: f64) -> [u32; 2] {
+    // Nanoseconds of today have more digits than a number in double precision.
+    let seconds = time_s.max(0.0).floor();
+    match ((time_s - seconds) * 1e9).round() as u32 {
+        1_000_000_000 => [seconds as u32 + 1, 0],
+        nanoseconds => [seconds as u32, nanoseconds],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stamps_are_rounded_to_nanoseconds_across_whole_seconds() {
+        assert_eq!(stamp(1.999_999_999_9), [2, 0]);
+        assert_eq!(stamp(1_657_543_210.25), [1_657_543_210, 250_000_000]);
+    }
+}

@@ -1,0 +1,73 @@
+//! The live deployment of the window: what is asked for, and what listens.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::live::{Session, View};
+
+/// What the user fills in before it is connected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveForm {
+    /// Address of a stream.
+    pub address: String,
+    /// A deployment to replay instead, and how much faster than it was driven.
+    pub replay: Option<PathBuf>,
+    pub speed: f64,
+    /// Folder or file with what is known beforehand: rig, control points.
+    pub known: Option<PathBuf>,
+    pub records: bool,
+    /// Where to; a name is made up where nobody chose one.
+    pub record: Option<PathBuf>,
+    /// What σ has to come down to at the far end of the track (mm).
+    pub target_mm: f64,
+}
+
+impl Default for LiveForm {
+    fn default() -> Self {
+        Self {
+            address: "ws://localhost:8765".to_owned(),
+            replay: None,
+            speed: 10.0,
+            known: None,
+            records: true,
+            record: None,
+            target_mm: 2.0,
+        }
+    }
+}
+
+/// What is done about a live deployment.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LiveCommand {
+    /// Shows where it is filled in.
+    Show,
+    Edit(LiveForm),
+    ChooseReplay,
+    ChooseKnown,
+    ChooseRecord,
+    Connect,
+    /// Ends it; the deployment stays open as it is by then.
+    Stop,
+}
+
+/// The live deployment, if there is one, and the last.
+#[derive(Default)]
+pub struct Live {
+    pub form: LiveForm,
+    pub session: Option<Session>,
+    /// Whether a session is being begun or ended beside the window.
+    pub is_changing: bool,
+    /// What was told last, also after the end.
+    pub view: Option<Arc<View>>,
+    /// The open deployment that grows, by its id.
+    pub id: Option<u64>,
+    /// Why it was not begun, or how its recording ended.
+    pub trouble: Option<String>,
+}
+
+impl Live {
+    /// Whether something is listened to.
+    pub fn is_running(&self) -> bool {
+        self.session.is_some()
+    }
+}

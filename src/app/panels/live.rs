@@ -1,0 +1,192 @@
+//! The live deployment in large type, to be read at arm's length in the sun: is it enough, how are the stations, what is amiss, what
+//! to drive. While there is none, what it takes to begin one.
+
+mod form;
+
+use egui::{Color32, RichText, Vec2};
+
+use super::scrolled;
+use crate::app::model::live::{LiveCommand, LiveForm};
+use crate::app::model::{Command, Commands};
+use crate::app::plots::live_sigma;
+use crate::app::state::State;
+use crate::app::theme;
+use crate::calibration::Verdict;
+use crate::calibration::inter_prism::observability::Hold;
+use crate::deployment::Severity;
+use crate::live::status::StationStatus;
+use crate::live::{Link, View};
+use crate::palette;
+
+const LARGE: f32 = 34.0;
+const MIDDLE: f32 = 18.0;
+const CURVE: f32 = 190.0;
+/// A lamp of a station, and the least width of what stands beside it.
+const LAMP: f32 = 16.0;
+const STATION: f32 = 150.0;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    scrolled(ui, |ui| {
+        let live = &state.live;
+        match (&live.view, live.is_running()) {
+            (Some(view), true) => running(ui, state, view, commands),
+            (Some(view), false) if !live.is_changing => {
+                form::ui(ui, state, commands);
+                ui.separator();
+                ui.strong("The last one");
+                told(ui, view);
+            }
+            _ => form::ui(ui, state, commands),
+        }
+    });
+}
+
+fn running(ui: &mut egui::Ui, state: &State, view: &View, commands: &mut Commands) {
+    told(ui, view);
+    ui.add_space(6.0);
+    ui.horizontal_wrapped(|ui| {
+        let mut target_mm = state.live.form.target_mm;
+        ui.label("Target");
+        let drag =
+            egui::DragValue::new(&mut target_mm).range(0.1..=100.0).speed(0.05).suffix(" mm");
+        let drag =
+            ui.add(drag).on_hover_text("What σ has to come down to at the far end of the track");
+        let drag = drag.accessible_name("Target at the far end");
+        if drag.changed() {
+            let form = LiveForm { target_mm, ..state.live.form.clone() };
+            commands.push(Command::Live(LiveCommand::Edit(form)));
+        }
+        if ui.button(RichText::new("Stop").size(MIDDLE)).clicked() {
+            commands.push(Command::Live(LiveCommand::Stop));
+        }
+    });
+    below(ui, view);
+}
+
+/// What is told, the most important first.
+fn told(ui: &mut egui::Ui, view: &View) {
+    headline(ui, view);
+    let sentence = RichText::new(&view.sentence).size(MIDDLE);
+    ui.add(egui::Label::new(sentence).wrap());
+    ui.add_space(4.0);
+    for warning in &view.warnings {
+        let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
+        let line = RichText::new(format!("{sign} {}", warning.finding)).size(MIDDLE).color(colour);
+        ui.add(egui::Label::new(line).wrap());
+    }
+    ui.add_space(6.0);
+    stations(ui, view);
+    ui.add_space(6.0);
+    live_sigma::legend(ui, view);
+    live_sigma::ui(ui, view, CURVE);
+}
+
+/// Verdict and σ, or that it is enough.
+fn headline(ui: &mut egui::Ui, view: &View) {
+    let dark = ui.visuals().dark_mode;
+    ui.horizontal_wrapped(|ui| {
+        let Some(judged) = view.shown() else {
+            ui.label(RichText::new("no answer yet").size(LARGE));
+            return;
+        };
+        let word = if view.enough { "ENOUGH".to_owned() } else { judged.verdict.name().to_owned() };
+        let verdict = if view.enough { Verdict::Good } else { judged.verdict };
+        let [fill, ink] = palette::verdict(verdict).map(theme::rgb);
+        egui::Frame::new().fill(fill).inner_margin(Vec2::new(10.0, 2.0)).corner_radius(4.0).show(
+            ui,
+            |ui| {
+                ui.label(RichText::new(word).size(LARGE).strong().color(ink));
+            },
+        );
+        match judged.far_end {
+            Some(far_end) => {
+                let sigma = format!("± {:.1} mm", far_end.sigma_m * 1e3);
+                ui.label(RichText::new(sigma).size(LARGE).strong());
+                ui.label(RichText::new(format!("target {:.1}", view.target_m * 1e3)).size(MIDDLE));
+            }
+            None => {
+                let open = RichText::new("a direction is free").size(LARGE);
+                ui.label(open.color(theme::readable(palette::hold(Hold::Free), dark)));
+            }
+        }
+    });
+}
+
+/// A lamp a station, with what it takes to know.
+fn stations(ui: &mut egui::Ui, view: &View) {
+    let width = ((ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0).max(STATION);
+    ui.horizontal_wrapped(|ui| {
+        for (station, status) in view.stations.iter().enumerate() {
+            ui.vertical(|ui| {
+                ui.set_width(width);
+                of_station(ui, station, status);
+            });
+        }
+    });
+}
+
+fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus) {
+    let dark = ui.visuals().dark_mode;
+    let (lamp, words) = match (status.locked, status.age_s) {
+        (true, _) => (theme::rgb(palette::hold(Hold::Held)), "locked".to_owned()),
+        (false, Some(age_s)) => {
+            (theme::rgb(palette::hold(Hold::Free)), format!("lost {age_s:.0} s ago"))
+        }
+        (false, None) => (theme::faint(dark), "no reading yet".to_owned()),
+    };
+    ui.horizontal(|ui| {
+        let (place, _) = ui.allocate_exact_size(Vec2::splat(LAMP), egui::Sense::hover());
+        ui.painter().circle_filled(place.center(), LAMP / 2.0, lamp);
+        let name = RichText::new(format!("{}", station + 1)).size(MIDDLE).strong();
+        ui.label(name.color(theme::readable(palette::STATIONS[station], dark)));
+        ui.label(RichText::new(words).size(MIDDLE));
+    });
+    let mut line = |name: &str, value: Option<String>| {
+        if let Some(value) = value {
+            ui.label(format!("{name} {value}"));
+        }
+    };
+    line("rate", status.rate_hz.map(|rate| format!("{rate:.1} Hz")));
+    line("last reading", status.age_s.map(|age_s| format!("{age_s:.1} s ago")));
+    line("latency", status.latency_s.map(|late_s| format!("{:.0} ms", late_s * 1e3)));
+    line(
+        "clock late by",
+        status
+            .late_s
+            .map(|[late_s, sigma_s]| format!("{:+.1} ± {:.1} ms", late_s * 1e3, sigma_s * 1e3)),
+    );
+    line(
+        "lost its prism",
+        Some(status.lock_losses).filter(|n| *n > 0).map(|n| format!("{n} times")),
+    );
+}
+
+/// Where it comes from and goes to, and what was left out.
+fn below(ui: &mut egui::Ui, view: &View) {
+    let faint: Color32 = theme::faint(ui.visuals().dark_mode);
+    let mut line =
+        |words: String| ui.add(egui::Label::new(RichText::new(words).color(faint)).wrap());
+    match &view.link {
+        Link::Connecting => line("connecting…".to_owned()),
+        Link::Connected(name) => line(format!("connected to {name}")),
+        Link::Lost { why, .. } => line(format!("not connected: {why}")),
+        Link::Ended => line("the replay is over".to_owned()),
+    };
+    line(format!(
+        "{} readings in {:.0} s; {} repeated, {} late, {} impossible",
+        view.readings(),
+        view.driven_s,
+        view.repeated,
+        view.late,
+        view.dropped
+    ));
+    for left in &view.left_out {
+        line(format!("left out: {} ({})", left.count, left.first));
+    }
+    if let Some(recorded) = &view.recorded {
+        line(format!("recorded {} messages to {}", recorded.messages, recorded.path.display()));
+    }
+    if let Some(age_s) = view.answer_age_s.filter(|age_s| *age_s >= 10.0) {
+        line(format!("the answer is of the readings {age_s:.0} s ago"));
+    }
+}

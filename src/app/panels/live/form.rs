@@ -1,0 +1,114 @@
+//! What it takes to begin a live deployment: where from, what is known beforehand, where to record it, and the target.
+
+use std::path::Path;
+
+use egui::RichText;
+
+use crate::app::model::live::{LiveCommand, LiveForm};
+use crate::app::model::{Command, Commands};
+use crate::app::state::State;
+use crate::app::theme;
+use crate::deployment::{Severity, Source};
+
+const FIELD: f32 = 260.0;
+
+pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let live = &state.live;
+    let mut form = live.form.clone();
+    ui.heading("Connect");
+    ui.label("Answers while you drive, and whether it is enough.");
+    ui.add_space(6.0);
+    source(ui, &mut form, commands);
+    ui.add_space(6.0);
+    beforehand(ui, state, &mut form, commands);
+    ui.horizontal_wrapped(|ui| {
+        ui.checkbox(&mut form.records, "Record what comes in (MCAP)");
+        if form.records {
+            let to = form.record.as_deref().map_or("into your documents".to_owned(), name);
+            if ui.button("To…").on_hover_text(to.clone()).clicked() {
+                commands.push(Command::Live(LiveCommand::ChooseRecord));
+            }
+            ui.weak(to);
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.label("Target at the far end of the track");
+        let target = egui::DragValue::new(&mut form.target_mm).range(0.1..=100.0).speed(0.05);
+        ui.add(target.suffix(" mm")).accessible_name("Target at the far end");
+    });
+    ui.add_space(8.0);
+    ui.horizontal(|ui| {
+        let name = if form.replay.is_some() { "Replay" } else { "Connect" };
+        let button = egui::Button::new(RichText::new(name).size(18.0));
+        if ui.add_enabled(!live.is_changing, button).clicked() {
+            commands.push(Command::Live(LiveCommand::Connect));
+        }
+        if live.is_changing {
+            ui.spinner();
+        }
+    });
+    if let Some(line) = &live.trouble {
+        let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
+        ui.add(egui::Label::new(RichText::new(format!("{sign} {line}")).color(colour)).wrap());
+    }
+    if form != live.form {
+        // Before what else was asked: it goes by what stands in the form.
+        commands.insert(0, Command::Live(LiveCommand::Edit(form)));
+    }
+}
+
+fn source(ui: &mut egui::Ui, form: &mut LiveForm, commands: &mut Commands) {
+    ui.horizontal_wrapped(|ui| {
+        if ui.radio(form.replay.is_none(), "A stream").clicked() {
+            form.replay = None;
+        }
+        let field = egui::TextEdit::singleline(&mut form.address)
+            .hint_text("ws://robot:8765")
+            .desired_width(FIELD);
+        let field = ui.add_enabled(form.replay.is_none(), field).accessible_name("Address");
+        field.on_hover_text("Of foxglove_bridge, or …/ws/measurements/stream of rts-network");
+    });
+    ui.horizontal_wrapped(|ui| {
+        if ui.radio(form.replay.is_some(), "A replay").clicked() && form.replay.is_none() {
+            commands.push(Command::Live(LiveCommand::ChooseReplay));
+        }
+        let Some(path) = &form.replay else {
+            ui.weak("of a deployment, as if it came in now");
+            return;
+        };
+        if ui.button(name(path)).on_hover_text(path.display().to_string()).clicked() {
+            commands.push(Command::Live(LiveCommand::ChooseReplay));
+        }
+        ui.label("faster by");
+        let speed =
+            egui::DragValue::new(&mut form.speed).range(0.1..=1000.0).speed(0.1).prefix("×");
+        ui.add(speed).accessible_name("Speed of the replay");
+    });
+}
+
+fn beforehand(ui: &mut egui::Ui, state: &State, form: &mut LiveForm, commands: &mut Commands) {
+    if form.replay.is_some() {
+        ui.weak("Rig and control points are those of the deployment.");
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Rig and control points");
+        let shown = form.known.as_deref().map_or("Choose…".to_owned(), name);
+        if ui.button(shown).on_hover_text("A folder or file that describes the rig").clicked() {
+            commands.push(Command::Live(LiveCommand::ChooseKnown));
+        }
+        let open = state.active().and_then(|open| open.source.as_ref()).and_then(Source::path);
+        // What lies beside a file of tracks is in its folder.
+        let open = open.and_then(|path| if path.is_dir() { Some(path) } else { path.parent() });
+        if let Some(path) = open.filter(|path| form.known.as_deref() != Some(*path))
+            && ui.button("Those of the deployment that is shown").clicked()
+        {
+            form.known = Some(path.to_owned());
+        }
+    });
+}
+
+fn name(path: &Path) -> String {
+    path.file_name()
+        .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+}

@@ -1,0 +1,216 @@
+//! The live deployment: it is begun and ended beside the window, and what it gives grows in the open deployment.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::State;
+use crate::analysis::{Analysis, Settings};
+use crate::app::file_dialog::{Question, Wanted as WantedPath};
+use crate::app::layout::Layout;
+use crate::app::model::live::{LiveCommand, LiveForm};
+use crate::app::model::{Analysing, LayoutPreset, Pane};
+use crate::app::persist::session::Files;
+use crate::deployment::{Deployment, Extras, Source};
+use crate::live::{Feed, Finished, Session, Wanted};
+
+impl State {
+    pub(super) fn handle_live(&mut self, command: LiveCommand) {
+        match command {
+            LiveCommand::Show => {
+                if !self.layout.holds(Pane::Live) {
+                    self.layout = Layout::from(LayoutPreset::Live);
+                }
+                self.layout.show(Pane::Live);
+            }
+            LiveCommand::Edit(form) => {
+                if let Some(session) = &self.live.session
+                    && form.target_mm != self.live.form.target_mm
+                {
+                    session.aim(form.target_mm * 1e-3);
+                }
+                self.live.form = form;
+            }
+            LiveCommand::ChooseReplay => {
+                let wanted = WantedPath::ToOpen { folder: true };
+                let question = Question::new("Replay a deployment", wanted);
+                self.ask_for_live(question, |form, path| form.replay = Some(path));
+            }
+            LiveCommand::ChooseKnown => {
+                let wanted = WantedPath::ToOpen { folder: true };
+                let question = Question::new("Folder or file with the rig", wanted);
+                self.ask_for_live(question, |form, path| form.known = Some(path));
+            }
+            LiveCommand::ChooseRecord => {
+                let question = Question::new_file("Record what comes in", &record_name(), "mcap");
+                self.ask_for_live(question, |form, path| form.record = Some(path));
+            }
+            LiveCommand::Connect => self.connect(),
+            LiveCommand::Stop => self.stop_live(),
+        }
+    }
+
+    fn ask_for_live(&mut self, question: Question, take: fn(&mut LiveForm, PathBuf)) {
+        let answer = self.ask(question);
+        self.jobs.start_unnumbered(
+            move || answer.wait(),
+            move |state: &mut Self, path| take(&mut state.live.form, path),
+        );
+    }
+
+    /// Begins to listen, beside the window: names of computers and large deployments take their time.
+    fn connect(&mut self) {
+        if self.live.is_running() || self.live.is_changing {
+            return;
+        }
+        let wanted = wanted(&self.live.form, *self.settings());
+        (self.live.is_changing, self.live.trouble) = (true, None);
+        self.jobs.start_unnumbered(
+            move || Some(Session::start(wanted).map_err(|error| error.to_string())),
+            |state: &mut Self, begun| {
+                state.live.is_changing = false;
+                match begun {
+                    Ok(session) => {
+                        (state.live.session, state.live.id) = (Some(session), None);
+                        state.live.view = None;
+                    }
+                    Err(line) => state.live.trouble = Some(line),
+                }
+            },
+        );
+    }
+
+    /// Ends it beside the window: what is on its way is taken in, and the recording is ended.
+    fn stop_live(&mut self) {
+        let Some(session) = self.live.session.take() else { return };
+        self.live.is_changing = true;
+        self.jobs.start_unnumbered(
+            move || Some(session.stop()),
+            |state: &mut Self, finished| {
+                state.live.is_changing = false;
+                if let Some(finished) = finished {
+                    state.take_finished(finished);
+                }
+            },
+        );
+    }
+
+    fn take_finished(&mut self, finished: Finished) {
+        let Finished { deployment, view, recorded } = finished;
+        self.live.view = Some(Arc::new(view));
+        let source = match recorded {
+            Some(Ok(recorded)) => {
+                let path = recorded.path;
+                self.toasts.done(format!("recorded to {}", path.display()));
+                // What was replayed has its rig beside it.
+                let LiveForm { known, replay, .. } = &self.live.form;
+                let rig = replay.clone().or_else(|| known.clone());
+                Some(Source::at(path).with(Extras { rig, ..Extras::default() }))
+            }
+            Some(Err(error)) => {
+                self.live.trouble = Some(error.to_string());
+                None
+            }
+            None => None,
+        };
+        if let Ok(deployment) = deployment {
+            self.grow(Arc::new(deployment));
+            let id = self.live.id;
+            if let Some(open) = self.open.iter_mut().find(|open| Some(open.id) == id)
+                && let Some(source) = source
+            {
+                self.session.opened(&source);
+                open.source = Some(source);
+            }
+        }
+    }
+
+    /// Looks at what listens, once a frame; tells whether anything does.
+    pub fn follow_live(&mut self) -> bool {
+        let Some(session) = &self.live.session else { return self.live.is_changing };
+        self.live.view = Some(session.view());
+        let has_ended = session.has_ended();
+        let id = self.live.id;
+        let growing = self.open.iter().find(|open| Some(open.id) == id);
+        if let Some(open) = growing {
+            session.set(&open.settings);
+        }
+        // Somebody closed it: then it begins anew.
+        if growing.is_none() {
+            self.live.id = None;
+        }
+        // The next snapshot is taken once the last one has its answer, the joint estimate's too.
+        if growing.is_none_or(|open| open.analysing.is_none())
+            && let Some(deployment) = session.take_deployment()
+        {
+            self.grow(deployment);
+        }
+        if has_ended {
+            self.stop_live();
+        }
+        true
+    }
+
+    /// The deployment has more readings than the one that is open; its answer takes the place of that one's with it.
+    fn grow(&mut self, deployment: Arc<Deployment>) {
+        let id = self.live.id;
+        let Some(index) = self.open.iter().position(|open| Some(open.id) == id) else {
+            self.add(deployment, None);
+            self.live.id = Some(self.newest_id);
+            return;
+        };
+        let number = self.jobs.next_number();
+        let open = &mut self.open[index];
+        // What is remembered of fewer readings must not answer for more.
+        self.analyser.forget(open.id);
+        self.analyser.analyse(number, open.id, Arc::clone(&deployment), open.settings);
+        self.session.files.insert(open.id, Files::of(&deployment));
+        open.more = Some(deployment);
+        // An answer is shown meanwhile, which is not wrong, but of fewer readings.
+        open.analysing = Some(Analysing { number, since: Instant::now(), joint_follows: true });
+    }
+
+    /// An answer to the growing deployment, for the coach.
+    pub(super) fn tell_live(&self, id: u64, analysis: &Arc<Analysis>, is_first: bool) {
+        let growing = self.open.iter().find(|open| open.id == id && Some(id) == self.live.id);
+        if let (Some(session), Some(open)) = (&self.live.session, growing) {
+            session.answered(Arc::clone(&open.deployment), Arc::clone(analysis), is_first);
+        }
+    }
+}
+
+/// A name for a recording that is begun now.
+fn record_name() -> String {
+    let now = jiff::Zoned::now();
+    format!("live {}", now.strftime("%Y-%m-%d %H-%M-%S"))
+}
+
+fn wanted(form: &LiveForm, settings: Settings) -> Wanted {
+    let feed = match &form.replay {
+        Some(path) => Feed::Replay { source: Source::at(path), speed: form.speed },
+        None => Feed::Url(form.address.clone()),
+    };
+    // A folder says more than its rig.
+    let (deployment, rig) = match &form.known {
+        Some(path) if path.is_dir() => (Some(path.clone()), None),
+        known => (None, known.clone()),
+    };
+    let extras = Extras { rig, ..Extras::default() };
+    let home = || {
+        let folders = directories::UserDirs::new();
+        let home = folders
+            .as_ref()
+            .map(|folders| folders.document_dir().unwrap_or_else(|| folders.home_dir()).to_owned());
+        home.unwrap_or_default().join(format!("{}.mcap", record_name()))
+    };
+    let record = form.records.then(|| form.record.clone().unwrap_or_else(home));
+    Wanted {
+        feed,
+        deployment,
+        extras,
+        settings,
+        record,
+        target_m: form.target_mm * 1e-3,
+        calculates: false,
+    }
+}

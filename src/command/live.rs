@@ -1,0 +1,222 @@
+//! `resect live`: answers while it is driven, a line a second.
+
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use serde_json::json;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+use super::settings_args::AnswerArguments;
+use super::{Failure, complain, print};
+use crate::analysis::{Analyst, Settings};
+use crate::atomic::WriteError;
+use crate::deployment::{Extras, Source};
+use crate::export::{json, live as told, text};
+use crate::live::{Feed, Finished, Link, LiveError, Session, View, Wanted};
+
+/// How often a line is written.
+const EVERY: Duration = Duration::from_secs(1);
+/// How often it is looked whether it is over.
+const NAP: Duration = Duration::from_millis(50);
+/// What a shell says of a program that Ctrl-C ended.
+const INTERRUPTED: i32 = 130;
+
+#[derive(Args)]
+pub struct Arguments {
+    /// Address of a stream: ws://robot:8765 of foxglove_bridge, or …/ws/measurements/stream of rts-network
+    #[arg(required_unless_present = "replay")]
+    url: Option<String>,
+    /// Replay a deployment instead, as if it came in now
+    #[arg(long, value_name = "PATH", conflicts_with = "url")]
+    replay: Option<PathBuf>,
+    /// How much faster than it was driven the replay goes
+    #[arg(long, default_value_t = 1.0, requires = "replay", allow_negative_numbers = true)]
+    speed: f64,
+    /// Folder with what is known beforehand: rig, control points, deployment.toml
+    #[arg(long, value_name = "PATH")]
+    deployment: Option<PathBuf>,
+    /// Topics (of positions) or instruments (of rts-network) that are stations 1, 2, 3
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
+    topics: Vec<String>,
+    /// Record what comes in; the file must not be there yet
+    #[arg(long, value_name = "FILE.mcap")]
+    record: Option<PathBuf>,
+    /// What σ has to come down to at the far end of the track, before it is enough
+    #[arg(long, value_name = "MM", default_value_t = 2.0, allow_negative_numbers = true)]
+    target_mm: f64,
+    /// End after so many seconds; a replay ends by itself
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
+    /// End as soon as it is enough
+    #[arg(long)]
+    until_enough: bool,
+    /// Print the answer to everything in the end, as calibrate does
+    #[arg(long)]
+    answer: bool,
+    /// Print a line of JSON a second
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    settings: AnswerArguments,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let wanted = wanted(arguments)?;
+    let settings = wanted.settings;
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        // Who asks twice does not want to wait for the end of a recording.
+        flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&stop))?;
+        flag::register(signal, Arc::clone(&stop))?;
+    }
+    let session = Session::start(wanted).map_err(|error| match error {
+        LiveError::Address(_) | LiveError::Speed(_) | LiveError::Target(_) => {
+            Failure::Usage(error.to_string())
+        }
+        error => Failure::from(error),
+    })?;
+    tell(&session, arguments, &stop)?;
+    let finished = session.stop().ok_or_else(|| {
+        anyhow::anyhow!("the live deployment broke off; this is a mistake in resect")
+    })?;
+    end(finished, arguments, &settings)
+}
+
+fn wanted(arguments: &Arguments) -> Result<Wanted, Failure> {
+    let settings = arguments.settings.settings()?;
+    let mut extras = arguments.settings.extras();
+    if !arguments.topics.is_empty() {
+        let topics: [String; 3] =
+            arguments.topics.clone().try_into().map_err(|given: Vec<_>| {
+                let count = given.len();
+                Failure::Usage(format!(
+                    "--topics has {count} names; give those of stations 1, 2, 3"
+                ))
+            })?;
+        extras.put_right.topics = Some(topics);
+    }
+    let feed = match (&arguments.url, &arguments.replay) {
+        (Some(url), _) if extras.drives.is_empty() => Feed::Url(url.clone()),
+        (None, Some(path)) => {
+            let source = Source::at(path).with(extras.clone());
+            Feed::Replay { source, speed: arguments.speed }
+        }
+        _ => {
+            let line =
+                "--drive is about drives that are over; open the recording with it afterwards";
+            return Err(Failure::Usage(line.to_owned()));
+        }
+    };
+    if arguments.seconds.is_some_and(|seconds| !(seconds >= 0.0 && seconds.is_finite())) {
+        return Err(Failure::Usage("--seconds is no time; give a number of seconds".to_owned()));
+    }
+    Ok(Wanted {
+        feed,
+        deployment: arguments.deployment.clone(),
+        extras: Extras { drives: Vec::new(), ..extras },
+        settings,
+        record: arguments.record.clone(),
+        target_m: arguments.target_mm * 1e-3,
+        calculates: true,
+    })
+}
+
+/// Writes a line a second, until it is over.
+fn tell(session: &Session, arguments: &Arguments, stop: &AtomicBool) -> Result<(), WriteError> {
+    let begun = Instant::now();
+    let mut next = begun + EVERY;
+    let mut before = View::default();
+    let is_over = || {
+        let late = arguments.seconds.is_some_and(|s| begun.elapsed().as_secs_f64() >= s);
+        late || stop.load(Relaxed) || session.has_ended()
+    };
+    while !is_over() {
+        let now = Instant::now();
+        if now < next {
+            std::thread::sleep(NAP.min(next - now));
+            continue;
+        }
+        next += EVERY;
+        let view = session.view();
+        let is_heard = if arguments.json {
+            say(&format!("{}\n", told::json(&view)))?
+        } else {
+            say(&lines(&before, &view))?
+        };
+        if !is_heard || (arguments.until_enough && view.enough) {
+            break;
+        }
+        before = (*view).clone();
+    }
+    Ok(())
+}
+
+/// What is new since the line before, and the line.
+fn lines(before: &View, view: &View) -> String {
+    let mut text = String::new();
+    if before.link != view.link {
+        text += &format!("- {}\n", told::link(view));
+    }
+    for warning in &view.warnings {
+        if !before.warnings.iter().any(|known| known.amiss == warning.amiss) {
+            text += &format!("! {}\n", warning.finding);
+        }
+    }
+    for left in &view.left_out {
+        if !before.left_out.iter().any(|known| known.what == left.what) {
+            text += &format!("! left out ({}): {}\n", left.what, left.first);
+        }
+    }
+    text + &told::line(view) + "\n"
+}
+
+/// Prints; whether anyone reads it.
+fn say(text: &str) -> Result<bool, WriteError> {
+    let mut out = std::io::stdout();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        Err(error) => Err(WriteError::of_file(Path::new("standard output"), error)),
+    }
+}
+
+/// Tells what it came to.
+fn end(finished: Finished, arguments: &Arguments, settings: &Settings) -> Result<(), Failure> {
+    let Finished { deployment, view, recorded } = finished;
+    if arguments.json {
+        print(&format!("{}\n", told::json(&view)))?;
+    } else {
+        print(&lines(&view, &view))?;
+    }
+    match recorded {
+        Some(Ok(recorded)) if !arguments.json => {
+            let path = recorded.path.display();
+            print(&format!("- recorded {} messages: {path}\n", recorded.messages))?;
+        }
+        Some(Err(error)) => complain(&error.to_string()),
+        _ => {}
+    }
+    if view.messages == 0
+        && let Link::Lost { why, .. } = &view.link
+    {
+        return Err(Failure::Input(anyhow::anyhow!("{why}")));
+    }
+    if !arguments.answer {
+        return Ok(());
+    }
+    let deployment = Arc::new(deployment?);
+    let analysis = Analyst::new(Arc::clone(&deployment)).run(settings);
+    let answer = analysis.answer.clone()?;
+    if arguments.json {
+        let answer = json::calibration(&deployment, &analysis, &answer, 0.0);
+        print(&format!("{}\n", json!({ "schema": json::SCHEMA, "answer": answer })))?;
+    } else {
+        print(&text::calibration(&deployment, &analysis, &answer))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,182 @@
+//! What an answer means to whoever is driving: its σ where it matters, its verdict, what it leaves open.
+
+use std::sync::Arc;
+
+use crate::analysis::{Analysis, Answer};
+use crate::calibration::inter_prism::drive_shape::Plan;
+use crate::calibration::inter_prism::observability::{Hold, Observability};
+use crate::calibration::joint::Stepped;
+use crate::calibration::{Method, TransformSigma, Verdict, distance_errors_m};
+use crate::deployment::{Deployment, PAIRS};
+use crate::evaluation::far_end::{FarEnd, far_end};
+use crate::geometry::RigidTransform;
+use crate::statistics::median;
+
+/// The last readings that tell whether the right prisms are followed (s).
+const LATEST_S: f64 = 4.0;
+/// Fewer triplets than this tell nothing of them.
+const FEWEST: usize = 10;
+/// A station that moved by less (m), or turned by less (rad), is left to the answer's findings.
+const MOVED_M: f64 = 0.003;
+const TURNED_RAD: f64 = 2e-4;
+
+/// An answer to the readings up to an instant.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    pub method: Method,
+    /// Stamp of the newest reading that it knows of (s).
+    pub up_to_s: f64,
+    /// How many readings it is of.
+    pub readings: usize,
+    /// How long it took (ms).
+    pub took_ms: f64,
+    pub verdict: Verdict,
+    pub verdict_in_words: String,
+    /// Where on the track it leaves the most open; `None` where a direction is free.
+    pub far_end: Option<FarEnd>,
+    /// What the drive does not hold, in words, the least held first.
+    pub open: Vec<String>,
+    /// What to drive next, by what it holds least.
+    pub advice: Option<&'static str>,
+    pub plan: Option<Plan>,
+    /// How late the stamps of stations 2 and 3 are, with σ (s).
+    pub late_s: Option<[[f64; 2]; 2]>,
+    /// Stations and clocks that stepped, in words, with the station.
+    pub stepped: Vec<(usize, String)>,
+    pub station1_from_station: [RigidTransform; 3],
+    pub sigma: Option<[TransformSigma; 2]>,
+    /// The median distance error of the answer (mm).
+    pub inter_prism_mm: Option<f64>,
+}
+
+/// What came of one analysis: an answer, or in one line why there is none.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Whether it was the paper's answer, which is there first, and not that of the settings.
+    pub is_first: bool,
+    pub judged: Result<Arc<Judged>, String>,
+    /// How far the distances of the last triplets are off (m), by pair.
+    pub lately_off_m: Option<[f64; 3]>,
+}
+
+/// Judges an analysis of a deployment; `known` is an earlier answer, which holds the last readings against what it knew.
+pub fn judge(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    is_first: bool,
+    known: Option<&Judged>,
+) -> Outcome {
+    let judged = match &analysis.answer {
+        Ok(answer) => Ok(Arc::new(judge_answer(deployment, analysis, answer))),
+        Err(error) => Err(error.finding().message),
+    };
+    let own = judged.as_ref().ok().map(AsRef::as_ref);
+    let transforms = known.or(own).map(|judged| &judged.station1_from_station);
+    let lately_off_m =
+        transforms.and_then(|transforms| lately_off_m(deployment, analysis, transforms));
+    Outcome { is_first, judged, lately_off_m }
+}
+
+fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Judged {
+    let calibration = &answer.calibration;
+    let observability = calibration.inter_prism().map(|details| &details.observability);
+    let open = |observability: &Observability| {
+        let not_held = observability.directions.iter().filter(|d| d.hold != Hold::Held);
+        not_held.map(|d| format!("{} ({})", d.short(), d.hold.name())).collect()
+    };
+    let far_end = calibration.covariance.and_then(|covariance| {
+        let points_m = &answer.triplets.points_m;
+        far_end(&calibration.station1_from_station, &covariance, points_m)
+    });
+    let joint = calibration.joint();
+    let stepped = joint.map_or_else(Vec::new, |joint| {
+        let told = joint.stepped.iter().filter_map(|step| {
+            let (number, when) = (step.station + 1, joint.when(step));
+            let words = match &step.what {
+                Stepped::Station { turned_rad, .. } => {
+                    let moved_m = step.moved_m()?;
+                    let is_small =
+                        moved_m.value < MOVED_M && turned_rad.value.abs() < TURNED_RAD;
+                    if is_small {
+                        return None;
+                    }
+                    format!(
+                        "station {number} moved {when}: by {:.0} ± {:.0} mm, turned by {:+.2} ± {:.2} mrad",
+                        moved_m.value * 1e3,
+                        moved_m.sigma * 1e3,
+                        turned_rad.value * 1e3,
+                        turned_rad.sigma * 1e3
+                    )
+                }
+                Stepped::Clock(by_s) => format!(
+                    "station {number}'s clock jumped {when}: its stamps are {:+.0} ± {:.0} ms later",
+                    by_s.value * 1e3,
+                    by_s.sigma * 1e3
+                ),
+            };
+            Some((step.station, words))
+        });
+        told.collect()
+    });
+    Judged {
+        method: calibration.method,
+        up_to_s: deployment.end_s().unwrap_or(f64::NAN),
+        readings: deployment.tracks.iter().map(|track| track.measurements.len()).sum(),
+        took_ms: analysis.total_ms(),
+        verdict: calibration.verdict,
+        verdict_in_words: calibration.verdict_in_words(),
+        far_end,
+        open: observability.map_or_else(Vec::new, open),
+        advice: observability.map(|observability| observability.advice),
+        plan: observability.map(|observability| observability.drive.plan),
+        late_s: calibration
+            .clock_estimates()
+            .map(|clocks| clocks.map(|(offset_s, _)| [offset_s.value, offset_s.sigma])),
+        stepped,
+        station1_from_station: calibration.station1_from_station,
+        sigma: calibration.sigma,
+        inter_prism_mm: answer.evaluation.inter_prism_mm.map(|spread| spread.median),
+    }
+}
+
+/// How far the distances of the last triplets are off the rig's, by pair: their median (m).
+fn lately_off_m(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    transforms: &[RigidTransform; 3],
+) -> Option<[f64; 3]> {
+    let rig_m = deployment.rig.as_ref()?.inter_prism_m;
+    let triplets = &analysis.pipeline.triplets;
+    let last_s = triplets.time_s.last()?;
+    let from = triplets.time_s.partition_point(|time_s| *time_s < last_s - LATEST_S);
+    let latest: Vec<usize> = (from..triplets.len()).collect();
+    // What is long past says nothing of now.
+    let is_now = deployment.end_s()? - last_s < LATEST_S;
+    if latest.len() < FEWEST || !is_now {
+        return None;
+    }
+    let errors_m = distance_errors_m(&triplets.select(&latest), transforms, &rig_m);
+    let off_m = errors_m.map(|errors| median(errors.into_iter().map(f64::abs)).unwrap_or(0.0));
+    Some(off_m)
+}
+
+/// The station, 0 to 2, that the pairs which are off have in common; `None` where all are, or none.
+pub fn station_in_common(is_off: [bool; 3]) -> Option<usize> {
+    (0..3).find(|station| {
+        (0..3).all(|pair| is_off[pair] == (PAIRS[pair].0 == *station || PAIRS[pair].1 == *station))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_station_of_two_bad_pairs_is_named() {
+        assert_eq!(station_in_common([true, true, false]), Some(0));
+        assert_eq!(station_in_common([true, false, true]), Some(1));
+        assert_eq!(station_in_common([false, true, true]), Some(2));
+        assert_eq!(station_in_common([true, true, true]), None);
+        assert_eq!(station_in_common([false; 3]), None);
+    }
+}

@@ -1,0 +1,12 @@
+//! Live deployments: streams of servers that break off, repeat and garble, and what is recorded of them.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_input;
+mod bonn;
+mod coach;
+mod command;
+mod peers;
+mod server;
+mod stream;
