@@ -109,14 +109,15 @@ impl LayoutPreset {
     }
 }
 
-/// What the first window shows: a place for every pane.
+/// What the first window shows: a place for every pane of a deployment that was driven. Those before and during a drive
+/// come with layouts of their own.
 pub fn first() -> Node {
     row([
-        (0.2, column([(0.3, tabs(&[Deployment])), (0.7, tabs(&[Pipeline, PlanNumbers]))])),
+        (0.2, column([(0.3, tabs(&[Deployment])), (0.7, tabs(&[Pipeline]))])),
         (
             0.6,
             column([
-                (0.68, tabs(&[Scene, Studies, SideBySide, PlanMap])),
+                (0.68, tabs(&[Scene, Studies, SideBySide])),
                 (
                     0.32,
                     row([
@@ -137,6 +138,6 @@ pub fn first() -> Node {
                 ),
             ]),
         ),
-        (0.2, tabs(&[Result, Runs, Evaluation, Guide, Prediction])),
+        (0.2, tabs(&[Result, Runs, Evaluation, Guide])),
     ])
 }
