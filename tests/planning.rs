@@ -83,6 +83,20 @@ fn realised_with(
     settings.calibration.inter_prism_sigma_m = plan.rig.inter_prism_sigma_m;
     let analysis = analyse(&simulated.deployment().expect("valid"), &settings);
     let calibration = &analysis.answer.as_ref().ok()?.calibration;
+    if calibration.verdict != resect::calibration::Verdict::Good {
+        println!(
+            "    seed {seed}: {:?}: {}",
+            calibration.verdict,
+            calibration
+                .findings
+                .iter()
+                .filter(|f| f.severity > resect::deployment::Severity::Note)
+                .map(|f| f.message.chars().take(90).collect::<String>())
+                .collect::<Vec<_>>()
+                .join(" | ")
+        );
+        return None;
+    }
     let truth = mean_truth(&simulated);
     let error = SVector::<f64, 8>::from_fn(|k, _| {
         let (found, truth) = (&calibration.station1_from_station[k / 4 + 1], &truth[k / 4 + 1]);
@@ -178,7 +192,7 @@ fn which_kind() {
     sets.remove(0);
     sets.remove(0);
     for (name, kinds) in sets {
-        let all: Vec<Realised> = (1000..1300u64)
+        let all: Vec<Realised> = (1000..1200u64)
             .into_par_iter()
             .filter_map(|seed| realised_with(&plan, &prediction, seed, &kinds))
             .collect();
@@ -191,5 +205,72 @@ fn which_kind() {
             print!(" {:.2} ({:+.2})", rms / s, mean / s);
         }
         println!();
+    }
+}
+
+#[test]
+#[ignore = "explore"]
+fn sigma_over_time() {
+    for preset in [Preset::Warthog, Preset::FlatFloor, Preset::UnevenGround, Preset::FigureEight] {
+        for (name, settling, distance) in [
+            ("default", 1.0, 0.001),
+            ("still", 0.05, 0.001),
+            ("still, distances", 0.05, 0.0003),
+            ("distances", 1.0, 0.0003),
+        ] {
+            print!("{} {name}:", preset.name());
+            for share in [0.1, 0.2, 0.3, 0.5, 0.75, 1.0] {
+                let mut plan = Plan::from_preset(preset, 1);
+                plan.errors.settling_rad *= settling;
+                plan.errors.settling_m *= settling;
+                plan.rig.inter_prism_sigma_m = distance;
+                let resect::planning::Piece::Waypoints(all) = &mut plan.way[0] else { panic!() };
+                let n = (all.len() as f64 * share) as usize;
+                all.truncate(n);
+                let Ok(p) = predict(&plan) else {
+                    print!(" none");
+                    continue;
+                };
+                print!(
+                    " {:.0} s {:?} {:?};",
+                    p.duration_s,
+                    p.verdict,
+                    p.held.as_ref().map(|h| (h.far_end.sigma_m * 1e4).round() / 10.0)
+                );
+            }
+            println!();
+        }
+    }
+}
+#[test]
+#[ignore = "explore"]
+fn poor() {
+    for preset in [Preset::StraightLine, Preset::Circle, Preset::LShape, Preset::SinglePrism] {
+        let plan = Plan::from_preset(preset, 1);
+        let p = predict(&plan).expect("predicted");
+        println!(
+            "{} {:?} {:?} {:?} {:?}",
+            preset.name(),
+            p.verdict,
+            p.held.as_ref().map(|h| h.far_end),
+            p.mirror_cost_ratio,
+            p.observability.map(|o| o.directions.map(|d| (d.hold.name(), d.relative, d.sigma_m)))
+        );
+        for f in &p.findings {
+            println!("    {f}");
+        }
+    }
+}
+#[test]
+#[ignore = "explore"]
+fn better() {
+    for preset in [Preset::StraightLine, Preset::Warthog, Preset::FigureEight, Preset::Hd2Tunnel] {
+        let plan = Plan::from_preset(preset, 1);
+        let started = std::time::Instant::now();
+        let all = resect::planning::improvements(&plan).expect("improvements");
+        println!("{} {:.1} s", preset.name(), started.elapsed().as_secs_f64());
+        for one in &all {
+            println!("    {}", one.sentence);
+        }
     }
 }

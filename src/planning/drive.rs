@@ -88,20 +88,24 @@ pub fn duration_s(waypoints: &[simulation::Waypoint], turn_radius_m: f64) -> f64
 
 /// Drives a plan, and reads what its stations can see.
 pub fn drive(plan: &Plan) -> Result<Driven, PlanError> {
+    drive_with(plan, [0.0; 2])
+}
+
+/// The same with stations 2 and 3 set up with these yaws against the axes of the plan, which are those of station 1.
+pub fn drive_with(plan: &Plan, yaws_rad: [f64; 2]) -> Result<Driven, PlanError> {
     let scenario = plan.scenario()?;
-    let still = Noise {
-        range_sigma_m: 0.0,
-        angle_sigma_rad: 0.0,
-        outlier_share: 0.0,
-        lost_locks_per_minute: 0.0,
-        wrong_targets_per_minute: 0.0,
-    };
     let period_s = 1.0 / scenario.rate_hz;
     let scenario = Scenario {
-        noise: still,
+        noise: Noise {
+            range_sigma_m: 0.0,
+            angle_sigma_rad: 0.0,
+            outlier_share: 0.0,
+            lost_locks_per_minute: 0.0,
+            wrong_targets_per_minute: 0.0,
+        },
         // Stations take turns, which is neither the best case nor the worst.
         stagger_s: Some([0.0, period_s / 3.0, 2.0 * period_s / 3.0]),
-        yaws_rad: Some([0.0; 2]),
+        yaws_rad: Some(yaws_rad),
         ..scenario
     };
     let simulated = simulate_scenario(&scenario, SEED);
@@ -118,7 +122,7 @@ pub fn drive(plan: &Plan) -> Result<Driven, PlanError> {
 }
 
 /// Readings as a deployment, without files between.
-pub fn deployment(name: &str, simulated: &Simulated) -> Deployment {
+fn deployment(name: &str, simulated: &Simulated) -> Deployment {
     let track = |station: usize| Track {
         measurements: (simulated.records.iter())
             .filter(|record| record.station == station as i64 + 1)

@@ -19,6 +19,7 @@ pub mod plan_file;
 mod predict;
 mod prediction;
 pub mod way;
+mod what_next;
 
 pub use improvements::{Improvement, ImprovementKind, improvements};
 pub use manoeuvres::{FigureEight, Loop};
@@ -26,3 +27,4 @@ pub use plan::{Ground, Instrument, Plan, Ramp, Rig};
 pub use predict::predict;
 pub use prediction::{Held, OnTheWay, PlanError, Prediction};
 pub use way::{Piece, Waypoint};
+pub use what_next::{Advice, NextMove, SoFar, what_next};

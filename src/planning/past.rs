@@ -133,16 +133,16 @@ impl Instrument {
 }
 
 /// The rig as it stood on the vehicle while it drove.
-struct AsDriven {
+pub(super) struct AsDriven {
     /// Prisms about their middle: x ahead, y left, z up.
-    prisms_m: [Vector3<f64>; 3],
+    pub prisms_m: [Vector3<f64>; 3],
     /// How the vehicle pitched and rolled (root mean square).
-    slope_rms_rad: f64,
+    pub slope_rms_rad: f64,
 }
 
 impl AsDriven {
     /// From where the prisms were at some times; `None` of prisms on a line, or of a vehicle that never moved.
-    fn of(
+    pub fn of(
         prisms_m: &[Vector3<f64>; 3],
         time_s: &[f64],
         places_m: &[[Vector3<f64>; 3]],
