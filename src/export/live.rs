@@ -21,6 +21,7 @@ use crate::live::{Link, View};
 /// | `verdict`, `method`, `far_end_mm`, `transforms` | of the newest answer: `far_end_mm` is σ where it leaves the most open on the track |
 /// | `answer_age_s` | how much has been driven since the newest reading that the answer knows |
 /// | `target_mm`, `enough`, `advice` | whether it is enough for the target, and what to drive, in one sentence |
+/// | `moves` | manoeuvres from where the vehicle is, what gains most in a second first: `text`, `after_mm` at the far end, `takes_s`, `waypoints_m` in the frame of station 1 |
 /// | `warnings` | `name`, `station` (1 to 3, or null), `since_s`, `text` |
 /// | `messages`, `readings`, `repeated`, `late`, `dropped`, `left_out` | counts; `left_out` by kind, with the first of each |
 /// | `recorded` | `file` and `messages` of the recording |
@@ -73,6 +74,12 @@ pub fn json(view: &View) -> Value {
         "target_mm": view.target_m * 1e3,
         "enough": view.enough,
         "advice": view.sentence,
+        "moves": view.moves.iter().map(|one| json!({
+            "text": one.sentence,
+            "after_mm": one.after_m * 1e3,
+            "takes_s": one.takes_s,
+            "waypoints_m": one.waypoints_m.iter().map(|at| [at.x, at.y]).collect::<Vec<_>>(),
+        })).collect::<Vec<_>>(),
         "warnings": warnings,
         "messages": view.messages,
         "readings": view.readings(),

@@ -4,8 +4,9 @@
 //! several answers and seconds of the drive in a row, and nothing may be amiss in the field meanwhile.
 
 use super::judged::{Judged, Outcome};
-use super::next::what_next;
+use super::next;
 use crate::calibration::Verdict;
+use crate::planning::NextMove;
 
 /// Answers in a row that must agree before it is enough, and how much of the drive they must lie apart (s).
 const IN_A_ROW: usize = 3;
@@ -129,7 +130,7 @@ impl Coach {
     }
 
     /// What whoever drives has to know, in one sentence.
-    pub fn sentence(&self, latest: Option<&Outcome>) -> String {
+    pub fn sentence(&self, latest: Option<&Outcome>, moves: &[NextMove]) -> String {
         let judged = match latest.map(|outcome| &outcome.judged) {
             None => {
                 return "no answer yet: drive where all three stations see their prisms".to_owned();
@@ -137,7 +138,7 @@ impl Coach {
             Some(Err(why)) => return format!("no answer yet: {why}"),
             Some(Ok(judged)) => judged,
         };
-        let next = what_next(judged).map_or(String::new(), |next| format!("; {next}"));
+        let next = next::sentence(moves, judged).map_or(String::new(), |next| format!("; {next}"));
         let Some(far_end) = judged.far_end else {
             return match judged.open.first() {
                 Some(open) => format!("{}{next}", open_in_words(open)),
@@ -217,7 +218,7 @@ mod tests {
             coach.take(&outcome(up_to_s, 1.5, |_| ()), false);
             assert_eq!(coach.is_enough(), enough, "{up_to_s}");
         }
-        let said = coach.sentence(Some(&outcome(12.0, 1.5, |_| ())));
+        let said = coach.sentence(Some(&outcome(12.0, 1.5, |_| ())), &[]);
         assert!(said.starts_with("enough: 1.5 mm"), "{said}");
         // The same readings again, however often, are one answer.
         let mut again = Coach::new(2e-3);
@@ -258,7 +259,7 @@ mod tests {
     #[test]
     fn what_is_open_goes_before_what_is_large() {
         let coach = Coach::new(2e-3);
-        let said = |outcome: &Outcome| coach.sentence(Some(outcome));
+        let said = |outcome: &Outcome| coach.sentence(Some(outcome), &[]);
         let open = outcome(1.0, 9.0, |judged| {
             judged.open.push("station 2 can slide along the track (weak)".to_owned());
         });
@@ -268,7 +269,7 @@ mod tests {
         );
         let large = said(&outcome(1.0, 9.0, |_| ()));
         assert!(large.starts_with("not yet: 9.0 mm") && large.ends_with("turn more"), "{large}");
-        assert!(coach.sentence(None).starts_with("no answer yet"));
+        assert!(coach.sentence(None, &[]).starts_with("no answer yet"));
     }
 
     #[test]

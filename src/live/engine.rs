@@ -14,6 +14,7 @@ use crate::deployment::format::bag::stream::{Heard, Subscription};
 use crate::deployment::format::bag::wire::Encoding;
 use crate::deployment::printable::printable;
 use crate::deployment::{Deployment, Growing, OpenError};
+use crate::planning::NextMove;
 
 /// Takes everything in that happens.
 pub struct Engine {
@@ -33,6 +34,8 @@ pub struct Engine {
     /// When the newest message was sent, by the source's clock, and how long ago that was noticed, by ours (s).
     newest_sent_s: Option<(f64, f64)>,
     coach: Coach,
+    /// What to drive next, the best first.
+    moves: Vec<NextMove>,
     told: Told,
     warnings: Vec<Warning>,
     first: Option<Arc<Judged>>,
@@ -64,6 +67,7 @@ impl Engine {
             left_out: BTreeMap::new(),
             newest_sent_s: None,
             coach: Coach::new(target_m),
+            moves: Vec::new(),
             told: Told::default(),
             warnings: Vec::new(),
             first: None,
@@ -151,6 +155,15 @@ impl Engine {
         self.latest[place] = Some(outcome);
     }
 
+    /// Takes in what to drive next, the best first.
+    pub fn advised(&mut self, moves: Vec<NextMove>) {
+        self.moves = moves;
+    }
+
+    pub fn target_m(&self) -> f64 {
+        self.coach.target_m
+    }
+
     /// The answer that later readings are held against.
     pub fn known(&self) -> Option<Arc<Judged>> {
         self.answer.clone().or_else(|| self.first.clone())
@@ -230,7 +243,8 @@ impl Engine {
             answer_age_s: age_s,
             target_m: self.coach.target_m,
             enough: self.coach.is_enough(),
-            sentence: self.coach.sentence(deciding),
+            sentence: self.coach.sentence(deciding, &self.moves),
+            moves: self.moves.clone(),
             curves: self.coach.curves.clone(),
             recorded: match (&self.recorder, &self.not_recorded) {
                 (Some(recorder), _) => Some(recorder.recorded()),

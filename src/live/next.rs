@@ -1,8 +1,113 @@
-//! What to drive next, in one sentence: the one place that knows how to say it.
+//! What to drive next: manoeuvres from where the vehicle is, looked for beside everything else.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use nalgebra::Vector3;
 
 use super::judged::Judged;
+use crate::analysis::Analysis;
+use crate::calibration::joint::Expected;
+use crate::calibration::{ErrorSizes, Targets};
+use crate::deployment::Deployment;
+use crate::evaluation::vehicle::prisms_in_vehicle;
+use crate::geometry::LevelTransform;
+use crate::planning::{NextMove, SoFar, what_next};
+use crate::progress::Progress;
 
-/// What would help an answer most; `None` where nothing is known to.
-pub fn what_next(judged: &Judged) -> Option<String> {
-    judged.advice.map(str::to_owned)
+/// How a vehicle drives that nobody described: as fast, and around bends as tight as this.
+const SPEED_M_PER_S: f64 = 0.8;
+const TURN_RADIUS_M: f64 = 3.5;
+/// Readings a second, where no estimate says.
+const RATE_HZ: f64 = 2.5;
+
+/// A thread that looks for what to drive next, after one answer at a time.
+pub struct Advising {
+    jobs: Sender<(Arc<Deployment>, Arc<Analysis>, f64)>,
+    found: Receiver<Vec<NextMove>>,
+    is_busy: bool,
+}
+
+impl Advising {
+    pub fn start(progress: &Arc<Progress>) -> Self {
+        let (jobs, waiting) = channel::<(Arc<Deployment>, Arc<Analysis>, f64)>();
+        let (send, found) = channel();
+        let progress = Arc::clone(progress);
+        std::thread::spawn(move || {
+            for (deployment, analysis, target_m) in waiting {
+                let moves = moves(&deployment, &analysis, target_m, &progress);
+                if send.send(moves).is_err() {
+                    return;
+                }
+            }
+        });
+        Self { jobs, found, is_busy: false }
+    }
+
+    /// Gives it an answer to think about, unless it thinks about one.
+    pub fn offer(&mut self, deployment: &Arc<Deployment>, analysis: &Arc<Analysis>, target_m: f64) {
+        if !self.is_busy && analysis.answer.is_ok() {
+            let job = (Arc::clone(deployment), Arc::clone(analysis), target_m);
+            self.is_busy = self.jobs.send(job).is_ok();
+        }
+    }
+
+    /// What it found, if that is new: the manoeuvre that gains most in a second comes first.
+    pub fn found(&mut self) -> Option<Vec<NextMove>> {
+        let found = self.found.try_recv().ok()?;
+        self.is_busy = false;
+        Some(found)
+    }
+}
+
+/// Manoeuvres that would make an answer better; none where the rig is not known, or nothing moves yet.
+fn moves(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    target_m: f64,
+    progress: &Progress,
+) -> Vec<NextMove> {
+    let Ok(answer) = &analysis.answer else { return Vec::new() };
+    let calibration = &answer.calibration;
+    let given = deployment.rig.as_ref().and_then(prisms_in_vehicle).map(|(prisms_m, _)| prisms_m);
+    let prisms_m = match analysis.offer.targets {
+        Targets::OnePrism => [Vector3::zeros(); 3],
+        _ => match given {
+            Some(prisms_m) => prisms_m,
+            None => return Vec::new(),
+        },
+    };
+    let transforms = calibration
+        .station1_from_station
+        .map(|at| LevelTransform::new(at.translation_m, at.yaw_rad()));
+    let settings = &analysis.settings;
+    let joint = calibration.joint();
+    let expected = joint.map_or_else(Expected::default, |joint| Expected {
+        levels: joint.levels,
+        wander: joint.wander,
+    });
+    let so_far = SoFar {
+        triplets: analysis.triplets(),
+        station1_from_station: &transforms,
+        prisms_m: &prisms_m,
+        sizes: &ErrorSizes {
+            inter_prism_m: settings.calibration.inter_prism_sigma_m,
+            ..settings.calibration.errors
+        },
+        expected,
+        rate_hz: joint.map_or(RATE_HZ, |joint| joint.solution.readings_hz()),
+        thresholds: settings.pipeline.thresholds,
+        places_m: &[],
+        target_m,
+        speed_m_per_s: SPEED_M_PER_S,
+        turn_radius_m: TURN_RADIUS_M,
+    };
+    let found = what_next(&so_far, progress);
+    found.ok().flatten().map_or_else(Vec::new, |advice| advice.moves)
+}
+
+/// What would help an answer most, in one sentence; `None` where nothing is known to.
+pub fn sentence(moves: &[NextMove], judged: &Judged) -> Option<String> {
+    let best = moves.first().map(|best| best.sentence.clone());
+    best.or_else(|| judged.advice.map(str::to_owned))
 }

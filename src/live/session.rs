@@ -20,6 +20,7 @@ use super::connect::{self, AddressError, Expected};
 use super::engine::Engine;
 use super::event::Event;
 use super::judged::{Judged, Outcome, judge};
+use super::next::Advising;
 use super::recorder::{RecordError, Recorded, Recorder};
 use super::replay;
 use super::view::View;
@@ -248,6 +249,7 @@ impl Intake {
         let (outcomes, judged) = channel();
         let mut first = Calculating::start(true, &outcomes, &self.progress);
         let mut second = Calculating::start(false, &outcomes, &self.progress);
+        let mut advising = Advising::start(&self.progress);
         let mut ticked = Instant::now();
         loop {
             let wait = Duration::from_secs_f64(TICK_S).saturating_sub(ticked.elapsed());
@@ -259,15 +261,25 @@ impl Intake {
                 Err(RecvTimeoutError::Timeout) => false,
                 Err(RecvTimeoutError::Disconnected) => true,
             };
-            while let Ok(outcome) = judged.try_recv() {
-                if outcome.is_first { &mut first } else { &mut second }.has_finished();
+            while let Ok((outcome, Answered { deployment, analysis, is_first })) = judged.try_recv()
+            {
+                if is_first { &mut first } else { &mut second }.has_finished();
                 self.engine.judged(outcome);
+                if !is_first {
+                    advising.offer(&deployment, &analysis, self.engine.target_m());
+                }
             }
             let handed_in = std::mem::take(&mut lock(&self.shown).answered);
             for Answered { deployment, analysis, is_first } in handed_in {
                 let known = self.engine.known();
                 let outcome = judge(&deployment, &analysis, is_first, known.as_deref());
                 self.engine.judged(outcome);
+                if !is_first {
+                    advising.offer(&deployment, &analysis, self.engine.target_m());
+                }
+            }
+            if let Some(moves) = advising.found() {
+                self.engine.advised(moves);
             }
             if ended {
                 break;
@@ -347,7 +359,11 @@ struct Calculating {
 }
 
 impl Calculating {
-    fn start(is_first: bool, outcomes: &Sender<Outcome>, progress: &Arc<Progress>) -> Self {
+    fn start(
+        is_first: bool,
+        outcomes: &Sender<(Outcome, Answered)>,
+        progress: &Arc<Progress>,
+    ) -> Self {
         let (jobs, waiting) = channel::<Job>();
         let (outcomes, progress) = (outcomes.clone(), Arc::clone(progress));
         std::thread::spawn(move || {
@@ -360,7 +376,8 @@ impl Calculating {
                 // Cancelled: nobody waits for it.
                 let Ok(Some(analysis)) = analysis else { return };
                 let outcome = judge(&deployment, &analysis, is_first, known.as_deref());
-                if outcomes.send(outcome).is_err() {
+                let analysis = Arc::new(analysis);
+                if outcomes.send((outcome, Answered { deployment, analysis, is_first })).is_err() {
                     return;
                 }
             }

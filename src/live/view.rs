@@ -7,6 +7,7 @@ use super::judged::Judged;
 use super::recorder::Recorded;
 use super::status::StationStatus;
 use super::warnings::Warning;
+use crate::planning::NextMove;
 
 /// How the connection is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,6 +58,8 @@ pub struct View {
     pub target_m: f64,
     pub enough: bool,
     pub sentence: String,
+    /// What to drive next, what gains most in a second first.
+    pub moves: Vec<NextMove>,
     /// σ at the far end of the track over the drive, by the paper's answer and by that of the settings.
     pub curves: [Curve; 2],
     pub recorded: Option<Recorded>,

@@ -39,6 +39,8 @@ pub struct SceneContent {
     pub along: Layer,
     /// How well the vehicle's way is known.
     pub tube: Layer,
+    /// What to drive next in a live deployment.
+    pub advised: Layer,
     /// Where the vehicle went in other open runs.
     pub beside: Layer,
     /// Trajectories of other systems, coloured by their errors.

@@ -17,6 +17,7 @@
 //! Points stay in their station's frame on the GPU; the three transforms are uniforms. A new calibration of
 //! the same triplets moves no point. No frame goes through all points.
 
+mod advised;
 mod beside;
 mod buffers;
 mod colouring;

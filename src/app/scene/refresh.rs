@@ -71,6 +71,14 @@ impl SceneView {
             self.content.set_estimates(wanted.as_deref());
             self.judgement = wanted;
         }
+        let live = state.live.view.as_deref().filter(|_| state.live.id == Some(open.id));
+        let best = live.and_then(|view| view.moves.first());
+        let wanted = (best.map_or_else(Vec::new, |best| best.waypoints_m.clone()), run);
+        if self.advised != wanted {
+            let last_m = analysis.triplets().points_m[0].last();
+            self.content.set_advised(&wanted.0, last_m.map_or(0.0, |last_m| last_m.z));
+            self.advised = wanted;
+        }
         let origin_s = time_origin_s(&open.deployment);
         self.content.set_selection(open.timeline.selection_s, origin_s);
         let cursor_s = open.timeline.cursor_s;

@@ -34,7 +34,7 @@ struct Uniforms {
 }
 
 /// How many layers there are: buffers that are fewer would leave the last ones out in silence.
-const LAYERS: usize = 9;
+const LAYERS: usize = 10;
 
 /// Pipelines, buffers and the texture.
 pub struct SceneRenderer {
@@ -259,6 +259,7 @@ fn layers(content: &SceneContent) -> [&Layer; LAYERS] {
         &content.along,
         &content.tube,
         &content.beside,
+        &content.advised,
         &content.estimates,
         &content.data,
         &content.hover,

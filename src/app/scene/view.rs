@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::Vector2;
+
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, StrokeKind, Vec2};
 
 use super::input::{click, move_camera, take_keys};
@@ -38,6 +40,8 @@ pub struct SceneView {
     pub(super) hover: Option<(u64, usize)>,
     /// What the tube is drawn of, and how much wider than true.
     pub(super) tube: Option<(Arc<Way>, u32)>,
+    /// The way that is advised, and the answer at whose last height it is drawn.
+    pub(super) advised: (Vec<Vector2<f64>>, u64),
     /// What the ways of other runs are drawn of.
     pub(super) beside: Option<Arc<Vec<RunBeside>>>,
     /// What the trajectories of other systems are drawn of.
@@ -71,6 +75,7 @@ impl SceneView {
             judgement: None,
             tube: None,
             beside: None,
+            advised: Default::default(),
             controls_size: Vec2::ZERO,
         }
     }
