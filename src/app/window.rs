@@ -119,10 +119,11 @@ impl eframe::App for ResectWindow {
             commands.push(Command::OpenPaths(dropped));
         }
         let ctx = ui.ctx().clone();
-        if self.state.overlay == Overlay::None
-            && self.state.prompt.is_none()
-            && self.state.asked().is_none()
-        {
+        let is_asking = self.state.overlay != Overlay::None
+            || self.state.prompt.is_some()
+            || self.state.asked().is_some();
+        self.shell.hide_pointer(&ctx, is_asking);
+        if !is_asking {
             actions::from_keys(&ctx, &self.state, &mut commands);
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
@@ -142,6 +143,7 @@ impl eframe::App for ResectWindow {
             layout.ui(ui, &mut |pane, ui| panes.pane(pane, ui));
             (self.state.layout, self.state.view) = (layout, view);
         });
+        self.shell.show_pointer(&ctx);
         panels::drop_hint::ui(ui, &self.state, &mut commands);
         match &self.state.overlay {
             Overlay::None => {}

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use nalgebra::Vector3;
 
-use super::output::spare;
+use super::output::{advised, spare};
 use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
 use crate::analysis::Analyst;
@@ -82,7 +82,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let calibration = &answer.calibration;
     let judgement = judge(&deployment, &analysis, read_estimates, &options);
     if judgement.judged.is_empty() {
-        let whys: Vec<String> = judgement.unjudged.iter().map(|(_, why)| why.to_string()).collect();
+        let whys: Vec<String> = judgement
+            .unjudged
+            .iter()
+            .map(|(_, why)| advised(why, why.flag()).to_string())
+            .collect();
         return Err(Failure::Input(anyhow::Error::msg(whys.join("; "))));
     }
     let start_s = deployment.start_s().unwrap_or_default();

@@ -26,3 +26,11 @@ pub fn spare<'a>(out: &Path, read: impl IntoIterator<Item = &'a Path>) -> Result
 pub fn kind_of(file: &Path) -> Result<FileKind, Failure> {
     FileKind::of(file).map_err(|why| Failure::Usage(format!("{}: {why}", file.display())))
 }
+
+/// An error with the flag, or the command, that does what it advises.
+pub fn advised(why: &dyn std::error::Error, flag: Option<&str>) -> anyhow::Error {
+    match flag {
+        Some(flag) => anyhow::anyhow!("{why} ({flag})"),
+        None => anyhow::anyhow!("{why}"),
+    }
+}

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use nalgebra::Vector3;
 
-use super::output::{kind_of, spare};
+use super::output::{advised, kind_of, spare};
 use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
 use crate::analysis::{Analysis, Analyst};
@@ -98,10 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         wanted,
         arguments.max_error / 1e3,
     )
-    .map_err(|why| match why {
-        NoTrajectory::NoRig(_) => anyhow::anyhow!("{why} (--rig)"),
-        _ => why.into(),
-    })?;
+    .map_err(|why| advised(&why, why.flag()))?;
     if let Some(lever_arm_m) = &arguments.lever_arm {
         trajectory.poses.iter_mut().for_each(|pose| *pose = pose.at_lever_arm(lever_arm_m));
     }
@@ -180,7 +177,8 @@ fn one_prism(
             "one prism has no orientation, by which --lever-arm would be turned; leave it out";
         return Err(Failure::Input(anyhow::anyhow!("{}: {why}", deployment.name)));
     }
-    let mut positions = prism_by(deployment, analysis.triplets(), calibration, wanted)?;
+    let mut positions = prism_by(deployment, analysis.triplets(), calibration, wanted)
+        .map_err(|why| advised(&why, why.flag()))?;
     if let Some(site) = site {
         positions.iter_mut().for_each(|at| *at = site.prism(at));
     }

@@ -104,6 +104,16 @@ pub enum Unjudged {
     Unfit { name: String, why: Unfit },
 }
 
+impl Unjudged {
+    /// The flag, or the command, that does what is advised where there is no window with fields for it.
+    pub fn flag(&self) -> Option<&'static str> {
+        match self {
+            Self::NoReference(why) => why.flag(),
+            Self::Unfit { why, .. } => why.flag(),
+        }
+    }
+}
+
 /// An estimate beside the ground truth.
 #[derive(Clone, Debug)]
 pub struct Judged {

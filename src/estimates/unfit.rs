@@ -5,7 +5,7 @@
 pub enum Unfit {
     #[error(
         "its times have nothing in common with the readings, and its speeds are like those of no part of the drive; check \
-         that both are of one drive, or say by how much its clock is off (`resect evaluate --time-offset`)"
+         that both are of one drive, or say by how much its clock is off"
     )]
     NoOverlap,
     #[error(
@@ -16,16 +16,29 @@ pub enum Unfit {
     #[error("it has only {0} poses; ten are the least")]
     FewPoses(usize),
     #[error(
-        "its positions lie on a line, which leaves its frame open; align it by nothing if it is in station 1's frame (`--align none`)"
+        "its positions lie on a line, which leaves its frame open; align it by nothing if it is in station 1's frame"
     )]
     OnALine,
     #[error(
         "clock, lever arm and frame cannot be told apart by this drive, or it is not in station 1's frame; take \
-         its body for the vehicle's frame (`--body same`), or align it by turn and shift"
+         its body for the vehicle's frame, or align it by turn and shift"
     )]
     Undetermined,
     #[error(
-        "--lever-arm needs orientations, of the estimate or of the ground truth; there are none"
+        "a lever arm needs orientations, of the estimate or of the ground truth; there are none"
     )]
     NoOrientation,
+}
+
+impl Unfit {
+    /// The command line's flag that does what is advised; the window has fields for it.
+    pub fn flag(self) -> Option<&'static str> {
+        match self {
+            Self::NoOverlap => Some("--time-offset"),
+            Self::OnALine => Some("--align none"),
+            Self::Undetermined => Some("--body same"),
+            Self::NoOrientation => Some("--lever-arm"),
+            Self::FewEpochs | Self::FewPoses(_) => None,
+        }
+    }
 }

@@ -20,8 +20,7 @@ pub const LARGEST_POSE_ERROR_M: f64 = 0.020;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoTrajectory {
     #[error(
-        "{0}: all stations follow one prism, which has no orientation; its positions come from the joint estimate alone \
-         (--method joint)"
+        "{0}: all stations follow one prism, which has no orientation; its positions come from the joint estimate alone"
     )]
     OnePrism(String),
     #[error(
@@ -37,14 +36,25 @@ pub enum NoTrajectory {
     )]
     OtherFrame(String),
     #[error(
-        "{0}: by this method there are poses at the triplets only; the joint estimate has them at any time (--method joint)"
+        "{0}: by this method there are poses at the triplets only; the joint estimate has them at any time"
     )]
     NoMotion(String),
     #[error(
-        "{0}: the joint estimate found no motion that fits the readings; see what its answer says of the data (`resect \
-         calibrate`)"
+        "{0}: the joint estimate found no motion that fits the readings; see what its answer says of the data"
     )]
     NoMotionFits(String),
+}
+
+impl NoTrajectory {
+    /// The flag, or the command, that does what is advised where there is no window with buttons for it.
+    pub fn flag(&self) -> Option<&'static str> {
+        match self {
+            Self::OnePrism(_) | Self::NoMotion(_) => Some("--method joint"),
+            Self::NoRig(_) => Some("--rig"),
+            Self::NoMotionFits(_) => Some("resect calibrate"),
+            Self::PrismsOnALine(_) | Self::OtherFrame(_) => None,
+        }
+    }
 }
 
 /// What the vehicle's frame is.

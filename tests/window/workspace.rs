@@ -354,3 +354,20 @@ fn the_palette_heeds_what_is_typed_in_the_same_frame_as_enter() {
     let method = settings(&harness).calibration.method;
     assert_eq!(method, Some(resect::calibration::Method::StaticGcp));
 }
+
+/// egui keeps a tooltip for as long as the pointer rests: it lay over the dialog that a key had opened.
+#[test]
+fn a_tooltip_that_is_open_goes_when_a_dialog_opens() {
+    let mut harness = window(LARGE, Theme::Dark);
+    harness.get_by_role_and_label(Role::Slider, "τ_r  range").hover();
+    harness.run_steps(60);
+    harness.get_by_label_contains("right click");
+    press(&mut harness, Modifiers::COMMAND, Key::P);
+    harness.run_steps(60);
+    assert!(harness.query_by_label_contains("right click").is_none());
+    // Those of other things come again.
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    harness.get_by_role_and_label(Role::Slider, "τ_s  gap").hover();
+    harness.run_steps(60);
+    harness.get_by_label_contains("right click");
+}

@@ -4,15 +4,15 @@
 use egui::RichText;
 use nalgebra::Vector3;
 
-use super::{MARGIN, finding, heading, number};
-use crate::app::model::{Command, Commands, OpenDeployment, TimeScale};
+use super::{finding, heading, number, scrolled};
+use crate::app::model::{AngleUnit, Command, Commands, OpenDeployment, TimeScale, Units};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use crate::calibration::Verdict;
 use crate::estimates::odd::{OddOne, OddSpan};
 use crate::estimates::{Alignment, Body, Judged, Judgement, Options};
-use crate::export::estimates::{compared, contradiction, rows};
+use crate::export::estimates::{Angles, compared, contradiction, rows};
 use crate::palette;
 
 /// Widest that a sentence gets (points).
@@ -26,10 +26,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.weak("Nothing open.");
         return;
     };
-    egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        egui::Frame::new().inner_margin(MARGIN).show(ui, |ui| {
-            let width = ui.available_width().min(SENTENCE);
-            ui.set_max_width(width);
+    scrolled(ui, |ui| {
+        // Sentences are read in lines that are not too long; tables may be wider, and are moved sideways by themselves.
+        ui.scope(|ui| {
+            ui.set_max_width(ui.available_width().min(SENTENCE));
             added(ui, open, commands);
             if open.judging.estimates.is_empty() {
                 return;
@@ -53,7 +53,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             doubt(ui, open);
             ranking(ui, judgement);
             odd(ui, state, open, judgement, commands);
-            table(ui, open, judgement);
+            table(ui, open, judgement, angles(state.units));
             for one in &judgement.judged {
                 for said in one.estimate.findings.iter().chain(&one.fit.findings) {
                     finding(ui, state, said, commands);
@@ -76,7 +76,7 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     for (colour, estimate) in judging.coloured() {
         ui.horizontal(|ui| {
             let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
-            ui.label(RichText::new(&estimate.name).color(colour).strong())
+            ui.label(RichText::new(short(&estimate.name)).color(colour).strong())
                 .on_hover_text(estimate.path.display().to_string());
             ui.weak(format!("{} poses", estimate.poses.len()));
             let name = format!("Take {} away", estimate.name);
@@ -115,7 +115,7 @@ fn options(ui: &mut egui::Ui, options: Options, commands: &mut Commands) {
         for (body, name, hint) in [
             (Body::Found, "found", "Lever arm and rotation against the vehicle are estimated"),
             (Body::Same, "the vehicle's frame", "As evo takes it to be"),
-            (Body::Lever(given_m), "at", "The lever arm is known: where their body's origin is in the vehicle's frame, or the one prism in the body's"),
+            (Body::Lever(given_m), "at", "The lever arm is known, and the same for all of them: where their body's origin is in the vehicle's frame, or the one prism in the body's"),
         ] {
             ui.radio_value(&mut chosen.body, body, name).on_hover_text(hint);
         }
@@ -179,7 +179,8 @@ fn ranking(ui: &mut egui::Ui, judgement: &Judgement) {
     ui.add_space(4.0);
     for two in &judgement.comparisons {
         let (word, verdict) = if two.is_significant() {
-            (format!(" {} is better ", judgement.judged[two.better].estimate.name), Verdict::Good)
+            let name = short(&judgement.judged[two.better].estimate.name);
+            (format!(" {name} is better "), Verdict::Good)
         } else {
             (" not decided ".to_owned(), Verdict::Weak)
         };
@@ -223,7 +224,7 @@ fn odd(
                 look_at(span, commands);
             }
             ui.strong(&one.estimate.name);
-            ui.label(contradiction(span));
+            ui.label(contradiction(span, angles(state.units)));
         });
     }
 }
@@ -242,26 +243,63 @@ fn look_at(span: &OddSpan, commands: &mut Commands) {
 }
 
 /// A column each.
-fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement) {
+fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles: Angles) {
     if judgement.judged.is_empty() {
         return;
     }
     heading(ui, "Errors");
     let grid = egui::Grid::new("errors of trajectories").striped(true).spacing([10.0, 3.0]);
-    grid.show(ui, |ui| {
-        ui.label("");
-        for one in &judgement.judged {
-            let colour = open.judging.colour(&one.estimate).unwrap_or_default();
-            let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
-            ui.label(RichText::new(&one.estimate.name).color(colour).strong());
-        }
-        ui.end_row();
-        for (label, cells) in rows(judgement) {
-            words::explain_text(ui.small(&label), &label);
-            for cell in cells {
-                ui.label(RichText::new(cell).monospace().small());
+    egui::ScrollArea::horizontal().show(ui, |ui| {
+        grid.show(ui, |ui| {
+            ui.label("");
+            for one in &judgement.judged {
+                let colour = open.judging.colour(&one.estimate).unwrap_or_default();
+                let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
+                ui.label(RichText::new(short(&one.estimate.name)).color(colour).strong())
+                    .on_hover_text(&one.estimate.name);
             }
             ui.end_row();
-        }
+            for (label, cells) in rows(judgement, angles) {
+                words::explain_text(ui.small(&label), &label);
+                for cell in cells {
+                    ui.label(RichText::new(cell).monospace().small());
+                }
+                ui.end_row();
+            }
+        })
     });
+}
+
+/// Names of files may be long, and differ at their beginning or their end.
+fn short(name: &str) -> String {
+    const LONGEST: usize = 26;
+    const ENDS: [usize; 2] = [13, 11];
+    let count = name.chars().count();
+    if count <= LONGEST {
+        return name.to_owned();
+    }
+    let first: String = name.chars().take(ENDS[0]).collect();
+    let last: String = name.chars().skip(count - ENDS[1]).collect();
+    format!("{first}…{last}")
+}
+
+/// Turns of a few thousandths are small numbers in radians; the other units are told as they are.
+fn angles(units: Units) -> Angles {
+    match units.angle {
+        AngleUnit::Radian => Angles { per_radian: 1e3, unit: "mrad" },
+        unit => Angles { per_radian: unit.per_radian(), unit: unit.name() },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_names_keep_both_ends() {
+        assert_eq!(short("orb_slam3"), "orb_slam3");
+        let long = "orb_slam3_stereo_inertial_run_07_loop_closed_final";
+        assert_eq!(short(long), "orb_slam3_ste…losed_final");
+        assert_eq!(short(&"ö".repeat(60)).chars().count(), 25);
+    }
 }

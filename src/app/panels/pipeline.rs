@@ -136,7 +136,10 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, 
             );
         });
         ui.small(line(
-            counts.map(|c| format!("{} → {} intervals ({:.0} s)", c.split, c.kept, c.kept_seconds)),
+            // The sum of nothing is -0.
+            counts.map(|c| {
+                format!("{} → {} intervals ({:.0} s)", c.split, c.kept, c.kept_seconds + 0.0)
+            }),
         ));
     });
     let PipelineSettings { interpolation, rate_hz, .. } = &mut settings.pipeline;

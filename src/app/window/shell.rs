@@ -1,6 +1,6 @@
 //! The window among those of the system: how large it opens, and what its title says.
 
-use egui::{Vec2, ViewportCommand};
+use egui::{PointerState, Vec2, ViewportCommand};
 
 /// How large the window opens where nobody chose a size, and how small it may be made (points).
 pub const FIRST_POINTS: [f32; 2] = [1600.0, 1000.0];
@@ -15,6 +15,10 @@ pub struct Shell {
     fitted: bool,
     /// The next frame is drawn before the system shows the window.
     unseen: bool,
+    /// Whether a dialog was open in the last frame, and the delay of tooltips while none is shown.
+    was_asking: bool,
+    /// The pointer, while the panes are drawn as if there were none.
+    pointer: Option<PointerState>,
 }
 
 impl Shell {
@@ -26,6 +30,22 @@ impl Shell {
     /// Whether nobody will see this frame: without a graphics card, one takes a tenth of a second.
     pub fn take_unseen(&mut self) -> bool {
         std::mem::take(&mut self.unseen)
+    }
+
+    /// Has the panes drawn once as if there were no pointer when a dialog opens: egui keeps a tooltip for as long as the
+    /// pointer rests on what it is about, and it would lie over a dialog that a key opened.
+    pub fn hide_pointer(&mut self, ctx: &egui::Context, is_asking: bool) {
+        if is_asking && !self.was_asking {
+            self.pointer = Some(ctx.input_mut(|input| std::mem::take(&mut input.pointer)));
+        }
+        self.was_asking = is_asking;
+    }
+
+    /// Gives back the pointer that was hidden, for the dialogs.
+    pub fn show_pointer(&mut self, ctx: &egui::Context) {
+        if let Some(pointer) = self.pointer.take() {
+            ctx.input_mut(|input| input.pointer = pointer);
+        }
     }
 
     /// Tells the system what is another than before.

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 pub use chart::draw;
-pub use text::{compared, contradiction, rows, text};
+pub use text::{Angles, compared, contradiction, rows, text};
 
 use super::json::SCHEMA;
 use crate::calibration::Calibration;

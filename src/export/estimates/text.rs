@@ -26,7 +26,7 @@ pub fn text(
     let all = &judgement.judged;
     let width = all.iter().map(|one| one.estimate.name.chars().count()).fold(22, usize::max) + 2;
     let names = all.iter().map(|one| one.estimate.name.clone()).collect();
-    let table = if all.is_empty() { Vec::new() } else { rows(judgement) };
+    let table = if all.is_empty() { Vec::new() } else { rows(judgement, Angles::DEGREES) };
     for (label, cells) in std::iter::once((String::new(), names)).chain(table) {
         let cells = cells.iter().map(|cell| format!("{cell:>width$}"));
         lines.push(format!("{label:<LABEL$}{}", cells.collect::<String>()).trim_end().to_owned());
@@ -40,7 +40,11 @@ pub fn text(
     let odd: Vec<String> = spans
         .map(|(one, span)| {
             let [from, to] = span.span_s.map(time);
-            format!("{}, {from} to {to} s: {}", one.estimate.name, contradiction(span))
+            format!(
+                "{}, {from} to {to} s: {}",
+                one.estimate.name,
+                contradiction(span, Angles::DEGREES)
+            )
         })
         .collect();
     if !odd.is_empty() {
@@ -60,9 +64,22 @@ pub fn text(
     lines.join("\n")
 }
 
+/// The unit in which turns are told: how many of it are a radian, and its name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Angles {
+    pub per_radian: f64,
+    pub unit: &'static str,
+}
+
+impl Angles {
+    /// As evo tells them.
+    pub const DEGREES: Self = Self { per_radian: 180.0 / std::f64::consts::PI, unit: "°" };
+}
+
 /// What is known of each estimate: the label of a line with its unit, and a cell for each; lines that no estimate has are
 /// left out.
-pub fn rows(judgement: &Judgement) -> Vec<(String, Vec<String>)> {
+pub fn rows(judgement: &Judgement, angles: Angles) -> Vec<(String, Vec<String>)> {
+    let Angles { per_radian, unit } = angles;
     let mut rows = Vec::new();
     let mut row = |label: &str, cell: &dyn Fn(&Judged) -> Option<String>| {
         let cells: Vec<Option<String>> = judgement.judged.iter().map(cell).collect();
@@ -103,7 +120,9 @@ pub fn rows(judgement: &Judgement) -> Vec<(String, Vec<String>)> {
             }))
         });
     }
-    row("APE rotation, rmse (°)", &|one| Some(format!("{:.3}", one.rotation?.rmse.to_degrees())));
+    row(&format!("APE rotation, rmse ({unit})"), &|one| {
+        Some(format!("{:.3}", per_radian * one.rotation?.rmse))
+    });
     // Of fewer pairs chance makes most of the number; JSON has all, with their count.
     const FEWEST: usize = 10;
     let well = |relative: RelativeErrors| (relative.position.count >= FEWEST).then_some(relative);
@@ -112,13 +131,13 @@ pub fn rows(judgement: &Judgement) -> Vec<(String, Vec<String>)> {
         row(&format!("RPE over {path_m} m, rmse (mm)"), &|one| {
             Some(millimetres(well(of(one)?)?.position.rmse))
         });
-        row(&format!("RPE over {path_m} m, rmse (°)"), &|one| {
-            Some(format!("{:.3}", well(of(one)?)?.rotation.rmse.to_degrees()))
+        row(&format!("RPE over {path_m} m, rmse ({unit})"), &|one| {
+            Some(format!("{:.3}", per_radian * well(of(one)?)?.rotation.rmse))
         });
     }
     row("ground truth's σ (mm)", &|one| Some(millimetres(one.against_sigma.sigma_m)));
-    row("ground truth's σ (°)", &|one| {
-        Some(format!("{:.3}", one.against_sigma.sigma_rad?.to_degrees()))
+    row(&format!("ground truth's σ ({unit})"), &|one| {
+        Some(format!("{:.3}", per_radian * one.against_sigma.sigma_rad?))
     });
     row("ground truth cannot tell", &|one| {
         Some(format!("{:.0} % of poses", 100.0 * one.against_sigma.undecided))
@@ -157,9 +176,9 @@ pub fn compared(judgement: &Judgement, two: &Comparison) -> String {
 }
 
 /// How far apart the two are in a span, and who is wrong.
-pub fn contradiction(span: &OddSpan) -> String {
+pub fn contradiction(span: &OddSpan, Angles { per_radian, unit }: Angles) -> String {
     let turn = span.rotation_rad.filter(|turn| turn.to_degrees() >= 0.05);
-    let turn = turn.map(|turn| format!(", {:.1}°", turn.to_degrees()));
+    let turn = turn.map(|turn| format!(", {:.1} {unit}", per_radian * turn));
     let who = match span.odd_one {
         OddOne::Estimate => "the estimate is wrong: the readings agree with the rig".to_owned(),
         OddOne::Readings => match span.station {

@@ -6,7 +6,7 @@ use super::charts::figure;
 use super::findings;
 use crate::deployment::Finding;
 use crate::estimates::Judgement;
-use crate::export::estimates::{compared, contradiction, draw, rows};
+use crate::export::estimates::{Angles, compared, contradiction, draw, rows};
 
 const WIDTH: f32 = 800.0;
 
@@ -34,7 +34,7 @@ pub fn markup(judgement: &Judgement, start_s: f64) -> Markup {
                     @for one in judged { th.number { (one.estimate.name) } }
                 } }
                 tbody {
-                    @for (label, cells) in rows(judgement) {
+                    @for (label, cells) in rows(judgement, Angles::DEGREES) {
                         tr {
                             td { (label) }
                             @for cell in cells { td.number { (cell) } }
@@ -56,7 +56,7 @@ pub fn markup(judgement: &Judgement, start_s: f64) -> Markup {
                         ", {:.1} to {:.1} s: {}",
                         span.span_s[0] - start_s,
                         span.span_s[1] - start_s,
-                        contradiction(span)
+                        contradiction(span, Angles::DEGREES)
                     ))
                 }
             }
