@@ -56,7 +56,7 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
     until(&mut harness, |window| shown(window).deployment.tracks[0].measurements.len() > before);
     assert_eq!(shown(&harness).id, id);
     let analysis = shown(&harness).analysis.clone().expect("never without an answer");
-    let fates = analysis.pipeline.fates.each_ref().map(|fates| fates.len());
+    let fates = analysis.pipeline.fates.each_ref().map(|fates| fates.each.len());
     let tracks = shown(&harness).deployment.tracks.each_ref().map(|t| t.measurements.len());
     assert_eq!(fates, tracks, "answer and readings belong together");
     harness.get_by_label_contains("target 2.0 mm");
