@@ -12,7 +12,6 @@ use resect::progress::Progress;
 static ALLOCATED: PeakAlloc = PeakAlloc;
 
 const DAY_S: u32 = 86_400;
-const RATE_HZ: u32 = 10;
 const START_S: f64 = 1_760_000_000.0;
 
 fn sent(station: u8, stamp_s: f64) -> Event {
@@ -30,9 +29,10 @@ fn sent(station: u8, stamp_s: f64) -> Event {
     Event::Message(Sent { channel, sent_ns, received_s: stamp_s + 0.02, payload })
 }
 
-/// A reading is 40 bytes with its own clock, in a list that has up to twice the room; a second of the recording leaves an index.
+/// At 2.5 readings a second, as of the authors' instruments. One is 40 bytes with its own clock, in a list that has up to twice the room;
+/// each second of the recording leaves an index, which is as much again. At ten readings a second it is 85 bytes.
 #[test]
-fn a_day_at_ten_readings_a_second_takes_less_than_100_bytes_a_reading_and_nothing_else_grows() {
+fn a_day_takes_less_than_200_bytes_a_reading_and_nothing_else_grows() {
     let folder = tempfile::tempdir().expect("a folder");
     let growing = Growing::around("live", None, &Extras::default(), &Progress::default());
     let recorder = Recorder::create(&folder.path().join("day.mcap")).expect("a new file");
@@ -44,8 +44,8 @@ fn a_day_at_ten_readings_a_second_takes_less_than_100_bytes_a_reading_and_nothin
     let mut readings = 0;
     for second in 0..DAY_S {
         let at_s = f64::from(second);
-        for step in 0..RATE_HZ {
-            let stamp_s = START_S + at_s + f64::from(step) / f64::from(RATE_HZ);
+        for step in 0..if second % 2 == 0 { 3 } else { 2 } {
+            let stamp_s = START_S + at_s + 0.3 * f64::from(step);
             for station in 1..=3 {
                 engine.take(sent(station, stamp_s + f64::from(station) * 1e-3), at_s);
                 readings += 1;
@@ -73,7 +73,7 @@ fn a_day_at_ten_readings_a_second_takes_less_than_100_bytes_a_reading_and_nothin
     let took = ALLOCATED.peak_usage() - before;
     let each = took as f64 / readings as f64;
     println!("{each:.1} bytes for each of {readings} readings, {} MB", took / 1_000_000);
-    assert!(each < 100.0, "{each:.1} bytes a reading");
+    assert!(each < 200.0, "{each:.1} bytes a reading");
     // Half a day more of nothing but repeats takes nothing.
     let before = ALLOCATED.current_usage();
     for second in 0..DAY_S / 2 {

@@ -40,9 +40,12 @@ pub struct Arguments {
     /// Folder with what is known beforehand: rig, control points, deployment.toml
     #[arg(long, value_name = "PATH")]
     deployment: Option<PathBuf>,
-    /// Topics (of positions) or instruments (of rts-network) that are stations 1, 2, 3
+    /// Topics of positions that are stations 1, 2, 3
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     topics: Vec<String>,
+    /// Instruments of rts-network that are stations 1, 2, 3, by their ids
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
+    instruments: Vec<String>,
     /// Record what comes in; the file must not be there yet
     #[arg(long, value_name = "FILE.mcap")]
     record: Option<PathBuf>,
@@ -90,16 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn wanted(arguments: &Arguments) -> Result<Wanted, Failure> {
     let settings = arguments.settings.settings()?;
     let mut extras = arguments.settings.extras();
-    if !arguments.topics.is_empty() {
-        let topics: [String; 3] =
-            arguments.topics.clone().try_into().map_err(|given: Vec<_>| {
-                let count = given.len();
-                Failure::Usage(format!(
-                    "--topics has {count} names; give those of stations 1, 2, 3"
-                ))
-            })?;
-        extras.put_right.topics = Some(topics);
-    }
+    extras.put_right.topics = of_each_station("--topics", &arguments.topics)?;
     let feed = match (&arguments.url, &arguments.replay) {
         (Some(url), _) if extras.drives.is_empty() => Feed::Url(url.clone()),
         (None, Some(path)) => {
@@ -119,11 +113,24 @@ fn wanted(arguments: &Arguments) -> Result<Wanted, Failure> {
         feed,
         deployment: arguments.deployment.clone(),
         extras: Extras { drives: Vec::new(), ..extras },
+        instruments: of_each_station("--instruments", &arguments.instruments)?,
         settings,
         record: arguments.record.clone(),
         target_m: arguments.target_mm * 1e-3,
         calculates: true,
     })
+}
+
+/// Three names, if any.
+fn of_each_station(flag: &str, names: &[String]) -> Result<Option<[String; 3]>, Failure> {
+    match <[String; 3]>::try_from(names.to_vec()) {
+        Ok(names) => Ok(Some(names)),
+        Err(none) if none.is_empty() => Ok(None),
+        Err(given) => {
+            let count = given.len();
+            Err(Failure::Usage(format!("{flag} has {count} names; give those of stations 1, 2, 3")))
+        }
+    }
 }
 
 /// Writes a line a second, until it is over.

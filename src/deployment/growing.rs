@@ -91,11 +91,6 @@ impl Growing {
         }
     }
 
-    /// The topics, or instruments, that are stations 1, 2, 3, where somebody says it.
-    pub fn named_stations(&self) -> Option<&[String; 3]> {
-        self.stream.named.as_ref()
-    }
-
     /// The station, 0 to 2, that has this number in the messages.
     pub fn station_of(&self, number: i64) -> Option<usize> {
         self.recording.station_of(number)

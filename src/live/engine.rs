@@ -16,6 +16,9 @@ use crate::deployment::printable::printable;
 use crate::deployment::{Deployment, Growing, OpenError};
 use crate::planning::NextMove;
 
+/// Readings are held against an answer to earlier ones for so long at most (s).
+const LONGEST_KNOWN_S: f64 = 60.0;
+
 /// Takes everything in that happens.
 pub struct Engine {
     growing: Growing,
@@ -40,6 +43,8 @@ pub struct Engine {
     warnings: Vec<Warning>,
     first: Option<Arc<Judged>>,
     answer: Option<Arc<Judged>>,
+    /// The answer that later readings are held against.
+    known: Option<Arc<Judged>>,
     latest: [Option<Outcome>; 2],
     /// Readings and messages that the newest snapshot knows of.
     snapshot_of: u64,
@@ -72,6 +77,7 @@ impl Engine {
             warnings: Vec::new(),
             first: None,
             answer: None,
+            known: None,
             latest: [None, None],
             snapshot_of: 0,
         }
@@ -150,6 +156,13 @@ impl Engine {
         if let Ok(judged) = &outcome.judged {
             let kept = if outcome.is_first { &mut self.first } else { &mut self.answer };
             *kept = Some(Arc::clone(judged));
+            // An answer from readings of a wrong prism is not what these are held against; unless it goes on for so long that
+            // the earlier one may be the wrong one.
+            let is_right = !outcome.wrong_pairs().contains(&true);
+            let is_old = |known: &Arc<Judged>| judged.up_to_s - known.up_to_s > LONGEST_KNOWN_S;
+            if judged.is_sure() && (is_right || self.known.as_ref().is_none_or(is_old)) {
+                self.known = Some(Arc::clone(judged));
+            }
         }
         let place = usize::from(!outcome.is_first);
         self.latest[place] = Some(outcome);
@@ -166,7 +179,7 @@ impl Engine {
 
     /// The answer that later readings are held against.
     pub fn known(&self) -> Option<Arc<Judged>> {
-        self.answer.clone().or_else(|| self.first.clone())
+        self.known.clone()
     }
 
     /// The deployment so far; `None` where nothing came since the last one.

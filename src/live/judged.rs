@@ -16,6 +16,10 @@ use crate::statistics::median;
 const LATEST_S: f64 = 4.0;
 /// Fewer triplets than this tell nothing of them.
 const FEWEST: usize = 10;
+/// An answer that leaves more than this open (m) tells nothing of them.
+const SURE_M: f64 = 0.01;
+/// Distances of triplets that are off the rig's by more (m) for seconds are those of a wrong prism.
+const WRONG_PRISM_M: f64 = 0.05;
 /// A station that moved by less (m), or turned by less (rad), is left to the answer's findings.
 const MOVED_M: f64 = 0.003;
 const TURNED_RAD: f64 = 2e-4;
@@ -49,6 +53,13 @@ pub struct Judged {
     pub inter_prism_mm: Option<f64>,
 }
 
+impl Judged {
+    /// Whether later readings can be held against it.
+    pub fn is_sure(&self) -> bool {
+        self.far_end.is_some_and(|far_end| far_end.sigma_m < SURE_M)
+    }
+}
+
 /// What came of one analysis: an answer, or in one line why there is none.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -57,6 +68,13 @@ pub struct Outcome {
     pub judged: Result<Arc<Judged>, String>,
     /// How far the distances of the last triplets are off (m), by pair.
     pub lately_off_m: Option<[f64; 3]>,
+}
+
+impl Outcome {
+    /// Which pairs of prisms were lately off by more than any noise.
+    pub fn wrong_pairs(&self) -> [bool; 3] {
+        self.lately_off_m.map_or([false; 3], |off_m| off_m.map(|off_m| off_m > WRONG_PRISM_M))
+    }
 }
 
 /// Judges an analysis of a deployment; `known` is an earlier answer, which holds the last readings against what it knew.
@@ -70,10 +88,9 @@ pub fn judge(
         Ok(answer) => Ok(Arc::new(judge_answer(deployment, analysis, answer))),
         Err(error) => Err(error.finding().message),
     };
-    let own = judged.as_ref().ok().map(AsRef::as_ref);
-    let transforms = known.or(own).map(|judged| &judged.station1_from_station);
+    let known = known.filter(|known| known.is_sure());
     let lately_off_m =
-        transforms.and_then(|transforms| lately_off_m(deployment, analysis, transforms));
+        known.and_then(|known| lately_off_m(deployment, analysis, &known.station1_from_station));
     Outcome { is_first, judged, lately_off_m }
 }
 

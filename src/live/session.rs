@@ -52,6 +52,8 @@ pub struct Wanted {
     /// Folder with what is known beforehand: rig, control points, `deployment.toml`.
     pub deployment: Option<PathBuf>,
     pub extras: Extras,
+    /// The instruments that are stations 1, 2, 3, where messages name instruments.
+    pub instruments: Option<[String; 3]>,
     pub settings: Settings,
     pub record: Option<PathBuf>,
     /// Whether answers are calculated here; otherwise whoever holds the session hands them in ([`Session::answered`]).
@@ -122,8 +124,10 @@ impl Session {
         // Everything else is known to be right before a file is begun.
         let recorder = wanted.record.as_deref().map(Recorder::create).transpose()?;
         std::thread::spawn(source);
-        let engine = Engine::new(growing, speed, recorder, wanted.target_m);
-        let shown = Shown { settings: wanted.settings, is_taken: true, ..Shown::default() };
+        let mut engine = Engine::new(growing, speed, recorder, wanted.target_m);
+        let view = Arc::new(engine.view(0.0));
+        let (settings, is_taken) = (wanted.settings, true);
+        let shown = Shown { view, settings, is_taken, ..Shown::default() };
         let shown = Arc::new(Mutex::new(shown));
         let progress = Arc::new(Progress::default());
         let intake = Intake {
@@ -213,7 +217,7 @@ fn prepare(
             let address = connect::address(url)?;
             let name = address.host().unwrap_or("live").to_owned();
             let growing = Growing::around(&name, folder, extras, &progress)?;
-            let stations = growing.named_stations().cloned();
+            let stations = wanted.instruments.clone();
             let expected = Expected { address, stations, added_m: growing.added_to_ranges_m() };
             Ok((growing, None, Box::new(move || connect::run(&expected, &stop, &send))))
         }
@@ -255,7 +259,12 @@ impl Intake {
             let wait = Duration::from_secs_f64(TICK_S).saturating_sub(ticked.elapsed());
             let ended = match self.events.recv_timeout(wait) {
                 Ok(event) => {
+                    // How the connection is is told at once.
+                    let is_news = matches!(event, Event::Connected(_) | Event::Lost { .. });
                     self.engine.take(event, self.begun.elapsed().as_secs_f64());
+                    if is_news {
+                        self.show();
+                    }
                     false
                 }
                 Err(RecvTimeoutError::Timeout) => false,

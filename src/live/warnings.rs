@@ -8,8 +8,6 @@ use crate::deployment::{Finding, pair_label};
 
 /// A station that has had no reading for so long (s) is told.
 const LOST_S: f64 = 10.0;
-/// Distances of triplets that are off the rig's by more (m) for seconds are those of a wrong prism.
-const WRONG_PRISM_M: f64 = 0.05;
 /// What has happened is told for so long (s of the drive), whatever comes after.
 const TOLD_S: f64 = 60.0;
 
@@ -124,8 +122,8 @@ pub fn amiss(seen: &Seen<'_>) -> Vec<(Amiss, String)> {
             all.push((Amiss::Stepped(*station), line));
         }
     }
-    if let Some(off_m) = seen.latest.and_then(|outcome| outcome.lately_off_m) {
-        let is_off = off_m.map(|off_m| off_m > WRONG_PRISM_M);
+    if let Some((outcome, off_m)) = seen.latest.and_then(|one| Some((one, one.lately_off_m?))) {
+        let is_off = outcome.wrong_pairs();
         if is_off.contains(&true) {
             let station = station_in_common(is_off);
             let who = match station {

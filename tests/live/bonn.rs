@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use resect::deployment::{Extras, Overrides, Sample};
+use resect::deployment::{Extras, Sample};
 use resect::live::{Feed, Session, Wanted};
 use serde_json::json;
 
@@ -38,9 +38,7 @@ fn steps(readings: usize) -> Vec<Step> {
 fn repeated_readings_are_taken_once_with_the_stations_that_are_named() {
     let server = Server::start(None, steps(40));
     let mut wanted = wanted(Feed::Url(format!("{}/ws/measurements/stream", server.url)), None);
-    let topics = Some(INSTRUMENTS.map(str::to_owned));
-    wanted.extras =
-        Extras { put_right: Overrides { topics, ..Overrides::default() }, ..Extras::default() };
+    wanted.instruments = Some(INSTRUMENTS.map(str::to_owned));
     let session = Session::start(wanted).expect("it begins");
     wait_until(&session, |view| view.readings() == 120);
     let view = session.view();

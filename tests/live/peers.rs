@@ -30,6 +30,7 @@ fn the_server_of_robots_at_twenty_times_the_speed_started_again_twice() {
         feed,
         deployment: None,
         extras: Extras { rig: Some(drive.clone()), ..Extras::default() },
+        instruments: None,
         settings: Settings::default(),
         record: Some(record.clone()),
         target_m: 2e-3,

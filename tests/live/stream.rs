@@ -19,6 +19,7 @@ pub fn wanted(feed: Feed, record: Option<&Path>) -> Wanted {
         feed,
         deployment: Some(sample_folder("hd2-tunnel")),
         extras: Extras::default(),
+        instruments: None,
         settings: Settings::default(),
         record: record.map(Path::to_owned),
         target_m: 2e-3,

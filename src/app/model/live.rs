@@ -15,6 +15,8 @@ pub struct LiveForm {
     pub speed: f64,
     /// Folder or file with what is known beforehand: rig, control points.
     pub known: Option<PathBuf>,
+    /// Topics, or instruments, of stations 1, 2, 3, with commas between; nothing where messages name their station.
+    pub stations: String,
     pub records: bool,
     /// Where to; a name is made up where nobody chose one.
     pub record: Option<PathBuf>,
@@ -29,6 +31,7 @@ impl Default for LiveForm {
             replay: None,
             speed: 10.0,
             known: None,
+            stations: String::new(),
             records: true,
             record: None,
             target_mm: 2.0,

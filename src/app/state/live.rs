@@ -195,7 +195,12 @@ fn wanted(form: &LiveForm, settings: Settings) -> Wanted {
         Some(path) if path.is_dir() => (Some(path.clone()), None),
         known => (None, known.clone()),
     };
-    let extras = Extras { rig, ..Extras::default() };
+    let mut extras = Extras { rig, ..Extras::default() };
+    let names: Vec<String> = form.stations.split(',').map(|name| name.trim().to_owned()).collect();
+    let mut instruments = <[String; 3]>::try_from(names).ok();
+    if instruments.as_ref().is_some_and(|names| names.iter().all(|name| name.starts_with('/'))) {
+        extras.put_right.topics = instruments.take();
+    }
     let home = || {
         let folders = directories::UserDirs::new();
         let home = folders
@@ -208,6 +213,7 @@ fn wanted(form: &LiveForm, settings: Settings) -> Wanted {
         feed,
         deployment,
         extras,
+        instruments,
         settings,
         record,
         target_m: form.target_mm * 1e-3,

@@ -15,12 +15,21 @@ const FIELD: f32 = 260.0;
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let live = &state.live;
     let mut form = live.form.clone();
-    ui.heading("Connect");
+    ui.heading("Live");
     ui.label("Answers while you drive, and whether it is enough.");
     ui.add_space(6.0);
     source(ui, &mut form, commands);
     ui.add_space(6.0);
     beforehand(ui, state, &mut form, commands);
+    if form.replay.is_none() {
+        ui.horizontal_wrapped(|ui| {
+            ui.label("Stations 1, 2, 3");
+            let field = egui::TextEdit::singleline(&mut form.stations)
+                .hint_text("only where messages do not say it: topics or instruments, with commas")
+                .desired_width(FIELD);
+            ui.add(field).accessible_name("Topics or instruments of stations 1, 2, 3");
+        });
+    }
     ui.horizontal_wrapped(|ui| {
         ui.checkbox(&mut form.records, "Record what comes in (MCAP)");
         if form.records {
