@@ -223,7 +223,19 @@ impl Units {
     pub fn angle_difference(self, radians: f64) -> String {
         with_sign(radians * self.angle.small_per_radian(), self.angle.small_decimals())
     }
+
+    /// The same with its unit: another set-up is turned by as many as nobody reads in thousandths.
+    pub fn angle_difference_in_words(self, radians: f64) -> String {
+        if radians.abs() < LARGE_RAD {
+            return format!("{} {}", self.angle_difference(radians), self.angle.small_name());
+        }
+        let (turn, decimals) = (radians * self.angle.per_radian(), self.angle.decimals().min(4));
+        format!("{} {}", with_sign(turn, decimals), self.angle.name())
+    }
 }
+
+/// What is turned by more is of another set-up (rad).
+const LARGE_RAD: f64 = 0.05;
 
 /// A number with so many decimals, and no sign before nothing but zeros.
 pub fn without_negative_zero(value: f64, decimals: usize) -> String {
@@ -290,5 +302,10 @@ mod tests {
         assert_eq!(units.length(-1e-9), "0.0000");
         assert_eq!(units.length_difference(-1e-9), "0.00");
         assert_eq!(units.angle_difference(1e-9), "0.000");
+        let in_words = |radians| units.angle_difference_in_words(radians);
+        assert_eq!(
+            (in_words(-0.0123), in_words(1.2)),
+            ("-12.300 mrad".into(), "+1.2000 rad".into())
+        );
     }
 }

@@ -40,7 +40,11 @@ impl State {
             progress.cancel();
         }
         match open.analysis.as_ref().map(|analysis| analysis.settings) {
-            Some(settings) => self.change(&[id], settings, Moment::NEVER),
+            Some(settings) => {
+                self.change(&[id], settings, Moment::NEVER);
+                self.toasts
+                    .done("stopped; the settings are again those of the answer that is shown");
+            }
             None => self
                 .toasts
                 .warning("the calibration was stopped; change a setting to start it again"),

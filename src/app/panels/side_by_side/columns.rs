@@ -104,8 +104,8 @@ fn of_summary(summary: &ResultSummary, against: Option<&ResultSummary>, units: U
                 told(format!("{} mm", units.length_difference(along.value)), along)
             };
             let [x, y, z] = station.translation_m.map(length);
-            let (yaw, small) = (station.yaw_rad, units.angle.small_name());
-            [x, y, z, told(format!("{} {small}", units.angle_difference(yaw.value)), yaw)]
+            let yaw = station.yaw_rad;
+            [x, y, z, told(units.angle_difference_in_words(yaw.value), yaw)]
         };
         [of(0), of(1)].concat()
     });
