@@ -72,7 +72,7 @@ fn a_day_takes_less_than_200_bytes_a_reading_and_nothing_else_grows() {
     assert_eq!(view.repeated, DAY_S as usize);
     let took = ALLOCATED.peak_usage() - before;
     let each = took as f64 / readings as f64;
-    println!("{each:.1} bytes for each of {readings} readings, {} MB", took / 1_000_000);
+    eprintln!("{each:.1} bytes for each of {readings} readings, {} MB", took / 1_000_000);
     assert!(each < 200.0, "{each:.1} bytes a reading");
     // Half a day more of nothing but repeats takes nothing.
     let before = ALLOCATED.current_usage();
@@ -83,6 +83,6 @@ fn a_day_takes_less_than_200_bytes_a_reading_and_nothing_else_grows() {
         }
     }
     let more = ALLOCATED.current_usage().saturating_sub(before);
-    println!("{more} bytes more");
+    eprintln!("{more} bytes more");
     assert!(more < 2_000_000, "{more} bytes");
 }

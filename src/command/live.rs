@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&stop))?;
         flag::register(signal, Arc::clone(&stop))?;
     }
-    let session = Session::start(wanted).map_err(|error| match error {
+    let session = Session::start(&wanted).map_err(|error| match error {
         LiveError::Address(_) | LiveError::Speed(_) | LiveError::Target(_) => {
             Failure::Usage(error.to_string())
         }
@@ -98,7 +98,7 @@ fn wanted(arguments: &Arguments) -> Result<Wanted, Failure> {
         (Some(url), _) if extras.drives.is_empty() => Feed::Url(url.clone()),
         (None, Some(path)) => {
             let source = Source::at(path).with(extras.clone());
-            Feed::Replay { source, speed: arguments.speed }
+            Feed::Replay { source: Box::new(source), speed: arguments.speed }
         }
         _ => {
             let line =

@@ -228,7 +228,8 @@ mod tests {
 
     #[test]
     fn one_answer_that_is_not_good_enough_begins_it_again() {
-        let worse: [(&str, fn(&mut Judged)); 4] = [
+        type Change = fn(&mut Judged);
+        let worse: [(&str, Change); 4] = [
             ("far end", |judged| judged.far_end.as_mut().expect("there").sigma_m = 2.1e-3),
             ("verdict", |judged| judged.verdict = Verdict::Weak),
             ("direction", |judged| judged.open.push("station 2 can slide (weak)".to_owned())),

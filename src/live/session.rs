@@ -42,7 +42,7 @@ pub enum Feed {
     /// The address of a stream.
     Url(String),
     /// A deployment, at so many times the speed of the drive.
-    Replay { source: Source, speed: f64 },
+    Replay { source: Box<Source>, speed: f64 },
 }
 
 /// What is wanted of a live deployment.
@@ -114,13 +114,13 @@ pub struct Session {
 
 impl Session {
     /// Begins to listen.
-    pub fn start(wanted: Wanted) -> Result<Self, LiveError> {
+    pub fn start(wanted: &Wanted) -> Result<Self, LiveError> {
         if !(wanted.target_m > 0.0 && wanted.target_m.is_finite()) {
             return Err(LiveError::Target(wanted.target_m * 1e3));
         }
         let stop = Arc::new(AtomicBool::new(false));
         let (send, events) = sync_channel(QUEUE);
-        let (growing, speed, source) = prepare(&wanted, Arc::clone(&stop), send)?;
+        let (growing, speed, source) = prepare(wanted, Arc::clone(&stop), send)?;
         // Everything else is known to be right before a file is begun.
         let recorder = wanted.record.as_deref().map(Recorder::create).transpose()?;
         std::thread::spawn(source);

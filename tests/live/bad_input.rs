@@ -17,7 +17,7 @@ fn messages(count: usize) -> Vec<Step> {
 }
 
 fn session(url: &str) -> Session {
-    Session::start(wanted(Feed::Url(url.to_owned()), None)).expect("it begins")
+    Session::start(&wanted(Feed::Url(url.to_owned()), None)).expect("it begins")
 }
 
 fn count(view: &View, what: &str) -> u64 {

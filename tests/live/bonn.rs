@@ -39,7 +39,7 @@ fn repeated_readings_are_taken_once_with_the_stations_that_are_named() {
     let server = Server::start(None, steps(40));
     let mut wanted = wanted(Feed::Url(format!("{}/ws/measurements/stream", server.url)), None);
     wanted.instruments = Some(INSTRUMENTS.map(str::to_owned));
-    let session = Session::start(wanted).expect("it begins");
+    let session = Session::start(&wanted).expect("it begins");
     wait_until(&session, |view| view.readings() == 120);
     let view = session.view();
     let repeats: Vec<_> = view.left_out.iter().filter(|left| left.what == "repeats").collect();
@@ -67,7 +67,7 @@ fn instruments_that_nobody_names_are_asked_for() {
         extras: Extras { rig: Some(sample_folder("hd2-tunnel")), ..Extras::default() },
         ..wanted(Feed::Url(server.url.clone()), None)
     };
-    let session = Session::start(wanted).expect("it begins");
+    let session = Session::start(&wanted).expect("it begins");
     wait_until(&session, |view| view.warnings.iter().any(|w| w.amiss.name() == "no-station"));
     let view = session.view();
     assert!(view.warnings.iter().any(|w| w.finding.message.contains("7a11")), "{view:?}");

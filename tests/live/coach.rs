@@ -75,7 +75,7 @@ fn enough_is_not_said_before_the_error_is_within_three_sigma_of_the_target() {
                     view.driven_s,
                     realised_m * 1e3
                 );
-                println!(
+                eprintln!(
                     "seed {seed}: enough after {:.0} s, off by {:.1} mm",
                     view.driven_s,
                     realised_m * 1e3

@@ -108,7 +108,7 @@ fn a_stream_that_breaks_off_twice_gives_what_its_recording_gives_exactly() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("drive.mcap");
     let session =
-        Session::start(wanted(Feed::Url(server.url.clone()), Some(&file))).expect("it begins");
+        Session::start(&wanted(Feed::Url(server.url.clone()), Some(&file))).expect("it begins");
     wait_until(&session, |view| view.messages == count);
     let view = session.view();
     assert_eq!(view.connections, 3);
@@ -130,8 +130,8 @@ fn a_stream_that_breaks_off_twice_gives_what_its_recording_gives_exactly() {
 fn a_replay_is_the_deployment_again() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("replay.mcap");
-    let feed = Feed::Replay { source: Source::sample(Sample::Hd2Tunnel), speed: 1e6 };
-    let session = Session::start(Wanted { deployment: None, ..wanted(feed, Some(&file)) });
+    let feed = Feed::Replay { source: Source::sample(Sample::Hd2Tunnel).into(), speed: 1e6 };
+    let session = Session::start(&Wanted { deployment: None, ..wanted(feed, Some(&file)) });
     let session = session.expect("it begins");
     while !session.has_ended() {
         std::thread::sleep(Duration::from_millis(20));
@@ -189,7 +189,7 @@ fn a_recording_is_never_written_over() {
     let file = folder.path().join("there.mcap");
     std::fs::write(&file, "precious").expect("written");
     let feed = Feed::Url("ws://127.0.0.1:9".to_owned());
-    let error = Session::start(wanted(feed, Some(&file))).err().expect("refused").to_string();
+    let error = Session::start(&wanted(feed, Some(&file))).err().expect("refused").to_string();
     assert!(error.contains("there already") && error.contains("; "), "{error}");
     assert_eq!(std::fs::read(&file).expect("there"), b"precious");
 }

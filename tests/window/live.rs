@@ -121,43 +121,21 @@ fn in_the_sun_type_is_large_and_back_again() {
     assert_ne!(harness.ctx.style_of(Theme::Light).visuals.override_text_color, ink);
 }
 
-/// Pictures to look at; where to is said by RESECT_LIVE_PICTURES.
 #[test]
-fn throwaway_pictures() {
-    let Some(folder) = std::env::var_os("RESECT_LIVE_PICTURES") else { return };
-    let folder = std::path::PathBuf::from(folder);
-    for (name, size, theme) in [
-        ("large-dark", LARGE, Theme::Dark),
-        ("large-light", LARGE, Theme::Light),
-        ("small-dark", SMALL, Theme::Dark),
-        ("small-light", SMALL, Theme::Light),
-    ] {
-        let mut harness = window(size, theme);
-        send(&mut harness, Command::Live(LiveCommand::Show));
-        harness.run_steps(3);
-        harness
-            .render()
-            .expect("drawn")
-            .save(folder.join(format!("form-{name}.png")))
-            .expect("saved");
-        replay(&mut harness, None);
-        until(&mut harness, |w| {
-            has_answer(w) && w.state().state.live.view.as_ref().is_some_and(|v| v.driven_s > 200.0)
-        });
-        harness.run_steps(3);
-        harness
-            .render()
-            .expect("drawn")
-            .save(folder.join(format!("live-{name}.png")))
-            .expect("saved");
-        if theme == Theme::Light {
-            send(&mut harness, Command::ReadInTheSun(true));
-            harness.run_steps(3);
-            harness
-                .render()
-                .expect("drawn")
-                .save(folder.join(format!("sun-{name}.png")))
-                .expect("saved");
-        }
-    }
+fn who_closes_what_grows_ends_it_and_keeps_what_was_recorded() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("drive.mcap");
+    let mut harness = window(SMALL, Theme::Dark);
+    replay(&mut harness, Some(file.clone()));
+    until(&mut harness, |window| window.state().state.live.id.is_some());
+    let id = shown(&harness).id;
+    let others = harness.state().state.open.len() - 1;
+    send(&mut harness, Command::Close(id));
+    until(&mut harness, |window| {
+        let live = &window.state().state.live;
+        !live.is_running() && !live.is_changing
+    });
+    settle(&mut harness);
+    assert_eq!(harness.state().state.open.len(), others);
+    assert!(resect::deployment::open(&file).is_ok());
 }

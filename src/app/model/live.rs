@@ -64,6 +64,8 @@ pub struct Live {
     pub view: Option<Arc<View>>,
     /// The open deployment that grows, by its id.
     pub id: Option<u64>,
+    /// Whether that was closed meanwhile.
+    pub was_closed: bool,
     /// Why it was not begun, or how its recording ended.
     pub trouble: Option<String>,
 }

@@ -128,7 +128,7 @@ fn stations(ui: &mut egui::Ui, view: &View) {
 fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus) {
     let dark = ui.visuals().dark_mode;
     let (lamp, words) = match (status.locked, status.age_s) {
-        (true, _) => (theme::rgb(palette::hold(Hold::Held)), "locked".to_owned()),
+        (true, _) => (theme::rgb(palette::verdict(Verdict::Good)[0]), "locked".to_owned()),
         (false, Some(age_s)) => {
             (theme::rgb(palette::hold(Hold::Free)), format!("lost {age_s:.0} s ago"))
         }
@@ -157,13 +157,17 @@ fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus) {
     );
     line(
         "lost its prism",
-        Some(status.lock_losses).filter(|n| *n > 0).map(|n| format!("{n} times")),
+        match status.lock_losses {
+            0 => None,
+            1 => Some("once".to_owned()),
+            count => Some(format!("{count} times")),
+        },
     );
 }
 
 /// Where it comes from and goes to, and what was left out.
 fn below(ui: &mut egui::Ui, view: &View) {
-    let faint: Color32 = theme::faint(ui.visuals().dark_mode);
+    let faint: Color32 = ui.visuals().weak_text_color();
     let mut line =
         |words: String| ui.add(egui::Label::new(RichText::new(words).color(faint)).wrap());
     match &view.link {

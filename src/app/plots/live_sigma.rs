@@ -5,7 +5,7 @@ use egui_plot::{AxisHints, HLine, Line, Plot, PlotPoints};
 
 use super::log_axis;
 use crate::app::theme;
-use crate::calibration::inter_prism::observability::Hold;
+use crate::calibration::Verdict;
 use crate::live::View;
 use crate::live::coach::Curve;
 use crate::palette;
@@ -72,5 +72,5 @@ fn ink(dark: bool) -> Color32 {
 }
 
 fn aim(dark: bool) -> Color32 {
-    theme::readable(palette::hold(Hold::Held), dark)
+    theme::readable(palette::verdict(Verdict::Good)[0], dark)
 }

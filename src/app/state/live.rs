@@ -66,13 +66,13 @@ impl State {
         let wanted = wanted(&self.live.form, *self.settings());
         (self.live.is_changing, self.live.trouble) = (true, None);
         self.jobs.start_unnumbered(
-            move || Some(Session::start(wanted).map_err(|error| error.to_string())),
+            move || Some(Session::start(&wanted).map_err(|error| error.to_string())),
             |state: &mut Self, begun| {
                 state.live.is_changing = false;
                 match begun {
                     Ok(session) => {
                         (state.live.session, state.live.id) = (Some(session), None);
-                        state.live.view = None;
+                        (state.live.view, state.live.was_closed) = (None, false);
                     }
                     Err(line) => state.live.trouble = Some(line),
                 }
@@ -113,7 +113,7 @@ impl State {
             }
             None => None,
         };
-        if let Ok(deployment) = deployment {
+        if let (Ok(deployment), false) = (deployment, self.live.was_closed) {
             self.grow(Arc::new(deployment));
             let id = self.live.id;
             if let Some(open) = self.open.iter_mut().find(|open| Some(open.id) == id)
@@ -135,9 +135,11 @@ impl State {
         if let Some(open) = growing {
             session.set(&open.settings);
         }
-        // Somebody closed it: then it begins anew.
-        if growing.is_none() {
-            self.live.id = None;
+        // Who closes it wants no more of it; what was recorded by then is kept.
+        if growing.is_none() && id.is_some() {
+            self.live.was_closed = true;
+            self.stop_live();
+            return true;
         }
         // The next snapshot is taken once the last one has its answer, the joint estimate's too.
         if growing.is_none_or(|open| open.analysing.is_none())
@@ -187,7 +189,7 @@ fn record_name() -> String {
 
 fn wanted(form: &LiveForm, settings: Settings) -> Wanted {
     let feed = match &form.replay {
-        Some(path) => Feed::Replay { source: Source::at(path), speed: form.speed },
+        Some(path) => Feed::Replay { source: Box::new(Source::at(path)), speed: form.speed },
         None => Feed::Url(form.address.clone()),
     };
     // A folder says more than its rig.

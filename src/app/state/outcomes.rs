@@ -112,6 +112,10 @@ impl State {
             self.ruler.ends.retain(|end| end.prism.is_some());
         }
         self.tell_live(id, &analysis, joint_follows);
+        if let Some(look) = self.view.last_look.filter(|_| is_live && Some(id) == shown) {
+            // The track grows out of what is seen.
+            self.view.look_again(look);
+        }
         // What is told, remembered and pinned is the joint estimate.
         if !joint_follows {
             self.remember_run(id, &analysis);
