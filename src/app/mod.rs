@@ -32,6 +32,8 @@
 //! | a key that only one pane has | that pane: `plots/navigation.rs`, `scene/input.rs` |
 //! | work that takes long | `self.jobs.start(work, take)` in `state/`: `take` gets what `work` returned, and the state; work with news before its end puts functions into `jobs.outbox()` |
 //! | something that a session remembers | a field of `persist/session.rs`, with what an older file without it means; how it lies in the file: `persist/stored.rs` |
+//! | a handle of a plan, or a number of it | a variant of `Handle` in `model/planning.rs`, drawn in `plots/plan_map.rs`; a field in `panels/plan/numbers.rs` |
+//! | something told of a live drive | a field of `crate::live::View`, a line in `panels/live.rs`, and in `crate::export::live` for robots |
 //! | a button for what a finding advises | a variant of `deployment::Remedy`, an arm in `actions/remedies.rs` |
 
 pub mod actions;
