@@ -9,6 +9,7 @@ mod evaluate;
 mod explain;
 mod export;
 mod output;
+mod plan;
 mod report;
 mod screenshot;
 mod settings_args;
@@ -66,6 +67,8 @@ enum Command {
     Report(report::Arguments),
     /// Write a picture of the window
     Screenshot(screenshot::Arguments),
+    /// Tell what a drive will leave open before it is driven, and what improves it most
+    Plan(plan::Arguments),
     /// Make a deployment with known truth
     Simulate(simulate::Arguments),
     /// Write tracks and residuals for other programs
@@ -114,6 +117,7 @@ pub fn run() -> ExitCode {
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
+        Some(Command::Plan(arguments)) => plan::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),

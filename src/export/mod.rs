@@ -11,6 +11,7 @@ mod frame;
 pub mod json;
 pub mod of_run;
 pub mod plan_view;
+pub mod planning;
 pub mod report;
 #[cfg_attr(not(feature = "rerun"), path = "rerun_missing.rs")]
 pub mod rerun;
