@@ -917,3 +917,71 @@ fn a_full_disk_is_one_line_with_a_remedy() {
         "{line}"
     );
 }
+
+#[test]
+fn plan_says_what_a_drive_will_leave_open_and_what_improves_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("line.toml");
+    let printed =
+        stdout(&["plan", "--preset", "straight-line", "--seed", "2", "--out", text(&file)]);
+    for part in ["verdict: DEGENERATE", "leaves free", "what improves the far end most", "free → "]
+    {
+        assert!(printed.contains(part), "{part} is not in\n{printed}");
+    }
+    // The file is the plan: asked again, it says the same.
+    assert_eq!(stdout(&["plan", text(&file)]), printed);
+    let way = folder.path().join("way.csv");
+    std::fs::write(&way, "x,y,speed\n40,0,0.6\n60,0,0.6\n60,20,0.6\n45,12,0.6\n60,-5,0.6\n")
+        .expect("writable");
+    let value = json(&["plan", text(&file), "--way", text(&way), "--target", "3", "--json"]);
+    assert_eq!(value["schema"], 1);
+    assert_eq!(value["plan"]["target_mm"], 3.0);
+    assert_eq!(value["plan"]["way"][0]["waypoints"][1][2], 0.6);
+    let far_m = value["held"]["far_end"]["sigma_m"].as_f64().expect("held");
+    assert!((0.001..0.1).contains(&far_m), "{far_m}");
+    assert_eq!(value["held"]["covariance"].as_array().map(Vec::len), Some(8));
+    assert_eq!(value["observability"]["directions"].as_array().map(Vec::len), Some(8));
+    let best = &value["improvements"][0];
+    assert!(best["after_m"].as_f64() < Some(far_m) && best["plan"]["way"].is_array(), "{best}");
+}
+
+#[test]
+fn a_past_deployment_is_a_plan() {
+    let path = sample_folder("warthog");
+    let value = json(&["plan", text(&path), "--json"]);
+    let calibrated = json(&["calibrate", text(&path), "--json"]);
+    for slot in 0..2 {
+        let (station, transform) =
+            (&value["plan"]["stations_m"][slot + 1], &calibrated["transforms"][slot]);
+        assert_eq!(
+            station, &transform["translation_m"],
+            "stations stand where the answer has them"
+        );
+        // What is foreseen of such a drive is what the estimate of this one states.
+        for axis in 0..3 {
+            let foreseen = value["held"]["sigma"][slot]["translation_m"][axis].as_f64();
+            let stated = transform["sigma"]["translation_m"][axis].as_f64();
+            let ratio = foreseen.expect("held") / stated.expect("held");
+            assert!((0.7..1.4).contains(&ratio), "T1{} axis {axis}: {ratio:.2}", slot + 2);
+        }
+    }
+}
+
+#[test]
+fn a_plan_that_cannot_be_read_is_one_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("plan.toml");
+    std::fs::write(&file, "stations_m = [[0, 0, 0], [5, 0, 0], [0, 5, 0]]\nway = []\nrate = 2\n")
+        .expect("writable");
+    let line = complaint(&["plan", text(&file)], 1);
+    assert!(line.contains("plan.toml:3: unknown field `rate`"), "{line}");
+    complaint(&["plan"], 2);
+    complaint(&["plan", "--preset", "warthog", "--target", "-1"], 2);
+    complaint(&["plan", text(&file), "--preset", "warthog"], 2);
+    std::fs::write(&file, "stations_m = [[0, 0, 0], [5, 0, 0], [0, 5, 0]]\nway = []\n")
+        .expect("writable");
+    let line = complaint(&["plan", text(&file)], 1);
+    assert!(line.contains("the way is 0.0 m long; give waypoints"), "{line}");
+    let line = complaint(&["plan", "--preset", "warthog", "--way", text(&file)], 1);
+    assert!(line.contains("has no x and y"), "{line}");
+}

@@ -5,15 +5,17 @@
 mod common;
 
 use common::{analyse, by};
-use nalgebra::{SVector, Vector3};
+use nalgebra::{Matrix3, Rotation2, SVector, Vector2, Vector3};
 use rayon::prelude::*;
-use resect::calibration::joint::JointEstimate;
-use resect::calibration::{ErrorSizes, Method};
+use resect::calibration::inter_prism::observability::Hold;
+use resect::calibration::{ErrorSizes, Method, Verdict};
 use resect::geometry::{RigidTransform, wrap_to_pi};
-use resect::planning::{Plan, Prediction, predict};
-use resect::simulation::{
-    ARCSECOND_RAD, EPOCH_S, ErrorKind, Preset, Scenario, Simulated, simulate_scenario,
+use resect::planning::locks::WhyNotRead;
+use resect::planning::{
+    FigureEight, ImprovementKind, Loop, Piece, Plan, Prediction, Ramp, Waypoint, improvements,
+    plan_file, predict,
 };
+use resect::simulation::{ARCSECOND_RAD, ErrorKind, Preset, Scenario, simulate_scenario};
 
 /// Presets whose drives hold all eight numbers well.
 const WELL_POSED: [Preset; 6] = [
@@ -24,22 +26,11 @@ const WELL_POSED: [Preset; 6] = [
     Preset::FigureEight,
     Preset::ShortBaselines,
 ];
+/// A tripod gives way at any time of the drive, at once or over what is left of it: on average it is off by this share of one
+/// that walks from the beginning on and ends as far away.
+const SETTLED: f64 = 0.85;
 
-struct Realised {
-    /// Found minus true (x, y, z, yaw) of stations 2 and 3.
-    error: SVector<f64, 8>,
-    /// How far off the far end of the track was put (m).
-    far_end_m: f64,
-    estimate: JointEstimate,
-}
-
-/// Where the stations stood on average over a drive.
-fn mean_truth(simulated: &Simulated) -> [RigidTransform; 3] {
-    let _ = EPOCH_S;
-    simulated.truth.station1_from_station.map(RigidTransform::from)
-}
-
-/// A plan of a preset whose error sizes are those that the simulation draws, where the priors of the estimate are wider.
+/// A plan of a preset whose error sizes are those that the simulation draws; the priors of the estimate are wider.
 fn as_drawn(preset: Preset) -> Plan {
     let mut plan = Plan::from_preset(preset, 1);
     plan.errors = ErrorSizes {
@@ -50,10 +41,8 @@ fn as_drawn(preset: Preset) -> Plan {
         // Of stations and of prisms.
         range_offset_m: 0.0007 * 2.0_f64.sqrt(),
         range_scale: 5e-6,
-        // A tripod gives way at any time of the drive, at once or over what is left of it: on average it is off by less than
-        // one that walks from the beginning on.
-        settling_rad: 30e-6 * SETTLING,
-        settling_m: 0.0005 * SETTLING,
+        settling_rad: 30e-6 * SETTLED,
+        settling_m: 0.0005 * SETTLED,
         ..plan.errors
     };
     // What is drawn, and the noise of the reading of the rig by which distances are written.
@@ -63,19 +52,20 @@ fn as_drawn(preset: Preset) -> Plan {
     plan.rig.clearance_m = 0.0;
     plan
 }
-const SETTLING: f64 = 0.85;
+
+/// A good answer to a simulated drive of a plan.
+struct Realised {
+    /// Found minus true (x, y, z, yaw) of stations 2 and 3.
+    error: SVector<f64, 8>,
+    /// How far off the far end of the track is put (m).
+    far_end_m: f64,
+    /// The variances that the estimate itself states.
+    stated: SVector<f64, 8>,
+}
 
 fn realised(plan: &Plan, prediction: &Prediction, seed: u64) -> Option<Realised> {
-    realised_with(plan, prediction, seed, &ErrorKind::ALL)
-}
-fn realised_with(
-    plan: &Plan,
-    prediction: &Prediction,
-    seed: u64,
-    kinds: &[ErrorKind],
-) -> Option<Realised> {
     let drawn_errors =
-        kinds.iter().copied().filter(|kind| *kind != ErrorKind::ClockJumps).collect();
+        ErrorKind::ALL.into_iter().filter(|kind| *kind != ErrorKind::ClockJumps).collect();
     let scenario = Scenario { drawn_errors, ..plan.scenario().expect("a plan") };
     let simulated = simulate_scenario(&scenario, seed);
     let mut settings = by(Method::Joint);
@@ -83,21 +73,11 @@ fn realised_with(
     settings.calibration.inter_prism_sigma_m = plan.rig.inter_prism_sigma_m;
     let analysis = analyse(&simulated.deployment().expect("valid"), &settings);
     let calibration = &analysis.answer.as_ref().ok()?.calibration;
-    if calibration.verdict != resect::calibration::Verdict::Good {
-        println!(
-            "    seed {seed}: {:?}: {}",
-            calibration.verdict,
-            calibration
-                .findings
-                .iter()
-                .filter(|f| f.severity > resect::deployment::Severity::Note)
-                .map(|f| f.message.chars().take(90).collect::<String>())
-                .collect::<Vec<_>>()
-                .join(" | ")
-        );
+    // Tripods that gave way by more than anyone expects are told, and widen σ: that is no part of a plan.
+    if calibration.verdict != Verdict::Good {
         return None;
     }
-    let truth = mean_truth(&simulated);
+    let truth = simulated.truth.station1_from_station.map(RigidTransform::from);
     let error = SVector::<f64, 8>::from_fn(|k, _| {
         let (found, truth) = (&calibration.station1_from_station[k / 4 + 1], &truth[k / 4 + 1]);
         match k % 4 {
@@ -107,170 +87,318 @@ fn realised_with(
     });
     let far = &prediction.held.as_ref()?.far_end;
     let own = truth[far.station].inverse().apply(&(far.position_m - plan.stations_m[0]));
-    let off: Vector3<f64> =
-        calibration.station1_from_station[far.station].apply(&own) - truth[far.station].apply(&own);
-    Some(Realised { error, far_end_m: off.norm(), estimate: calibration.joint()?.clone() })
+    let found = calibration.station1_from_station[far.station].apply(&own);
+    let far_end_m = (found - truth[far.station].apply(&own)).norm();
+    Some(Realised { error, far_end_m, stated: calibration.covariance?.diagonal() })
+}
+
+/// What drives of a plan came to over what was predicted.
+struct Ratios {
+    /// Root mean square errors over the predicted σ, by component and at the far end.
+    realised: [f64; 8],
+    far_end: f64,
+    /// The same of the σ that the estimates state.
+    stated: [f64; 8],
+    good: usize,
+}
+
+fn ratios(plan: &Plan, drives: u64) -> Ratios {
+    let prediction = predict(plan).expect("a prediction");
+    let held = prediction.held.as_ref().expect("nothing is free");
+    let one = |seed| realised(plan, &prediction, seed);
+    let all: Vec<Realised> = (0..drives).into_par_iter().filter_map(one).collect();
+    let rms =
+        |of: &dyn Fn(&Realised) -> f64| (all.iter().map(of).sum::<f64>() / all.len() as f64).sqrt();
+    let sigma = held.covariance.diagonal().map(f64::sqrt);
+    Ratios {
+        realised: std::array::from_fn(|k| rms(&|one| one.error[k].powi(2)) / sigma[k]),
+        far_end: rms(&|one| one.far_end_m.powi(2)) / held.far_end.sigma_m,
+        stated: std::array::from_fn(|k| rms(&|one| one.stated[k]) / sigma[k]),
+        good: all.len(),
+    }
+}
+
+fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for value in values {
+        sum += value * value;
+        count += 1.0;
+    }
+    (sum / f64::max(count, 1.0)).sqrt()
+}
+
+/// Simulates so many drives of each preset, and gives what they came to.
+fn campaign(drives: u64) -> Vec<Ratios> {
+    let one = |preset: Preset| {
+        let found = ratios(&as_drawn(preset), drives);
+        let list = |all: &[f64; 8]| all.map(|ratio| format!("{ratio:.2}")).join(" ");
+        println!(
+            "{:<16} {:>3} good  far end {:.2}  realised {}  stated {}",
+            preset.name(),
+            found.good,
+            found.far_end,
+            list(&found.realised),
+            list(&found.stated)
+        );
+        found
+    };
+    WELL_POSED.into_iter().map(one).collect()
+}
+
+fn near_one(ratio: f64, what: &str) {
+    assert!((0.8..=1.2).contains(&ratio), "{what}: {ratio:.2} times what was predicted");
 }
 
 #[test]
-#[ignore = "explore"]
-fn explore() {
-    let count = 48;
-    for preset in WELL_POSED {
-        let plan = as_drawn(preset);
-        let started = std::time::Instant::now();
-        let prediction = predict(&plan).expect("a prediction");
-        let ms = started.elapsed().as_secs_f64() * 1e3;
-        let held = prediction.held.as_ref().expect("held");
-        let all: Vec<Realised> = (0..count)
-            .into_par_iter()
-            .filter_map(|seed| realised(&plan, &prediction, seed))
-            .collect();
-        let n = all.len() as f64;
-        println!(
-            "{} {:.0} s {:.0} m, predict {ms:.0} ms, {} drives; kept {:?}/{:?}",
-            preset.name(),
-            prediction.duration_s,
-            prediction.length_m,
-            all.len(),
-            prediction.kept,
-            prediction.readings
-        );
-        print!("  realised/predicted:");
-        for k in 0..8 {
-            let rms = (all.iter().map(|r| r.error[k].powi(2)).sum::<f64>() / n).sqrt();
-            print!(" {:.2}", rms / held.covariance[(k, k)].sqrt());
-        }
-        println!();
-        print!("  own/predicted:");
-        for k in 0..8 {
-            let rms = (all.iter().map(|r| r.estimate.covariance[(k, k)]).sum::<f64>() / n).sqrt();
-            print!(" {:.2}", rms / held.covariance[(k, k)].sqrt());
-        }
-        println!();
-        let far = (all.iter().map(|r| r.far_end_m.powi(2)).sum::<f64>() / n).sqrt();
-        println!("  far {:.2} mm predicted {:.2}", far * 1e3, held.far_end.sigma_m * 1e3);
-        let inverse = held.covariance.cholesky().expect("definite").inverse();
-        let chi = all.iter().map(|r| r.error.dot(&(inverse * r.error))).sum::<f64>() / n / 8.0;
-        println!(
-            "  mahalanobis/8 {chi:.2}  dominant {:?}",
-            [0, 2, 3]
-                .map(|k| (held.dominant[k].what, held.dominant[k].part / held.dominant[k].whole))
-        );
-        let levels: Vec<_> = all.iter().map(|r| r.estimate.levels).collect();
-        let mean = |f: &dyn Fn(&resect::calibration::joint::Levels) -> f64| {
-            levels.iter().map(f).sum::<f64>() / n
+fn what_is_predicted_is_what_simulated_drives_come_to() {
+    let all = campaign(16);
+    for (found, preset) in all.iter().zip(WELL_POSED) {
+        assert!(found.good >= 11, "{}: {} good", preset.name(), found.good);
+        // So few drives tell a spread to a fifth of itself: all eight numbers together, and what the estimate states, do better.
+        near_one(rms(found.realised), preset.name());
+        found.stated.iter().for_each(|ratio| near_one(*ratio, preset.name()));
+    }
+    near_one(rms(all.iter().map(|found| found.far_end)), "the far end");
+}
+
+/// Of 1200 drives, by preset: what they came to at the far end over what was predicted, and so for each number over all presets.
+#[test]
+#[ignore = "minutes; prints the table"]
+fn what_is_predicted_is_what_many_drives_come_to() {
+    let all = campaign(200);
+    for (found, preset) in all.iter().zip(WELL_POSED) {
+        near_one(found.far_end, preset.name());
+        near_one(rms(found.realised), preset.name());
+        found.stated.iter().for_each(|ratio| near_one(*ratio, preset.name()));
+    }
+    for (k, name) in ["x", "y", "z", "yaw"].into_iter().enumerate() {
+        near_one(rms(all.iter().flat_map(|f| [f.realised[k], f.realised[k + 4]])), name);
+    }
+}
+
+#[test]
+fn a_drive_that_holds_too_little_is_told_before_it_is_driven() {
+    for (preset, verdict, shape) in [
+        (Preset::StraightLine, Verdict::Degenerate, "straight line"),
+        (Preset::Circle, Verdict::Degenerate, "circle"),
+        (Preset::LShape, Verdict::Weak, "l shape"),
+    ] {
+        let found = predict(&Plan::from_preset(preset, 1)).expect("a prediction");
+        assert_eq!(found.verdict, verdict, "{}", preset.name());
+        let said: Vec<String> = found.findings.iter().map(ToString::to_string).collect();
+        let advised = |line: &String| line.contains(shape) && line.contains("figure-eight");
+        assert!(said.iter().any(advised), "{}: {said:?}", preset.name());
+        assert_eq!(found.held.is_none(), verdict == Verdict::Degenerate, "{}", preset.name());
+        let seen = found.observability.expect("a rig");
+        let free = seen.count(Hold::Free);
+        let expected = match preset {
+            Preset::StraightLine => 3,
+            Preset::Circle => 1,
+            _ => 0,
         };
-        println!(
-            "  levels: range {:.2} angle {:.2}\" jitter {:.2} ms jerk {:.3}; wander {:.2} mm",
-            mean(&|l| l.range),
-            mean(&|l| l.angle_rad) * 206265.0,
-            mean(&|l| l.jitter_s) * 1e3,
-            mean(&|l| l.jerk_m_per_s3),
-            all.iter().map(|r| r.estimate.wander.sigma_m).sum::<f64>() / n * 1e3
-        );
-        println!("  mirror {:?} verdict {:?}", prediction.mirror_cost_ratio, prediction.verdict);
-        for f in &prediction.findings {
-            println!("    {f}");
-        }
+        assert_eq!(free, expected, "{}", preset.name());
     }
 }
 
 #[test]
-#[ignore = "explore"]
-fn which_kind() {
-    let plan = as_drawn(Preset::FlatFloor);
-    let prediction = predict(&plan).expect("a prediction");
-    let held = prediction.held.as_ref().expect("held");
-    println!("{:?}", (0..8).map(|k| held.covariance[(k, k)].sqrt() * 1e3).collect::<Vec<_>>());
-    println!("{:?}", held.dominant.map(|d| (d.what, d.part / d.whole)));
-    let mut sets: Vec<(String, Vec<ErrorKind>)> = vec![("all".into(), ErrorKind::ALL.to_vec())];
-    sets.push(("none".into(), vec![]));
-    for kind in [ErrorKind::Settling, ErrorKind::RangeWander] {
-        sets.push((format!("only {}", kind.name()), vec![kind]));
+fn one_prism_is_planned_as_three() {
+    let found = predict(&Plan::from_preset(Preset::SinglePrism, 1)).expect("a prediction");
+    let held = found.held.expect("a winding drive");
+    assert!((0.001..0.01).contains(&held.far_end.sigma_m), "{:?}", held.far_end);
+    assert!(found.observability.is_none() && found.mirror_cost_ratio.is_none());
+    let known = found.way.iter().filter(|at| at.position_sigma_m.is_some()).count();
+    assert!(known > found.way.len() / 2, "{known} of {}", found.way.len());
+    assert!(found.way.iter().all(|at| at.rotation_sigma_rad.is_none()));
+}
+
+/// The ratio of the mean squares of the two solutions of the published method, where instruments are in order.
+#[test]
+fn the_mirror_twin_costs_what_is_predicted() {
+    for preset in [Preset::Warthog, Preset::UnevenGround, Preset::Hd2Tunnel] {
+        let plan = as_drawn(preset);
+        let predicted = predict(&plan).expect("a prediction").mirror_cost_ratio.expect("a twin");
+        let simulated = simulate_scenario(&plan.scenario().expect("a plan"), 3);
+        let deployment = simulated.deployment().expect("valid");
+        let analysis = analyse(&deployment, &by(Method::InterPrism));
+        let calibration = &analysis.answer.as_ref().expect("an answer").calibration;
+        let mirror = calibration.inter_prism().expect("method D").mirror;
+        let found = mirror.cost_ratio.expect("a twin");
+        println!("{}: {predicted:.2}, found {found:.2}", preset.name());
+        let apart = (found - 1.0) / (predicted - 1.0);
+        assert!((0.6..1.7).contains(&apart), "{}: {predicted} {found}", preset.name());
     }
-    sets.remove(0);
-    sets.remove(0);
-    for (name, kinds) in sets {
-        let all: Vec<Realised> = (1000..1200u64)
-            .into_par_iter()
-            .filter_map(|seed| realised_with(&plan, &prediction, seed, &kinds))
-            .collect();
-        let n = all.len() as f64;
-        print!("{name:<30}");
-        for k in 0..8 {
-            let rms = (all.iter().map(|r| r.error[k].powi(2)).sum::<f64>() / n).sqrt();
-            let mean = all.iter().map(|r| r.error[k]).sum::<f64>() / n;
-            let s = held.covariance[(k, k)].sqrt();
-            print!(" {:.2} ({:+.2})", rms / s, mean / s);
+}
+
+/// A plan that is turned about the vertical and moved.
+fn moved(plan: &Plan, turn: &Rotation2<f64>, by_m: &Vector3<f64>) -> Plan {
+    let place = |at: Vector2<f64>| turn * at + by_m.xy();
+    let mut moved = plan.clone();
+    moved.ground.height_m += by_m.z;
+    for at in &mut moved.stations_m {
+        let level = place(at.xy());
+        *at = Vector3::new(level.x, level.y, at.z + by_m.z);
+    }
+    let waypoints = plan.way.iter().flat_map(Piece::waypoints).map(|at| {
+        let level = place(at.place_m());
+        Waypoint { x_m: level.x, y_m: level.y, ..at }
+    });
+    moved.way = vec![Piece::Waypoints(waypoints.collect())];
+    moved
+}
+
+fn eights() -> Plan {
+    let eight = |x: f64, heading_rad: f64| {
+        Piece::FigureEight(FigureEight {
+            centre_m: [x, 10.0],
+            length_m: 16.0,
+            heading_rad,
+            times: 1,
+        })
+    };
+    Plan { way: vec![eight(40.0, 0.3), eight(60.0, 1.8)], ..Plan::default() }
+}
+
+#[test]
+fn where_a_plan_lies_changes_nothing() {
+    let plan = eights();
+    let (turn, by_m) = (Rotation2::new(2.1), Vector3::new(-700.0, 1300.0, 55.0));
+    let held = |plan: &Plan| predict(plan).expect("a prediction").held.expect("held");
+    let (here, there) = (held(&plan), held(&moved(&plan, &turn, &by_m)));
+    let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-3, "{a} and {b}");
+    close(here.far_end.sigma_m, there.far_end.sigma_m);
+    let expected = turn * here.far_end.position_m.xy() + by_m.xy();
+    assert!((there.far_end.position_m.xy() - expected).norm() < 0.1);
+    let mut level = Matrix3::identity();
+    level.fixed_view_mut::<2, 2>(0, 0).copy_from(turn.matrix());
+    for slot in [0, 4] {
+        let turned = level * here.covariance.fixed_view::<3, 3>(slot, slot) * level.transpose();
+        for axis in 0..3 {
+            close(turned[(axis, axis)], there.covariance[(slot + axis, slot + axis)]);
         }
-        println!();
+        close(here.covariance[(slot + 3, slot + 3)], there.covariance[(slot + 3, slot + 3)]);
     }
 }
 
 #[test]
-#[ignore = "explore"]
-fn sigma_over_time() {
-    for preset in [Preset::Warthog, Preset::FlatFloor, Preset::UnevenGround, Preset::FigureEight] {
-        for (name, settling, distance) in [
-            ("default", 1.0, 0.001),
-            ("still", 0.05, 0.001),
-            ("still, distances", 0.05, 0.0003),
-            ("distances", 1.0, 0.0003),
-        ] {
-            print!("{} {name}:", preset.name());
-            for share in [0.1, 0.2, 0.3, 0.5, 0.75, 1.0] {
-                let mut plan = Plan::from_preset(preset, 1);
-                plan.errors.settling_rad *= settling;
-                plan.errors.settling_m *= settling;
-                plan.rig.inter_prism_sigma_m = distance;
-                let resect::planning::Piece::Waypoints(all) = &mut plan.way[0] else { panic!() };
-                let n = (all.len() as f64 * share) as usize;
-                all.truncate(n);
-                let Ok(p) = predict(&plan) else {
-                    print!(" none");
-                    continue;
-                };
-                print!(
-                    " {:.0} s {:?} {:?};",
-                    p.duration_s,
-                    p.verdict,
-                    p.held.as_ref().map(|h| (h.far_end.sigma_m * 1e4).round() / 10.0)
-                );
-            }
-            println!();
-        }
+fn stations_that_change_their_numbers_change_their_sigma() {
+    let plan = eights();
+    let mut other = plan.clone();
+    other.stations_m.swap(1, 2);
+    other.rig.prisms_m.swap(1, 2);
+    let held = |plan: &Plan| predict(plan).expect("a prediction").held.expect("held");
+    let (plan, other) = (held(&plan), held(&other));
+    for k in 0..8 {
+        let (own, swapped) =
+            (plan.covariance[(k, k)], other.covariance[((k + 4) % 8, (k + 4) % 8)]);
+        // Stations read at other moments of a period then.
+        assert!((own / swapped - 1.0).abs() < 0.05, "{k}: {own} and {swapped}");
+    }
+    assert_eq!(plan.far_end.station, 3 - other.far_end.station);
+}
+
+#[test]
+fn stations_that_cannot_follow_are_told() {
+    let mut plan = eights();
+    // Prism 1 stands on the way of the sights to prism 2 whenever the vehicle comes towards the stations.
+    plan.rig.prisms_m[0].z = plan.rig.prisms_m[1].z;
+    plan.rig.clearance_m = 0.15;
+    plan.instrument.reach_m = [1.5, 62.0];
+    plan.thresholds.tau_a_deg_per_s = 0.8;
+    let found = predict(&plan).expect("a prediction");
+    let failures = found.locks.iter().flat_map(|lock| &lock.failures);
+    let why: Vec<WhyNotRead> = failures.map(|failure| failure.why).collect();
+    assert!(why.contains(&WhyNotRead::TooFar), "{why:?}");
+    assert!(why.iter().any(|why| matches!(why, WhyNotRead::Hidden(_))), "{why:?}");
+    assert!(why.iter().any(|why| matches!(why, WhyNotRead::TooFast(_))), "{why:?}");
+    let said: Vec<String> = found.findings.iter().map(ToString::to_string).collect();
+    for part in ["is out of reach (1.5 to 62 m)", "stands in its sight", "faster than 0.8°/s"] {
+        assert!(said.iter().any(|line| line.contains(part)), "{part} in {said:?}");
+    }
+    plan.instrument.reach_m = [1.5, 20.0];
+    let error = predict(&plan).expect_err("out of reach").to_string();
+    assert!(error.contains("bring the way into reach"), "{error}");
+}
+
+#[test]
+fn a_plan_is_written_as_it_is_read() {
+    let mut plan = eights();
+    plan.name = "yard \"north\"".to_owned();
+    plan.ground.ramps.push(Ramp { centre_m: [50.0, 3.0], radius_m: 4.0, height_m: 0.4 });
+    plan.way.push(Piece::Loop(Loop {
+        centre_m: [70.0, 0.0],
+        radius_m: 6.0,
+        from_rad: 0.0,
+        turns: -1.5,
+    }));
+    let waypoint =
+        |speed_m_per_s, stand_s| Waypoint { x_m: 1.5, y_m: -2.0, speed_m_per_s, stand_s };
+    plan.way.push(Piece::Waypoints(vec![
+        waypoint(None, 0.0),
+        waypoint(Some(0.5), 0.0),
+        waypoint(None, 12.0),
+        waypoint(Some(0.5), 12.0),
+    ]));
+    let text = plan_file::text(&plan);
+    assert_eq!(plan_file::parse("plan.toml", &text).expect("own text"), plan, "{text}");
+}
+
+#[test]
+fn a_plan_that_makes_no_sense_is_told_with_its_place() {
+    let good = "stations_m = [[0, 0, 0], [5, -2.6, -0.3], [-5, 0.4, -0.2]]\n\n[[way]]\nwaypoints = [[40, 0], [60, 0, 0.5], [60, 20]]\n";
+    plan_file::parse("plan.toml", good).expect("a plan");
+    for (from, to, said) in [
+        ("[[way]]", "[[ways]]", "plan.toml:3: unknown field `ways`"),
+        ("[60, 0, 0.5]", "[60]", "plan.toml:4: a waypoint is [x, y], [x, y, speed]"),
+        ("[60, 0, 0.5]", "[60, 0, -0.5]", "driven to at -0.5 m/s; give 0.01 to 20 m/s"),
+        ("[5, -2.6, -0.3]", "[0, 0, 0]", "stations 1 and 2 stand at one place"),
+        ("[5, -2.6, -0.3]", "[5, -2.6]", "plan.toml:1: "),
+        ("[40, 0], [60, 0, 0.5], [60, 20]", "[40, 0]", "the way is 0.0 m long"),
+        ("\n[[way]]", "[instrument]\nrate_hz = 0\n[[way]]", "rate_hz is 0; give 0.5 to 50"),
+        ("\n[[way]]", "[instrument]\nrate = 2\n[[way]]", "plan.toml:3: unknown field `rate`"),
+        ("[40, 0]", "[nan, 0]", "a waypoint is no place near the origin"),
+        ("waypoints = ", "eights = ", "plan.toml:4: unknown variant `eights`"),
+    ] {
+        assert!(good.contains(from), "{from}");
+        let error = plan_file::parse("plan.toml", &good.replace(from, to)).expect_err(said);
+        assert!(error.to_string().contains(said), "{error} instead of {said}");
     }
 }
+
+/// The improvement that gains most of one kind.
+#[track_caller]
+fn best(plan: &Plan, kind: ImprovementKind) -> (Plan, f64) {
+    let all = improvements(plan).expect("improvements");
+    assert!(all.is_sorted_by(|a, b| a.after_m <= b.after_m), "ranked");
+    let best = all.into_iter().find(|one| one.kind == kind).expect("one of this kind");
+    (best.plan, best.after_m / best.before_m.expect("nothing was free"))
+}
+
 #[test]
-#[ignore = "explore"]
-fn poor() {
-    for preset in [Preset::StraightLine, Preset::Circle, Preset::LShape, Preset::SinglePrism] {
-        let plan = Plan::from_preset(preset, 1);
-        let p = predict(&plan).expect("predicted");
-        println!(
-            "{} {:?} {:?} {:?} {:?}",
-            preset.name(),
-            p.verdict,
-            p.held.as_ref().map(|h| h.far_end),
-            p.mirror_cost_ratio,
-            p.observability.map(|o| o.directions.map(|d| (d.hold.name(), d.relative, d.sigma_m)))
-        );
-        for f in &p.findings {
-            println!("    {f}");
-        }
+fn what_improves_a_plan_improves_its_drives() {
+    let plan = as_drawn(Preset::FigureEight);
+    let far_end_m = |plan: &Plan| {
+        let prediction = predict(plan).expect("a prediction");
+        let one = |seed| Some(realised(plan, &prediction, seed)?.far_end_m);
+        rms((0..20).into_par_iter().filter_map(one).collect::<Vec<_>>())
+    };
+    let before_m = far_end_m(&plan);
+    for kind in [ImprovementKind::PrismHeight, ImprovementKind::Ramp] {
+        let (better, predicted) = best(&plan, kind);
+        let found = far_end_m(&better) / before_m;
+        println!("{}: {predicted:.2}, found {found:.2}", kind.name());
+        assert!(predicted < 0.9 && found < 0.95, "{}: {predicted} {found}", kind.name());
+        assert!((0.7..1.3).contains(&(found / predicted)), "{}: {found}", kind.name());
     }
 }
+
 #[test]
-#[ignore = "explore"]
-fn better() {
-    for preset in [Preset::StraightLine, Preset::Warthog, Preset::FigureEight, Preset::Hd2Tunnel] {
-        let plan = Plan::from_preset(preset, 1);
-        let started = std::time::Instant::now();
-        let all = resect::planning::improvements(&plan).expect("improvements");
-        println!("{} {:.1} s", preset.name(), started.elapsed().as_secs_f64());
-        for one in &all {
-            println!("    {}", one.sentence);
-        }
-    }
+fn a_line_is_improved_by_leaving_it() {
+    let all = improvements(&Plan::from_preset(Preset::StraightLine, 1)).expect("improvements");
+    let eight = all.iter().find(|one| one.kind == ImprovementKind::FigureEight);
+    let eight = eight.expect("a figure-eight");
+    assert_eq!(eight.before_m, None, "a line leaves directions free");
+    assert!(eight.sentence.contains("at the far end: free → "), "{}", eight.sentence);
+    assert!((20.0..150.0).contains(&eight.more_s), "{}", eight.more_s);
+    let found = predict(&eight.plan).expect("a prediction");
+    assert!(found.held.is_some());
 }

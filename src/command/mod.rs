@@ -10,6 +10,7 @@ mod explain;
 mod export;
 mod live;
 mod output;
+mod plan;
 mod report;
 mod screenshot;
 mod settings_args;
@@ -69,6 +70,8 @@ enum Command {
     Report(report::Arguments),
     /// Write a picture of the window
     Screenshot(screenshot::Arguments),
+    /// Tell what a drive will leave open before it is driven, and what improves it most
+    Plan(plan::Arguments),
     /// Make a deployment with known truth
     Simulate(simulate::Arguments),
     /// Write tracks and residuals for other programs
@@ -118,6 +121,7 @@ pub fn run() -> ExitCode {
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
         Some(Command::Screenshot(arguments)) => screenshot::run(&arguments),
+        Some(Command::Plan(arguments)) => plan::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),

@@ -12,6 +12,7 @@ pub mod json;
 pub mod live;
 pub mod of_run;
 pub mod plan_view;
+pub mod planning;
 pub mod report;
 #[cfg_attr(not(feature = "rerun"), path = "rerun_missing.rs")]
 pub mod rerun;

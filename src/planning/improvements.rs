@@ -12,9 +12,10 @@ use super::prediction::PlanError;
 use super::way::{Piece, Waypoint};
 use crate::evaluation::far_end::far_end;
 use crate::geometry::RigidTransform;
+use crate::simulation;
 
 /// Tips of the figure-eights that are tried are so far apart (m).
-const EIGHTS_M: [f64; 2] = [12.0, 24.0];
+const EIGHTS_M: [f64; 2] = [16.0, 28.0];
 const LOOP_RADIUS_M: f64 = 6.0;
 const RAMP: Ramp = Ramp { centre_m: [0.0; 2], radius_m: 4.0, height_m: 0.45 };
 /// A pass near the stations leads this near to their middle (m).
@@ -33,7 +34,7 @@ const MOST_PLACES: usize = 300;
 #[derive(Clone, Debug)]
 pub struct Improvement {
     pub kind: ImprovementKind,
-    /// "a figure-eight of 12 m at the far end: 3.1 → 1.6 mm, 40 s more".
+    /// "a figure-eight of 16 m at the far end: 3.1 → 1.6 mm, 40 s more".
     pub sentence: String,
     /// σ at the far end of the track before, where no direction was free, and after (m).
     pub before_m: Option<f64>,
@@ -162,7 +163,7 @@ fn candidates(plan: &Plan, looked: &Looked) -> Vec<Candidate> {
         RAMP.height_m, ramp_m.x, ramp_m.y
     );
     add(ImprovementKind::Ramp, what, ramped);
-    let stations = plan.stations_m.iter().map(|at| at.xy());
+    let stations = plan.stations_m.iter().map(Vector3::xy);
     let middle_m = stations.sum::<Vector2<f64>>() / 3.0;
     if let Some((end_m, _)) = plan.end() {
         let away = (end_m - middle_m).try_normalize(1e-6).unwrap_or_else(Vector2::x);
@@ -237,7 +238,7 @@ fn along_the_middle(plan: &Plan) -> Vector2<f64> {
         }
         left_m -= leg_m.norm();
     }
-    waypoints.last().map_or_else(Vector2::zeros, |last| last.place_m())
+    waypoints.last().map_or_else(Vector2::zeros, simulation::Waypoint::place_m)
 }
 
 /// A plan with one more piece where the way comes nearest to a place.

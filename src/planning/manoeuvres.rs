@@ -1,6 +1,6 @@
 //! Manoeuvres by their measures, laid out as places that are driven through.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,29 @@ fn once() -> u32 {
 
 fn one_turn() -> f64 {
     1.0
+}
+
+/// Places of a slalom from one place to another (m), which swerves first to the side that a vehicle heads to already.
+pub fn slalom_m(
+    from_m: Vector2<f64>,
+    to_m: Vector2<f64>,
+    heading: &Vector2<f64>,
+) -> Vec<Vector2<f64>> {
+    /// How far it swerves, and about how far it is from swerve to swerve (m): bends of 4 m radius.
+    const ASIDE_M: f64 = 2.5;
+    const SWERVE_M: f64 = 10.0;
+    const STEPS: usize = 8;
+    let way_m = to_m - from_m;
+    let length_m = way_m.norm();
+    let swerves = (length_m / SWERVE_M).round().max(1.0);
+    let across = Vector2::new(-way_m.y, way_m.x).try_normalize(1e-9).unwrap_or_default();
+    let across = if across.dot(heading) < 0.0 { -across } else { across };
+    let steps = STEPS * swerves as usize;
+    let place = |step: usize| {
+        let share = step as f64 / steps as f64;
+        from_m + way_m * share + across * (ASIDE_M * (PI * swerves * share).sin())
+    };
+    (0..=steps).map(place).collect()
 }
 
 impl FigureEight {

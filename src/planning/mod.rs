@@ -4,7 +4,7 @@
 //! Plan ──drive──▶ readings without noise ──joint::foresee──▶ Prediction ──improvements──▶ better plans, ranked
 //!                          readings so far of a drive in progress ──what_next──▶ manoeuvres, ranked
 //! ```
-//! A [`Plan`] is a file ([`plan_file`]) or made from a preset or a past deployment ([`past`]); [`way`] lays out its way, and
+//! A [`Plan`] is a file ([`plan_file`]) or made from a preset or a past deployment ([`past`]); [`way`] lays out its way, which [`way_file`] can read, and
 //! [`drive`] drives and reads it by the simulation. [`predict()`] asks the joint estimate what such readings leave open, with
 //! the conditions of [`locks`]; [`in_words`] says it. [`improvements()`] tries [`manoeuvres`] and other changes.
 
@@ -19,6 +19,7 @@ pub mod plan_file;
 mod predict;
 mod prediction;
 pub mod way;
+pub mod way_file;
 mod what_next;
 
 pub use improvements::{Improvement, ImprovementKind, improvements};
@@ -27,4 +28,4 @@ pub use plan::{Ground, Instrument, Plan, Ramp, Rig};
 pub use predict::predict;
 pub use prediction::{Held, OnTheWay, PlanError, Prediction};
 pub use way::{Piece, Waypoint};
-pub use what_next::{Advice, NextMove, SoFar, what_next};
+pub use what_next::{Advice, Known, NextMove, SoFar, known, what_next};

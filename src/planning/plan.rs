@@ -121,7 +121,7 @@ impl Default for Instrument {
             angle_arcsec: 1.0,
             rate_hz: 2.5,
             stamp_jitter_ms: 2.9,
-            range_wander_mm: 0.8,
+            range_wander_mm: 1.0,
             reach_m: [1.5, 700.0],
             lost_locks_per_minute: 0.4,
             outlier_share: 0.004,
@@ -220,7 +220,7 @@ impl Plan {
         if self.rig.prisms_m.iter().any(far) {
             return Err(("a prism is at no place".to_owned(), "give metres about the vehicle"));
         }
-        if !(self.ground.height_m.abs() <= FURTHEST_M) {
+        if !(-FURTHEST_M..=FURTHEST_M).contains(&self.ground.height_m) {
             return Err((format!("height_m is {}", self.ground.height_m), "give metres"));
         }
         for ramp in &self.ground.ramps {
@@ -243,7 +243,7 @@ impl Plan {
         }
         let length_m = super::way::length_m(&waypoints);
         if !(1.0..=LONGEST_WAY_M).contains(&length_m) {
-            let what = format!("the way is {length_m:.1} m long");
+            let what = format!("the way is {:.1} m long", length_m.abs());
             return Err((what, "give waypoints or manoeuvres that are 1 m to 20 km together"));
         }
         Ok(())

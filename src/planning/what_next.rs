@@ -3,11 +3,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
-use nalgebra::{Rotation2, Vector2, Vector3};
+use nalgebra::{Rotation2, SMatrix, Vector2, Vector3};
 use rayon::prelude::*;
 
 use super::drive::drive_with;
-use super::manoeuvres::{FigureEight, Loop};
+use super::manoeuvres::{FigureEight, Loop, slalom_m};
 use super::past::AsDriven;
 use super::plan::{Ground, Instrument, Plan, Rig};
 use super::way::{Piece, Waypoint};
@@ -21,7 +21,7 @@ use crate::pipeline::{FilteredTrack, Thresholds, Triplets};
 use crate::progress::{Cancelled, Progress};
 
 /// Tips of the figure-eights that are tried are so far apart (m).
-const EIGHTS_M: [f64; 2] = [12.0, 24.0];
+const EIGHTS_M: [f64; 2] = [16.0, 28.0];
 const LOOP_RADIUS_M: f64 = 6.0;
 /// How far straight legs lead (m).
 const LEG_M: f64 = 25.0;
@@ -31,8 +31,6 @@ const NEAR_M: f64 = 15.0;
 const HEADING_M: f64 = 0.5;
 /// Between what was read and what is tried (s).
 const PAUSE_S: f64 = 1.0;
-/// What is free is as good as this far off (m).
-const FREE_M: f64 = 0.5;
 /// Places at which the far end is looked for, by station.
 const MOST_PLACES: usize = 300;
 
@@ -60,75 +58,95 @@ pub struct SoFar<'a> {
     pub turn_radius_m: f64,
 }
 
-/// What is known of a drive in progress, and what to drive next.
+/// What a drive in progress holds.
 #[derive(Clone, Debug)]
-pub struct Advice {
+pub struct Known {
     /// What is open at the far end now; `None` where a direction is free.
     pub far_end: Option<FarEnd>,
     /// What the drive holds so far; `None` of one prism.
     pub observability: Option<Observability>,
     /// Whether the target is met, and no direction is free or weak.
     pub is_enough: bool,
-    /// What gains most in a second comes first; what gains nothing is left out.
+}
+
+/// What is known of a drive in progress, and what to drive next.
+#[derive(Clone, Debug)]
+pub struct Advice {
+    pub now: Known,
+    /// What leaves the fewest directions open comes first, and of these what gains most in a second; what gains nothing is left
+    /// out.
     pub moves: Vec<NextMove>,
 }
 
 /// A manoeuvre from where the vehicle is.
 #[derive(Clone, Debug)]
 pub struct NextMove {
-    /// "drive a figure-eight of 12 m here: 3.1 → 1.6 mm in 40 s".
+    /// "drive a figure-eight of 16 m here: 3.1 → 1.6 mm in 40 s".
     pub sentence: String,
     /// The way in the frame of station 1, from where the vehicle is.
     pub waypoints_m: Vec<Vector2<f64>>,
     /// What is open at the far end afterwards (m).
     pub after_m: f64,
     pub takes_s: f64,
-    /// How much less is open at the far end, by time (m/s).
-    pub gain_m_per_s: f64,
+    /// How many of the eight directions are still free or weak then.
+    pub open: usize,
+    /// How much more is known at the far end, by time (1/σ², 1/m²/s): what is known adds up, which σ does not.
+    pub gain_per_m2_s: f64,
+}
+
+/// What the readings so far hold, and whether they are enough.
+///
+/// `covariance` is what the joint estimate of them leaves open of (x, y, z, yaw) of stations 2 and 3, where there is one; what is
+/// foreseen takes its place otherwise, which knows of no steps of stations and no jumps of clocks.
+pub fn known(
+    so_far: &SoFar<'_>,
+    covariance: Option<&SMatrix<f64, 8, 8>>,
+    progress: &Progress,
+) -> Result<Known, Cancelled> {
+    let found = foreseen(so_far, so_far.triplets, progress)?;
+    let places_m = places_m(so_far);
+    let covariance = found.held.map(|foreseen| covariance.copied().unwrap_or(foreseen));
+    let far_end = covariance.and_then(|open| far_end(&rigid(so_far), &open, &places_m));
+    let is_steady = found.observability.as_ref().is_none_or(|seen| seen.count(Hold::Held) == 8);
+    let is_met = far_end.is_some_and(|far_end| far_end.sigma_m <= so_far.target_m);
+    Ok(Known { far_end, observability: found.observability, is_enough: is_steady && is_met })
 }
 
 /// What to drive next. `None` where the readings so far say of no vehicle that it moves.
 pub fn what_next(so_far: &SoFar<'_>, progress: &Progress) -> Result<Option<Advice>, Cancelled> {
     let Some(here) = Here::of(so_far) else { return Ok(None) };
+    let now = known(so_far, None, progress)?;
     let places_m = places_m(so_far);
-    let found = foreseen(so_far, so_far.triplets, progress)?;
-    let now = found.held.as_ref().and_then(|covariance| {
-        far_end(&rigid(so_far.station1_from_station), covariance, &places_m)
-    });
-    let is_steady = found.observability.as_ref().is_none_or(|seen| seen.count(Hold::Held) == 8);
-    let is_enough = is_steady && now.is_some_and(|now| now.sigma_m <= so_far.target_m);
-    let tried: Vec<Option<NextMove>> = here
-        .candidates(so_far)
-        .into_par_iter()
-        .map(|(what, piece)| {
-            let Some((triplets, waypoints_m, takes_s)) = here.driven(so_far, piece) else {
-                return Ok(None);
-            };
-            let held = foreseen(so_far, &triplets, progress)?.held;
-            let transforms = rigid(so_far.station1_from_station);
-            let Some(after) =
-                held.and_then(|covariance| far_end(&transforms, &covariance, &places_m))
-            else {
-                return Ok(None);
-            };
-            let before_m = now.map_or(FREE_M, |now| now.sigma_m);
-            let gain_m_per_s = (before_m - after.sigma_m) / takes_s.max(1.0);
-            let before = now.map_or("free".to_owned(), |now| format!("{:.1}", now.sigma_m * 1e3));
-            let sentence =
-                format!("{what}: {before} → {:.1} mm in {takes_s:.0} s", after.sigma_m * 1e3);
-            let after_m = after.sigma_m;
-            let found = NextMove { sentence, waypoints_m, after_m, takes_s, gain_m_per_s };
-            Ok((gain_m_per_s > 0.0).then_some(found))
-        })
-        .collect::<Result<_, Cancelled>>()?;
+    let transforms = rigid(so_far);
+    let look = |triplets: &Triplets| -> Result<(Option<f64>, usize), Cancelled> {
+        let found = foreseen(so_far, triplets, progress)?;
+        let far = found.held.and_then(|covariance| far_end(&transforms, &covariance, &places_m));
+        let open = found.observability.map_or(0, |seen| 8 - seen.count(Hold::Held));
+        Ok((far.map(|far| far.sigma_m), open))
+    };
+    // What is foreseen is compared with what is foreseen.
+    let (before_m, _) = look(so_far.triplets)?;
+    let one = |(what, way_m): (String, Vec<Vector2<f64>>)| {
+        let Some((triplets, takes_s)) = here.driven(so_far, &way_m) else { return Ok(None) };
+        let (Some(after_m), open) = look(&triplets)? else { return Ok(None) };
+        let known = |sigma_m: f64| sigma_m.powi(-2);
+        let gain_per_m2_s = (known(after_m) - before_m.map_or(0.0, known)) / takes_s.max(1.0);
+        let before = before_m.map_or("free".to_owned(), |m| format!("{:.1}", m * 1e3));
+        let sentence = format!("{what}: {before} → {:.1} mm in {takes_s:.0} s", after_m * 1e3);
+        let found =
+            NextMove { sentence, waypoints_m: way_m, after_m, takes_s, open, gain_per_m2_s };
+        Ok((gain_per_m2_s > 0.0).then_some(found))
+    };
+    let tried = here.candidates(so_far).into_par_iter().map(one);
+    let tried: Vec<Option<NextMove>> = tried.collect::<Result<_, Cancelled>>()?;
     let mut moves: Vec<NextMove> = tried.into_iter().flatten().collect();
-    moves.sort_by(|a, b| b.gain_m_per_s.total_cmp(&a.gain_m_per_s));
-    Ok(Some(Advice { far_end: now, observability: found.observability, is_enough, moves }))
+    moves.sort_by(|a, b| a.open.cmp(&b.open).then(b.gain_per_m2_s.total_cmp(&a.gain_per_m2_s)));
+    Ok(Some(Advice { now, moves }))
 }
 
 /// What some readings hold.
 struct Foreseen {
-    held: Option<nalgebra::SMatrix<f64, 8, 8>>,
+    held: Option<SMatrix<f64, 8, 8>>,
     observability: Option<Observability>,
 }
 
@@ -151,8 +169,8 @@ fn foreseen(
     Ok(Foreseen { held, observability: seen.map(|seen| seen.observability) })
 }
 
-fn rigid(station1_from_station: &[LevelTransform; 3]) -> [RigidTransform; 3] {
-    station1_from_station.map(RigidTransform::from)
+fn rigid(so_far: &SoFar<'_>) -> [RigidTransform; 3] {
+    so_far.station1_from_station.map(RigidTransform::from)
 }
 
 /// Where the far end is looked for: along the track so far, and at the places that are named, by station in its own frame.
@@ -170,6 +188,8 @@ fn places_m(so_far: &SoFar<'_>) -> [Vec<Vector3<f64>>; 3] {
 struct Here {
     place_m: Vector2<f64>,
     along: Vector2<f64>,
+    /// Where it was, some places after another.
+    driven_m: Vec<Vector2<f64>>,
     as_driven: AsDriven,
     ground_m: f64,
 }
@@ -193,7 +213,9 @@ impl Here {
         } else {
             AsDriven::of(so_far.prisms_m, &triplets.time_s, &all_m)?
         };
-        Some(Self { place_m: last_m.xy(), along, as_driven, ground_m: last_m.z })
+        let step = (all_m.len() / MOST_PLACES).max(1);
+        let driven_m = all_m.iter().step_by(step).map(|at| middle_m(at).xy()).collect();
+        Some(Self { place_m: last_m.xy(), along, driven_m, as_driven, ground_m: last_m.z })
     }
 
     /// Manoeuvres from here, in words and as ways in the frame of station 1.
@@ -213,53 +235,50 @@ impl Here {
             let across_m = 2.0 * LOOP_RADIUS_M;
             all.push((format!("drive a loop of {across_m:.0} m to the {hand}"), one.places_m()));
         }
-        for (turn_rad, way) in [
-            (0.0, "go on straight"),
-            (FRAC_PI_2, "turn left and go"),
-            (-FRAC_PI_2, "turn right and go"),
-            (PI, "turn around and go back"),
-        ] {
+        let mut to = |to_m: Vector2<f64>, where_to: &str| {
+            all.push((format!("drive straight {where_to}"), vec![self.place_m, to_m]));
+            all.push((
+                format!("drive a slalom {where_to}"),
+                slalom_m(self.place_m, to_m, &self.along),
+            ));
+        };
+        for (turn_rad, way) in
+            [(0.0, "ahead"), (FRAC_PI_2, "to the left"), (-FRAC_PI_2, "to the right"), (PI, "back")]
+        {
             let to_m = self.place_m + self.turned(turn_rad) * LEG_M;
-            all.push((format!("{way} for {LEG_M:.0} m"), vec![self.place_m, to_m]));
+            to(to_m, &format!("{way} for {LEG_M:.0} m"));
         }
         let stations = so_far.station1_from_station.map(|at| at.translation_m.xy());
         let middle_m = (stations[0] + stations[1] + stations[2]) / 3.0;
         let away_m = self.place_m - middle_m;
         if away_m.norm() > NEAR_M + LEG_M / 2.0 {
             let near_m = middle_m + away_m.normalize() * NEAR_M;
-            let what = format!("come back to {NEAR_M:.0} m from the stations");
-            all.push((what, vec![self.place_m, near_m]));
+            to(near_m, &format!("to {NEAR_M:.0} m from the stations"));
         }
-        // Where the vehicle is to be known best, nothing tells more than to have been there.
-        let far = so_far.places_m.iter().map(Vector3::xy);
-        let far = far.max_by(|a, b| (a - middle_m).norm().total_cmp(&(b - middle_m).norm()));
-        if let Some(far_m) = far.filter(|far_m| (far_m - self.place_m).norm() > LEG_M / 2.0) {
-            let heading = (far_m - self.place_m).normalize();
-            let eight = FigureEight {
-                centre_m: far_m.into(),
-                length_m: EIGHTS_M[0],
-                heading_rad: heading.y.atan2(heading.x),
-                times: 1,
-            };
-            let leg_m = vec![self.place_m, far_m];
-            let and_eight = [leg_m.clone(), eight.places_m()].concat();
-            let what = "drive to the far end and a figure-eight there".to_owned();
-            all.push((what, and_eight));
-            all.push(("drive to the far end".to_owned(), leg_m));
+        if let Some(far_m) = self.least_visited_m(so_far)
+            && (far_m - self.place_m).norm() > LEG_M / 4.0
+        {
+            to(far_m, &format!("to ({:.0}, {:.0}), where it was not yet", far_m.x, far_m.y));
         }
         all
+    }
+
+    /// Of the places where the vehicle is to be known, the one that is furthest from all that was driven.
+    fn least_visited_m(&self, so_far: &SoFar<'_>) -> Option<Vector2<f64>> {
+        let away_m = |place_m: &Vector2<f64>| {
+            let driven_m = self.driven_m.iter().map(|at| (at - place_m).norm());
+            driven_m.fold(f64::INFINITY, f64::min)
+        };
+        let places_m = so_far.places_m.iter().map(Vector3::xy);
+        places_m.max_by(|a, b| away_m(a).total_cmp(&away_m(b)))
     }
 
     fn turned(&self, by_rad: f64) -> Vector2<f64> {
         Rotation2::new(by_rad) * self.along
     }
 
-    /// The triplets so far with those of a manoeuvre, its way, and how long it takes (s).
-    fn driven(
-        &self,
-        so_far: &SoFar<'_>,
-        places_m: Vec<Vector2<f64>>,
-    ) -> Option<(Triplets, Vec<Vector2<f64>>, f64)> {
+    /// The triplets so far with those of a manoeuvre, and how long it takes (s).
+    fn driven(&self, so_far: &SoFar<'_>, way_m: &[Vector2<f64>]) -> Option<(Triplets, f64)> {
         let [_, second, third] = so_far.station1_from_station;
         let rig = Rig { prisms_m: self.as_driven.prisms_m, ..Rig::default() };
         let plan = Plan {
@@ -274,13 +293,18 @@ impl Here {
             rig,
             instrument: Instrument { rate_hz: so_far.rate_hz, ..Instrument::default() },
             thresholds: so_far.thresholds,
-            // The first waypoint is where the vehicle is, heading as it does.
-            way: vec![Piece::Waypoints(places_m.iter().copied().map(Waypoint::at).collect())],
+            // The vehicle heads as it does, wherever it is to go.
+            way: vec![Piece::Waypoints(
+                std::iter::once(self.place_m - self.along * HEADING_M)
+                    .chain(way_m.iter().copied())
+                    .map(Waypoint::at)
+                    .collect(),
+            )],
             ..Plan::default()
         };
         let driven = drive_with(&plan, [second.yaw_rad, third.yaw_rad]).ok()?;
         let takes_s = driven.simulated.scenario.duration_s;
-        Some((joined(so_far.triplets, &driven.pipeline.triplets), places_m, takes_s))
+        Some((joined(so_far.triplets, &driven.pipeline.triplets), takes_s))
     }
 }
 

@@ -1,111 +1,310 @@
-//! A driver who follows waypoints: aims at a point a little ahead on the way, and cannot turn tighter than the vehicle does.
+//! A driver who follows waypoints: straight from one to the next, around corners on bends as wide as the vehicle needs, and on
+//! the spot where there is no room for one.
+
+use std::f64::consts::PI;
 
 use nalgebra::Vector2;
 
-use super::motion::Planar;
+use super::motion::{Planar, reacting};
 use super::scenario::Waypoint;
 use crate::geometry::wrap_to_pi;
 
-/// How far ahead on the way a driver aims (m).
-const AHEAD_M: f64 = 1.5;
+/// Bends begin this far before a corner and end as far behind it (m), and further where the turn needs it: legs that are not
+/// twice as long become one bend.
+const ROUNDED_M: f64 = 1.5;
+/// Tighter bends than this are turned on the spot (m).
+const TIGHTEST_M: f64 = 0.3;
+/// No vehicle turns faster (rad/s).
+const FASTEST_TURN_RAD_PER_S: f64 = 0.4;
+/// How a vehicle brakes before it stands (m/s²), and the speed that it stops from (m/s).
+const BRAKE_M_PER_S2: f64 = 0.5;
+const CREEP_M_PER_S: f64 = 0.03;
 
-/// How a driver wants to go on.
-pub struct Wish {
-    pub speed_m_per_s: f64,
-    /// 1/m, left positive.
-    pub curvature_per_m: f64,
+/// A piece of what is driven.
+struct Piece {
+    shape: Shape,
+    length_m: f64,
+    speed_m_per_s: f64,
+}
+
+enum Shape {
+    Line {
+        from_m: Vector2<f64>,
+        along: Vector2<f64>,
+    },
+    /// To the left where `side` is 1, and to the right where it is −1.
+    Bend {
+        centre_m: Vector2<f64>,
+        radius_m: f64,
+        from_rad: f64,
+        side: f64,
+    },
+    /// Standing, and turning meanwhile.
+    Stay {
+        at: Planar,
+        turn_rad: f64,
+        for_s: f64,
+    },
 }
 
 /// A driver on the way.
-pub struct Follower<'a> {
-    waypoints: &'a [Waypoint],
-    turn_radius_m: f64,
-    /// The waypoint that is driven to.
-    next: usize,
-    /// How long the vehicle still stands where it is (s).
-    stands_s: f64,
+pub struct Follower {
+    pieces: Vec<Piece>,
+    /// How fast each piece may be entered, so that there is room to brake for what comes after it; and the end.
+    enter_m_per_s: Vec<f64>,
+    piece: usize,
+    /// How far into the piece the vehicle is (m), or for how long it has stood (s).
+    into: f64,
+    speed_m_per_s: f64,
+    pose: Planar,
 }
 
-impl<'a> Follower<'a> {
-    pub fn new(waypoints: &'a [Waypoint], turn_radius_m: f64) -> Self {
-        let stands_s = waypoints.first().map_or(0.0, |first| first.stand_s);
-        Self { waypoints, turn_radius_m, next: 1, stands_s }
+impl Follower {
+    pub fn new(waypoints: &[Waypoint], turn_radius_m: f64) -> Self {
+        let pieces = pieces(waypoints, turn_radius_m);
+        let mut enter_m_per_s = vec![CREEP_M_PER_S; pieces.len() + 1];
+        for (index, piece) in pieces.iter().enumerate().rev() {
+            enter_m_per_s[index] = piece.most_m_per_s(piece.length_m, enter_m_per_s[index + 1]);
+        }
+        let pose = pieces.first().map_or_else(Planar::default, |first| first.shape.at(0.0));
+        Self { pieces, enter_m_per_s, piece: 0, into: 0.0, speed_m_per_s: 0.0, pose }
     }
 
-    /// At the first waypoint, facing the next one that is elsewhere.
-    pub fn start(&self) -> Planar {
-        let Some(first) = self.waypoints.first() else { return Planar::default() };
-        let away = self.waypoints.iter().map(|other| other.place_m() - first.place_m());
-        let heading_rad = away
-            .into_iter()
-            .find(|away| away.norm() > 1e-6)
-            .map_or(0.0, |away| away.y.atan2(away.x));
-        Planar { x_m: first.x_m, y_m: first.y_m, heading_rad }
+    /// Where the vehicle is.
+    pub fn pose(&self) -> Planar {
+        self.pose
     }
 
-    /// Whether the last waypoint is reached, and the vehicle does not stand there any longer.
     pub fn has_arrived(&self) -> bool {
-        self.next >= self.waypoints.len() && self.stands_s <= 0.0
+        self.piece >= self.pieces.len()
     }
 
-    /// What the driver wants at a place, for the next piece of time (s).
-    pub fn wish(&mut self, pose: &Planar, for_s: f64) -> Wish {
-        let here_m = Vector2::new(pose.x_m, pose.y_m);
-        let standing = self.stands_s > 0.0;
-        self.stands_s -= for_s;
-        while let Some(to) = self.waypoints.get(self.next).filter(|_| !standing) {
-            let leg_m = to.place_m() - self.waypoints[self.next - 1].place_m();
-            // What is left of the leg, seen along it.
-            let left_m =
-                (to.place_m() - here_m).dot(&leg_m.try_normalize(1e-9).unwrap_or_default());
-            if left_m > 0.0 {
-                break;
-            }
-            self.next += 1;
-            self.stands_s = to.stand_s;
-            if to.stand_s > 0.0 {
-                break;
-            }
-        }
-        let Some(to) = self.waypoints.get(self.next) else {
-            return Wish { speed_m_per_s: 0.0, curvature_per_m: 0.0 };
-        };
-        let aim_m = self.aim_m(&here_m) - here_m;
-        let aside_rad = wrap_to_pi(aim_m.y.atan2(aim_m.x) - pose.heading_rad);
-        // The circle through here and there; behind, nothing is tight enough.
-        let curvature_per_m = match aside_rad.cos() > 0.0 {
-            true => 2.0 * aside_rad.sin() / aim_m.norm().max(0.1),
-            false => f64::INFINITY.copysign(aside_rad),
-        };
-        let most = 1.0 / self.turn_radius_m;
-        Wish {
-            speed_m_per_s: if standing || self.stands_s > 0.0 { 0.0 } else { to.speed_m_per_s },
-            curvature_per_m: curvature_per_m.clamp(-most, most),
-        }
+    /// Drives on for a while (s). Headings go on from what they were, without a jump by a whole turn.
+    pub fn drive(&mut self, for_s: f64) {
+        let before_rad = self.pose.heading_rad;
+        self.go_on(for_s);
+        self.pose.heading_rad = before_rad + wrap_to_pi(self.pose.heading_rad - before_rad);
     }
 
-    /// The point on the way that is aimed at from a place (m); beyond the last waypoint it goes straight on.
-    fn aim_m(&self, here_m: &Vector2<f64>) -> Vector2<f64> {
-        let mut from_m = self.waypoints[self.next - 1].place_m();
-        let mut ahead_m = AHEAD_M;
-        let mut along = Vector2::x();
-        for (index, to) in self.waypoints.iter().enumerate().skip(self.next) {
-            let leg_m = to.place_m() - from_m;
-            let length_m = leg_m.norm();
-            if length_m > 1e-9 {
-                along = leg_m / length_m;
-                // Only the leg that is driven on is partly behind.
-                let behind_m = match index == self.next {
-                    true => (here_m - from_m).dot(&along).clamp(0.0, length_m),
+    fn go_on(&mut self, for_s: f64) {
+        let Some(piece) = self.pieces.get(self.piece) else { return };
+        if let Shape::Stay { for_s: whole_s, .. } = piece.shape {
+            self.speed_m_per_s = 0.0;
+            self.into += for_s;
+            self.pose = piece.shape.at(self.into.min(whole_s));
+            if self.into >= whole_s {
+                (self.piece, self.into) = (self.piece + 1, 0.0);
+            }
+            return;
+        }
+        let left_m = (piece.length_m - self.into).max(0.0);
+        let most = piece.most_m_per_s(left_m, self.enter_m_per_s[self.piece + 1]);
+        self.speed_m_per_s = reacting(self.speed_m_per_s, piece.speed_m_per_s).min(most);
+        self.into += self.speed_m_per_s * for_s;
+        while let Some(piece) = self.pieces.get(self.piece) {
+            let stands = matches!(piece.shape, Shape::Stay { .. });
+            if stands || self.into < piece.length_m {
+                self.into = if stands { 0.0 } else { self.into };
+                self.pose = piece.shape.at(self.into);
+                return;
+            }
+            self.pose = piece.shape.at(piece.length_m);
+            self.into -= piece.length_m;
+            self.piece += 1;
+        }
+    }
+}
+
+impl Piece {
+    /// The fastest that it may be driven where so much of it is left (m), and the next piece is entered so fast.
+    fn most_m_per_s(&self, left_m: f64, next_m_per_s: f64) -> f64 {
+        let braking = (next_m_per_s.powi(2) + 2.0 * BRAKE_M_PER_S2 * left_m).sqrt();
+        match self.shape {
+            Shape::Line { .. } => braking,
+            Shape::Bend { radius_m, .. } => braking.min(radius_m * FASTEST_TURN_RAD_PER_S),
+            Shape::Stay { .. } => CREEP_M_PER_S,
+        }
+    }
+}
+
+impl Shape {
+    /// So far into it (m), or after so long (s).
+    fn at(&self, into: f64) -> Planar {
+        match self {
+            Self::Line { from_m, along } => {
+                let at_m = from_m + along * into;
+                Planar { x_m: at_m.x, y_m: at_m.y, heading_rad: along.y.atan2(along.x) }
+            }
+            Self::Bend { centre_m, radius_m, from_rad, side } => {
+                let angle = from_rad + side * into / radius_m;
+                let at_m = centre_m + Vector2::new(angle.cos(), angle.sin()) * *radius_m;
+                Planar { x_m: at_m.x, y_m: at_m.y, heading_rad: angle + side * PI / 2.0 }
+            }
+            Self::Stay { at, turn_rad, for_s } => {
+                let share = if *for_s > 0.0 { into / for_s } else { 1.0 };
+                Planar { heading_rad: at.heading_rad + turn_rad * share, ..*at }
+            }
+        }
+    }
+}
+
+/// What is driven from waypoint to waypoint.
+fn pieces(waypoints: &[Waypoint], turn_radius_m: f64) -> Vec<Piece> {
+    let Some(first) = waypoints.first() else { return Vec::new() };
+    // Waypoints at one place are one, which the vehicle stands at as long as at all of them.
+    let mut stops: Vec<Waypoint> = vec![*first];
+    for at in &waypoints[1..] {
+        let last = stops.len() - 1;
+        match (at.place_m() - stops[last].place_m()).norm() < 1e-6 {
+            true => stops[last].stand_s += at.stand_s,
+            false => stops.push(*at),
+        }
+    }
+    let along: Vec<Vector2<f64>> =
+        stops.windows(2).map(|pair| (pair[1].place_m() - pair[0].place_m()).normalize()).collect();
+    let heading_rad = |leg: usize| along.get(leg).map_or(0.0, |along| along.y.atan2(along.x));
+    let mut pieces = Vec::new();
+    let stay = |at: &Waypoint, heading_rad: f64, turn_rad: f64| {
+        let for_s = at.stand_s + turn_rad.abs() / FASTEST_TURN_RAD_PER_S;
+        let at = Planar { x_m: at.x_m, y_m: at.y_m, heading_rad };
+        Piece { shape: Shape::Stay { at, turn_rad, for_s }, length_m: 0.0, speed_m_per_s: 0.0 }
+    };
+    pieces.push(stay(first, heading_rad(0), 0.0));
+    let mut from_m = first.place_m();
+    for (leg, to) in stops.iter().enumerate().skip(1).map(|(at, to)| (at - 1, to)) {
+        let corner = match (stops.get(leg + 2), to.stand_s > 0.0) {
+            (Some(next), false) => {
+                let turn_rad = wrap_to_pi(heading_rad(leg + 1) - heading_rad(leg));
+                let room_m = (to.place_m() - stops[leg].place_m())
+                    .norm()
+                    .min((next.place_m() - to.place_m()).norm())
+                    / 2.0;
+                Corner::of(turn_rad, room_m, turn_radius_m)
+            }
+            _ => None,
+        };
+        let before_m = corner.as_ref().map_or(0.0, |corner| corner.before_m);
+        let until_m = to.place_m() - along[leg] * before_m;
+        let speed_m_per_s = to.speed_m_per_s;
+        let line = Shape::Line { from_m, along: along[leg] };
+        pieces.push(Piece {
+            shape: line,
+            length_m: (until_m - from_m).dot(&along[leg]).max(0.0),
+            speed_m_per_s,
+        });
+        from_m = to.place_m();
+        match corner {
+            Some(Corner { radius_m, turn_rad, before_m }) => {
+                let side = turn_rad.signum();
+                let aside = Vector2::new(-along[leg].y, along[leg].x) * side;
+                let centre_m = until_m + aside * radius_m;
+                let from_rad = (-aside.y).atan2(-aside.x);
+                let shape = Shape::Bend { centre_m, radius_m, from_rad, side };
+                pieces.push(Piece {
+                    shape,
+                    length_m: radius_m * turn_rad.abs(),
+                    speed_m_per_s: to.speed_m_per_s,
+                });
+                from_m += along[leg + 1] * before_m;
+            }
+            None => {
+                let turn_rad = match leg + 1 < along.len() {
+                    true => wrap_to_pi(heading_rad(leg + 1) - heading_rad(leg)),
                     false => 0.0,
                 };
-                if behind_m + ahead_m <= length_m {
-                    return from_m + along * (behind_m + ahead_m);
+                if to.stand_s > 0.0 || turn_rad.abs() > 1e-6 {
+                    pieces.push(stay(to, heading_rad(leg), turn_rad));
                 }
-                ahead_m -= length_m - behind_m;
             }
-            from_m = to.place_m();
         }
-        from_m + along * ahead_m
+    }
+    pieces
+}
+
+/// A bend in place of a corner.
+struct Corner {
+    radius_m: f64,
+    turn_rad: f64,
+    /// How far before the corner it begins, and behind it ends.
+    before_m: f64,
+}
+
+impl Corner {
+    /// `None` where the way is straight, or has no room.
+    fn of(turn_rad: f64, room_m: f64, turn_radius_m: f64) -> Option<Self> {
+        let half = (0.5 * turn_rad.abs()).tan();
+        let before_m = (turn_radius_m * half).max(ROUNDED_M).min(room_m);
+        let radius_m = before_m / half;
+        (turn_rad.abs() > 1e-6 && radius_m > TIGHTEST_M).then_some(Self {
+            radius_m,
+            turn_rad,
+            before_m,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP_S: f64 = 0.01;
+
+    fn waypoint(x_m: f64, y_m: f64, stand_s: f64) -> Waypoint {
+        Waypoint { x_m, y_m, speed_m_per_s: 0.8, stand_s }
+    }
+
+    /// Where the vehicle is at every step until it arrives.
+    fn driven(waypoints: &[Waypoint]) -> Vec<Planar> {
+        let mut follower = Follower::new(waypoints, 3.5);
+        let mut poses = vec![follower.pose()];
+        while !follower.has_arrived() {
+            follower.drive(STEP_S);
+            poses.push(follower.pose());
+            assert!(poses.len() < 100_000, "never arrives");
+        }
+        poses
+    }
+
+    #[test]
+    fn ways_of_all_kinds_are_driven_without_a_jump() {
+        let there_and_back = [(0.0, 0.0), (20.0, 0.0), (0.0, 0.0)];
+        let corners = [(0.0, 0.0), (20.0, 0.0), (20.0, 20.0), (19.0, 20.5), (30.0, 21.0)];
+        let twice = [(0.0, 0.0), (5.0, 0.0), (5.0, 0.0), (5.0, 8.0)];
+        for way in [&there_and_back[..], &corners, &twice] {
+            let waypoints: Vec<_> = way.iter().map(|(x, y)| waypoint(*x, *y, 0.0)).collect();
+            let poses = driven(&waypoints);
+            for pair in poses.windows(2) {
+                let gone_m = (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m);
+                let turned = wrap_to_pi(pair[1].heading_rad - pair[0].heading_rad);
+                assert!(gone_m <= 0.8 * STEP_S + 1e-9, "{gone_m} m at once in {way:?}");
+                assert!(
+                    turned.abs() <= FASTEST_TURN_RAD_PER_S * STEP_S * 1.2,
+                    "{turned} rad at once in {way:?}"
+                );
+                // It drives ahead, never aside.
+                let heading = Vector2::new(pair[0].heading_rad.cos(), pair[0].heading_rad.sin());
+                let gone = Vector2::new(pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
+                assert!(gone.perp(&heading).abs() < 0.02 * STEP_S, "aside in {way:?}");
+            }
+            let (last, end) = (poses[poses.len() - 1], way[way.len() - 1]);
+            assert!((last.x_m - end.0).hypot(last.y_m - end.1) < 1e-6, "{last:?}");
+        }
+    }
+
+    #[test]
+    fn corners_are_as_wide_as_the_vehicle_needs_and_it_stands_as_long_as_it_shall() {
+        let poses = driven(&[
+            waypoint(0.0, 0.0, 8.0),
+            waypoint(20.0, 0.0, 0.0),
+            waypoint(20.0, 20.0, 5.0),
+            waypoint(20.0, 40.0, 0.0),
+        ]);
+        let standing = poses.windows(2).filter(|p| p[0].x_m == p[1].x_m && p[0].y_m == p[1].y_m);
+        let stood_s = standing.count() as f64 * STEP_S;
+        assert!((stood_s - 13.0).abs() < 0.1, "{stood_s}");
+        // The bend of radius 3.5 m passes the corner at (√2 − 1) times that.
+        let nearest_m =
+            poses.iter().map(|at| (at.x_m - 20.0).hypot(at.y_m)).fold(f64::INFINITY, f64::min);
+        assert!((nearest_m - 3.5 * (2.0_f64.sqrt() - 1.0)).abs() < 0.01, "{nearest_m}");
     }
 }

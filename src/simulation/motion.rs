@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::follow::{Follower, Wish};
+use super::follow::Follower;
 use super::scenario::{Mound, Path, Scenario, Waypoint};
 use crate::geometry::wrap_to_pi;
 
@@ -41,23 +41,33 @@ impl Motion {
         let poses = match &scenario.path {
             Path::Waypoints { waypoints, turn_radius_m } => {
                 let mut follower = Follower::new(waypoints, *turn_radius_m);
-                let start = follower.start();
                 // Where a way is laid elsewhere, its ground is the same.
-                terrain.from = start;
-                drive_by(start, steps, |pose, _, _| follower.wish(pose, STEP_S))
+                terrain.from = follower.pose();
+                let follow = |_| {
+                    let pose = follower.pose();
+                    follower.drive(STEP_S);
+                    pose
+                };
+                (0..steps).map(follow).collect()
             }
-            _ => {
-                let mut driver =
-                    Driver { path: &scenario.path, driven_m: 0.0, phases, outbound: true };
-                drive_by(driver.start(), steps, |pose, t, speed_m_per_s| {
+            path => {
+                let mut driver = Driver { path, driven_m: 0.0, phases, outbound: true };
+                let (mut pose, mut speed_m_per_s) = (driver.start(), 0.0);
+                let drive = |step: usize| {
+                    let here = pose;
+                    let t = step as f64 * STEP_S;
                     let standing =
                         t < STAND_S || (t - STAND_S) % BETWEEN_STOPS_S > BETWEEN_STOPS_S - STAND_S;
                     let variation = 1.0 - 0.25 * (TAU * t / 31.0).sin().powi(2);
                     let wanted = if standing { 0.0 } else { scenario.cruise_m_per_s * variation };
-                    let speed_m_per_s = reacting(speed_m_per_s, wanted);
-                    let curvature_per_m = driver.curvature(pose, speed_m_per_s * STEP_S);
-                    Wish { speed_m_per_s: wanted, curvature_per_m }
-                })
+                    speed_m_per_s = reacting(speed_m_per_s, wanted);
+                    let curvature = driver.curvature(&pose, speed_m_per_s * STEP_S);
+                    pose.x_m += speed_m_per_s * STEP_S * pose.heading_rad.cos();
+                    pose.y_m += speed_m_per_s * STEP_S * pose.heading_rad.sin();
+                    pose.heading_rad += speed_m_per_s * STEP_S * curvature;
+                    here
+                };
+                (0..steps).map(drive).collect()
             }
         };
         Self { poses, terrain }
@@ -66,11 +76,9 @@ impl Motion {
     /// When a driver who follows waypoints has arrived at the last one (s); no later than after `latest_s`.
     pub fn arrival_s(waypoints: &[Waypoint], turn_radius_m: f64, latest_s: f64) -> f64 {
         let mut follower = Follower::new(waypoints, turn_radius_m);
-        let (mut pose, mut speed_m_per_s) = (follower.start(), 0.0);
         let mut steps: u32 = 0;
         while !follower.has_arrived() && f64::from(steps) * STEP_S < latest_s {
-            let wish = follower.wish(&pose, STEP_S);
-            advance(&mut pose, &mut speed_m_per_s, &wish);
+            follower.drive(STEP_S);
             steps += 1;
         }
         f64::from(steps) * STEP_S
@@ -103,31 +111,8 @@ impl Motion {
     }
 }
 
-/// Where a driver gets to, hundredth by hundredth of a second, who is asked for the time (s) and the speed.
-fn drive_by(
-    start: Planar,
-    steps: usize,
-    mut wish: impl FnMut(&Planar, f64, f64) -> Wish,
-) -> Vec<Planar> {
-    let mut poses = Vec::with_capacity(steps);
-    let (mut pose, mut speed_m_per_s) = (start, 0.0);
-    for step in 0..steps {
-        poses.push(pose);
-        let wish = wish(&pose, step as f64 * STEP_S, speed_m_per_s);
-        advance(&mut pose, &mut speed_m_per_s, &wish);
-    }
-    poses
-}
-
-fn advance(pose: &mut Planar, speed_m_per_s: &mut f64, wish: &Wish) {
-    *speed_m_per_s = reacting(*speed_m_per_s, wish.speed_m_per_s);
-    pose.x_m += *speed_m_per_s * STEP_S * pose.heading_rad.cos();
-    pose.y_m += *speed_m_per_s * STEP_S * pose.heading_rad.sin();
-    pose.heading_rad += *speed_m_per_s * STEP_S * wish.curvature_per_m;
-}
-
-/// A soft foot on the pedal: about half a second to react.
-fn reacting(speed_m_per_s: f64, wanted_m_per_s: f64) -> f64 {
+/// The speed a hundredth of a second later: a soft foot on the pedal, about half a second to react.
+pub fn reacting(speed_m_per_s: f64, wanted_m_per_s: f64) -> f64 {
     speed_m_per_s + (wanted_m_per_s - speed_m_per_s) * STEP_S / 0.6
 }
 

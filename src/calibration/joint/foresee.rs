@@ -32,7 +32,7 @@ pub struct Expected {
 
 impl Default for Expected {
     fn default() -> Self {
-        let wander = Wander { sigma_m: 8e-4, correlation_s: 12.0 };
+        let wander = Wander { sigma_m: 1e-3, correlation_s: 12.0 };
         Self { levels: FIRST_LEVELS, wander }
     }
 }

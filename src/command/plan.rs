@@ -1,0 +1,86 @@
+//! `resect plan`: what a drive will tell before it is driven, and what would tell more.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::output::spare;
+use super::settings_args::AnswerArguments;
+use super::{Failure, load, print};
+use crate::analysis::Analyst;
+use crate::atomic;
+use crate::deployment::file_mark::used_files;
+use crate::export::planning;
+use crate::planning::{Plan, improvements, plan_file, predict, way_file};
+use crate::simulation::Preset;
+
+#[derive(Args)]
+pub struct Arguments {
+    /// A plan (TOML), or a folder or file of a past deployment, whose stations, rig and way become one
+    #[arg(required_unless_present = "preset")]
+    path: Option<PathBuf>,
+    /// The stations, rig and way of a preset of `simulate`, instead of a path
+    #[arg(long, value_enum, conflicts_with = "path")]
+    preset: Option<Preset>,
+    /// What a preset drives by this seed
+    #[arg(long, default_value_t = 1, conflicts_with = "path")]
+    seed: u64,
+    /// File whose way takes the place of the plan's: CSV (x, y), PLY or GeoJSON (with the three stations as points)
+    #[arg(long, value_name = "FILE")]
+    way: Option<PathBuf>,
+    /// Largest root mean square error at the far end that is wanted (mm), instead of the plan's
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    target: Option<f64>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Write the plan as TOML, to change it and ask again
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    settings: AnswerArguments,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (mut plan, read) = plan(arguments)?;
+    if let Some(target_mm) = arguments.target {
+        plan.target_mm = target_mm;
+        plan.check().map_err(|(what, remedy)| Failure::Usage(format!("{what}; {remedy}")))?;
+    }
+    if let Some(way) = &arguments.way {
+        way_file::read(way)?.lay(&mut plan);
+        let senseless = |(what, remedy)| anyhow::anyhow!("{}: {what}; {remedy}", way.display());
+        plan.check().map_err(senseless)?;
+    }
+    if let Some(out) = &arguments.out {
+        let read = read.iter().chain(&arguments.way).map(|path| &**path);
+        spare(out, read)?;
+    }
+    let found = predict(&plan)?;
+    let better = improvements(&plan)?;
+    if let Some(out) = &arguments.out {
+        atomic::write(out, plan_file::text(&plan))?;
+    }
+    if arguments.json {
+        print(&format!("{:#}\n", planning::json(&plan, &found, &better)))?;
+    } else {
+        print(&planning::text(&plan, &found, &better))?;
+    }
+    Ok(())
+}
+
+/// The plan, and the files that it was made of.
+fn plan(arguments: &Arguments) -> Result<(Plan, Vec<PathBuf>), Failure> {
+    if let Some(preset) = arguments.preset {
+        return Ok((Plan::from_preset(preset, arguments.seed), Vec::new()));
+    }
+    let path = arguments.path.as_deref().unwrap_or(Path::new("."));
+    if path.is_file() && path.extension().is_some_and(|ending| ending == "toml") {
+        return Ok((plan_file::read(path)?, vec![path.to_owned()]));
+    }
+    let settings = arguments.settings.settings()?;
+    let (deployment, _) = load(path, arguments.settings.extras())?;
+    let analysis = Analyst::new(deployment.clone()).run(&settings);
+    let plan = Plan::from_analysis(&deployment, &analysis)?;
+    Ok((plan, used_files(&deployment).map(Path::to_owned).collect()))
+}
