@@ -300,7 +300,10 @@ impl Intake {
         }
         let recorded = self.engine.finish_recording();
         self.show();
-        let view = (*lock(&self.shown).view).clone();
+        let mut view = (*lock(&self.shown).view).clone();
+        if let Some(Ok(recorded)) = &recorded {
+            view.recorded = Some(recorded.clone());
+        }
         Finished { deployment: self.engine.deployment(), view, recorded }
     }
 

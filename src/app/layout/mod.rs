@@ -98,6 +98,11 @@ impl Layout {
         self.tree.tiles.find_pane(&pane).and_then(|tile| self.tree.tiles.rect(tile))
     }
 
+    /// Whether the user moved nothing since the layout was chosen.
+    pub fn is_as_chosen(&self) -> bool {
+        self.follows_window
+    }
+
     /// Whether a pane is in the window, in front or behind others.
     pub fn holds(&self, pane: Pane) -> bool {
         self.tree.tiles.find_pane(&pane).is_some()

@@ -18,7 +18,8 @@ impl State {
     pub(super) fn handle_live(&mut self, command: LiveCommand) {
         match command {
             LiveCommand::Show => {
-                if !self.layout.holds(Pane::Live) {
+                // An arrangement of the user's own is left as it is.
+                if self.layout.is_as_chosen() {
                     self.layout = Layout::from(LayoutPreset::Live);
                 }
                 self.layout.show(Pane::Live);
@@ -98,31 +99,25 @@ impl State {
     fn take_finished(&mut self, finished: Finished) {
         let Finished { deployment, view, recorded } = finished;
         self.live.view = Some(Arc::new(view));
-        let source = match recorded {
+        match recorded {
             Some(Ok(recorded)) => {
-                let path = recorded.path;
-                self.toasts.done(format!("recorded to {}", path.display()));
-                // What was replayed has its rig beside it.
-                let LiveForm { known, replay, .. } = &self.live.form;
-                let rig = replay.clone().or_else(|| known.clone());
-                Some(Source::at(path).with(Extras { rig, ..Extras::default() }))
+                self.toasts.done(format!("recorded to {}", recorded.path.display()));
             }
-            Some(Err(error)) => {
-                self.live.trouble = Some(error.to_string());
-                None
-            }
-            None => None,
-        };
+            Some(Err(error)) => self.live.trouble = Some(error.to_string()),
+            None => {}
+        }
         if let (Ok(deployment), false) = (deployment, self.live.was_closed) {
             self.grow(Arc::new(deployment));
-            let id = self.live.id;
-            if let Some(open) = self.open.iter_mut().find(|open| Some(open.id) == id)
-                && let Some(source) = source
-            {
-                self.session.opened(&source);
-                open.source = Some(source);
-            }
         }
+    }
+
+    /// Where what is recorded can be read again, whether or not it is still written: a window that is killed opens it again.
+    fn recorded_source(&self) -> Option<Source> {
+        let path = self.live.view.as_ref()?.recorded.as_ref()?.path.clone();
+        // What was replayed has its rig beside it.
+        let LiveForm { known, replay, .. } = &self.live.form;
+        let rig = replay.clone().or_else(|| known.clone());
+        Some(Source::at(path).with(Extras { rig, ..Extras::default() }))
     }
 
     /// Looks at what listens, once a frame; tells whether anything does.
@@ -157,7 +152,8 @@ impl State {
     fn grow(&mut self, deployment: Arc<Deployment>) {
         let id = self.live.id;
         let Some(index) = self.open.iter().position(|open| Some(open.id) == id) else {
-            self.add(deployment, None);
+            let source = self.recorded_source();
+            self.add(deployment, source);
             self.live.id = Some(self.newest_id);
             return;
         };
