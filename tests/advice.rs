@@ -249,5 +249,5 @@ fn an_advised_drive_is_as_good_in_less_time() {
     let reached: Vec<f64> = ratios.iter().copied().flatten().collect();
     let mean = reached.iter().sum::<f64>() / reached.len() as f64;
     println!("{} of 20 reach it, after {:.0} % of the time on average", reached.len(), 1e2 * mean);
-    assert!(reached.len() >= 10);
+    assert!(reached.len() >= 10 && mean < 0.9, "{} of 20 after {mean:.2}", reached.len());
 }
