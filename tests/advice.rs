@@ -135,7 +135,13 @@ fn followed(
             speed_m_per_s: site.scenario.cruise_m_per_s,
             stand_s: 0.0,
         }));
-        let then_s = Motion::arrival_s(&waypoints, TURN_RADIUS_M, site.scenario.duration_s);
+        let mut then_s = Motion::arrival_s(&waypoints, TURN_RADIUS_M, site.scenario.duration_s);
+        if then_s < now_s + 5.0 {
+            // Where a lock is lost, the vehicle is told to go where it is already: it waits until it is seen again.
+            let last = waypoints.len() - 1;
+            waypoints[last].stand_s += 10.0;
+            then_s += 10.0;
+        }
         let drive = site.along(&waypoints);
         let after = site.analysis(&drive, then_s);
         let sigma_m = |analysis: &Analysis| Some(site.known(analysis)?.far_end?.sigma_m);
@@ -204,6 +210,8 @@ fn enough_is_never_said_too_early() {
     assert!(never_too_early(8) >= 4);
 }
 
+/// 30 of 40 are said to be enough, after 80 to 240 s, with the far end off by 1.5 to 11.9 mm where 5.5 mm are wanted; the rest are
+/// circles, which never are.
 #[test]
 #[ignore = "minutes; prints each drive"]
 fn enough_is_never_said_too_early_in_forty_drives() {
@@ -212,7 +220,8 @@ fn enough_is_never_said_too_early_in_forty_drives() {
 
 /// How long drives take to what the preset's own is worth at its end: advised ones over the preset's own time.
 ///
-/// Random winding is hard to beat where the ground is rough: noise averages out with time, whatever is driven.
+/// Random winding is hard to beat: noise averages out with time, whatever is driven. 14 of 20 reach it, after 76 % of the time on
+/// average: an L after 78 %, the warthog's winding after 65 to 100 %, and half of the drives on flat ground not at all.
 #[test]
 #[ignore = "minutes; prints the table"]
 fn an_advised_drive_is_as_good_in_less_time() {
@@ -249,5 +258,5 @@ fn an_advised_drive_is_as_good_in_less_time() {
     let reached: Vec<f64> = ratios.iter().copied().flatten().collect();
     let mean = reached.iter().sum::<f64>() / reached.len() as f64;
     println!("{} of 20 reach it, after {:.0} % of the time on average", reached.len(), 1e2 * mean);
-    assert!(reached.len() >= 10);
+    assert!(reached.len() >= 12 && mean < 0.85, "{} of 20 after {mean:.2}", reached.len());
 }

@@ -4,6 +4,8 @@
 
 mod common;
 
+use std::path::Path;
+
 use common::{analyse, by};
 use nalgebra::{Matrix3, Rotation2, SVector, Vector2, Vector3};
 use rayon::prelude::*;
@@ -162,6 +164,7 @@ fn what_is_predicted_is_what_simulated_drives_come_to() {
 }
 
 /// Of 1200 drives, by preset: what they came to at the far end over what was predicted, and so for each number over all presets.
+/// Far ends 1.06 to 1.16 times; single numbers 0.91 to 1.23, of which y of station 3 is the most (1.19 to 1.23 but in the tunnel).
 #[test]
 #[ignore = "minutes; prints the table"]
 fn what_is_predicted_is_what_many_drives_come_to() {
@@ -340,6 +343,17 @@ fn a_plan_is_written_as_it_is_read() {
     ]));
     let text = plan_file::text(&plan);
     assert_eq!(plan_file::parse("plan.toml", &text).expect("own text"), plan, "{text}");
+}
+
+#[test]
+fn the_plan_of_the_readme_is_a_good_one() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/plan.toml");
+    let plan = plan_file::read(&path).expect("a plan");
+    assert_eq!(plan.way.len(), 3);
+    let found = predict(&plan).expect("a prediction");
+    assert_eq!(found.verdict, Verdict::Good, "{:?}", found.findings);
+    let far_end_mm = found.held.expect("held").far_end.sigma_m * 1e3;
+    assert!(far_end_mm < plan.target_mm, "{far_end_mm}");
 }
 
 #[test]

@@ -73,8 +73,8 @@ pub struct Known {
 #[derive(Clone, Debug)]
 pub struct Advice {
     pub now: Known,
-    /// What leaves the fewest directions open comes first, and of these what gains most in a second; what gains nothing is left
-    /// out.
+    /// What gains most in a second comes first, and as long as a direction is free, what leaves the fewest open; what gains
+    /// nothing is left out.
     pub moves: Vec<NextMove>,
 }
 

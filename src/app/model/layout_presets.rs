@@ -117,7 +117,7 @@ pub fn first() -> Node {
         (
             0.6,
             column([
-                (0.68, tabs(&[Scene, Studies, SideBySide, Live])),
+                (0.68, tabs(&[Scene, Studies, SideBySide])),
                 (
                     0.32,
                     row([
