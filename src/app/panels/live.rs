@@ -23,7 +23,7 @@ const MIDDLE: f32 = 18.0;
 const CURVE: f32 = 190.0;
 /// A lamp of a station, and the least width of what stands beside it.
 const LAMP: f32 = 16.0;
-const STATION: f32 = 150.0;
+const STATION: f32 = 90.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {
