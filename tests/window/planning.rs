@@ -54,7 +54,7 @@ fn a_station_is_dragged_and_what_is_foreseen_follows() {
     assert!((0.0005..0.02).contains(&before_m), "{before_m}");
     harness.get_by_label_contains("mm at the far end");
     harness.get_by_label("x of T12");
-    snapshot_of(&mut harness, Part::Window, "plan-dark");
+    snapshot_of(&mut harness, Part::Pane(Pane::PlanMap), "plan-dark");
 
     drag(&mut harness, "station 3", Vec2::new(60.0, -80.0));
     let moved_m = plan(&harness).stations_m[2] - before.stations_m[2];
@@ -85,7 +85,7 @@ fn what_improves_a_plan_can_be_taken_and_numbers_typed() {
         better.first().expect("something helps").clone()
     };
     assert!(offered.after_m < before_m);
-    snapshot_of(&mut harness, Part::Window, "plan-small-light");
+    snapshot_of(&mut harness, Part::Pane(Pane::Prediction), "plan-small-light");
     click(&mut harness, &format!("Take: {}", offered.sentence));
     assert_eq!(plan(&harness), &offered.plan);
     settle(&mut harness);

@@ -27,7 +27,7 @@ const WHEEL: f32 = 240.0;
 /// How much larger than true σ of stations is drawn.
 const SIGMA_SCALE: f64 = 1000.0;
 /// Height of the line that says what colours and signs mean (points), and size of its scale of colours.
-const KEY: f32 = 20.0;
+const KEY: f32 = 30.0;
 const SCALE: Vec2 = Vec2::new(60.0, 8.0);
 /// Room about what is fitted in (share of its size).
 const ROOM: f64 = 0.12;

@@ -15,8 +15,8 @@ pub struct Shell {
     fitted: bool,
     /// The next frame is drawn before the system shows the window.
     unseen: bool,
-    /// Whether a dialog was open in the last frame, and the delay of tooltips while none is shown.
-    was_asking: bool,
+    /// The frame in which a dialog opened that is open.
+    asking_since: Option<u64>,
     /// The pointer, while the panes are drawn as if there were none.
     pointer: Option<PointerState>,
 }
@@ -32,13 +32,15 @@ impl Shell {
         std::mem::take(&mut self.unseen)
     }
 
-    /// Has the panes drawn once as if there were no pointer when a dialog opens: egui keeps a tooltip for as long as the
+    /// Has the panes drawn as if there were no pointer while a dialog opens, which takes several passes: egui keeps a tooltip for as long as the
     /// pointer rests on what it is about, and it would lie over a dialog that a key opened.
     pub fn hide_pointer(&mut self, ctx: &egui::Context, is_asking: bool) {
-        if is_asking && !self.was_asking {
+        let now = ctx.cumulative_frame_nr();
+        let since = self.asking_since.filter(|_| is_asking).unwrap_or(now);
+        self.asking_since = is_asking.then_some(since);
+        if is_asking && now <= since + 1 {
             self.pointer = Some(ctx.input_mut(|input| std::mem::take(&mut input.pointer)));
         }
-        self.was_asking = is_asking;
     }
 
     /// Gives back the pointer that was hidden, for the dialogs.

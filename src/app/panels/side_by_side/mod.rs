@@ -39,7 +39,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let table = Table { columns, reference, beside: width > wanted };
             egui::Grid::new(("side by side", table.beside))
                 .num_columns(2 * table.columns.len())
-                .spacing([if table.beside { 18.0 } else { 12.0 }, 4.0])
+                .spacing([if table.beside { 12.0 } else { 4.0 }, 4.0])
                 .striped(true)
                 .show(ui, |ui| table.rows(ui, state, commands));
             ui.set_max_width(width);
