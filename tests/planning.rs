@@ -416,3 +416,29 @@ fn a_line_is_improved_by_leaving_it() {
     let found = predict(&eight.plan).expect("a prediction");
     assert!(found.held.is_some());
 }
+
+/// A station whose azimuth counts the other way leaves no place to plan from; a doubtful answer is named in the plan.
+#[test]
+fn a_plan_is_made_of_no_answer_that_does_not_know_where_stations_stand() {
+    let simulated = simulate_scenario(&Preset::Warthog.scenario(), 2);
+    let sound = simulated.deployment().expect("valid");
+    let of = |deployment| Plan::from_analysis(deployment, &analyse(deployment, &by(Method::Joint)));
+    assert_eq!(of(&sound).expect("a plan").name, sound.name);
+    let mut reversed = sound.clone();
+    for reading in &mut reversed.tracks[1].measurements {
+        reading.azimuth_rad = -reading.azimuth_rad;
+    }
+    let why = of(&reversed).expect_err("no plan").to_string();
+    assert!(
+        why.contains("its answer is degenerate") || why.contains("its answer is ambiguous"),
+        "{why}"
+    );
+    let mut without = sound.clone();
+    without.tracks[2].measurements.clear();
+    let why = of(&without).expect_err("no plan").to_string();
+    assert_eq!(why.matches(&sound.name).count(), 1, "{why}");
+    let mut late = sound.clone();
+    late.tracks[2].measurements.iter_mut().for_each(|reading| reading.time_s += 0.8);
+    let plan = of(&late).expect("a plan");
+    assert!(plan.name.contains("of a weak answer"), "{}", plan.name);
+}

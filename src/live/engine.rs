@@ -227,10 +227,15 @@ impl Engine {
         let firsts = tracks.iter().filter_map(|track| Some(track.measurements.first()?.time_s));
         let lasts = tracks.iter().filter_map(|track| Some(track.measurements.last()?.time_s));
         let (start_s, end_s) = (firsts.min_by(f64::total_cmp), lasts.max_by(f64::total_cmp));
+        let is_read_by_all = tracks.iter().all(|track| !track.measurements.is_empty());
         let age_s = self.answer.as_ref().zip(end_s).map(|(judged, end_s)| end_s - judged.up_to_s);
         let late_and_repeated = self.growing.late_and_repeated();
         let sum = |which: usize| late_and_repeated.iter().map(|counts| counts[which]).sum();
         let deciding = self.latest[1].as_ref().or(self.latest[0].as_ref());
+        let sentence = match deciding {
+            None if is_read_by_all => "the first answer is on its way".to_owned(),
+            _ => self.coach.sentence(deciding, &self.moves),
+        };
         View {
             now_s,
             driven_s: start_s.zip(end_s).map_or(0.0, |(start_s, end_s)| end_s - start_s),
@@ -256,7 +261,7 @@ impl Engine {
             answer_age_s: age_s,
             target_m: self.coach.target_m,
             enough: self.coach.is_enough(),
-            sentence: self.coach.sentence(deciding, &self.moves),
+            sentence,
             moves: self.moves.clone(),
             curves: self.coach.curves.clone(),
             recorded: match (&self.recorder, &self.not_recorded) {

@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use super::way::{Piece, waypoints_along};
 use super::{Ground, Instrument, Plan, Rig};
 use crate::analysis::Analysis;
-use crate::calibration::Targets;
 use crate::calibration::joint::JointEstimate;
+use crate::calibration::{Targets, Verdict};
 use crate::deployment::Deployment;
 use crate::evaluation::vehicle::prisms_in_vehicle;
 use crate::geometry::{RigidTransform, align_rigid};
@@ -66,8 +66,19 @@ impl Plan {
     /// What was driven in a deployment that has an answer, in the frame of its station 1.
     pub fn from_analysis(deployment: &Deployment, analysis: &Analysis) -> Result<Self, NoPlan> {
         let lacking = |why: String| NoPlan { deployment: deployment.name.clone(), why };
-        let answer = analysis.answer.as_ref().map_err(|error| lacking(error.to_string()))?;
+        let answer = analysis.answer.as_ref().map_err(|error| {
+            let why = error.to_string();
+            let named = format!("{}: ", deployment.name);
+            lacking(why.strip_prefix(&named).unwrap_or(&why).to_owned())
+        })?;
         let (calibration, triplets) = (&answer.calibration, &answer.triplets);
+        let verdict = calibration.verdict;
+        if verdict > Verdict::Weak {
+            let verdict = verdict.name();
+            return Err(lacking(format!(
+                "its answer is {verdict}: where its stations stand is not known"
+            )));
+        }
         let transforms =
             calibration.placing_tracks(deployment).filter(|_| !triplets.is_empty()).ok_or_else(
                 || lacking("its tracks are not in the frames of its stations".to_owned()),
@@ -96,7 +107,11 @@ impl Plan {
         let inter_prism_sigma_m = analysis.settings.calibration.inter_prism_sigma_m;
         let joint = calibration.joint();
         Ok(Self {
-            name: deployment.name.clone(),
+            // Who looks at the plan sees what it rests on.
+            name: match verdict {
+                Verdict::Good => deployment.name.clone(),
+                _ => format!("{} (of a {} answer)", deployment.name, verdict.name()),
+            },
             stations_m: [0, 1, 2].map(|station| transforms[station].translation_m),
             turn_radius_m: 1.0,
             // Nobody says how high prisms stand above the ground: it lies at their own height here.
