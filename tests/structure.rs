@@ -259,6 +259,7 @@ const WINDOW: [&str; 16] = [
     "file_dialog",
     "theme",
     "words",
+    "short",
 ];
 
 fn house() -> House {

@@ -17,11 +17,12 @@
 //!       ├─ prepared           what is computed for drawing, statistics along the drive (`running.rs`) included; the thread
 //!       │                     that calibrates while a slider moves (`analyser.rs`)
 //!       ├─ jobs               other work beside the window, whose outcome is a function applied to the state
-//!       └─ file_dialog, theme, words   asking for a path; colours and sizes of the window itself, dark and light (those that
-//!                             mean something are in `crate::palette`); words explained on hover, where a label asks
+//!       └─ file_dialog, theme, words, short   asking for a path; colours and sizes of the window itself, dark and light (those
+//!                             that mean something are in `crate::palette`); words explained on hover, where a label asks; names
+//!                             made short
 //! ```
 //!
-//! `panels` draws on `plots` too, where a study is a chart, and any room may take from `theme` and `words`.
+//! `panels` draws on `plots` too, where a study is a chart, and any room may take from `theme`, `words` and `short`.
 //! `tests/structure.rs` holds the order of these rooms against the imports.
 //!
 //! | what is new | where it goes |
@@ -48,6 +49,7 @@ mod picture;
 mod plots;
 mod prepared;
 mod scene;
+mod short;
 mod state;
 mod theme;
 mod window;

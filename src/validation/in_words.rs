@@ -5,8 +5,8 @@ use std::fmt;
 use super::{Cause, Difference, LEVEL, MetricThere, Outcome, StationMove, Validation};
 use crate::deployment::{ToldAngle, ToldIn};
 
-/// How an angle is worded.
-type Tell<'a> = dyn Fn(&ToldAngle) -> String + 'a;
+/// How an angle is worded: in which unit, with how many digits.
+pub type Tell<'a> = dyn Fn(&ToldAngle) -> String + 'a;
 
 /// Chance is not told smaller than this.
 const SMALLEST_CHANCE: f64 = 1e-9;
@@ -14,11 +14,16 @@ const SMALLEST_CHANCE: f64 = 1e-9;
 /// "does not hold for run 2: station 2 turned by +0.310 ± 0.055 mrad …": one sentence.
 impl fmt::Display for Validation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} for {}: {}", self.outcome.name(), self.deployment, self.why())
+        f.write_str(&self.in_words(&ToldAngle::to_string))
     }
 }
 
 impl Validation {
+    /// The sentence with its angles in other words.
+    pub fn in_words(&self, tell: &Tell<'_>) -> String {
+        format!("{} for {}: {}", self.outcome.name(), self.deployment, self.why_with(tell))
+    }
+
     /// Why the outcome is what it is.
     pub fn why(&self) -> String {
         self.why_with(&ToldAngle::to_string)

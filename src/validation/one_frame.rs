@@ -5,7 +5,8 @@
 
 use nalgebra::Vector3;
 
-use super::{Earlier, Outcome, validate};
+use super::in_words::Tell;
+use super::{Earlier, Outcome, Validation, validate};
 use crate::analysis::{Analysis, Answer};
 use crate::deployment::Deployment;
 use crate::evaluation::site::seen_m;
@@ -34,22 +35,45 @@ pub enum PlacedBy {
     ControlPoints { points: usize, rms_m: f64 },
 }
 
-/// Places another run beside one that has an answer; a sentence says why it cannot be.
+/// Why a run cannot be placed beside another.
+#[derive(Clone, Debug)]
+pub enum NotPlaced {
+    /// It has no answer, or no way.
+    Itself(String),
+    /// The stations were set up anew, and the control points do not bring the runs together.
+    SetUpAnew { validation: Box<Validation>, points: String },
+}
+
+impl NotPlaced {
+    /// One sentence.
+    pub fn in_words(&self, tell: &Tell<'_>) -> String {
+        match self {
+            Self::Itself(why) => why.clone(),
+            Self::SetUpAnew { validation, points } => {
+                format!("{}; {points}", validation.in_words(tell))
+            }
+        }
+    }
+}
+
+/// Places another run beside one that has an answer.
 pub fn place(
     (deployment, answer): (&Deployment, &Answer),
     (other, analysis): (&Deployment, &Analysis),
-) -> Result<Placed, String> {
+) -> Result<Placed, NotPlaced> {
     let validation = validate(&Earlier::of(deployment, answer), other, analysis);
     if validation.outcome == Outcome::Holds {
         let by = PlacedBy::SetUp;
         return Ok(Placed { station1_from_other: LevelTransform::IDENTITY, by });
     }
-    let other_answer = analysis.answer.as_ref().map_err(ToString::to_string)?;
+    let other_answer =
+        analysis.answer.as_ref().map_err(|error| NotPlaced::Itself(error.to_string()))?;
     let by_points = by_control_points(
         (deployment, &answer.calibration.station1_from_station),
         (other, &other_answer.calibration.station1_from_station),
     );
-    by_points.map_err(|why| format!("{validation}; {why}"))
+    let validation = Box::new(validation);
+    by_points.map_err(|points| NotPlaced::SetUpAnew { validation, points })
 }
 
 fn by_control_points(

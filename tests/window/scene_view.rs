@@ -137,13 +137,13 @@ fn control_points_are_named_by_their_set_and_listed_with_what_is_left_at_them() 
     let sets = &shown(&harness).deployment.control_points;
     assert!(sets.len() > 1, "the sample has several");
     let (file, marker) = (sets[0].file.clone(), sets[0].points[0].marker);
-    assert!(harness.query_by_label_contains(&format!("A  {file}")).is_some());
+    assert!(harness.query_by_label_contains(&format!("P  {file}")).is_some());
     let with = harness.render().expect("a picture");
     click(&mut harness, "Show residuals at control points");
     assert!(!harness.state().state.visibility.residuals);
     assert_ne!(with, harness.render().expect("a picture"));
     send(&mut harness, Command::ShowPane(Pane::ControlPoints));
     let far = harness.state().state.view.camera;
-    click(&mut harness, &format!("Come to control point A{marker}"));
+    click(&mut harness, &format!("Come to control point P{marker}"));
     assert!(harness.state().state.view.camera.distance_m < far.distance_m);
 }

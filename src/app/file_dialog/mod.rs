@@ -41,6 +41,8 @@ pub struct Question {
 pub enum Wanted {
     /// Something that is there. In the window it may be either; the system's dialog must know whether it is a folder.
     ToOpen { folder: bool },
+    /// A file that was saved from here, as sessions and plans are: it is looked for where files were saved last.
+    Saved,
     /// A folder to write into.
     Folder,
     /// A file to write, with the name that is proposed, and what is put behind a name that is typed without any ending.

@@ -166,7 +166,7 @@ impl PathPrompt {
 
     /// Whether something is to be written, perhaps into a folder that is not there yet.
     pub fn saves(&self) -> bool {
-        !matches!(self.question.wanted, Wanted::ToOpen { .. })
+        !matches!(self.question.wanted, Wanted::ToOpen { .. } | Wanted::Saved)
     }
 
     /// Makes the folder that was named and goes into it, or says in one line why not.
@@ -245,7 +245,10 @@ impl PathPrompt {
         let typed = self.typed_path();
         // "…/folder/" is the folder itself; without the separator one looks into it first.
         if typed == self.folder && self.typed_name().is_empty() {
-            return PromptStep::Chosen(typed);
+            return match self.question.wanted {
+                Wanted::Saved => PromptStep::Stay,
+                _ => PromptStep::Chosen(typed),
+            };
         }
         if typed.is_dir() {
             return self.go_to(typed);
@@ -271,7 +274,7 @@ impl PathPrompt {
 
     fn take_file(&mut self, path: PathBuf) -> PromptStep {
         match self.question.wanted {
-            Wanted::ToOpen { .. } => PromptStep::Chosen(path),
+            Wanted::ToOpen { .. } | Wanted::Saved => PromptStep::Chosen(path),
             Wanted::Folder => PromptStep::Stay,
             Wanted::NewFile { .. } if path.is_dir() => self.go_to(path),
             Wanted::NewFile { .. }

@@ -23,7 +23,7 @@ pub fn ask(question: &Question) -> Asked {
     }
     match &question.wanted {
         Wanted::ToOpen { folder: true } | Wanted::Folder => Box::pin(dialog.pick_folder()),
-        Wanted::ToOpen { folder: false } => Box::pin(dialog.pick_file()),
+        Wanted::ToOpen { folder: false } | Wanted::Saved => Box::pin(dialog.pick_file()),
         Wanted::NewFile { name, .. } => Box::pin(dialog.set_file_name(name).save_file()),
     }
 }

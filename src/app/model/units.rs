@@ -246,7 +246,8 @@ pub fn without_negative_zero(value: f64, decimals: usize) -> String {
     }
 }
 
-fn with_sign(value: f64, decimals: usize) -> String {
+/// A number with so many decimals and its sign, which nothing but zeros have not.
+pub fn with_sign(value: f64, decimals: usize) -> String {
     let text = without_negative_zero(value, decimals);
     let zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
     if zero || text.starts_with('-') { text } else { format!("+{text}") }

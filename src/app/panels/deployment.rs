@@ -2,6 +2,7 @@
 
 use super::{finding, heading, put_right, scrolled};
 use crate::app::model::{Command, Commands, OpenDeployment, Visibility};
+use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
@@ -79,8 +80,15 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             if close.clicked() {
                 commands.push(Command::Close(open.id));
             }
-            let label = egui::Button::selectable(active, egui::RichText::new(&name).strong());
-            if ui.add(label.truncate()).clicked() && !active {
+            let font = egui::TextStyle::Button.resolve(ui.style());
+            let room = ui.available_width() - 2.0 * ui.spacing().button_padding.x;
+            let shown = short::in_the_middle(ui, &name, &font, room);
+            let label = egui::Button::selectable(active, egui::RichText::new(&shown).strong());
+            let button = ui.add(label.truncate());
+            button.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::Button, true, active, &name)
+            });
+            if short::whole_on_hover(button, &shown, &name).clicked() && !active {
                 commands.push(Command::Activate(open.id));
             }
         });

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
-use egui::{Key, RichText, emath::Numeric};
+use egui::{Align2, Key, Margin, Sense, TextStyle, Vec2, emath::Numeric, vec2};
 
 use crate::app::theme;
 use crate::deployment::Severity;
@@ -29,6 +29,9 @@ pub fn read(text: &str, unit: &str) -> Result<f64, String> {
         Some(value) => Ok(value),
     }
 }
+
+/// Width of the sign in a field that cannot be read (points).
+const SIGN: f32 = 10.0;
 
 /// Reads a number as [`read`] does, and refuses one outside of the bounds.
 fn read_within(text: &str, unit: &str, bounds: &RangeInclusive<f64>) -> Result<f64, String> {
@@ -56,6 +59,10 @@ pub fn shown(value: f64, _decimals: RangeInclusive<usize>) -> String {
 struct Unread {
     text: String,
     value: f64,
+    /// Size of the field: nothing moves when something cannot be read.
+    size: Vec2,
+    /// Whether it was entered by Enter, so that whoever did wants to type on.
+    goes_on: bool,
 }
 
 /// A field for a number, which `add` adds with the parser it is given. What cannot be read stays in it, marked and with
@@ -73,7 +80,7 @@ pub fn field<N: Numeric>(
     let unread: Option<Unread> = ui.data(|data| data.get_temp(id));
     // Set by other means since, it has a value that nobody typed over.
     if let Some(mut unread) = unread.filter(|unread| unread.value == now) {
-        let (response, mended) = mend(ui, &mut unread.text, unit, &bounds, now);
+        let (response, mended) = mend(ui, &mut unread, unit, &bounds);
         let escaped = ui.input(|input| input.key_pressed(Key::Escape));
         if mended.is_some() || escaped {
             ui.data_mut(|data| data.remove::<Unread>(id));
@@ -97,7 +104,9 @@ pub fn field<N: Numeric>(
     if let Some(text) = refused.into_inner().filter(|text| !text.trim().is_empty())
         && !response.has_focus()
     {
-        ui.data_mut(|data| data.insert_temp(id, Unread { text, value: now }));
+        let goes_on = ui.input(|input| input.key_pressed(Key::Enter));
+        let unread = Unread { text, value: now, size: response.rect.size(), goes_on };
+        ui.data_mut(|data| data.insert_temp(id, unread));
     }
     response
 }
@@ -105,19 +114,33 @@ pub fn field<N: Numeric>(
 /// What was typed, to be put right; the number once it is one and is entered.
 fn mend(
     ui: &mut egui::Ui,
-    text: &mut String,
+    unread: &mut Unread,
     unit: &str,
     bounds: &RangeInclusive<f64>,
-    now: f64,
 ) -> (egui::Response, Option<f64>) {
+    let Unread { text, value: now, size, goes_on } = unread;
     let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
     let why = read_within(text, unit, bounds).err();
+    let (place, _) = ui.allocate_exact_size(*size, Sense::hover());
+    // The sign stands in the field.
+    let room = if why.is_some() { SIGN } else { 0.0 };
+    let field = egui::TextEdit::singleline(text)
+        .margin(Margin { left: 4, right: 4 + room as i8, top: 2, bottom: 2 })
+        .align(Align2::LEFT_CENTER)
+        .text_color(colour);
+    let response = ui.put(place, field);
     if why.is_some() {
-        ui.label(RichText::new(sign).color(colour));
+        let (at, font) =
+            (place.right_center() - vec2(4.0, 0.0), TextStyle::Small.resolve(ui.style()));
+        ui.painter().text(at, Align2::RIGHT_CENTER, sign, font, colour);
     }
-    let field = egui::TextEdit::singleline(text).desired_width(64.0).text_color(colour);
-    let response = ui.add(field);
-    let mended = read_within(text, unit, bounds).ok().filter(|_| response.lost_focus());
+    let read = read_within(text, unit, bounds).ok();
+    let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if *goes_on || entered && read.is_none() {
+        response.request_focus();
+        *goes_on = false;
+    }
+    let mended = read.filter(|_| response.lost_focus());
     let why = why.map_or(String::new(), |why| format!("{why}; "));
     let unit = unit.trim();
     let hint = format!("{why}it is still {now} {unit}. Put it right, or press Escape");

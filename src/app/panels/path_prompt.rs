@@ -109,10 +109,19 @@ fn field(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand>)
     if response.changed() {
         asked.push(PromptCommand::Type(text));
     } else if cursor_is_elsewhere(ui, id, &text) {
-        // The folder was changed by another way than typing: type on behind it.
+        // The folder was changed by another way than typing: type on behind it, or over the name that is proposed.
+        let [from, to] = match &prompt.question.wanted {
+            Wanted::NewFile { extension, .. } => {
+                let name = prompt.typed_name();
+                let stem = name.strip_suffix(extension).and_then(|it| it.strip_suffix('.'));
+                let behind = name.chars().count() - stem.unwrap_or(name).chars().count();
+                [name.chars().count(), behind]
+            }
+            _ => [0, 0],
+        }
+        .map(|before_end| egui::text::CCursor::new(text.chars().count() - before_end));
         if let Some(mut state) = egui::TextEdit::load_state(ui.ctx(), id) {
-            let end = egui::text::CCursor::new(text.chars().count());
-            state.cursor.set_char_range(Some(egui::text::CCursorRange::one(end)));
+            state.cursor.set_char_range(Some(egui::text::CCursorRange::two(from, to)));
             state.store(ui.ctx(), id);
         }
     }
@@ -223,11 +232,12 @@ fn buttons(ui: &mut egui::Ui, prompt: &PathPrompt, asked: &mut Vec<PromptCommand
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let (accept, folder) = match prompt.question.wanted {
                 Wanted::ToOpen { .. } => ("Open", Some("Open this folder")),
+                Wanted::Saved => ("Open", None),
                 Wanted::Folder => ("Go in", Some("Choose this folder")),
                 Wanted::NewFile { .. } => ("Save", None),
             };
             let named = prompt.chosen.is_some() || !prompt.typed_name().is_empty();
-            let possible = named || folder.is_none();
+            let possible = named || matches!(prompt.question.wanted, Wanted::NewFile { .. });
             if ui.add_enabled(possible, egui::Button::new(accept)).clicked() {
                 asked.push(PromptCommand::Accept);
             }

@@ -7,6 +7,7 @@ use super::{heading, scrolled, use_pinned};
 use crate::analysis::Settings;
 use crate::app::model::ago::ago;
 use crate::app::model::{Command, Commands, Pin, Run};
+use crate::app::short;
 use crate::app::state::State;
 use crate::export::summary::ResultSummary;
 
@@ -66,10 +67,13 @@ fn pinned(ui: &mut egui::Ui, state: &State, pin: &Pin, commands: &mut Commands) 
     let Pin { id, name, summary, shown, .. } = pin;
     ui.horizontal(|ui| {
         let mut show = *shown;
-        let text = RichText::new(format!("{name}  {}", state.name_of_result(summary))).strong();
+        let of = state.name_of_result(summary);
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        let room = ui.available_width() - RIGHT_OF_A_RUN - INDENT;
+        let shown = short::in_the_middle(ui, &format!("{name}  {of}"), &font, room);
         let switch = ui
-            .add(egui::Checkbox::new(&mut show, text))
-            .on_hover_text("Show its residuals behind the present ones");
+            .add(egui::Checkbox::new(&mut show, RichText::new(shown).strong()))
+            .on_hover_text(format!("{of}\nShow its residuals behind the present ones"));
         if switch.changed() {
             commands.push(Command::ShowPin(*id, show));
         }
@@ -150,7 +154,10 @@ fn one(
                 if several {
                     let name = state.name_of(run.deployment);
                     let name = name.unwrap_or_else(|| summary.deployment.clone());
-                    ui.add(egui::Label::new(RichText::new(name).small()).truncate());
+                    let font = egui::TextStyle::Small.resolve(ui.style());
+                    let shown = short::in_the_middle(ui, &name, &font, ui.available_width());
+                    let label = ui.add(egui::Label::new(RichText::new(&shown).small()).truncate());
+                    short::whole_on_hover(label, &shown, &name);
                 }
             }
             Err(why) => {

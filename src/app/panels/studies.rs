@@ -14,8 +14,10 @@ use crate::export::box_chart;
 
 const OPTIONS_WIDTH: f32 = 256.0;
 const NARROW_WIDTH: f32 = 600.0;
-/// In a narrow pane the picture keeps at least this share of the height; options that need more are scrolled.
-const PICTURE_SHARE: f32 = 0.5;
+/// In a narrow pane the picture keeps this height (points), if need be up to this share of all; options that need more than the
+/// rest are scrolled.
+const LEAST_PICTURE: f32 = 300.0;
+const MOST_PICTURE: f32 = 0.7;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let whole = ui.available_rect_before_wrap();
@@ -23,7 +25,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let id = ui.scope_id().with("options");
     let drawn: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(0.0);
     let (first, second) = if whole.width() < NARROW_WIDTH {
-        let most = (1.0 - PICTURE_SHARE) * whole.height();
+        let most = whole.height() - LEAST_PICTURE.min(MOST_PICTURE * whole.height());
         whole.split_top_bottom_at_y(whole.top() + drawn.min(most))
     } else {
         whole.split_left_right_at_x(whole.left() + OPTIONS_WIDTH)
@@ -201,7 +203,9 @@ fn picture(ui: &mut egui::Ui, state: &State) {
     if state.studies.running.is_some() {
         ui.multiply_opacity(0.45);
     }
-    let laid_out = box_chart::lay_out(study, [rect.width().max(200.0), rect.height().max(150.0)]);
+    // Its findings stand among the options, with what they advise.
+    let size = [rect.width().max(200.0), rect.height().max(150.0)];
+    let laid_out = box_chart::lay_out(study, &[], size);
     chart::paint(&painter, rect, &laid_out.drawing, ui.visuals().dark_mode);
     let at = response.hover_pos().map(|at| at - rect.min);
     if let Some(said) = at.and_then(|at| laid_out.said_at(study, at.into())) {

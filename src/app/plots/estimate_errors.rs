@@ -6,7 +6,7 @@ use egui::{Color32, RichText};
 use egui_plot::{AxisHints, FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi};
 
 use super::quads::Shades;
-use super::strips::{Strip, axis_below};
+use super::strips::Strip;
 use super::time_plot::{TimePlot, still};
 use super::times::Times;
 use super::{close_marks, round_marks};
@@ -157,7 +157,7 @@ impl ErrorStrip<'_> {
         };
         let [from_m, to_m] = times.window_s.map(|since_s| at(since_s + times.start_s));
         let name = one.estimate.name.clone();
-        let x_axis = strip.lowest.then(|| axis_below("driven (m)"));
+        let x_axis = strip.axis_below("driven (m)");
         let y_bounds = self.y_bounds();
         let plot = still(Plot::new(("errors by distance", open.id, &name)))
             .width(strip.plot.width())
@@ -206,7 +206,12 @@ impl ErrorStrip<'_> {
         let at = at.map_or("nothing at the cursor".to_owned(), |error| {
             let sigma_mm = 1e3 * error.sigma_m();
             let error_mm = 1e3 * error.position_m.norm();
-            format!("at the cursor {error_mm:.1} mm (ground truth σ {sigma_mm:.1} mm)")
+            match self.strip.is_tight() {
+                true => format!("cursor {error_mm:.1}\u{a0}mm (σ\u{a0}{sigma_mm:.1})"),
+                false => {
+                    format!("at the cursor {error_mm:.1} mm (ground truth σ {sigma_mm:.1} mm)")
+                }
+            }
         });
         let name = RichText::new(&self.one.estimate.name).color(self.colour).strong();
         let rmse = RichText::new(format!("rmse {:.1} mm", 1e3 * self.one.position.rmse));

@@ -7,7 +7,7 @@ use egui_plot::{AxisHints, Line, Plot, PlotPoints, PlotResponse, VLine};
 
 use super::navigation::{self, Moved};
 use super::time_plot::still;
-use super::{LABELS, answer_with_errors, close_marks, pair_name, round_marks};
+use super::{answer_with_errors, axis_below, close_marks, pair_name, round_marks};
 use crate::app::model::OpenDeployment;
 use crate::app::prepared::plots::Distributions;
 use crate::app::state::State;
@@ -16,11 +16,14 @@ use crate::deployment::pair_label;
 use crate::evaluation::Spread;
 use crate::palette;
 
-/// Height of the axis at the bottom (points).
+/// Height of the axis at the bottom, and of its numbers alone (points).
 const AXIS: f32 = 34.0;
+const AXIS_NUMBERS: f32 = 18.0;
 /// Width of the numbers at the left.
 const NUMBERS: f32 = 46.0;
-const LEAST: f32 = 24.0;
+const LEAST: f32 = 20.0;
+/// Where plots would be lower than this, what can be read elsewhere goes: the words on all pairs, the name of the axis.
+const LEAST_NAMED: f32 = 36.0;
 /// Height of a line of words.
 const LINE: f32 = 15.0;
 /// Panes narrower than this have a line of its own for what is selected.
@@ -48,17 +51,23 @@ fn strips(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
     ui.spacing_mut().item_spacing.y = 1.0;
     let two_lines = selected.is_some() && ui.available_width() < NARROW;
     let of_selected = |of: fn(&Distributions) -> Option<Spread>| selected.as_deref().map(of);
-    words(ui, RichText::new("all").strong(), all.all_mm, of_selected(|it| it.all_mm), two_lines);
     let pairs: Vec<usize> = (0..3).filter(|pair| state.visibility.pairs[*pair]).collect();
-    let lines = if two_lines { 2.0 } else { 1.0 } * LINE;
+    let lines = if two_lines { 2.0 } else { 1.0 } * LINE + 3.0;
     let rows = pairs.len().max(1) as f32;
-    let height = ((ui.available_height() - AXIS - rows * (lines + 3.0)) / rows).max(LEAST);
+    let height_over = |others: f32| (ui.available_height() - others - rows * lines) / rows;
+    let is_low = height_over(AXIS + lines) < LEAST_NAMED;
+    let axis = if is_low { AXIS_NUMBERS } else { AXIS };
+    let height = height_over(axis + if is_low { 0.0 } else { lines }).max(LEAST);
+    if !is_low {
+        let selected = of_selected(|it| it.all_mm);
+        words(ui, RichText::new("all").strong(), all.all_mm, selected, two_lines);
+    }
     for (row, pair) in pairs.iter().copied().enumerate() {
         let name = pair_name(pair, ui.visuals().dark_mode);
         let part = selected.as_deref().map(|it| it.by_pair_mm[pair]);
         words(ui, name, all.by_pair_mm[pair], part, two_lines);
-        let lowest = row + 1 == pairs.len();
-        let plot = PairPlot { open, pair, shown_mm, height, lowest };
+        let axis = (row + 1 == pairs.len()).then_some(axis);
+        let plot = PairPlot { open, pair, shown_mm, height, axis };
         let shown = plot.show(ui, all, selected.as_deref());
         moved = moved.or(navigation::along_x(ui, &shown.response, &shown.transform));
     }
@@ -83,7 +92,8 @@ struct PairPlot<'a> {
     pair: usize,
     shown_mm: [f64; 2],
     height: f32,
-    lowest: bool,
+    /// Height of the axis below it, where it is the lowest.
+    axis: Option<f32>,
 }
 
 impl PairPlot<'_> {
@@ -94,7 +104,7 @@ impl PairPlot<'_> {
         all: &Distributions,
         selected: Option<&Distributions>,
     ) -> PlotResponse<()> {
-        let Self { open, pair, shown_mm: [low, high], height, lowest } = *self;
+        let Self { open, pair, shown_mm: [low, high], height, axis } = *self;
         let small = || FontId::proportional(11.0);
         let unit = match height < LOW {
             true => "%".to_owned(),
@@ -105,18 +115,16 @@ impl PairPlot<'_> {
             .label_spacing(9.0..=16.0)
             .tick_label_font(small())
             .min_thickness(NUMBERS);
-        let x_axis = AxisHints::new_x()
-            .label(RichText::new("error (mm)").small())
-            .label_spacing(LABELS)
-            .tick_label_font(small())
-            .min_thickness(AXIS);
+        let x_axis = axis.map(|axis| {
+            axis_below(if axis < AXIS { "" } else { "error (mm)" }).min_thickness(axis)
+        });
         let highest = selected.map_or(0.0, |it| it.highest_percent).max(all.highest_percent);
         let zero = theme::faint(ui.visuals().dark_mode);
         let colour = theme::rgb(palette::PAIRS[pair]);
         let name = format!("distribution of the errors {}", pair_label(pair));
         let shown = still(Plot::new(("histogram", open.id, pair)))
-            .height(height + if lowest { AXIS } else { 0.0 })
-            .custom_x_axes(if lowest { vec![x_axis] } else { vec![] })
+            .height(height + axis.unwrap_or(0.0))
+            .custom_x_axes(x_axis.into_iter().collect())
             .custom_y_axes(vec![y_axis])
             .x_grid_spacer(round_marks)
             .y_grid_spacer(close_marks)

@@ -121,24 +121,37 @@ fn close_marks(input: GridInput) -> Vec<GridMark> {
 
 /// Two round marks on both sides of zero, for an axis so short that zero alone would be left, which is no scale.
 fn marks_about_zero(input: &GridInput) -> Option<[GridMark; 2]> {
-    let (low, high) = input.bounds;
-    let most = 0.95 * high.min(-low);
+    let (low, high) = numbered(input);
+    let most = high.min(-low);
     if most <= 0.0 {
         return None;
     }
     let decade = 10_f64.powf(most.log10().floor());
     let times = [5.0, 2.0, 1.0].into_iter().find(|times| times * decade <= most)?;
     let value = times * decade;
-    // A number's height, by egui_plot's least step of eight points.
-    let is_room = 2.0 * value > 12.0 / 8.0 * input.base_step_size;
+    // A number's height.
+    let is_room = 2.0 * value > 12.0 * per_point(input);
     let mark = |value: f64| GridMark { value, step_size: 4.0 * value.abs() };
     is_room.then(|| [mark(-value), mark(value)])
 }
 
+/// Marks nearer than this to an end of their axis have no number: it would lie on that of the plot below or above (points).
+const ENDS: f64 = 2.5;
+
+/// What a point is worth: egui_plot's least step is eight points wide.
+fn per_point(input: &GridInput) -> f64 {
+    input.base_step_size / 8.0
+}
+
+/// The part of an axis whose marks have numbers.
+fn numbered(input: &GridInput) -> (f64, f64) {
+    let end = ENDS * per_point(input);
+    (input.bounds.0 + end, input.bounds.1 - end)
+}
+
 /// Round marks, the strong ones at least so far apart (points).
 fn marks_apart(input: &GridInput, points: f64) -> Vec<GridMark> {
-    // egui_plot's least step is eight points wide.
-    let least = points / 8.0 * input.base_step_size;
+    let least = points * per_point(input);
     let decade = 10_f64.powf(least.log10().floor());
     let (times, parts) = [(1.0, 5), (2.0, 4), (5.0, 5), (10.0, 5)]
         .into_iter()
@@ -147,15 +160,18 @@ fn marks_apart(input: &GridInput, points: f64) -> Vec<GridMark> {
     let step = times * decade;
     let fine = step / f64::from(parts);
     let (low, high) = input.bounds;
-    let strong = (high / step).floor() - (low / step).ceil() + 1.0;
+    let (lowest, highest) = numbered(input);
+    let strong = (highest / step).floor() - (lowest / step).ceil() + 1.0;
     if let Some(marks) = marks_about_zero(input).filter(|_| strong < 2.0) {
         return marks.to_vec();
     }
     ((low / fine).ceil() as i64..=(high / fine).floor() as i64)
         .map(|index| {
+            let value = index as f64 * fine;
             let whole = index.rem_euclid(i64::from(parts)) == 0;
+            let has_number = whole && (lowest..=highest).contains(&value);
             // The size decides how strong the line is, and only strong ones have a number.
-            GridMark { value: index as f64 * fine, step_size: if whole { step } else { fine } }
+            GridMark { value, step_size: if has_number { step } else { fine } }
         })
         .collect()
 }
@@ -170,4 +186,25 @@ fn with_room(values: impl Iterator<Item = f64>) -> [f64; 2] {
     }
     let margin = (0.05 * (high - low)).max(1e-6 * high.abs().max(1.0));
     [low - margin, high + margin]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of an axis from one bound to the other that is so high (points).
+    fn numbers(bounds: (f64, f64), height: f64) -> Vec<f64> {
+        let base_step_size = 8.0 * (bounds.1 - bounds.0) / height;
+        let marks = close_marks(GridInput { bounds, base_step_size });
+        let most = marks.iter().map(|mark| mark.step_size).fold(0.0, f64::max);
+        marks.iter().filter(|mark| mark.step_size == most).map(|mark| mark.value).collect()
+    }
+
+    #[test]
+    fn numbers_at_the_ends_of_an_axis_do_not_reach_into_the_next_plot() {
+        assert_eq!(numbers((-6.1, 6.1), 130.0), [-4.0, -2.0, 0.0, 2.0, 4.0]);
+        assert_eq!(numbers((-6.9, 6.9), 150.0), [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0]);
+        // Where the only numbers would be at the ends, smaller ones stand about zero.
+        assert_eq!(numbers((-5.1, 5.1), 40.0), [-2.0, 2.0]);
+    }
 }

@@ -2,7 +2,7 @@
 
 use egui::accesskit::Role;
 use egui::{Color32, Pos2, Rect, Sense, Shape, Stroke, Vec2, WidgetInfo};
-use egui_plot::{Line, Plot, PlotBounds, PlotPoint, PlotPoints, PlotTransform};
+use egui_plot::{Line, Plot, PlotBounds, PlotPoint, PlotPoints, PlotTransform, PlotUi};
 
 use super::strips::{axis_below, bare_axis};
 use super::{round_marks, time_plot};
@@ -58,7 +58,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         .label_formatter(|_| None);
     let planned: Vec<[f64; 2]> = plan.waypoints().iter().map(|at| [at.x_m, at.y_m]).collect();
     let faint = theme::faint(ui.visuals().dark_mode);
-    let shown = plot.show(ui, |plot_ui| {
+    let margin = egui::Margin { left: 4, right: 4, ..Default::default() };
+    let add = |plot_ui: &mut PlotUi<'_>| {
         if fit {
             plot_ui.set_plot_bounds(bounds);
         }
@@ -67,7 +68,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             plot_ui.zoom_bounds_around_hovered(Vec2::splat((wheel / WHEEL).exp()));
         }
         plot_ui.line(Line::new("", PlotPoints::from(planned)).color(faint).width(1.0));
-    });
+    };
+    // The name of an axis reaches a little beyond it.
+    let shown = egui::Frame::new().inner_margin(margin).show(ui, |ui| plot.show(ui, add)).inner;
     let (response, transform) = (shown.response, shown.transform);
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "the plan from above"));
     if response.dragged() || response.hovered() && ui.input(|i| i.smooth_scroll_delta().y != 0.0) {

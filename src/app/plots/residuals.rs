@@ -163,8 +163,8 @@ impl PairPlot<'_> {
         selected: Option<&Distributions>,
     ) {
         let evaluation = &answer.evaluation;
-        // One line above a plot has room for the numbers alone.
-        let (in_words, cursor): (fn(_) -> _, _) = match strip.above {
+        // Where there is little room, it is for the numbers alone.
+        let (in_words, cursor): (fn(_) -> _, _) = match strip.is_tight() {
             true => (histogram::in_short, "cursor"),
             false => (histogram::in_words, "at the cursor"),
         };

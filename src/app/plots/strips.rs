@@ -14,8 +14,11 @@ use crate::app::words;
 
 /// Space for the numbers and the name of the axis at the left (points).
 pub const GUTTER: f32 = 66.0;
-/// Height of the time axis at the bottom.
-const TIME_AXIS: f32 = 34.0;
+/// Height of the axis at the bottom, and of its numbers alone.
+const AXIS: f32 = 34.0;
+const AXIS_NUMBERS: f32 = 18.0;
+/// Plots lower than this have no room for the name of the axis below them.
+const LEAST_NAMED: f32 = 44.0;
 /// Between plots above each other.
 const GAP: f32 = 4.0;
 /// Least height of a plot.
@@ -30,6 +33,8 @@ const MARGIN: f32 = 26.0;
 pub const NARROW: f32 = 430.0;
 /// Height of a line of such words.
 const LINE: f32 = 15.0;
+/// Lower plots have no room for sentences beside them.
+const TIGHT: f32 = 60.0;
 /// Plots narrower than this have no room for a sentence below them.
 const SENTENCE: f32 = 360.0;
 /// Length of a letter along an axis: where a name does not fit, there is only its unit.
@@ -56,8 +61,8 @@ pub struct Strip {
     pub words: Rect,
     /// Whether the words stand above the plot and not beside it.
     pub above: bool,
-    /// Whether the time axis is below it.
-    pub lowest: bool,
+    /// Height of the axis below it, where it is the lowest.
+    pub axis: Option<f32>,
 }
 
 /// The width beside the plots in a pane of this width (points).
@@ -77,11 +82,13 @@ pub fn strips(ui: &mut egui::Ui, count: usize, lines: usize) -> Vec<Strip> {
 /// Where there is no room beside them, words stand above, in as many of the lines as the plots' height spares.
 pub fn in_rect(whole: Rect, count: usize, lines: usize) -> Vec<Strip> {
     let gaps = GAP * count.saturating_sub(1) as f32;
-    let height = ((whole.height() - TIME_AXIS - gaps) / count.max(1) as f32).max(LEAST);
+    let height_over = |axis: f32| (whole.height() - axis - gaps) / count.max(1) as f32;
+    let axis = if height_over(AXIS) < LEAST_NAMED { AXIS_NUMBERS } else { AXIS };
+    let height = height_over(axis).max(LEAST);
     (0..count)
         .map(|index| {
             let top = whole.top() + index as f32 * (height + GAP);
-            let lowest = index + 1 == count;
+            let axis = (index + 1 == count).then_some(axis);
             let row =
                 Rect::from_x_y_ranges(whole.left() + BEYOND..=whole.right(), top..=top + height);
             let (mut plot, mut words) =
@@ -93,18 +100,38 @@ pub fn in_rect(whole: Rect, count: usize, lines: usize) -> Vec<Strip> {
                 words = row.with_max_y(bottom).with_min_x(row.left() + GUTTER);
                 plot.min.y = words.max.y;
             }
-            if lowest {
-                plot.max.y += TIME_AXIS;
-            }
-            Strip { plot, words, above, lowest }
+            plot.max.y += axis.unwrap_or(0.0);
+            Strip { plot, words, above, axis }
         })
         .collect()
 }
 
 impl Strip {
-    /// The height of the plot without the time axis.
+    /// The height of the plot without the axis below it.
     pub fn height(&self) -> f32 {
-        self.plot.height() - if self.lowest { TIME_AXIS } else { 0.0 }
+        self.plot.height() - self.axis.unwrap_or(0.0)
+    }
+
+    /// Whether words beside the plot have room for less than everything there is to say.
+    pub fn is_tight(&self) -> bool {
+        self.above || self.height() < TIGHT
+    }
+
+    /// The time axis, where this is the lowest of several plots above each other.
+    pub fn time_axis<'a>(&self, times: &Times) -> Option<AxisHints<'a>> {
+        let scale = times.scale;
+        let axis = self.axis_below(&scale.title(self.plot.width() < SENTENCE))?;
+        Some(
+            axis.formatter(move |mark, _| scale.number(mark.value, decimals(mark.step_size)))
+                .label_spacing(NUMBERED),
+        )
+    }
+
+    /// The axis at the bottom, where this is the lowest of several plots; without its name where they are low.
+    pub fn axis_below<'a>(&self, name: &str) -> Option<AxisHints<'a>> {
+        let thickness = self.axis?;
+        let name = if thickness < AXIS { "" } else { name };
+        Some(axis_below(name).min_thickness(thickness))
     }
 
     /// An axis of values with its name and unit, or where that has no room with the unit alone.
@@ -179,24 +206,13 @@ pub fn bare_axis<'a>() -> AxisHints<'a> {
         .tick_label_font(egui::FontId::proportional(11.0))
 }
 
-/// The axis that plots over time have at the bottom; of several above each other only the lowest.
-pub fn time_axis<'a>(times: &Times, width: f32) -> AxisHints<'a> {
-    let scale = times.scale;
-    AxisHints::new_x()
-        .label(RichText::new(scale.title(width < SENTENCE)).small())
-        .tick_label_font(egui::FontId::proportional(11.0))
-        .formatter(move |mark, _| scale.number(mark.value, decimals(mark.step_size)))
-        .label_spacing(NUMBERED)
-        .min_thickness(TIME_AXIS)
-}
-
 /// The axis at the bottom of plots over something else than time.
 pub fn axis_below<'a>(name: &str) -> AxisHints<'a> {
     AxisHints::new_x()
         .label(RichText::new(name).small())
         .tick_label_font(egui::FontId::proportional(11.0))
         .label_spacing(LABELS)
-        .min_thickness(TIME_AXIS)
+        .min_thickness(AXIS)
 }
 
 /// Round times, far enough apart for their numbers.
@@ -240,7 +256,7 @@ mod tests {
         };
         assert_eq!(words(400.0, 3), 3.0 * LINE);
         assert_eq!(words(400.0, 1), LINE);
-        assert!(words(110.0, 5) < 0.5 * (110.0 - TIME_AXIS), "the plot keeps the most");
+        assert!(words(110.0, 5) < 0.5 * (110.0 - AXIS), "the plot keeps the most");
     }
 
     #[test]
@@ -249,7 +265,7 @@ mod tests {
         let lines = lines.map(RichText::new);
         let shown = |height: f32| {
             let place = Rect::from_min_size(egui::pos2(20.0, 20.0), egui::vec2(260.0, height));
-            let strip = Strip { plot: place, words: place, above: false, lowest: true };
+            let strip = Strip { plot: place, words: place, above: false, axis: None };
             let ctx = egui::Context::default();
             let mut output =
                 ctx.run_ui(egui::RawInput::default(), |ui| strip.words(ui, &lines, ""));

@@ -4,7 +4,7 @@ use egui::{Pos2, Rect, Stroke};
 use egui_plot::{AxisHints, Plot, PlotTransform, PlotUi};
 
 use super::navigation::{self, Moved};
-use super::strips::{Strip, time_axis, time_marks};
+use super::strips::{Strip, time_marks};
 use super::times::Times;
 use crate::app::model::{Command, Commands};
 use crate::app::theme;
@@ -38,7 +38,7 @@ impl TimePlot<'_> {
     ) -> Shown {
         let Self { strip, name, times, y_bounds } = *self;
         let (scale, [from_s, to_s]) = (times.scale, times.window_s);
-        let x_axes = if strip.lowest { vec![time_axis(times, strip.plot.width())] } else { vec![] };
+        let x_axes = strip.time_axis(times).into_iter().collect();
         // Moving about is the same in all plots over time, and not egui_plot's.
         let plot = still(plot)
             .width(strip.plot.width())

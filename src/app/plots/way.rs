@@ -44,7 +44,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             });
         }
         time_plot::selection(ui, &times, commands);
-        time_plot::hint(ui, "");
+        // Errors over the driven way are not over time: nothing is selected there.
+        if !(plots.errors && plots.by_distance) || plots.aspects().next().is_some() {
+            time_plot::hint(ui, "");
+        }
     });
     let judged: Vec<(usize, &Judged)> =
         if plots.errors { judging.judged().collect() } else { Vec::new() };
@@ -55,7 +58,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             false if plots.errors && !judging.estimates.is_empty() => {
                 "No trajectory could be judged: Evaluation says why."
             }
-            false => "Nothing is chosen.",
+            false => "Nothing is chosen to be shown: the switches above do that.",
         };
         ui.centered_and_justified(|ui| ui.weak(why));
         return;

@@ -5,14 +5,15 @@ use std::sync::Arc;
 use super::way::Way;
 use crate::analysis::{Analysis, Answer};
 use crate::deployment::Deployment;
-use crate::validation::one_frame::{Placed, PlacedBy, place};
+use crate::validation::in_words::Tell;
+use crate::validation::one_frame::{NotPlaced, Placed, PlacedBy, place};
 
 /// Another open run: its name, and where it went.
 #[derive(Clone, Debug)]
 pub struct RunBeside {
     pub name: String,
-    /// Its way in the frame of the active run; a sentence says why there is none.
-    pub way: Result<(Way, Placed), String>,
+    /// Its way in the frame of the active run, or why there is none.
+    pub way: Result<(Way, Placed), NotPlaced>,
 }
 
 impl RunBeside {
@@ -24,7 +25,7 @@ impl RunBeside {
         let way = place(own, (other, analysis)).and_then(|placed| {
             let mut way = Way::of(other, analysis);
             if let Some(why) = way.why_not {
-                return Err(why);
+                return Err(NotPlaced::Itself(why));
             }
             for at in &mut way.instants {
                 at.position_m = placed.station1_from_other.apply(&at.position_m);
@@ -35,9 +36,9 @@ impl RunBeside {
     }
 
     /// How it comes to be where it is drawn, or why it is not.
-    pub fn in_words(&self) -> String {
+    pub fn in_words(&self, tell: &Tell<'_>) -> String {
         match &self.way {
-            Err(why) => format!("{}: not drawn: {why}", self.name),
+            Err(why) => format!("{}: not drawn: {}", self.name, why.in_words(tell)),
             Ok((_, Placed { by: PlacedBy::SetUp, .. })) => {
                 format!("{}: of the same set-up: no station moved in between", self.name)
             }

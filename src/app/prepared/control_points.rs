@@ -9,7 +9,7 @@ use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
 /// A control point by an answer: where each station sees it, against the mean of them all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointResidual {
-    /// The letter of the point's set, and its number in there: "A3".
+    /// The letter of the point's set, and its number in there: "P3".
     pub name: String,
     pub file: String,
     pub pillar: bool,
@@ -21,12 +21,9 @@ pub struct PointResidual {
     pub used: bool,
 }
 
-/// The letter by which a set is named in the scene and in the table: A to Z, then numbers.
+/// The letter by which a set is named in the scene and in the table: P to Z, then numbers. A to D are the methods'.
 pub fn set_letter(set: usize) -> String {
-    u8::try_from(set)
-        .ok()
-        .filter(|set| *set < 26)
-        .map_or_else(|| format!("{}·", set + 1), |set| char::from(b'A' + set).to_string())
+    ('P'..='Z').nth(set).map_or_else(|| format!("{}·", set + 1), String::from)
 }
 
 /// The name of a point: its number alone where there is one set only.
@@ -134,6 +131,6 @@ mod tests {
         assert!(found.iter().all(|point| point.used != point.pillar));
         let (_, found, _) = with(Some(Method::TwoPoint));
         assert_eq!(found.iter().filter(|point| point.used).count(), 2);
-        assert_eq!([0, 25, 26].map(set_letter), ["A", "Z", "27·"]);
+        assert_eq!([0, 10, 11].map(set_letter), ["P", "Z", "12·"]);
     }
 }

@@ -39,22 +39,43 @@ impl Placer {
 
     /// A place beside a point, moved so that nothing is cut off.
     pub fn beside(&mut self, at: Pos2, size: Vec2) -> Option<Rect> {
+        self.place_about(at, size, &PLACES[..6])
+    }
+
+    /// A place beside a point, or where others are there already a little further off.
+    pub fn near(&mut self, at: Pos2, size: Vec2) -> Option<Rect> {
+        self.place_about(at, size, &PLACES)
+    }
+
+    fn place_about(&mut self, at: Pos2, size: Vec2, places: &[(Align2, Vec2)]) -> Option<Rect> {
         if !self.area.contains(at) {
             return None;
         }
         let area = self.area;
-        let places = [
-            (Align2::CENTER_BOTTOM, Vec2::new(0.0, -6.0)),
-            (Align2::CENTER_TOP, Vec2::new(0.0, 14.0)),
-            (Align2::LEFT_CENTER, Vec2::new(10.0, 0.0)),
-            (Align2::RIGHT_CENTER, Vec2::new(-10.0, 0.0)),
-            (Align2::CENTER_BOTTOM, Vec2::new(0.0, -22.0)),
-            (Align2::CENTER_TOP, Vec2::new(0.0, 30.0)),
-        ]
-        .map(|(align, offset)| inside(align.anchor_size(at + offset, size), area));
-        self.place(places)
+        let place =
+            |(align, offset): &(Align2, Vec2)| inside(align.anchor_size(at + *offset, size), area);
+        self.place(places.iter().map(place))
     }
 }
+
+/// Where a label stands by its point: which part of it is how far from there (points). The last ones are for labels that must be
+/// seen.
+const PLACES: [(Align2, Vec2); 14] = [
+    (Align2::CENTER_BOTTOM, Vec2::new(0.0, -6.0)),
+    (Align2::CENTER_TOP, Vec2::new(0.0, 14.0)),
+    (Align2::LEFT_CENTER, Vec2::new(10.0, 0.0)),
+    (Align2::RIGHT_CENTER, Vec2::new(-10.0, 0.0)),
+    (Align2::CENTER_BOTTOM, Vec2::new(0.0, -22.0)),
+    (Align2::CENTER_TOP, Vec2::new(0.0, 30.0)),
+    (Align2::LEFT_BOTTOM, Vec2::new(8.0, -2.0)),
+    (Align2::RIGHT_BOTTOM, Vec2::new(-8.0, -2.0)),
+    (Align2::LEFT_TOP, Vec2::new(8.0, 6.0)),
+    (Align2::RIGHT_TOP, Vec2::new(-8.0, 6.0)),
+    (Align2::LEFT_BOTTOM, Vec2::new(12.0, -14.0)),
+    (Align2::RIGHT_BOTTOM, Vec2::new(-12.0, -14.0)),
+    (Align2::LEFT_TOP, Vec2::new(12.0, 18.0)),
+    (Align2::RIGHT_TOP, Vec2::new(-12.0, 18.0)),
+];
 
 /// A place, moved into an area.
 pub fn inside(place: Rect, area: Rect) -> Rect {
@@ -115,7 +136,11 @@ fn beside_its_point(
     let Some(at) = projection.screen(&label.position_m) else { return };
     let colour = theme::readable(label.colour, dark);
     let galley = painter.layout_no_wrap(label.text.clone(), FontId::proportional(size), colour);
-    if let Some(place) = placer.beside(at, galley.size()) {
+    let place = match label.rank {
+        Rank::Station => placer.near(at, galley.size()),
+        _ => placer.beside(at, galley.size()),
+    };
+    if let Some(place) = place {
         painter.galley(place.min, galley, colour);
     }
 }
@@ -176,6 +201,14 @@ mod tests {
         let mut placer = Placer::new(area, Vec::new());
         placer.spared.push(area);
         assert_eq!(placer.beside(at, Vec2::new(40.0, 12.0)), Some(above));
+        // A station is named where it stands among others, too.
+        let mut placer = Placer::new(area, Vec::new());
+        let middle = Pos2::new(150.0, 100.0);
+        let named = (0..3_u8).filter_map(|station| {
+            let at = middle + Vec2::new(6.0, 4.0) * f32::from(station);
+            placer.near(at, Vec2::new(52.0, 16.0))
+        });
+        assert_eq!(named.count(), 3);
         // What is not in the picture has no label.
         assert_eq!(placer.beside(Pos2::new(150.0, -30.0), Vec2::new(40.0, 12.0)), None);
     }

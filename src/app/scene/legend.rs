@@ -6,6 +6,7 @@ use super::legend_rows::{self, Row, Swatch};
 use super::{SceneContent, labels};
 use crate::analysis::Analysis;
 use crate::app::model::{Command, Commands, OpenDeployment, SceneOptions};
+use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
 
@@ -175,12 +176,13 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
     }
     let text = ui.visuals().text_color();
     let colour = if row.shown { text } else { text.lerp_to_gamma(Color32::GRAY, 0.6) };
-    let mut format = egui::TextFormat::simple(egui::FontId::proportional(11.5), colour);
+    let font = egui::FontId::proportional(11.5);
+    let shown = short::in_the_middle(ui, &row.text, &font, rect.width() - 18.0);
+    let mut format = egui::TextFormat::simple(font, colour);
     if !row.shown {
         format.strikethrough = egui::Stroke::new(1.0, colour);
     }
-    let mut job = egui::text::LayoutJob::single_section(row.text.clone(), format);
-    job.wrap = egui::text::TextWrapping::truncate_at_width(rect.width() - 18.0);
+    let job = egui::text::LayoutJob::single_section(shown.clone(), format);
     let galley = ui.painter().layout_job(job);
     let at = rect.left_center() + Vec2::new(18.0, -0.5 * galley.size().y);
     ui.painter().galley(at, galley, colour);
@@ -190,8 +192,8 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
         if response.on_hover_text(hint).clicked() {
             commands.push(Command::Show(toggled));
         }
-    } else if row.name != row.text {
-        response.on_hover_text(&row.name);
+    } else {
+        short::whole_on_hover(response, &shown, &row.name);
     }
 }
 

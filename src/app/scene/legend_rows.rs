@@ -238,7 +238,13 @@ fn of_runs_beside(open: &OpenDeployment, state: &State, faint: Color32) -> Vec<R
             }
             Err(_) => (Swatch::None, format!("not drawn: {}", run.name)),
         };
-        rows.push(Row { swatch, text, name: run.in_words(), shown: true, toggled: None });
+        rows.push(Row {
+            swatch,
+            text,
+            name: run.in_words(&|angle| state.units.told(angle)),
+            shown: true,
+            toggled: None,
+        });
     }
     rows
 }

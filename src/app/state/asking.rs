@@ -21,16 +21,22 @@ impl State {
             return Answer::OfSystem(system::ask(&question));
         }
         let (answer, receiver) = channel();
-        // What is written does not go among the data by itself.
-        let saves = !matches!(question.wanted, Wanted::ToOpen { .. });
-        let last = if saves { &self.last_folder_saved } else { &self.last_folder_opened };
-        let folder = last.clone().or_else(|| std::env::current_dir().ok());
+        let folder = self.last_folder(&question.wanted).clone();
+        let folder = folder.or_else(|| std::env::current_dir().ok());
         let recent = self.session.recent.iter().zip(self.session.recent_names());
         let recent = recent.filter_map(|(it, name)| Some((name, it.source.path()?.to_owned())));
         let (shown, step) = PathPrompt::new(question, folder.unwrap_or_default(), recent.collect());
         self.prompt = Some(OpenPrompt { shown, answer });
         self.follow(step);
         Answer::OfWindow(receiver)
+    }
+
+    /// Where such a path was chosen last. What is written does not go among the data by itself.
+    fn last_folder(&mut self, wanted: &Wanted) -> &mut Option<PathBuf> {
+        match wanted {
+            Wanted::ToOpen { .. } => &mut self.last_folder_opened,
+            Wanted::Saved | Wanted::Folder | Wanted::NewFile { .. } => &mut self.last_folder_saved,
+        }
     }
 
     pub(super) fn answer_prompt(&mut self, command: PromptCommand) {
@@ -55,14 +61,9 @@ impl State {
             }
             PromptStep::Chosen(path) => {
                 if let Some(prompt) = self.prompt.take() {
-                    let opens = matches!(prompt.shown.question.wanted, Wanted::ToOpen { .. });
                     // Typed in one go, it is in a folder that was never shown.
-                    let folder = path.parent().map(Path::to_owned);
-                    if opens {
-                        self.last_folder_opened = folder;
-                    } else {
-                        self.last_folder_saved = folder;
-                    }
+                    *self.last_folder(&prompt.shown.question.wanted) =
+                        path.parent().map(Path::to_owned);
                     // Whoever asked may have gone.
                     prompt.answer.send(path).ok();
                 }

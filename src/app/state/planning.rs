@@ -19,7 +19,7 @@ impl State {
             PlanCommand::Set(plan, words) => self.set_plan(*plan, words, moment),
             PlanCommand::Select(handle) => self.planning.selected = handle,
             PlanCommand::OpenDialog => {
-                let question = Question::new("Open a plan", Wanted::ToOpen { folder: false });
+                let question = Question::new("Open a plan", Wanted::Saved);
                 let answer = self.ask(question.kinds(&[("Plans (toml)", &["toml"])]));
                 self.jobs.start_unnumbered(
                     move || answer.wait(),

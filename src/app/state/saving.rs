@@ -32,7 +32,7 @@ impl State {
     }
 
     pub(super) fn open_session_dialog(&mut self) {
-        let question = Question::new("Open a session", Wanted::ToOpen { folder: false });
+        let question = Question::new("Open a session", Wanted::Saved);
         self.open_picked(question.kinds(&[("Sessions (toml)", &["toml"])]));
     }
 

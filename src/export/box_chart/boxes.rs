@@ -195,13 +195,14 @@ fn texts(quantiles: &Quantiles, digits: usize) -> [String; 2] {
     [quantiles.median, quantiles.q75 - quantiles.q25].map(|value| number(value, digits))
 }
 
-/// Paper under a text: hides most of the grid and the levels behind it.
+/// Paper under a text: hides the grid and the levels behind it, whose dashes would strike it through.
 fn paper([x, y]: [f32; 2], [half_width, half_height]: [f32; 2], marks: &mut Vec<Mark>) {
+    const ABOUT: f32 = 1.5;
     marks.push(Mark::Rect {
-        min: [x - half_width, y - half_height],
-        max: [x + half_width, y + half_height],
+        min: [x - half_width - ABOUT, y - half_height],
+        max: [x + half_width + ABOUT, y + half_height],
         ink: Ink::Paper,
-        opacity: 0.8,
+        opacity: 1.0,
         outline: None,
     });
 }

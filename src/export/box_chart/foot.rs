@@ -1,6 +1,7 @@
 //! What stands below a box chart: the groups' names and notes in their slots, the axis title, the caption.
 
 use super::{LABEL, SMALL};
+use crate::deployment::Finding;
 use crate::experiment::Study;
 use crate::export::drawing::{Anchor, Ink, Mark, text_width, wrap};
 
@@ -22,6 +23,12 @@ pub struct Foot {
     remarks: Vec<String>,
 }
 
+/// What stands at the very bottom.
+pub struct FootText<'a> {
+    pub caption: String,
+    pub findings: &'a [Finding],
+}
+
 struct GroupText {
     label: Vec<String>,
     note: Vec<String>,
@@ -29,9 +36,9 @@ struct GroupText {
 
 impl Foot {
     /// Names are level where all of them fit their slots, else they read upwards.
-    pub fn of(chart: &Study, caption: &str, slot: f32, [width, height]: [f32; 2]) -> Self {
+    pub fn of(chart: &Study, text: &FootText<'_>, slot: f32, [width, height]: [f32; 2]) -> Self {
         let level = |text: &str, size: f32| {
-            let lines = wrap(text, size, slot - 6.0, 2);
+            let lines = wrap(text, size, slot - 6.0, 3);
             let whole = lines.iter().all(|line| !line.contains('…') && !line.is_empty());
             whole.then_some(lines)
         };
@@ -62,8 +69,8 @@ impl Foot {
             upwards,
             every: if upwards { (LABEL_LINE / slot).ceil() as usize } else { 1 },
             title: wrap(&chart.group_label, LABEL, width - 24.0, 1),
-            caption: wrap(caption, SMALL, width - 24.0, 3),
-            remarks: remarks(chart, width, height),
+            caption: wrap(&text.caption, SMALL, width - 24.0, 3),
+            remarks: remarks(text.findings, width, height),
         }
     }
 
@@ -116,13 +123,13 @@ impl Foot {
 }
 
 /// The study's findings, two lines each, as many as a sixth of the canvas holds; the last line counts the rest.
-fn remarks(chart: &Study, width: f32, height: f32) -> Vec<String> {
+fn remarks(findings: &[Finding], width: f32, height: f32) -> Vec<String> {
     let room = (height / 6.0 / SMALL_LINE) as usize;
     let mut lines = Vec::new();
-    for (index, finding) in chart.findings.iter().enumerate() {
+    for (index, finding) in findings.iter().enumerate() {
         let text = format!("{} {finding}", finding.severity.mark());
         let more = wrap(&text, SMALL, width - 24.0, 2);
-        let left = chart.findings.len() - index;
+        let left = findings.len() - index;
         let last = left == 1;
         if lines.len() + more.len() + usize::from(!last) > room {
             lines.push(format!("! {left} more findings stand in the table"));

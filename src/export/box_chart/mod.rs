@@ -8,8 +8,9 @@ mod tests;
 use super::axis::Axis;
 use super::drawing::{Anchor, Drawing, Ink, Mark, shortened, text_width, wrap};
 use boxes::Slots;
-use foot::Foot;
+use foot::{Foot, FootText};
 
+use crate::deployment::Finding;
 use crate::experiment::{Level, Quantiles, Study};
 
 impl Study {
@@ -100,11 +101,13 @@ impl LaidOut {
     }
 }
 
+/// Draws a study with its findings below it.
 pub fn draw(chart: &Study, size: [f32; 2]) -> Drawing {
-    lay_out(chart, size).drawing
+    lay_out(chart, &chart.findings, size).drawing
 }
 
-pub fn lay_out(chart: &Study, size: [f32; 2]) -> LaidOut {
+/// Lays a study out, with these of its findings below it: where they stand beside it already, none.
+pub fn lay_out(chart: &Study, findings: &[Finding], size: [f32; 2]) -> LaidOut {
     // On a larger canvas the texts grow too, though less than the boxes.
     let scale = ((size[0] * size[1]).sqrt() / 720.0).clamp(0.85, 1.5);
     let [width, height] = size.map(|side| side / scale);
@@ -122,7 +125,8 @@ pub fn lay_out(chart: &Study, size: [f32; 2]) -> LaidOut {
     let (left, slots, foot, bottom, axis, value_lines) = loop {
         let left = MARGIN + labels_width + 8.0;
         let slots = Slots::of(chart, left, right);
-        let foot = Foot::of(chart, &slots.caption(chart), slots.slot, [width, height]);
+        let text = FootText { caption: slots.caption(chart), findings };
+        let foot = Foot::of(chart, &text, slots.slot, [width, height]);
         let bottom = (height - foot.height()).max(top + 2.0 * HEADROOM);
         let axis = chart.axis(bottom, top);
         let widths = axis.ticks().into_iter().map(|(_, label)| text_width(&label, SMALL));

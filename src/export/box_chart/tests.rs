@@ -63,7 +63,7 @@ fn chart(shape: Shape) -> Study {
         name: "test".into(),
         settings: crate::analysis::Settings::default(),
         findings: vec![
-            crate::deployment::Finding::warning(
+            Finding::warning(
                 "B and D disagree about the yaw of station 2 by more than their uncertainty allows"
             );
             3
@@ -195,7 +195,7 @@ fn a_box_says_its_numbers_where_it_stands() {
     let shape = shapes().into_iter().find(|shape| shape.groups == 4 && shape.series == 2);
     let chart = chart(shape.expect("one of them"));
     for size in SIZES {
-        let laid_out = lay_out(&chart, size);
+        let laid_out = lay_out(&chart, &[], size);
         // The median's line is the thickest mark of a box.
         let medians: Vec<[f32; 2]> = laid_out
             .drawing

@@ -1,6 +1,7 @@
 //! What stands side by side, as data: the answers of the open deployments, then the pinned results.
 
 use crate::app::model::estimates::column;
+use crate::app::model::units::with_sign;
 use crate::app::model::{OpenDeployment, Pin, Units};
 use crate::app::state::State;
 use crate::deployment::ControlPointSet;
@@ -159,7 +160,7 @@ fn spread_cell(spread: Option<Spread>, against: Option<Spread>) -> Cell {
     let Some(own) = spread else { return Cell { text: "–".to_owned(), difference: None } };
     let text = format!("{:.2} / {:.2}", own.median, own.iqr);
     let difference = against.map(|against| Difference {
-        text: format!("{:+.2} mm", own.median - against.median),
+        text: format!("{} mm", with_sign(own.median - against.median, 2)),
         sigmas: None,
     });
     Cell { text, difference }

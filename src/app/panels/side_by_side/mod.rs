@@ -10,6 +10,7 @@ use super::result::{NOTABLE_SIGMAS, badge};
 use super::validation;
 use crate::analysis::Settings;
 use crate::app::model::{Command, Commands};
+use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
@@ -31,6 +32,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         return;
     }
     let width = ui.available_width() - 24.0;
+    // Columns that have no room are seen to go on.
+    ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
     egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
             let (columns, reference) = columns(state);
@@ -39,7 +42,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let table = Table { columns, reference, beside: width > wanted };
             egui::Grid::new(("side by side", table.beside))
                 .num_columns(2 * table.columns.len())
-                .spacing([if table.beside { 12.0 } else { 4.0 }, 4.0])
+                .spacing([if table.beside { 12.0 } else { 10.0 }, 4.0])
                 .striped(true)
                 .show(ui, |ui| table.rows(ui, state, commands));
             ui.set_max_width(width);
@@ -70,7 +73,10 @@ impl Table<'_> {
         self.row(ui, "", |ui, column| title(ui, state, column, commands));
         if !state.results.pins.is_empty() {
             self.of_results(ui, "data", |ui, summary| {
-                ui.add(egui::Label::new(&summary.deployment).truncate());
+                let name = &summary.deployment;
+                let font = egui::TextStyle::Body.resolve(ui.style());
+                let shown = short::in_the_middle(ui, name, &font, NUMBER);
+                short::whole_on_hover(ui.label(&shown), &shown, name);
             });
         }
         self.of_results(ui, "verdict", |ui, summary| {
@@ -187,12 +193,18 @@ fn difference(ui: &mut egui::Ui, cell: &Cell) {
 }
 
 fn title(ui: &mut egui::Ui, state: &State, column: &Column<'_>, commands: &mut Commands) {
-    let name = RichText::new(&column.title).strong();
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let room = NUMBER - 2.0 * ui.spacing().button_padding.x;
+    let shown = short::in_the_middle(ui, &column.title, &font, room);
+    let name = RichText::new(&shown).strong();
     match column.whose {
         Whose::Open(id) => {
             let active = state.active().is_some_and(|active| active.id == id);
             let button = ui.add(egui::Button::selectable(active, name).truncate());
-            if button.on_hover_text(&column.title).clicked() {
+            button.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::Button, true, active, &column.title)
+            });
+            if short::whole_on_hover(button, &shown, &column.title).clicked() {
                 commands.push(Command::Activate(id));
             }
         }

@@ -17,6 +17,8 @@ use crate::pipeline::{FilteredTrack, Interval, OutlierReason, SampleFate};
 
 /// Rows from the top: stations 1 to 3, and all three.
 const ROWS: usize = 4;
+/// The part of a row's height that its name's letters take.
+const LETTERS: f32 = 0.76;
 /// Ticks further apart than this stand alone (points); closer ones are drawn as density, in columns this wide.
 const TICKS: f64 = 3.0;
 const COLUMN: f32 = 2.0;
@@ -31,8 +33,12 @@ pub fn ui(
     times: &Times,
     commands: &mut Commands,
 ) {
-    let axis =
-        bare_axis().formatter(|mark, _| name(ROWS as f64 - mark.value)).label_spacing(8.0..=14.0);
+    // Names that are higher than their rows would be left out.
+    let size = (LETTERS * strip.height() / ROWS as f32).clamp(8.0, 11.0);
+    let axis = bare_axis()
+        .tick_label_font(egui::FontId::proportional(size))
+        .formatter(|mark, _| name(ROWS as f64 - mark.value))
+        .label_spacing(8.0..=10.0);
     let plot = Plot::new(("intervals", open.id))
         .y_grid_spacer(|_| {
             let middle = |row| GridMark { value: f64::from(row) + 0.5, step_size: 1.0 };
