@@ -27,14 +27,15 @@
 //!
 //! | what is new | where it goes |
 //! |---|---|
-//! | something that can be done | a variant of `model/command.rs`, an arm in `state/handle.rs`, a line with its key in `actions/`, which has a file a menu |
+//! | something that can be done | a variant of `model/command.rs`, an arm in `state/handle.rs`, a line with its key in `actions/`: `file.rs`, `edit.rs`, `time.rs` (the cursor, what is selected) and `view.rs`, other menus in `mod.rs` |
+//! | where plots over time lie and how high they are | `plots/strips.rs`, for all panes alike |
 //! | a setting of the scene | a field of `model/scene_options.rs`; sessions keep it whole (`persist/session.rs`) |
 //! | a colouring of the points | a variant of `model/colouring.rs`, its colours in `scene/colouring.rs`, its legend in `scene/legend_rows.rs` |
 //! | a key that only one pane has | that pane: `plots/navigation.rs`, `scene/input.rs` |
 //! | work that takes long | `self.jobs.start(work, take)` in `state/`: `take` gets what `work` returned, and the state; work with news before its end puts functions into `jobs.outbox()` |
-//! | something that a session remembers | a field of `persist/session.rs`, with what an older file without it means; how it lies in the file: `persist/stored.rs` |
+//! | something that a session remembers | a field of `persist/session.rs`, with what an older file without it means; filled and restored in `state/sessions.rs`; how deployments and pins lie in the file: `persist/stored.rs` |
 //! | a handle of a plan, or a number of it | a variant of `Handle` in `model/planning.rs`, drawn in `plots/plan_map.rs`; a field in `panels/plan/numbers.rs` |
-//! | something told of a live drive | a field of `crate::live::View`, a line in `panels/live.rs`, and in `crate::export::live` for robots |
+//! | something told of a live drive that is no warning | a field of `crate::live::View`, a line in `panels/live.rs`, and in `crate::export::live` for robots |
 //! | a button for what a finding advises | a variant of `deployment::Remedy`, an arm in `actions/remedies.rs` |
 
 pub mod actions;

@@ -44,3 +44,22 @@ fn escape_gives_garbage_up() {
     press(&mut harness, egui::Modifiers::NONE, Key::Escape);
     assert_eq!((settings(&harness), left_in_the_field(&harness)), (before, None));
 }
+
+#[test]
+fn who_enters_garbage_types_on_in_the_same_place() {
+    let mut harness = window(LARGE, Theme::Dark);
+    let place = |harness: &Window, role| harness.get_by_role_and_label(role, "τ_l  length").rect();
+    let below = |harness: &Window| harness.get_by_label_contains("triplets").rect();
+    let (number, next) = (place(&harness, Role::SpinButton), below(&harness));
+    type_garbage(&mut harness);
+    assert_eq!(below(&harness), next, "nothing moves");
+    assert!(place(&harness, Role::TextInput).contains_rect(number.shrink(1.0)));
+    // T would look from the top, and digits belong to no other widget.
+    let camera = harness.state().state.view.camera;
+    harness.event(Event::Text("T".to_owned()));
+    press(&mut harness, egui::Modifiers::NONE, Key::T);
+    assert_eq!(left_in_the_field(&harness).as_deref(), Some("soonT"));
+    assert_eq!(harness.state().state.view.camera, camera);
+    type_and_enter_at_once(&mut harness, "20 s");
+    assert_eq!(settings(&harness).pipeline.thresholds.tau_l_seconds, 20.0);
+}

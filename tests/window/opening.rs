@@ -110,6 +110,30 @@ fn a_file_is_written_where_it_is_asked_for_and_not_over_another_unasked() {
 }
 
 #[test]
+fn a_session_is_named_over_what_is_proposed_and_looked_for_where_it_was_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(SIZE, Theme::Dark);
+    send(&mut harness, Command::SaveSessionAs);
+    send(&mut harness, Command::Prompt(PromptCommand::GoTo(folder.path().to_owned())));
+    harness.event(Event::Text("monday".to_owned()));
+    settle(&mut harness);
+    let text = harness.state().state.prompt.as_ref().expect("asked").shown.text.clone();
+    assert_eq!(text, folder.path().join("monday.resect.toml").display().to_string());
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    wait_until_told(&mut harness, "monday");
+    send(&mut harness, Command::OpenSessionDialog);
+    let asked = harness.state().state.prompt.as_ref().expect("asked");
+    assert_eq!(asked.shown.folder(), folder.path());
+    assert!(harness.query_by_label("Open this folder").is_none(), "a session is a file");
+    // Data are looked for where data were.
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    send(&mut harness, Command::OpenFolderDialog);
+    let asked = harness.state().state.prompt.as_ref().expect("asked");
+    assert_ne!(asked.shown.folder(), folder.path());
+    harness.get_by_label("Open this folder");
+}
+
+#[test]
 fn escape_cancels_and_a_wrong_path_is_said() {
     let mut harness = window(SIZE, Theme::Dark);
     send(&mut harness, Command::OpenFileDialog);

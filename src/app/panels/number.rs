@@ -100,15 +100,26 @@ pub fn field<N: Numeric>(
         read
     };
     let response = add(ui, value, &parse);
-    // While it is typed, a number may be none yet.
+    let goes_on = was_entered(ui);
+    // While it is typed, a number may be none yet. A slider does not say that its number has the focus.
     if let Some(text) = refused.into_inner().filter(|text| !text.trim().is_empty())
-        && !response.has_focus()
+        && !ui.ctx().text_edit_focused()
     {
-        let goes_on = ui.input(|input| input.key_pressed(Key::Enter));
         let unread = Unread { text, value: now, size: response.rect.size(), goes_on };
         ui.data_mut(|data| data.insert_temp(id, unread));
     }
     response
+}
+
+/// Whether Enter was pressed in this frame or the last: a field takes what it holds a frame after.
+fn was_entered(ui: &egui::Ui) -> bool {
+    let id = egui::Id::unique("frame of the last Enter");
+    let frame = ui.ctx().cumulative_frame_nr();
+    if ui.input(|input| input.key_pressed(Key::Enter)) {
+        ui.data_mut(|data| data.insert_temp(id, frame));
+    }
+    let last: Option<u64> = ui.data(|data| data.get_temp(id));
+    last.is_some_and(|last| last + 1 >= frame)
 }
 
 /// What was typed, to be put right; the number once it is one and is entered.
@@ -125,6 +136,7 @@ fn mend(
     // The sign stands in the field.
     let room = if why.is_some() { SIGN } else { 0.0 };
     let field = egui::TextEdit::singleline(text)
+        .desired_width(f32::INFINITY)
         .margin(Margin { left: 4, right: 4 + room as i8, top: 2, bottom: 2 })
         .align(Align2::LEFT_CENTER)
         .text_color(colour);

@@ -127,7 +127,7 @@ fn marks_about_zero(input: &GridInput) -> Option<[GridMark; 2]> {
         return None;
     }
     let decade = 10_f64.powf(most.log10().floor());
-    let times = [5.0, 2.0, 1.0].into_iter().find(|times| times * decade <= most)?;
+    let times = [5.0, 4.0, 3.0, 2.0, 1.0].into_iter().find(|times| times * decade <= most)?;
     let value = times * decade;
     // A number's height.
     let is_room = 2.0 * value > 12.0 * per_point(input);
@@ -205,6 +205,6 @@ mod tests {
         assert_eq!(numbers((-6.1, 6.1), 130.0), [-4.0, -2.0, 0.0, 2.0, 4.0]);
         assert_eq!(numbers((-6.9, 6.9), 150.0), [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0]);
         // Where the only numbers would be at the ends, smaller ones stand about zero.
-        assert_eq!(numbers((-5.1, 5.1), 40.0), [-2.0, 2.0]);
+        assert_eq!(numbers((-5.1, 5.1), 30.0), [-4.0, 4.0]);
     }
 }

@@ -14,15 +14,17 @@ const STATION: Vec2 = Vec2::splat(9.0);
 /// Gives out places that are still free.
 pub struct Placer {
     area: Rect,
+    /// What lies over the picture.
+    over: Vec<Rect>,
     taken: Vec<Rect>,
     /// What is covered only where there is no other room.
     spared: Vec<Rect>,
 }
 
 impl Placer {
-    /// A placer that places nothing outside of the area, or on what is taken.
-    pub fn new(area: Rect, taken: Vec<Rect>) -> Self {
-        Self { area: area.shrink(4.0), taken, spared: Vec::new() }
+    /// A placer that places nothing outside of the area, or on what lies over it.
+    pub fn new(area: Rect, over: Vec<Rect>) -> Self {
+        Self { area: area.shrink(4.0), taken: over.clone(), over, spared: Vec::new() }
     }
 
     /// The first of some places that is free; it is taken from now on.
@@ -37,9 +39,10 @@ impl Placer {
         Some(place)
     }
 
-    /// A place beside a point, moved so that nothing is cut off.
+    /// A place beside a point, moved so that nothing is cut off; none where something lies over the point itself.
     pub fn beside(&mut self, at: Pos2, size: Vec2) -> Option<Rect> {
-        self.place_about(at, size, &PLACES[..6])
+        let is_seen = !self.over.iter().any(|over| over.contains(at));
+        is_seen.then(|| self.place_about(at, size, &PLACES[..6])).flatten()
     }
 
     /// A place beside a point, or where others are there already a little further off.
