@@ -314,7 +314,8 @@ fn stations_that_cannot_follow_are_told() {
     assert!(why.iter().any(|why| matches!(why, WhyNotRead::Hidden(_))), "{why:?}");
     assert!(why.iter().any(|why| matches!(why, WhyNotRead::TooFast(_))), "{why:?}");
     let said: Vec<String> = found.findings.iter().map(ToString::to_string).collect();
-    for part in ["is out of reach (1.5 to 62 m)", "stands in its sight", "faster than 0.8°/s"] {
+    for part in ["is out of reach (1.5 to 62 m)", "stands in its sight", "faster than τ_a (0.8°/s)"]
+    {
         assert!(said.iter().any(|line| line.contains(part)), "{part} in {said:?}");
     }
     plan.instrument.reach_m = [1.5, 20.0];

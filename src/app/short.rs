@@ -7,7 +7,7 @@ const FEWEST: usize = 2;
 
 /// A text that is no wider than this (points); what of its middle has no room is left out for "…".
 ///
-/// Names of deployments often begin alike and differ at their ends.
+/// Names of deployments often begin alike and differ at their ends, of which more is kept.
 pub fn in_the_middle(ui: &Ui, text: &str, font: &FontId, width: f32) -> String {
     let fits = |text: &str| {
         let colour = egui::Color32::PLACEHOLDER;
@@ -18,7 +18,7 @@ pub fn in_the_middle(ui: &Ui, text: &str, font: &FontId, width: f32) -> String {
         return text.to_owned();
     }
     let with = |kept: usize| {
-        let (head, tail) = (kept / 2, kept - kept / 2);
+        let (head, tail) = (kept / 3, kept - kept / 3);
         let ends = [&letters[..head], &letters[letters.len() - tail..]];
         ends.map(|part| part.iter().collect::<String>()).join("…")
     };
@@ -53,9 +53,9 @@ mod tests {
             assert_eq!(short("field", 200.0), "field");
             let [first, second] =
                 ["morning", "evening"].map(|end| short(&format!("2022-07-11-survey-{end}"), 90.0));
-            assert!(first.starts_with("20") && first.contains('…'), "{first}");
+            assert!(first.starts_with('2') && first.contains('…'), "{first}");
             assert!(first.ends_with("ning") && first != second, "{first}, {second}");
-            assert_eq!(short("a long name", 1.0), "a…e");
+            assert_eq!(short("a long name", 1.0), "…me");
             assert_eq!(short("ä", 1.0), "ä");
         });
         output.textures_delta.clear();

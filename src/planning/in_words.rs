@@ -6,7 +6,7 @@ use super::prediction::Prediction;
 use crate::calibration::Verdict;
 use crate::calibration::inter_prism::observability::{Hold, Observability};
 use crate::deployment::Finding;
-use crate::pipeline::OutlierReason;
+use crate::pipeline::{OutlierReason, Thresholds};
 
 /// An answer whose largest σ exceeds this is weak (m), as that of a calibration.
 const WEAK_SIGMA_M: f64 = 0.020;
@@ -121,15 +121,13 @@ fn failures(station: usize, lock: &Lock, readings: usize, plan: &Plan) -> Vec<Fi
             ),
             WhyNotRead::Hidden(prism) => format!("prism {} stands in its sight", prism + 1),
             WhyNotRead::TooFast(reason) => {
+                let Thresholds { tau_r_m_per_s, tau_a_deg_per_s, tau_e_deg_per_s, .. } =
+                    plan.thresholds;
                 let (rate, limit) = match reason {
-                    OutlierReason::Range => {
-                        ("range", format!("{} m/s", plan.thresholds.tau_r_m_per_s))
-                    }
-                    OutlierReason::Azimuth => {
-                        ("azimuth", format!("{}°/s", plan.thresholds.tau_a_deg_per_s))
-                    }
+                    OutlierReason::Range => ("range", format!("τ_r ({tau_r_m_per_s} m/s)")),
+                    OutlierReason::Azimuth => ("azimuth", format!("τ_a ({tau_a_deg_per_s}°/s)")),
                     OutlierReason::Zenith => {
-                        ("zenith angle", format!("{}°/s", plan.thresholds.tau_e_deg_per_s))
+                        ("zenith angle", format!("τ_e ({tau_e_deg_per_s}°/s)"))
                     }
                 };
                 format!(

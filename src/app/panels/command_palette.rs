@@ -1,6 +1,6 @@
 //! The command palette: type what you want to do.
 
-use egui::Key;
+use egui::{Event, Key};
 
 use crate::app::actions::{self, Action};
 use crate::app::model::{Command, Commands, Palette};
@@ -27,8 +27,17 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
             .hint_text("What do you want to do?")
             .desired_width(f32::INFINITY);
         let field = ui.add(field).accessible_name("Command");
-        field.request_focus();
-        if field.changed() {
+        if !field.has_focus() {
+            // What is typed before the field has the focus, in its first frame, would be lost.
+            let typed = |event: &Event| match event {
+                Event::Text(text) => Some(text.clone()),
+                _ => None,
+            };
+            let typed: String = ui.input(|input| input.events.iter().filter_map(typed).collect());
+            edited.query += &typed;
+            field.request_focus();
+        }
+        if edited.query != palette.query {
             edited.chosen = 0;
         }
         // By what is typed by now: a slow frame has words and Enter in it.

@@ -151,20 +151,23 @@ fn one(
         match &run.result {
             Ok(summary) => {
                 numbers(ui, summary);
-                if several {
-                    let name = state.name_of(run.deployment);
-                    let name = name.unwrap_or_else(|| summary.deployment.clone());
-                    let font = egui::TextStyle::Small.resolve(ui.style());
-                    let shown = short::in_the_middle(ui, &name, &font, ui.available_width());
-                    let label = ui.add(egui::Label::new(RichText::new(&shown).small()).truncate());
-                    short::whole_on_hover(label, &shown, &name);
-                }
             }
             Err(why) => {
                 ui.add(egui::Label::new(RichText::new(why).small()).truncate()).on_hover_text(why);
             }
         }
     });
+    if several && let Ok(summary) = &run.result {
+        let name = state.name_of(run.deployment);
+        let name = name.unwrap_or_else(|| summary.deployment.clone());
+        ui.horizontal(|ui| {
+            ui.add_space(INDENT);
+            let font = egui::TextStyle::Small.resolve(ui.style());
+            let shown = short::in_the_middle(ui, &name, &font, ui.available_width());
+            let label = ui.add(egui::Label::new(RichText::new(&shown).small()).truncate());
+            short::whole_on_hover(label, &shown, &name);
+        });
+    }
 }
 
 fn first_in_words(state: &State, run: &Run) -> String {

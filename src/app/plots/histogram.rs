@@ -37,7 +37,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State) {
         ui.multiply_opacity(0.45);
     }
     // The name of an axis reaches a little beyond it.
-    let margin = egui::Margin { left: 4, right: 6, ..Default::default() };
+    let margin = egui::Margin { left: 4, right: 6, top: 0, bottom: 3 };
     egui::Frame::new().inner_margin(margin).show(ui, |ui| strips(ui, state, open));
 }
 
@@ -135,7 +135,9 @@ impl PairPlot<'_> {
                 plot_ui.vline(VLine::new("", 0.0).color(zero).width(0.8));
                 let outline = |of: &Distributions, ink: Color32, fill: f32| {
                     let corners = PlotPoints::Owned(of.outlines[pair].clone());
-                    Line::new("", corners).color(ink).width(1.2).fill(0.0).fill_alpha(fill)
+                    let line = Line::new("", corners).color(ink).width(1.2);
+                    // Of upright parts egui_plot would make slanted bands.
+                    line.fill(0.0).fill_alpha(fill).allow_band(false)
                 };
                 match selected {
                     Some(selected) => {

@@ -67,7 +67,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         if wheel != 0.0 && plot_ui.response().hovered() {
             plot_ui.zoom_bounds_around_hovered(Vec2::splat((wheel / WHEEL).exp()));
         }
-        plot_ui.line(Line::new("", PlotPoints::from(planned)).color(faint).width(1.0));
+        let way = Line::new("", PlotPoints::from(planned)).color(faint).width(1.0);
+        // Of a way straight along y egui_plot would make a band.
+        plot_ui.line(way.allow_band(false));
     };
     // The name of an axis reaches a little beyond it.
     let shown = egui::Frame::new().inner_margin(margin).show(ui, |ui| plot.show(ui, add)).inner;

@@ -150,6 +150,9 @@ pub fn head(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     add(&mut line);
 }
 
+/// Of a hint in less than this there is nothing to read (points).
+const LEAST_HINT: f32 = 40.0;
+
 /// How to move about, for the line above a plot.
 const HINT: &str =
     "drag: select · scroll: zoom · shift+scroll or right drag: move · double-click: all";
@@ -174,6 +177,9 @@ pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
 
 /// Shows a hint at the end of the line above a plot, as far as there is room; in full under the pointer.
 pub fn hint(ui: &mut egui::Ui, more: &str) {
+    if ui.available_width() < LEAST_HINT {
+        return;
+    }
     let text = egui::RichText::new(format!("{HINT}{more}")).small().weak();
     ui.add(egui::Label::new(text).truncate());
 }

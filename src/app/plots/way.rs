@@ -58,7 +58,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             false if plots.errors && !judging.estimates.is_empty() => {
                 "No trajectory could be judged: Evaluation says why."
             }
-            false => "Nothing is chosen to be shown: the switches above do that.",
+            false => "Nothing is chosen to be shown here.",
         };
         ui.centered_and_justified(|ui| ui.weak(why));
         return;

@@ -63,7 +63,7 @@ impl Placer {
 
 /// Where a label stands by its point: which part of it is how far from there (points). The last ones are for labels that must be
 /// seen.
-const PLACES: [(Align2, Vec2); 14] = [
+const PLACES: [(Align2, Vec2); 16] = [
     (Align2::CENTER_BOTTOM, Vec2::new(0.0, -6.0)),
     (Align2::CENTER_TOP, Vec2::new(0.0, 14.0)),
     (Align2::LEFT_CENTER, Vec2::new(10.0, 0.0)),
@@ -78,6 +78,8 @@ const PLACES: [(Align2, Vec2); 14] = [
     (Align2::RIGHT_BOTTOM, Vec2::new(-12.0, -14.0)),
     (Align2::LEFT_TOP, Vec2::new(12.0, 18.0)),
     (Align2::RIGHT_TOP, Vec2::new(-12.0, 18.0)),
+    (Align2::CENTER_BOTTOM, Vec2::new(0.0, -38.0)),
+    (Align2::CENTER_TOP, Vec2::new(0.0, 46.0)),
 ];
 
 /// A place, moved into an area.
@@ -205,13 +207,15 @@ mod tests {
         placer.spared.push(area);
         assert_eq!(placer.beside(at, Vec2::new(40.0, 12.0)), Some(above));
         // A station is named where it stands among others, too.
-        let mut placer = Placer::new(area, Vec::new());
-        let middle = Pos2::new(150.0, 100.0);
-        let named = (0..3_u8).filter_map(|station| {
-            let at = middle + Vec2::new(6.0, 4.0) * f32::from(station);
-            placer.near(at, Vec2::new(52.0, 16.0))
-        });
-        assert_eq!(named.count(), 3);
+        for steps in [[6.0, 4.0], [-6.0, 1.5], [0.0, 0.0], [0.0, 7.0], [9.0, -1.0]] {
+            let mut placer = Placer::new(area, Vec::new());
+            let at = |station: u8| Pos2::new(150.0, 100.0) + Vec2::from(steps) * f32::from(station);
+            let dots = (0..3).map(|station| Rect::from_center_size(at(station), STATION));
+            placer.spared.extend(dots);
+            let named =
+                (0..3).filter_map(|station| placer.near(at(station), Vec2::new(52.0, 16.0)));
+            assert_eq!(named.count(), 3, "{steps:?}");
+        }
         // What is not in the picture has no label.
         assert_eq!(placer.beside(Pos2::new(150.0, -30.0), Vec2::new(40.0, 12.0)), None);
     }

@@ -17,6 +17,8 @@ use crate::planning::{Held, Prediction};
 
 /// Height of the plot of σ along the way (points).
 const PLOT: f32 = 110.0;
+/// Room beside it (points).
+const ASIDE: f32 = 14.0;
 /// So many improvements are offered at most.
 const MOST_OFFERED: usize = 8;
 
@@ -47,8 +49,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             heading(ui, "Predicted σ");
             table(ui, held, state.units);
         }
-        along(ui, foreseen);
-        locks(ui, foreseen);
+        along(ui, foreseen, state.units);
+        locks(ui, foreseen, state.units);
         if let Some(observed) = &foreseen.observability {
             observability::ui(ui, observed);
         }
@@ -104,7 +106,7 @@ fn table(ui: &mut egui::Ui, held: &Held, units: Units) {
 }
 
 /// How well the vehicle's position will be known along the drive.
-fn along(ui: &mut egui::Ui, foreseen: &Prediction) {
+fn along(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
     heading(ui, "σ of the vehicle along the way");
     let mut pieces: Vec<Vec<[f64; 2]>> = vec![Vec::new()];
     for at in &foreseen.way {
@@ -124,6 +126,8 @@ fn along(ui: &mut egui::Ui, foreseen: &Prediction) {
     }
     let plot = still(Plot::new("σ along the planned way"))
         .height(PLOT)
+        // Half of the last number stands beyond the plot.
+        .width(ui.available_width() - ASIDE)
         .custom_x_axes(vec![axis_below("time (s)")])
         .custom_y_axes(vec![bare_axis().label(RichText::new("σ position (mm)").small())])
         .label_formatter(|_| None);
@@ -141,14 +145,17 @@ fn along(ui: &mut egui::Ui, foreseen: &Prediction) {
     let rotations = foreseen.way.iter().filter_map(|at| at.rotation_sigma_rad);
     let (sum, count) = rotations.fold((0.0, 0), |(sum, count), sigma| (sum + sigma, count + 1));
     if count > 0 {
-        let mean_mrad = 1e3 * sum / f64::from(count);
-        ui.small(format!("rotation: {mean_mrad:.2} mrad on average"));
+        let mean = units.angle.small_per_radian() * sum / f64::from(count);
+        ui.small(format!("rotation: {mean:.2} {} on average", units.angle.small_name()));
     }
 }
 
 /// What each station meets.
-fn locks(ui: &mut egui::Ui, foreseen: &Prediction) {
+fn locks(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
     heading(ui, "Following the prisms");
+    let rate = |deg_per_s: f64| {
+        format!("{:.2} {}", deg_per_s * units.angle.rate_per_deg_per_s(), units.angle.rate_name())
+    };
     let grid = egui::Grid::new("locks").num_columns(6).spacing([10.0, 3.0]).striped(true);
     grid.show(ui, |ui| {
         for title in ["", "range", "fastest", "azimuth", "zenith", "kept"] {
@@ -163,8 +170,8 @@ fn locks(ui: &mut egui::Ui, foreseen: &Prediction) {
             for cell in [
                 format!("{near:.0}–{far:.0} m"),
                 format!("{:.1} m/s", lock.fastest_range_m_per_s),
-                format!("{:.2} °/s", lock.fastest_azimuth_deg_per_s),
-                format!("{:.2} °/s", lock.fastest_zenith_deg_per_s),
+                rate(lock.fastest_azimuth_deg_per_s),
+                rate(lock.fastest_zenith_deg_per_s),
                 format!("{} of {}", foreseen.kept[station], foreseen.readings[station]),
             ] {
                 ui.small(cell);

@@ -39,7 +39,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let (columns, reference) = columns(state);
             let others = columns.len().saturating_sub(1) as f32;
             let wanted = NAMES + NUMBER * (others + 1.0) + DIFFERENCE * others;
-            let table = Table { columns, reference, beside: width > wanted };
+            // What the numbers leave is for the names.
+            let spare = ((width - wanted) / (others + 1.0)).max(0.0);
+            let table =
+                Table { columns, reference, beside: width > wanted, column: NUMBER + spare };
             egui::Grid::new(("side by side", table.beside))
                 .num_columns(2 * table.columns.len())
                 .spacing([if table.beside { 12.0 } else { 10.0 }, 4.0])
@@ -66,6 +69,8 @@ struct Table<'a> {
     reference: usize,
     /// Whether differences have columns of their own.
     beside: bool,
+    /// Width of a column (points).
+    column: f32,
 }
 
 impl Table<'_> {
@@ -75,7 +80,7 @@ impl Table<'_> {
             self.of_results(ui, "data", |ui, summary| {
                 let name = &summary.deployment;
                 let font = egui::TextStyle::Body.resolve(ui.style());
-                let shown = short::in_the_middle(ui, name, &font, NUMBER);
+                let shown = short::in_the_middle(ui, name, &font, self.column);
                 short::whole_on_hover(ui.label(&shown), &shown, name);
             });
         }
@@ -123,7 +128,7 @@ impl Table<'_> {
         words::explain_text(ui.label(name), name);
         for (index, column) in self.columns.iter().enumerate() {
             ui.scope(|ui| {
-                ui.set_max_width(NUMBER);
+                ui.set_max_width(self.column);
                 cell(ui, column);
             });
             if self.beside && index != self.reference {
@@ -154,7 +159,14 @@ impl Table<'_> {
 
     /// A row of numbers, with their differences beside or below them.
     fn numbers<'c>(&self, ui: &mut egui::Ui, name: &str, cell: impl Fn(usize) -> &'c Cell) {
-        words::explain_text(ui.label(name), name);
+        ui.vertical(|ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            words::explain_text(ui.label(name), name);
+            if !self.beside {
+                // As high as the numbers with their differences, so that it stands in the line of the numbers.
+                ui.small("");
+            }
+        });
         for index in 0..self.columns.len() {
             let cell = cell(index);
             if self.beside {
@@ -194,7 +206,7 @@ fn difference(ui: &mut egui::Ui, cell: &Cell) {
 
 fn title(ui: &mut egui::Ui, state: &State, column: &Column<'_>, commands: &mut Commands) {
     let font = egui::TextStyle::Button.resolve(ui.style());
-    let room = NUMBER - 2.0 * ui.spacing().button_padding.x;
+    let room = ui.available_width() - 2.0 * ui.spacing().button_padding.x;
     let shown = short::in_the_middle(ui, &column.title, &font, room);
     let name = RichText::new(&shown).strong();
     match column.whose {
