@@ -198,7 +198,7 @@ impl State {
         self.jobs.start_unnumbered(
             move || Some(live::around(&wanted, &extras).map_err(|error| error.to_string())),
             move |state: &mut Self, read| {
-                state.take_put_right(id, [before, Some(source)], step, read)
+                state.take_put_right(id, [before, Some(source)], step, read);
             },
         );
     }
