@@ -7,12 +7,14 @@ mod common;
 use common::{analyse, by};
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use resect::analysis::Analysis;
+use resect::analysis::{Analysis, Settings};
+use resect::calibration::inter_prism::observability::Hold;
 use resect::calibration::joint::Expected;
 use resect::calibration::{ErrorSizes, Method};
+use resect::evaluation::far_end::far_end;
 use resect::geometry::{LevelTransform, RigidTransform};
 use resect::pipeline::Thresholds;
-use resect::planning::{Known, Plan, SoFar, known, what_next};
+use resect::planning::{Known, NextMove, Plan, SoFar, known, what_next};
 use resect::progress::Progress;
 use resect::simulation::{
     EPOCH_S, ErrorKind, Motion, Path, Preset, Scenario, Simulated, Waypoint, simulate_scenario,
@@ -29,6 +31,7 @@ struct Site {
     scenario: Scenario,
     seed: u64,
     sizes: ErrorSizes,
+    settings: Settings,
     /// Where the preset drives by itself.
     places_m: Vec<Vector3<f64>>,
     target_m: f64,
@@ -39,12 +42,44 @@ impl Site {
         let drawn_errors =
             ErrorKind::ALL.into_iter().filter(|kind| *kind != ErrorKind::ClockJumps).collect();
         let scenario = Scenario { drawn_errors, ..preset.scenario() }.draw_errors(seed);
+        let sizes = ErrorSizes { inter_prism_m: 0.001, ..ErrorSizes::default() };
+        Self::told(scenario, seed, sizes, by(Method::Joint), target_m)
+    }
+
+    /// The same with the instruments of the paper, which read with noise and lose locks and have no errors beside, and with an
+    /// estimate that is told so: what it is told of, but the clocks, are errors that calibrated instruments still have.
+    fn of_the_paper(preset: Preset, seed: u64, target_m: f64) -> Self {
+        let sizes = ErrorSizes {
+            inter_prism_m: 0.3e-3,
+            latency_s: 1e-3,
+            lean_rad: 1e-6,
+            range_offset_m: 0.3e-3,
+            range_scale: 2e-6,
+            index_rad: 2e-6,
+            collimation_rad: 2e-6,
+            settling_rad: 3e-6,
+            settling_m: 0.1e-3,
+            ranges_wander: false,
+            ..ErrorSizes::default()
+        };
+        let mut settings = by(Method::Joint);
+        settings.calibration.errors = sizes;
+        settings.calibration.inter_prism_sigma_m = sizes.inter_prism_m;
+        Self::told(preset.scenario(), seed, sizes, settings, target_m)
+    }
+
+    fn told(
+        scenario: Scenario,
+        seed: u64,
+        sizes: ErrorSizes,
+        settings: Settings,
+        target_m: f64,
+    ) -> Self {
         let motion = simulate_scenario(&scenario, seed).truth.motion;
         let above_m = Vector3::new(0.0, 0.0, 1.4);
         let at = |k: u32| f64::from(k) * scenario.duration_s / f64::from(PLACES);
         let places_m = (0..PLACES).map(|k| motion.position_m(&above_m, at(k))).collect();
-        let sizes = ErrorSizes { inter_prism_m: 0.001, ..ErrorSizes::default() };
-        Self { scenario, seed, sizes, places_m, target_m }
+        Self { scenario, seed, sizes, settings, places_m, target_m }
     }
 
     fn along(&self, waypoints: &[Waypoint]) -> Simulated {
@@ -56,7 +91,7 @@ impl Site {
     fn analysis(&self, drive: &Simulated, until_s: f64) -> Analysis {
         let mut so_far = drive.clone();
         so_far.records.retain(|record| record.measurement.time_s < EPOCH_S + until_s);
-        analyse(&so_far.deployment().expect("valid"), &by(Method::Joint))
+        analyse(&so_far.deployment().expect("valid"), &self.settings)
     }
 
     /// Asks about what is read so far; `None` without an answer.
@@ -91,6 +126,29 @@ impl Site {
         })
     }
 
+    /// Whether an answer to so much of a drive holds every direction, and each of the site's places as well as is wanted, whatever
+    /// was driven. Gives σ at the worst of them (m).
+    fn enough(&self, drive: &Simulated, until_s: f64) -> Option<f64> {
+        let analysis = self.analysis(drive, until_s);
+        let seen = self.known(&analysis)?.observability?;
+        let calibration = &analysis.answer.as_ref().ok()?.calibration;
+        let transforms = &calibration.station1_from_station;
+        let own = transforms.map(|at| {
+            let station_from_station1 = at.inverse();
+            self.places_m.iter().map(|place_m| station_from_station1.apply(place_m)).collect()
+        });
+        let sigma_m = far_end(transforms, &calibration.covariance?, &own)?.sigma_m;
+        (seen.count(Hold::Held) == 8 && sigma_m <= self.target_m).then_some(sigma_m)
+    }
+
+    /// When a drive is first enough (s), to a few seconds.
+    fn reaches_s(&self, drive: &Simulated, from_s: f64, until_s: f64) -> Option<f64> {
+        const EVERY_S: f64 = 4.0;
+        let times_s = (0..).map(|step| from_s + EVERY_S * f64::from(step));
+        let mut times_s = times_s.take_while(|at_s| *at_s <= until_s);
+        times_s.find(|at_s| self.enough(drive, *at_s).is_some())
+    }
+
     /// How far off the answer puts the far end (m).
     fn off_m(&self, drive: &Simulated, analysis: &Analysis, known: &Known) -> Option<f64> {
         let far = known.far_end?;
@@ -122,11 +180,7 @@ fn followed(
         let now_s = Motion::arrival_s(&waypoints, TURN_RADIUS_M, site.scenario.duration_s);
         let drive = site.along(&waypoints);
         let before = site.analysis(&drive, now_s);
-        let advice = site.ask(&before, |so_far| {
-            what_next(so_far, &Progress::default()).expect("nobody cancels it")
-        });
-        let best = advice.flatten().and_then(|advice| advice.moves.into_iter().next());
-        let best = best.expect("something helps");
+        let best = site.ask(&before, advised).flatten().expect("something helps");
         println!("    {now_s:>4.0} s: {}", best.sentence);
         // It is at the first of them already.
         waypoints.extend(best.waypoints_m.iter().skip(1).map(|at| Waypoint {
@@ -220,8 +274,9 @@ fn enough_is_never_said_too_early_in_forty_drives() {
 
 /// How long drives take to what the preset's own is worth at its end: advised ones over the preset's own time.
 ///
-/// Random winding is hard to beat: noise averages out with time, whatever is driven. 14 of 20 reach it, after 76 % of the time on
-/// average: an L after 78 %, the warthog's winding after 65 to 100 %, and half of the drives on flat ground not at all.
+/// Random winding is hard to beat: noise averages out with time, whatever is driven. 19 of 20 reach it, after 69 % of the time on
+/// average: an L after 58 to 71 %, eights after 52 to 79 %, winding on flat ground after 48 to 81 %, the warthog's after 71 to 97 % and
+/// once not at all.
 #[test]
 #[ignore = "minutes; prints the table"]
 fn an_advised_drive_is_as_good_in_less_time() {
@@ -258,5 +313,74 @@ fn an_advised_drive_is_as_good_in_less_time() {
     let reached: Vec<f64> = ratios.iter().copied().flatten().collect();
     let mean = reached.iter().sum::<f64>() / reached.len() as f64;
     println!("{} of 20 reach it, after {:.0} % of the time on average", reached.len(), 1e2 * mean);
-    assert!(reached.len() >= 12 && mean < 0.85, "{} of 20 after {mean:.2}", reached.len());
+    assert!(reached.len() >= 17 && mean < 0.78, "{} of 20 after {mean:.2}", reached.len());
+}
+
+/// When drives of the presets that wind at random meet 2 mm at their places, and when drives do that begin in the same way and
+/// follow the advice from the first answer on (s).
+fn until_enough(seeds: std::ops::Range<u64>) -> Vec<[f64; 2]> {
+    const TARGET_M: f64 = 0.002;
+    const BEGINNING_S: f64 = 20.0;
+    const FROM_S: f64 = 16.0;
+    let presets = [Preset::Warthog, Preset::FlatFloor, Preset::UnevenGround];
+    let one = |seed: u64| {
+        let preset = presets[(seed % 3) as usize];
+        let site = Site::of_the_paper(preset, seed, TARGET_M);
+        let whole_s = site.scenario.duration_s;
+        let own = simulate_scenario(&site.scenario, seed);
+        let own_s = site.reaches_s(&own, FROM_S, whole_s).expect("its own drive reaches it");
+        // Before there is an answer there is no advice.
+        let (mut for_s, mut waypoints) = (BEGINNING_S, Vec::new());
+        while waypoints.is_empty() {
+            let begun = beginning(&site, preset, for_s);
+            let now_s = Motion::arrival_s(&begun, TURN_RADIUS_M, whole_s);
+            let analysis = site.analysis(&site.along(&begun), now_s);
+            if site.ask(&analysis, |so_far| advised(so_far).is_some()) == Some(true) {
+                waypoints = begun;
+            }
+            for_s += 5.0;
+        }
+        let mut drive = site.along(&waypoints);
+        let mut end_s = Motion::arrival_s(&waypoints, TURN_RADIUS_M, whole_s);
+        let begun_s = end_s;
+        while end_s < whole_s && site.enough(&drive, end_s).is_none() {
+            (_, drive, end_s) = followed(&site, waypoints, 1);
+            let Path::Waypoints { waypoints: driven, .. } = &drive.scenario.path else { break };
+            waypoints = driven.clone();
+        }
+        let advised_s = site.reaches_s(&drive, FROM_S, end_s).unwrap_or(end_s);
+        println!(
+            "{:<13} seed {seed}: by itself after {own_s:.0} s, advised from {begun_s:.0} s on after {advised_s:.0} s",
+            preset.name()
+        );
+        [own_s, advised_s]
+    };
+    seeds.into_par_iter().map(one).collect()
+}
+
+fn advised(so_far: &SoFar<'_>) -> Option<NextMove> {
+    let advice = what_next(so_far, &Progress::default()).expect("nobody cancels it")?;
+    advice.moves.into_iter().next()
+}
+
+/// Mean time of advised drives over that of those that wind at random.
+fn share(times_s: &[[f64; 2]]) -> f64 {
+    let sum = |which: usize| times_s.iter().map(|times_s| times_s[which]).sum::<f64>();
+    println!("{:.0} s instead of {:.0} s in all: {:.2}", sum(1), sum(0), sum(1) / sum(0));
+    sum(1) / sum(0)
+}
+
+/// Three drives tell a share to about a fifth; the twenty below are what it is measured by.
+#[test]
+fn who_follows_the_advice_reaches_two_millimetres_sooner() {
+    assert!(share(&until_enough(12..15)) < 0.9);
+}
+
+/// Advised drives take 71 s on average and the presets' own 95 s: 74 %, from 45 to 109 % each. 60 % is not had: both begin with the
+/// same 20 s, of which the vehicle stands for 8, and the manoeuvre that has every direction held takes about 40 s. On top of these 60 s
+/// often comes another one, because less was read than foreseen: what was to leave 1.9 mm leaves 2.3 where a lock is lost.
+#[test]
+#[ignore = "a minute; prints the table"]
+fn who_follows_the_advice_reaches_two_millimetres_sooner_over_twenty_drives() {
+    assert!(share(&until_enough(0..20)) < 0.8);
 }

@@ -13,6 +13,7 @@ use super::persist::preferences::{Preferences, PreferencesFile};
 use crate::app::layout::Layout;
 use crate::app::model::ago::ago;
 use crate::app::state::State;
+use crate::app::theme;
 use crate::deployment::Finding;
 
 /// How often the window is looked at for changes.
@@ -71,6 +72,8 @@ impl Keeping {
     pub fn begin(&mut self, ctx: &egui::Context, state: &mut State, restores: bool) -> bool {
         state.theme = self.preferences.theme.into();
         ctx.set_theme(state.theme);
+        state.in_the_sun = self.preferences.in_the_sun;
+        theme::in_the_sun(ctx, state.in_the_sun);
         state.units = self.preferences.units;
         state.session.recent = self.preferences.recent.clone();
         state.session.last = Some(self.last.clone());
@@ -127,14 +130,18 @@ impl Keeping {
     }
 
     fn keep_preferences(&mut self, ctx: &egui::Context, state: &State) {
+        let zoom = ctx.zoom_factor();
         let size = ctx.input(|input| {
             let viewport = input.viewport();
             let normal =
                 !viewport.maximized.unwrap_or(false) && !viewport.fullscreen.unwrap_or(false);
-            viewport.inner_rect.filter(|_| normal).map(|rect| [rect.width(), rect.height()])
+            // As large as it is with type of the usual size, with which the next window begins.
+            let size = viewport.inner_rect.filter(|_| normal)?.size() * zoom;
+            Some([size.x, size.y])
         });
         self.preferences = Preferences {
             theme: ctx.options(|options| options.theme_preference).into(),
+            in_the_sun: state.in_the_sun,
             units: state.units,
             // The first layout stays the program's: a newer one may have a better.
             layout: Some(state.layout.describe()).filter(|it| *it != Layout::default().describe()),

@@ -103,10 +103,10 @@ impl eframe::App for ResectWindow {
         }
         self.state.take_outcomes();
         self.state.keep_replaced();
-        if self.state.follow_live() {
+        let now_s = ui.input(|input| input.time);
+        if self.state.follow_live(now_s) {
             ui.ctx().request_repaint_after(LIVE_EVERY);
         }
-        let now_s = ui.input(|input| input.time);
         if let Some(next_s) = self.state.advance(now_s) {
             ui.ctx().request_repaint_after_secs((next_s - now_s) as f32);
         }

@@ -45,12 +45,15 @@ impl Growing {
         Ok(Self::new(around, overrides, found.put_right))
     }
 
-    /// Begins with all but the readings of a deployment, which come again from elsewhere.
-    pub fn of_readings_again(mut deployment: Deployment) -> Self {
+    /// Begins with all but the readings of a deployment, which come again from elsewhere; `put_right` is said of those.
+    pub fn of_readings_again(mut deployment: Deployment, put_right: &Overrides) -> Self {
         deployment.tracks = Default::default();
         // What is added to ranges is said again of the readings that come.
         deployment.findings.retain(|finding| !finding.message.starts_with("prism constant of"));
-        Self::new(deployment, Overrides::default(), Overrides::default())
+        // They come as they were read: what was said of that is done.
+        deployment.as_read = deployment.as_read.beside_readings();
+        deployment.overrides = put_right.clone().over(deployment.as_read.clone());
+        Self::new(deployment, put_right.clone(), put_right.clone())
     }
 
     fn new(around: Deployment, overrides: Overrides, put_right: Overrides) -> Self {
@@ -59,6 +62,15 @@ impl Growing {
         recording.begin_file(STREAM, "message");
         let stream = Stream::of_readings(overrides.topics.clone());
         Self { around, overrides, put_right, recording, stream, messages: 0 }
+    }
+
+    /// Takes all but the readings from another, and reads those that came, and those that will come, as that one does. Gives which
+    /// station each was before; `None` for one that none was.
+    pub fn read_with(&mut self, other: Self) -> [Option<usize>; 3] {
+        let counter_clockwise = other.overrides.is_counter_clockwise();
+        (self.around, self.overrides, self.put_right) =
+            (other.around, other.overrides, other.put_right);
+        self.recording.count_as(self.overrides.stations, counter_clockwise)
     }
 
     /// Says of a topic what it is; `None` where its messages are not wanted.

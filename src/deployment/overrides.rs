@@ -168,6 +168,23 @@ impl Overrides {
         }
     }
 
+    /// What is said of rig and control points, and not of how the tracks are read.
+    #[must_use]
+    pub fn beside_readings(&self) -> Self {
+        Self {
+            tracks: None,
+            topics: None,
+            stations: None,
+            azimuth: None,
+            prism_constant_m: None,
+            ranges_include_prism_constant: None,
+            span_s: None,
+            masked: None,
+            columns: None,
+            ..self.clone()
+        }
+    }
+
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }

@@ -1,7 +1,7 @@
 //! The way from the records of files to the tracks of stations: what cannot be a measurement is counted and left out.
 
 use super::reading_sense::{self, Impossible, StationSense};
-use super::{Finding, Measurement, OpenError, TimeCorrection, Track};
+use super::{AS_NUMBERED, Finding, Measurement, OpenError, TimeCorrection, Track};
 
 /// A line or message of a file, before it is known to be a usable reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,6 +79,30 @@ impl Recording {
         }
     }
 
+    /// Counts other numbers as stations 1, 2, 3, and azimuths in another sense, of what came already too. Gives which station each
+    /// was before; readings of numbers that counted as none are gone, and stay counted as such.
+    pub fn count_as(
+        &mut self,
+        numbers: Option<[i64; 3]>,
+        counter_clockwise: bool,
+    ) -> [Option<usize>; 3] {
+        let from = numbers.unwrap_or(AS_NUMBERED).map(|number| self.station_of(number));
+        self.numbers = numbers;
+        moved(&mut self.tracks, &from);
+        moved(&mut self.late, &from);
+        moved(&mut self.unsorted, &from);
+        moved(&mut self.duplicates, &from);
+        moved(&mut self.sense, &from);
+        moved(&mut self.time_corrections, &from);
+        self.dropped.renumber(&from);
+        if std::mem::replace(&mut self.counter_clockwise, counter_clockwise) != counter_clockwise {
+            for m in self.tracks.iter_mut().flat_map(|track| &mut track.measurements) {
+                m.azimuth_rad = -m.azimuth_rad;
+            }
+        }
+        from
+    }
+
     /// Index of the station that has this number in the files; `None` for a number that none has.
     pub fn station_of(&self, number: i64) -> Option<usize> {
         match self.numbers {
@@ -114,12 +138,8 @@ impl Recording {
     }
 
     fn drop(&mut self, station: Option<usize>, why: String, record: &RawRecord) {
-        let reason = match station {
-            Some(station) => format!("station {}: {why}", station + 1),
-            None => why,
-        };
         let (word, file) = (self.place_word, &self.file);
-        self.dropped.add(reason, || format!("first at {word} {} of {file}", record.place));
+        self.dropped.add((station, why), || format!("first at {word} {} of {file}", record.place));
     }
 
     /// Takes in what a station's clock was corrected by; `number` as the files count stations.
@@ -225,15 +245,37 @@ pub fn station_index(number: i64) -> Option<usize> {
     }
 }
 
-/// Counts of left-out records by reason, each with the first place it happened.
+/// Gives each station what another had, or nothing.
+fn moved<T: Default>(all: &mut [T; 3], from: &[Option<usize>; 3]) {
+    let mut before = std::mem::take(all);
+    *all = from.map(|from| from.map(|own| std::mem::take(&mut before[own])).unwrap_or_default());
+}
+
+/// Counts of left-out records by station (of those that have one) and reason, each with the first place it happened.
 #[derive(Clone, Debug, Default)]
-struct Dropped(Vec<(String, usize, String)>);
+struct Dropped(Vec<(Reason, usize, String)>);
+
+type Reason = (Option<usize>, String);
+
+fn reason_in_words((station, why): &Reason) -> String {
+    match station {
+        Some(station) => format!("station {}: {why}", station + 1),
+        None => why.clone(),
+    }
+}
 
 impl Dropped {
-    fn add(&mut self, reason: String, place: impl FnOnce() -> String) {
+    fn add(&mut self, reason: Reason, place: impl FnOnce() -> String) {
         match self.0.iter_mut().find(|(known, _, _)| *known == reason) {
             Some((_, count, _)) => *count += 1,
             None => self.0.push((reason, 1, place())),
+        }
+    }
+
+    /// Stations have the places of others, as [`Recording::count_as`] gives them; what is none any more is named by no number.
+    fn renumber(&mut self, from: &[Option<usize>; 3]) {
+        for ((station, _), _, _) in &mut self.0 {
+            *station = station.and_then(|own| from.iter().position(|before| *before == Some(own)));
         }
     }
 
@@ -242,8 +284,9 @@ impl Dropped {
         let mut reasons: Vec<_> = self.0.iter().collect();
         reasons.sort_by_key(|(_, count, _)| std::cmp::Reverse(*count));
         let (named, others) = reasons.split_at(reasons.len().min(REASONS_IN_AN_ERROR));
-        let named =
-            named.iter().map(|(reason, count, place)| format!("{reason}, {count} times ({place})"));
+        let named = named.iter().map(|(reason, count, place)| {
+            format!("{}, {count} times ({place})", reason_in_words(reason))
+        });
         let named = named.collect::<Vec<_>>().join("; ");
         match (named.as_str(), others.len()) {
             ("", _) => String::new(),
@@ -254,6 +297,7 @@ impl Dropped {
 
     fn into_findings(self) -> impl Iterator<Item = Finding> {
         self.0.into_iter().map(|(reason, count, place)| {
+            let reason = reason_in_words(&reason);
             Finding::warning(format!("{reason}: {count} dropped ({place})"))
         })
     }
@@ -300,6 +344,27 @@ mod tests {
         ] {
             assert!(text.contains(expected), "missing `{expected}` in:\n{text}");
         }
+    }
+
+    #[test]
+    fn what_was_counted_goes_with_its_station() {
+        let mut recording = Recording::default();
+        recording.begin_file("x.csv", "line");
+        (0..6).for_each(|i| recording.push(&record(i % 3 + 1, i as usize + 2, i as f64)));
+        recording.push(&RawRecord { status: 3, ..record(2, 8, 9.0) });
+        recording.push(&record(3, 9, 5.0));
+        assert_eq!(recording.count_as(Some([1, 3, 2]), true), [Some(0), Some(2), Some(1)]);
+        assert_eq!(recording.late_and_repeated(), [[0, 0], [0, 1], [0, 0]]);
+        assert_eq!(recording.tracks()[1].measurements[0].time_s, 2.0);
+        // Number 4 was none so far; what number 2 read is gone.
+        assert_eq!(recording.count_as(Some([1, 3, 4]), true), [Some(0), Some(1), None]);
+        recording.push(&record(4, 10, 9.0));
+        let (tracks, findings) = recording.finish("x.csv").expect("readings");
+        assert_eq!(tracks.each_ref().map(|track| track.measurements.len()), [2, 2, 1]);
+        assert!(tracks.iter().all(|track| track.measurements[0].azimuth_rad == -0.1));
+        let said: Vec<String> = findings.iter().map(ToString::to_string).collect();
+        assert!(said.iter().any(|line| line.contains("status 3")), "{said:?}");
+        assert!(!said.iter().any(|line| line.contains("station 2: status 3")), "{said:?}");
     }
 
     #[test]

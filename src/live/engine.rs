@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::coach::Coach;
 use super::event::{Channel, Event, LeftOut, Sent};
 use super::judged::{Judged, Outcome};
+use super::pace::Pace;
 use super::recorder::{RecordError, Recorded, Recorder};
 use super::status::{StationStatus, Watch};
 use super::view::{Left, Link, View};
@@ -18,6 +19,14 @@ use crate::planning::NextMove;
 
 /// Readings are held against an answer to earlier ones for so long at most (s).
 const LONGEST_KNOWN_S: f64 = 60.0;
+
+/// The newest readings, for whoever is free to answer from them.
+pub struct Due {
+    pub deployment: Deployment,
+    /// Whether the paper's answer is wanted, and that of the settings.
+    pub first: bool,
+    pub second: bool,
+}
 
 /// Takes everything in that happens.
 pub struct Engine {
@@ -46,6 +55,9 @@ pub struct Engine {
     /// The answer that later readings are held against.
     known: Option<Arc<Judged>>,
     latest: [Option<Outcome>; 2],
+    /// Who calculates the paper's answer, and that of the settings; and who looks for what to drive next.
+    paces: [Pace; 2],
+    advising: Pace,
     /// Readings and messages that the newest snapshot knows of.
     snapshot_of: u64,
 }
@@ -79,6 +91,8 @@ impl Engine {
             answer: None,
             known: None,
             latest: [None, None],
+            paces: Default::default(),
+            advising: Pace::default(),
             snapshot_of: 0,
         }
     }
@@ -149,8 +163,9 @@ impl Engine {
         }
     }
 
-    /// Takes in what came of an analysis of a snapshot.
-    pub fn judged(&mut self, outcome: Outcome) {
+    /// Takes in what came of an analysis of a snapshot, at an instant of our own clock (s).
+    pub fn judged(&mut self, outcome: Outcome, clock_s: f64) {
+        self.paces[usize::from(!outcome.is_first)].end(clock_s);
         let is_amiss = self.warnings.iter().any(|warning| warning.amiss.speaks_against_readings());
         self.coach.take(&outcome, is_amiss);
         if let Ok(judged) = &outcome.judged {
@@ -168,13 +183,32 @@ impl Engine {
         self.latest[place] = Some(outcome);
     }
 
+    /// Whether what to drive next is looked for now; whoever asks does it.
+    pub fn begins_to_advise(&mut self, clock_s: f64) -> bool {
+        self.advising.begin(clock_s)
+    }
+
     /// Takes in what to drive next, the best first.
-    pub fn advised(&mut self, moves: Vec<NextMove>) {
+    pub fn advised(&mut self, moves: Vec<NextMove>, clock_s: f64) {
+        self.advising.end(clock_s);
         self.moves = moves;
     }
 
     pub fn target_m(&self) -> f64 {
         self.coach.target_m
+    }
+
+    /// Reads what came, and what will come, with what another knows beforehand. Earlier answers are none any more.
+    pub fn read_with(&mut self, around: Growing) {
+        let from = self.growing.read_with(around);
+        let mut before = std::mem::take(&mut self.watches);
+        self.watches =
+            from.map(|from| from.map_or_else(Watch::default, |k| std::mem::take(&mut before[k])));
+        self.coach.doubt();
+        (self.first, self.answer, self.known) = (None, None, None);
+        (self.latest, self.moves) = ([None, None], Vec::new());
+        // There is something new to answer from.
+        self.snapshot_of = u64::MAX;
     }
 
     /// The answer that later readings are held against.
@@ -189,6 +223,20 @@ impl Engine {
         }
         self.snapshot_of = self.messages;
         Some(self.growing.deployment())
+    }
+
+    /// The deployment so far for whoever is free to answer from it, and is busy with that from now on; `None` where nobody is, or
+    /// nothing new came. The paper's answer is wanted beside a joint estimate only.
+    pub fn due(&mut self, is_joint: bool, clock_s: f64) -> Option<Due> {
+        let wanted = [is_joint, true];
+        let is_free = |of: usize| wanted[of] && self.paces[of].is_free(clock_s);
+        if !is_free(0) && !is_free(1) {
+            return None;
+        }
+        // What has no deployment yet is told in the view: there are no readings, or they cannot be any.
+        let deployment = self.snapshot()?.ok()?;
+        let [first, second] = [0, 1].map(|of| wanted[of] && self.paces[of].begin(clock_s));
+        Some(Due { deployment, first, second })
     }
 
     /// Makes sure that what was recorded outlives this process.

@@ -8,6 +8,7 @@
 //! | [`recorder`] | what comes in, as MCAP, while it comes in |
 //! | [`status`], [`warnings`] | how the stations are, and what is amiss |
 //! | [`judged`], [`coach`], [`next`] | what an answer means in the field: is it enough, and if not what to drive |
+//! | [`pace`] | how often answers are begun |
 //! | [`engine`], [`view`] | all of it without threads: events go in, snapshots and views come out |
 //! | [`session`] | the threads, behind one handle |
 //!
@@ -22,6 +23,7 @@ pub mod event;
 pub mod foxglove;
 pub mod judged;
 mod next;
+pub mod pace;
 pub mod recorder;
 pub mod replay;
 pub mod session;
@@ -30,5 +32,6 @@ pub mod view;
 pub mod warnings;
 
 pub use self::engine::Engine;
-pub use self::session::{Feed, Finished, LiveError, Session, Wanted};
+pub use self::pace::Pace;
+pub use self::session::{Feed, Finished, LiveError, Session, Wanted, around};
 pub use self::view::{Link, View};

@@ -25,7 +25,6 @@ const RATE_HZ: f64 = 2.5;
 pub struct Advising {
     jobs: Sender<(Arc<Deployment>, Arc<Analysis>, f64)>,
     found: Receiver<Vec<NextMove>>,
-    is_busy: bool,
 }
 
 impl Advising {
@@ -41,22 +40,18 @@ impl Advising {
                 }
             }
         });
-        Self { jobs, found, is_busy: false }
+        Self { jobs, found }
     }
 
-    /// Gives it an answer to think about, unless it thinks about one.
-    pub fn offer(&mut self, deployment: &Arc<Deployment>, analysis: &Arc<Analysis>, target_m: f64) {
-        if !self.is_busy && analysis.answer.is_ok() {
-            let job = (Arc::clone(deployment), Arc::clone(analysis), target_m);
-            self.is_busy = self.jobs.send(job).is_ok();
-        }
+    /// Gives it an answer to think about.
+    pub fn think(&self, deployment: &Arc<Deployment>, analysis: &Arc<Analysis>, target_m: f64) {
+        // A thread that was cancelled has nothing to say any more.
+        _ = self.jobs.send((Arc::clone(deployment), Arc::clone(analysis), target_m));
     }
 
-    /// What it found, if that is new: the manoeuvre that gains most in a second comes first.
-    pub fn found(&mut self) -> Option<Vec<NextMove>> {
-        let found = self.found.try_recv().ok()?;
-        self.is_busy = false;
-        Some(found)
+    /// What it found, if that is new: what to drive next, the best first.
+    pub fn found(&self) -> Option<Vec<NextMove>> {
+        self.found.try_recv().ok()
     }
 }
 

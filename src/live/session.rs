@@ -26,15 +26,17 @@ use super::replay;
 use super::view::View;
 use crate::analysis::{Analysis, Analyst, Settings};
 use crate::calibration::Method;
-use crate::deployment::{Deployment, Extras, Growing, OpenError, Source};
+use crate::deployment::{AS_NUMBERED, Deployment, Extras, Growing, OpenError, Source};
 use crate::progress::Progress;
 
 /// Events that wait to be taken in, at most.
 const QUEUE: usize = 1024;
 /// How often a view is made, what was recorded is flushed, and the paper's answer is asked for.
 const TICK_S: f64 = 1.0;
-/// Who calculates rests for this many times as long as it took: a drive of a day must not keep a laptop busy.
-const REST: f64 = 1.0;
+/// How often it is looked whether it is to end.
+const NAP: Duration = Duration::from_millis(100);
+/// When it is to end, the source is waited for so long: one that looks up a name or waits for a computer to answer notices late.
+const LEAVES_WITHIN: Duration = Duration::from_millis(300);
 
 /// Where readings come from.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,6 +93,8 @@ struct Shown {
     deployment: Option<Arc<Deployment>>,
     target_m: Option<f64>,
     settings: Settings,
+    /// All but the readings, where it is to be another.
+    around: Option<Box<Growing>>,
     /// Whether the newest deployment was taken, and the next is wanted.
     is_taken: bool,
     /// Answers that were handed in.
@@ -124,22 +128,32 @@ impl Session {
         // Everything else is known to be right before a file is begun.
         let recorder = wanted.record.as_deref().map(Recorder::create).transpose()?;
         std::thread::spawn(source);
-        let mut engine = Engine::new(growing, speed, recorder, wanted.target_m);
+        let engine = Engine::new(growing, speed, recorder, wanted.target_m);
+        Ok(Self::listening(engine, events, stop, wanted.settings, wanted.calculates))
+    }
+
+    fn listening(
+        mut engine: Engine,
+        events: Receiver<Event>,
+        stop: Arc<AtomicBool>,
+        settings: Settings,
+        calculates: bool,
+    ) -> Self {
         let view = Arc::new(engine.view(0.0));
-        let (settings, is_taken) = (wanted.settings, true);
-        let shown = Shown { view, settings, is_taken, ..Shown::default() };
+        let shown = Shown { view, settings, is_taken: true, ..Shown::default() };
         let shown = Arc::new(Mutex::new(shown));
         let progress = Arc::new(Progress::default());
         let intake = Intake {
             engine,
             events,
+            stop: Arc::clone(&stop),
             shown: Arc::clone(&shown),
             progress: Arc::clone(&progress),
             begun: Instant::now(),
-            calculates: wanted.calculates,
+            calculates,
         };
         let intake = std::thread::spawn(move || intake.run());
-        Ok(Self { shown, stop, progress, intake: Some(intake) })
+        Self { shown, stop, progress, intake: Some(intake) }
     }
 
     /// All that is told now.
@@ -168,6 +182,11 @@ impl Session {
     /// Sets what is calculated with from now on.
     pub fn set(&self, settings: &Settings) {
         lock(&self.shown).settings = *settings;
+    }
+
+    /// Has all readings, those that came already too, read with what [`around`] found.
+    pub fn read_with(&self, around: Growing) {
+        lock(&self.shown).around = Some(Box::new(around));
     }
 
     /// Whether the source has said everything, and all of it was taken in.
@@ -210,13 +229,10 @@ fn prepare(
     stop: Arc<AtomicBool>,
     send: SyncSender<Event>,
 ) -> Result<(Growing, Option<f64>, Work), LiveError> {
-    let (folder, extras) = (wanted.deployment.as_deref(), &wanted.extras);
-    let progress = Progress::default();
     match &wanted.feed {
         Feed::Url(url) => {
             let address = connect::address(url)?;
-            let name = address.host().unwrap_or("live").to_owned();
-            let growing = Growing::around(&name, folder, extras, &progress)?;
+            let growing = around(wanted, &wanted.extras)?;
             let stations = wanted.instruments.clone();
             let expected = Expected { address, stations, added_m: growing.added_to_ranges_m() };
             Ok((growing, None, Box::new(move || connect::run(&expected, &stop, &send))))
@@ -226,11 +242,8 @@ fn prepare(
                 return Err(LiveError::Speed(*speed));
             }
             let speed = *speed;
-            let deployment = source.open(&progress)?;
-            let growing = match folder {
-                Some(_) => Growing::around(&deployment.name, folder, extras, &progress)?,
-                None => Growing::of_readings_again(deployment.clone()),
-            };
+            let deployment = source.open(&Progress::default())?;
+            let growing = around(wanted, &wanted.extras)?;
             let added_m = growing.added_to_ranges_m();
             let work = move || replay::run(&deployment, added_m, speed, &stop, &send);
             Ok((growing, Some(speed), Box::new(work)))
@@ -238,9 +251,40 @@ fn prepare(
     }
 }
 
+/// Reads all but the readings of what is wanted, with other extras: what the user puts right while it is driven.
+pub fn around(wanted: &Wanted, extras: &Extras) -> Result<Growing, LiveError> {
+    let progress = Progress::default();
+    let folder = wanted.deployment.as_deref();
+    let name = match &wanted.feed {
+        Feed::Url(url) => connect::address(url)?.host().unwrap_or("live").to_owned(),
+        Feed::Replay { source, .. } if folder.is_none() => {
+            let deployment = beside_readings(source, extras)?;
+            return Ok(Growing::of_readings_again(deployment, &extras.put_right));
+        }
+        Feed::Replay { source, .. } => source.open(&progress)?.name,
+    };
+    Ok(Growing::around(&name, folder, extras, &progress)?)
+}
+
+/// A deployment that is replayed, with what is put right beside its readings, which come again.
+fn beside_readings(source: &Source, extras: &Extras) -> Result<Deployment, OpenError> {
+    let progress = Progress::default();
+    let mut put_right = extras.put_right.beside_readings();
+    if let Some(numbers) = extras.put_right.stations {
+        // Replayed stations are numbered as they were read; control points are as their files number them.
+        let own = source.open(&progress)?.overrides.stations.unwrap_or(AS_NUMBERED);
+        let number = |read: i64| usize::try_from(read - 1).ok().and_then(|at| own.get(at)).copied();
+        put_right.stations = Some(numbers.map(|read| number(read).unwrap_or(read)));
+    }
+    let mut all = source.extras.clone();
+    all.add(Extras { put_right, ..extras.clone() });
+    source.clone().with(all).open(&progress)
+}
+
 struct Intake {
     engine: Engine,
     events: Receiver<Event>,
+    stop: Arc<AtomicBool>,
     shown: Arc<Mutex<Shown>>,
     progress: Arc<Progress>,
     begun: Instant,
@@ -248,55 +292,56 @@ struct Intake {
 }
 
 impl Intake {
-    /// Takes in all that comes, until the source has ended.
+    /// Takes in all that comes, until the source has ended, or nobody wants more.
     fn run(mut self) -> Finished {
         let (outcomes, judged) = channel();
-        let mut first = Calculating::start(true, &outcomes, &self.progress);
-        let mut second = Calculating::start(false, &outcomes, &self.progress);
-        let mut advising = Advising::start(&self.progress);
+        let first = calculating(true, &outcomes, &self.progress);
+        let second = calculating(false, &outcomes, &self.progress);
+        let advising = Advising::start(&self.progress);
         let mut ticked = Instant::now();
+        let mut leaves_at = None;
         loop {
-            let wait = Duration::from_secs_f64(TICK_S).saturating_sub(ticked.elapsed());
-            let ended = match self.events.recv_timeout(wait) {
+            let tick_in = Duration::from_secs_f64(TICK_S).saturating_sub(ticked.elapsed());
+            let ended = match self.events.recv_timeout(tick_in.min(NAP)) {
                 Ok(event) => {
                     // How the connection is is told at once.
                     let is_news = matches!(event, Event::Connected(_) | Event::Lost { .. });
-                    self.engine.take(event, self.begun.elapsed().as_secs_f64());
+                    self.engine.take(event, self.clock_s());
                     if is_news {
                         self.show();
                     }
                     false
                 }
-                Err(RecvTimeoutError::Timeout) => false,
+                Err(RecvTimeoutError::Timeout) => {
+                    let is_wanted = !self.stop.load(Relaxed);
+                    let now = Instant::now();
+                    !is_wanted && now >= *leaves_at.get_or_insert(now + LEAVES_WITHIN)
+                }
                 Err(RecvTimeoutError::Disconnected) => true,
             };
-            while let Ok((outcome, Answered { deployment, analysis, is_first })) = judged.try_recv()
-            {
-                if is_first { &mut first } else { &mut second }.has_finished();
-                self.engine.judged(outcome);
-                if !is_first {
-                    advising.offer(&deployment, &analysis, self.engine.target_m());
-                }
+            while let Ok((outcome, answered)) = judged.try_recv() {
+                self.judged(outcome, &answered, &advising);
             }
             let handed_in = std::mem::take(&mut lock(&self.shown).answered);
-            for Answered { deployment, analysis, is_first } in handed_in {
+            for answered in handed_in {
                 let known = self.engine.known();
-                let outcome = judge(&deployment, &analysis, is_first, known.as_deref());
-                self.engine.judged(outcome);
-                if !is_first {
-                    advising.offer(&deployment, &analysis, self.engine.target_m());
-                }
+                let Answered { deployment, analysis, is_first } = &answered;
+                let outcome = judge(deployment, analysis, *is_first, known.as_deref());
+                self.judged(outcome, &answered, &advising);
             }
             if let Some(moves) = advising.found() {
-                self.engine.advised(moves);
+                self.engine.advised(moves, self.clock_s());
             }
             if ended {
                 break;
             }
             if ticked.elapsed().as_secs_f64() >= TICK_S {
                 ticked = Instant::now();
-                self.tick(&mut first, &mut second);
+                self.tick(&first, &second);
             }
+        }
+        if let Some(around) = lock(&self.shown).around.take() {
+            self.engine.read_with(*around);
         }
         let recorded = self.engine.finish_recording();
         self.show();
@@ -307,14 +352,33 @@ impl Intake {
         Finished { deployment: self.engine.deployment(), view, recorded }
     }
 
-    fn tick(&mut self, first: &mut Calculating, second: &mut Calculating) {
+    fn clock_s(&self) -> f64 {
+        self.begun.elapsed().as_secs_f64()
+    }
+
+    fn judged(&mut self, outcome: Outcome, answered: &Answered, advising: &Advising) {
+        let clock_s = self.clock_s();
+        self.engine.judged(outcome, clock_s);
+        let Answered { deployment, analysis, is_first } = answered;
+        if !is_first && analysis.answer.is_ok() && self.engine.begins_to_advise(clock_s) {
+            advising.think(deployment, analysis, self.engine.target_m());
+        }
+    }
+
+    fn tick(&mut self, first: &Sender<Job>, second: &Sender<Job>) {
         self.engine.flush();
-        let (settings, target_m) = {
+        let (settings, target_m, around) = {
             let mut shown = lock(&self.shown);
-            (shown.settings, shown.target_m.take())
+            (shown.settings, shown.target_m.take(), shown.around.take())
         };
         if let Some(target_m) = target_m {
             self.engine.aim(target_m);
+        }
+        if let Some(around) = around {
+            self.engine.read_with(*around);
+            // What waits to be taken was read otherwise.
+            let mut shown = lock(&self.shown);
+            (shown.deployment, shown.is_taken) = (None, true);
         }
         if self.calculates {
             self.calculate(&settings, first, second);
@@ -328,29 +392,20 @@ impl Intake {
     }
 
     /// Gives the newest readings to whoever is free.
-    fn calculate(
-        &mut self,
-        settings: &Settings,
-        first: &mut Calculating,
-        second: &mut Calculating,
-    ) {
+    fn calculate(&mut self, settings: &Settings, first: &Sender<Job>, second: &Sender<Job>) {
         // One that has no paper's answer beside it comes by the second alone.
         let is_joint = settings.calibration.method.unwrap_or_default() == Method::Joint;
-        if (first.is_free() && is_joint) || second.is_free() {
-            // What has no deployment yet is told in the view: there are no readings, or they cannot be any.
-            if let Some(Ok(deployment)) = self.engine.snapshot() {
-                let deployment = Arc::new(deployment);
-                let known = self.engine.known();
-                if is_joint {
-                    first.offer(&deployment, settings, known.as_ref());
-                }
-                second.offer(&deployment, settings, known.as_ref());
-            }
+        let Some(due) = self.engine.due(is_joint, self.clock_s()) else { return };
+        let deployment = Arc::new(due.deployment);
+        for (_, jobs) in [(due.first, first), (due.second, second)].iter().filter(|(is, _)| *is) {
+            let known = self.engine.known();
+            // A thread that is gone takes nothing, and is never free again.
+            _ = jobs.send(Job { deployment: Arc::clone(&deployment), settings: *settings, known });
         }
     }
 
     fn show(&mut self) {
-        let view = self.engine.view(self.begun.elapsed().as_secs_f64());
+        let view = self.engine.view(self.clock_s());
         lock(&self.shown).view = Arc::new(view);
     }
 }
@@ -362,67 +417,59 @@ struct Job {
     known: Option<Arc<Judged>>,
 }
 
-/// A thread that calculates one snapshot at a time.
-struct Calculating {
-    jobs: Sender<Job>,
-    /// Since when, and how long it takes at least until it is free again.
-    busy_since: Option<Instant>,
-    free_at: Instant,
+/// Starts a thread that calculates one snapshot after the other.
+fn calculating(
+    is_first: bool,
+    outcomes: &Sender<(Outcome, Answered)>,
+    progress: &Arc<Progress>,
+) -> Sender<Job> {
+    let (jobs, waiting) = channel::<Job>();
+    let (outcomes, progress) = (outcomes.clone(), Arc::clone(progress));
+    std::thread::spawn(move || {
+        for Job { deployment, settings, known } in waiting {
+            let mut analyst = Analyst::new(Arc::clone(&deployment));
+            let analysis = match is_first {
+                true => analyst.run_published_while(&settings, &progress),
+                false => analyst.run_while(&settings, &progress).map(Some),
+            };
+            // Cancelled: nobody waits for it.
+            let Ok(Some(analysis)) = analysis else { return };
+            let outcome = judge(&deployment, &analysis, is_first, known.as_deref());
+            let analysis = Arc::new(analysis);
+            if outcomes.send((outcome, Answered { deployment, analysis, is_first })).is_err() {
+                return;
+            }
+        }
+    });
+    jobs
 }
 
-impl Calculating {
-    fn start(
-        is_first: bool,
-        outcomes: &Sender<(Outcome, Answered)>,
-        progress: &Arc<Progress>,
-    ) -> Self {
-        let (jobs, waiting) = channel::<Job>();
-        let (outcomes, progress) = (outcomes.clone(), Arc::clone(progress));
-        std::thread::spawn(move || {
-            for Job { deployment, settings, known } in waiting {
-                let mut analyst = Analyst::new(Arc::clone(&deployment));
-                let analysis = match is_first {
-                    true => analyst.run_published_while(&settings, &progress),
-                    false => analyst.run_while(&settings, &progress).map(Some),
-                };
-                // Cancelled: nobody waits for it.
-                let Ok(Some(analysis)) = analysis else { return };
-                let outcome = judge(&deployment, &analysis, is_first, known.as_deref());
-                let analysis = Arc::new(analysis);
-                if outcomes.send((outcome, Answered { deployment, analysis, is_first })).is_err() {
-                    return;
-                }
-            }
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As one that looks up a name, or waits for a computer that does not answer.
+    #[test]
+    fn who_stops_does_not_wait_for_a_source_that_does_not_notice() {
+        let growing = Growing::around("live", None, &Extras::default(), &Progress::default());
+        let engine = Engine::new(growing.expect("nothing is read"), None, None, 2e-3);
+        let (send, events) = sync_channel(QUEUE);
+        let (release, released) = channel::<()>();
+        let has_left = Arc::new(AtomicBool::new(false));
+        let left = Arc::clone(&has_left);
+        let source = std::thread::spawn(move || {
+            send.send(Event::Connected("robot".to_owned())).expect("somebody listens");
+            // What holds it up for so long notices nothing.
+            _ = released.recv_timeout(Duration::from_secs(60));
+            left.store(true, Relaxed);
+            send.send(Event::Ended).is_err()
         });
-        Self { jobs, busy_since: None, free_at: Instant::now() }
-    }
-
-    fn is_free(&self) -> bool {
-        self.busy_since.is_none() && Instant::now() >= self.free_at
-    }
-
-    fn has_finished(&mut self) {
-        if let Some(since) = self.busy_since.take() {
-            self.free_at = Instant::now() + since.elapsed().mul_f64(REST);
-        }
-    }
-
-    /// Gives it a snapshot, unless it is busy.
-    fn offer(
-        &mut self,
-        deployment: &Arc<Deployment>,
-        settings: &Settings,
-        known: Option<&Arc<Judged>>,
-    ) {
-        if self.is_free() {
-            let job = Job {
-                deployment: Arc::clone(deployment),
-                settings: *settings,
-                known: known.map(Arc::clone),
-            };
-            // A thread that is gone takes nothing, and is never free again.
-            _ = self.jobs.send(job);
-            self.busy_since = Some(Instant::now());
-        }
+        let stop = Arc::new(AtomicBool::new(false));
+        let session = Session::listening(engine, events, stop, Settings::default(), true);
+        let finished = session.stop().expect("it does not panic");
+        assert!(!has_left.load(Relaxed), "it was waited for");
+        assert_eq!(finished.view.connections, 1, "what had arrived is taken in");
+        release.send(()).expect("it waits");
+        assert!(source.join().expect("it does not panic"), "nobody listens any more");
     }
 }

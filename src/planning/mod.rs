@@ -9,6 +9,7 @@
 //! the conditions of [`locks`]; [`in_words`] says it. [`improvements()`] tries [`manoeuvres`] and other changes.
 
 mod drive;
+mod from_here;
 mod improvements;
 mod in_words;
 pub mod locks;
@@ -18,6 +19,7 @@ pub mod plan;
 pub mod plan_file;
 mod predict;
 mod prediction;
+mod so_far;
 pub mod way;
 pub mod way_file;
 mod what_next;
@@ -27,5 +29,6 @@ pub use manoeuvres::{FigureEight, Loop};
 pub use plan::{Ground, Instrument, Plan, Ramp, Rig};
 pub use predict::predict;
 pub use prediction::{Held, OnTheWay, PlanError, Prediction};
+pub use so_far::SoFar;
 pub use way::{Piece, Waypoint};
-pub use what_next::{Advice, Known, NextMove, SoFar, known, what_next};
+pub use what_next::{Advice, Known, NextMove, known, what_next};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use resect::analysis::{Analyst, Settings};
-use resect::deployment::{Deployment, Growing};
+use resect::deployment::{Deployment, Growing, Overrides};
 use resect::live::event::Event;
 use resect::live::judged::judge;
 use resect::live::{Engine, View, bonn, replay};
@@ -15,7 +15,7 @@ const TARGET_M: f64 = 6e-3;
 
 /// Drives a deployment as if it came in, with an answer every so many seconds; calls back with each view.
 fn drive(deployment: &Deployment, every_s: f64, mut seen: impl FnMut(&View) -> bool) {
-    let growing = Growing::of_readings_again(deployment.clone());
+    let growing = Growing::of_readings_again(deployment.clone(), &Overrides::default());
     let mut engine = Engine::new(growing, Some(1.0), None, TARGET_M);
     engine.take(Event::Connected("simulated".to_owned()), 0.0);
     engine.take(Event::Channel(bonn::Protocol::channel()), 0.0);
@@ -34,10 +34,10 @@ fn drive(deployment: &Deployment, every_s: f64, mut seen: impl FnMut(&View) -> b
         let known = engine.known();
         let published = analyst.run_published_while(&settings, &Default::default());
         if let Ok(Some(published)) = published {
-            engine.judged(judge(&snapshot, &published, true, known.as_deref()));
+            engine.judged(judge(&snapshot, &published, true, known.as_deref()), clock_s);
         }
         let analysis = analyst.run(&settings);
-        engine.judged(judge(&snapshot, &analysis, false, known.as_deref()));
+        engine.judged(judge(&snapshot, &analysis, false, known.as_deref()), clock_s);
         if !seen(&engine.view(clock_s)) {
             break;
         }

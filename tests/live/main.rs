@@ -7,6 +7,8 @@ mod bad_input;
 mod bonn;
 mod coach;
 mod command;
+mod day;
 mod peers;
+mod put_right;
 mod server;
 mod stream;

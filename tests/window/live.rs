@@ -139,3 +139,81 @@ fn who_closes_what_grows_ends_it_and_keeps_what_was_recorded() {
     assert_eq!(harness.state().state.open.len(), others);
     assert!(resect::deployment::open(&file).is_ok());
 }
+
+/// What every MCAP file that was ended ends with.
+const END_OF_MCAP: &[u8] = b"\x89MCAP0\r\n";
+
+fn is_whole(file: &std::path::Path) -> bool {
+    std::fs::read(file).expect("there").ends_with(END_OF_MCAP)
+}
+
+#[test]
+fn a_window_that_is_closed_leaves_a_whole_recording() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // While it records, and while the recording is being ended.
+    for stops_first in [false, true] {
+        let file = folder.path().join(format!("{stops_first}.mcap"));
+        let mut harness = window(SMALL, Theme::Dark);
+        replay(&mut harness, Some(file.clone()));
+        until(&mut harness, |window| window.state().state.live.id.is_some());
+        assert!(!is_whole(&file), "it is still written");
+        if stops_first {
+            let ctx = harness.ctx.clone();
+            harness.state_mut().send(Command::Live(LiveCommand::Stop), &ctx);
+        }
+        eframe::App::on_exit(harness.state_mut());
+        assert!(is_whole(&file), "stopped first: {stops_first}");
+        assert!(!harness.state().state.live.is_running());
+        let tracks = resect::deployment::open(&file).expect("opens").tracks;
+        assert!(tracks.iter().all(|track| !track.measurements.is_empty()));
+    }
+}
+
+#[test]
+fn what_is_put_right_while_it_is_live_holds_for_what_comes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("drive.mcap");
+    let mut harness = window(SMALL, Theme::Dark);
+    replay(&mut harness, Some(file.clone()));
+    until(&mut harness, has_answer);
+    let firsts = |window: &Window| {
+        shown(window).deployment.tracks.each_ref().map(|track| track.measurements[0])
+    };
+    let lengths = |window: &Window| {
+        shown(window).deployment.tracks.each_ref().map(|track| track.measurements.len())
+    };
+    let before = firsts(&harness);
+    let exchanged = [before[0], before[2], before[1]];
+    let mut extras = harness.state().state.extras().expect("recorded").clone();
+    extras.put_right.stations = Some([1, 3, 2]);
+    send(&mut harness, Command::PutRight(extras.clone()));
+    // A second change comes before the first one is read.
+    extras.put_right.inter_prism_m = Some([0.4, 0.4, 0.4]);
+    send(&mut harness, Command::PutRight(extras.clone()));
+    let rig_m =
+        |window: &Window| shown(window).deployment.rig.as_ref().expect("a rig").inter_prism_m;
+    until(&mut harness, |window| firsts(window) == exchanged && rig_m(window) == [0.4; 3]);
+    let then = lengths(&harness);
+    // So it stays, with the next snapshots and at the end.
+    until(&mut harness, |window| lengths(window)[0] > then[0] + 20);
+    assert_eq!((firsts(&harness), rig_m(&harness)), (exchanged, [0.4; 3]));
+    // And it is undone as any other change.
+    send(&mut harness, Command::Undo);
+    until(&mut harness, |window| rig_m(window) != [0.4; 3]);
+    assert_eq!(firsts(&harness), exchanged);
+    click_stop(&mut harness);
+    let open = shown(&harness);
+    assert_eq!(firsts(&harness), exchanged);
+    let again = open.source.clone().expect("recorded").open(&Default::default()).expect("opens");
+    assert_eq!(again.tracks, open.deployment.tracks);
+    assert_eq!(again.rig, open.deployment.rig);
+}
+
+fn click_stop(harness: &mut Window) {
+    send(harness, Command::Live(LiveCommand::Stop));
+    until(harness, |window| {
+        let live = &window.state().state.live;
+        !live.is_running() && !live.is_changing
+    });
+    settle(harness);
+}

@@ -314,3 +314,22 @@ fn closing_the_window_waits_for_the_session_to_be_saved() {
     eframe::App::on_exit(harness.state_mut());
     assert_eq!(session_file::load(&file).expect("saved").0.deployments.len(), 1);
 }
+
+#[test]
+fn type_that_is_large_in_the_sun_is_large_the_next_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (start, kept) = (Start::Sample(Sample::Warthog), Some(folder.path()));
+    let mut harness = window(&start, kept);
+    assert_eq!(harness.ctx.zoom_factor(), 1.0);
+    send(&mut harness, Command::ReadInTheSun(true));
+    eframe::App::on_exit(harness.state_mut());
+    drop(harness);
+    let mut harness = window(&start, kept);
+    assert!(harness.state().state.in_the_sun && harness.ctx.zoom_factor() > 1.2);
+    let ink = harness.ctx.style_of(egui::Theme::Light).visuals.override_text_color;
+    assert_eq!(ink, Some(egui::Color32::BLACK));
+    send(&mut harness, Command::ReadInTheSun(false));
+    eframe::App::on_exit(harness.state_mut());
+    drop(harness);
+    assert_eq!(window(&start, kept).ctx.zoom_factor(), 1.0);
+}

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::live::{Session, View};
+use crate::live::{Pace, Session, View, Wanted};
 
 /// What the user fills in before it is connected.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,8 +58,14 @@ pub enum LiveCommand {
 pub struct Live {
     pub form: LiveForm,
     pub session: Option<Session>,
+    /// What the session was begun with.
+    pub wanted: Option<Wanted>,
+    /// How often what grows is answered from.
+    pub pace: Pace,
     /// Whether a session is being begun or ended beside the window.
     pub is_changing: bool,
+    /// Whether one is being ended, whose recording is not whole before that is done.
+    pub is_ending: bool,
     /// What was told last, also after the end.
     pub view: Option<Arc<View>>,
     /// The open deployment that grows, by its id.

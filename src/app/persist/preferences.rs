@@ -22,6 +22,8 @@ const MOST_RECENT: usize = 12;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Preferences {
     pub theme: Theme,
+    /// Whether type is large and contrast full.
+    pub in_the_sun: bool,
     pub units: Units,
     /// The arrangement of the panes; `None` until the user changed it.
     pub layout: Option<LayoutDescription>,
@@ -87,6 +89,8 @@ struct StoredPreferences {
     version: u32,
     #[serde(default)]
     theme: Lenient<Theme>,
+    #[serde(default)]
+    in_the_sun: Lenient<bool>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     window_points: Option<Lenient<[f32; 2]>>,
     #[serde(default)]
@@ -99,10 +103,12 @@ struct StoredPreferences {
 
 impl StoredPreferences {
     fn new(preferences: &Preferences) -> Self {
-        let Preferences { theme, units, layout, window_points, recent } = preferences.clone();
+        let Preferences { theme, in_the_sun, units, layout, window_points, recent } =
+            preferences.clone();
         Self {
             version: VERSION,
             theme: Lenient::Read(theme),
+            in_the_sun: Lenient::Read(in_the_sun),
             window_points: window_points.map(Lenient::Read),
             units: Lenient::Read(units),
             recent: recent.into_iter().map(Lenient::Read).collect(),
@@ -124,6 +130,10 @@ impl StoredPreferences {
         recent.truncate(MOST_RECENT);
         let preferences = Preferences {
             theme: self.theme.read("preferences: the theme", &mut findings).unwrap_or_default(),
+            in_the_sun: self
+                .in_the_sun
+                .read("preferences: readable in the sun", &mut findings)
+                .unwrap_or_default(),
             units: self.units.read("preferences: the units", &mut findings).unwrap_or_default(),
             layout: self.layout.and_then(|it| it.read("preferences: the layout", &mut findings)),
             window_points,
@@ -228,6 +238,7 @@ mod tests {
     fn changed() -> Preferences {
         let mut preferences = Preferences {
             theme: Theme::Light,
+            in_the_sun: true,
             units: Units {
                 length: LengthUnit::Millimetre,
                 time: TimeUnit::Utc,

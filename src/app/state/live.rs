@@ -11,8 +11,8 @@ use crate::app::layout::Layout;
 use crate::app::model::live::{LiveCommand, LiveForm};
 use crate::app::model::{Analysing, LayoutPreset, Pane};
 use crate::app::persist::session::Files;
-use crate::deployment::{Deployment, Extras, Source};
-use crate::live::{Feed, Finished, Session, Wanted};
+use crate::deployment::{Deployment, Extras, Growing, Source};
+use crate::live::{self, Feed, Finished, Pace, Session, Wanted};
 
 impl State {
     pub(super) fn handle_live(&mut self, command: LiveCommand) {
@@ -66,6 +66,7 @@ impl State {
         }
         let wanted = wanted(&self.live.form, *self.settings());
         (self.live.is_changing, self.live.trouble) = (true, None);
+        self.live.wanted = Some(wanted.clone());
         self.jobs.start_unnumbered(
             move || Some(Session::start(&wanted).map_err(|error| error.to_string())),
             |state: &mut Self, begun| {
@@ -74,6 +75,7 @@ impl State {
                     Ok(session) => {
                         (state.live.session, state.live.id) = (Some(session), None);
                         (state.live.view, state.live.was_closed) = (None, false);
+                        state.live.pace = Pace::default();
                     }
                     Err(line) => state.live.trouble = Some(line),
                 }
@@ -84,16 +86,24 @@ impl State {
     /// Ends it beside the window: what is on its way is taken in, and the recording is ended.
     fn stop_live(&mut self) {
         let Some(session) = self.live.session.take() else { return };
-        self.live.is_changing = true;
+        (self.live.is_changing, self.live.is_ending) = (true, true);
         self.jobs.start_unnumbered(
             move || Some(session.stop()),
             |state: &mut Self, finished| {
-                state.live.is_changing = false;
+                (state.live.is_changing, state.live.is_ending) = (false, false);
                 if let Some(finished) = finished {
                     state.take_finished(finished);
                 }
             },
         );
+    }
+
+    /// Waits until nothing is recorded any more: the window is closed.
+    pub(super) fn finish_live(&mut self) {
+        self.live.session = None;
+        while self.live.is_ending && self.wait_for_outcome() {}
+        // One that has just begun is not listened to.
+        self.live.session = None;
     }
 
     fn take_finished(&mut self, finished: Finished) {
@@ -120,8 +130,8 @@ impl State {
         Some(Source::at(path).with(Extras { rig, ..Extras::default() }))
     }
 
-    /// Looks at what listens, once a frame; tells whether anything does.
-    pub fn follow_live(&mut self) -> bool {
+    /// Looks at what listens, once a frame, at a time of the window's clock (s); tells whether anything does.
+    pub fn follow_live(&mut self, now_s: f64) -> bool {
         let Some(session) = &self.live.session else { return self.live.is_changing };
         self.live.view = Some(session.view());
         let has_ended = session.has_ended();
@@ -136,11 +146,15 @@ impl State {
             self.stop_live();
             return true;
         }
-        // The next snapshot is taken once the last one has its answer, the joint estimate's too.
-        if growing.is_none_or(|open| open.analysing.is_none())
-            && let Some(deployment) = session.take_deployment()
-        {
-            self.grow(deployment);
+        // The next snapshot is taken once the last one has its answer, the joint estimate's too, and a rest after that.
+        if growing.is_none_or(|open| open.analysing.is_none()) {
+            self.live.pace.end(now_s);
+            if self.live.pace.is_free(now_s)
+                && let Some(deployment) = session.take_deployment()
+            {
+                self.live.pace.begin(now_s);
+                self.grow(deployment);
+            }
         }
         if has_ended {
             self.stop_live();
@@ -166,6 +180,59 @@ impl State {
         open.more = Some(deployment);
         // An answer is shown meanwhile, which is not wrong, but of fewer readings.
         open.analysing = Some(Analysing { number, since: Instant::now(), joint_follows: true });
+    }
+
+    /// Has a growing deployment read with what its source says now, what comes from now on too. Beside the window, for files are read.
+    pub(super) fn put_right_live(&mut self, id: u64, source: Source, step: bool) {
+        let Some(wanted) = self.live.wanted.clone() else { return };
+        let mut extras = source.extras.clone();
+        // What lies where the readings come from, or was named before, is read there.
+        let LiveForm { known, replay, .. } = &self.live.form;
+        if extras.rig == *replay || extras.rig == *known {
+            extras.rig = wanted.extras.rig.clone();
+        }
+        let topics = wanted.extras.put_right.topics.clone();
+        extras.put_right.topics = extras.put_right.topics.take().or(topics);
+        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        let before = open.source.replace(source.clone());
+        self.jobs.start_unnumbered(
+            move || Some(live::around(&wanted, &extras).map_err(|error| error.to_string())),
+            move |state: &mut Self, read| {
+                state.take_put_right(id, [before, Some(source)], step, read);
+            },
+        );
+    }
+
+    fn take_put_right(
+        &mut self,
+        id: u64,
+        [before, after]: [Option<Source>; 2],
+        step: bool,
+        read: Result<Growing, String>,
+    ) {
+        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        // What was put right since then counts.
+        let is_newest = open.source == after;
+        let around = match read {
+            Ok(around) => around,
+            Err(line) => {
+                if is_newest {
+                    open.source = before;
+                }
+                self.toasts.error(&line);
+                return;
+            }
+        };
+        let (Some(before), Some(after)) = (before, after) else { return };
+        if step {
+            self.record_extras(id, before.extras, after.extras.clone());
+        }
+        match &self.live.session {
+            _ if !is_newest => {}
+            Some(session) if !session.has_ended() => session.read_with(around),
+            // It is read as any other.
+            _ => self.replace_by(id, after, false),
+        }
     }
 
     /// An answer to the growing deployment, for the coach.

@@ -55,6 +55,10 @@ impl State {
             return;
         }
         let source = source.clone().with(extras);
+        if self.live.is_running() && self.live.id == Some(id) {
+            self.put_right_live(id, source, step);
+            return;
+        }
         self.give_up_replacing(id);
         self.replace_by(id, source, step);
     }

@@ -344,9 +344,8 @@ impl State {
 
     /// Waits for what is being written: the window is closed.
     pub fn finish(&mut self) {
-        // Its recording is ended.
-        self.live.session = None;
         self.take_outcomes();
+        self.finish_live();
         while !self.session.writing.is_empty() {
             match self.jobs.wait() {
                 Some(outcome) => outcome(self),

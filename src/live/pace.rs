@@ -1,0 +1,33 @@
+//! How often answers are begun: whoever calculates rests for as long as it took, so that a drive of a day keeps no laptop busy.
+
+/// Who calculates rests for this many times as long as it took.
+const REST: f64 = 1.0;
+
+/// One that calculates: busy, at rest, or free. Times are of a clock that only goes forward, from 0 (s).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pace {
+    busy_since_s: Option<f64>,
+    rests_until_s: f64,
+}
+
+impl Pace {
+    pub fn is_free(&self, now_s: f64) -> bool {
+        self.busy_since_s.is_none() && now_s >= self.rests_until_s
+    }
+
+    /// It begins, where it is free.
+    pub fn begin(&mut self, now_s: f64) -> bool {
+        let is_free = self.is_free(now_s);
+        if is_free {
+            self.busy_since_s = Some(now_s);
+        }
+        is_free
+    }
+
+    /// It has done what it began, if anything.
+    pub fn end(&mut self, now_s: f64) {
+        if let Some(since_s) = self.busy_since_s.take() {
+            self.rests_until_s = now_s + REST * (now_s - since_s);
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! The vehicle of a drive in progress: where it is, which manoeuvres lead on from there, and what they would read.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::sync::Arc;
+
+use nalgebra::{Rotation2, Vector2, Vector3};
+
+use super::drive::drive_with;
+use super::manoeuvres::{FigureEight, Loop, slalom_m};
+use super::past::AsDriven;
+use super::plan::{Ground, Instrument, Plan, Rig};
+use super::so_far::SoFar;
+use super::way::{Piece, Waypoint};
+use crate::deployment::pairwise_distances;
+use crate::pipeline::{FilteredTrack, Triplets};
+
+/// Tips of the figure-eights that are tried are so far apart (m).
+const EIGHTS_M: [f64; 2] = [16.0, 28.0];
+const LOOP_RADIUS_M: f64 = 6.0;
+/// Half loops, which turn back, are tighter (m).
+const HALF_RADIUS_M: f64 = 4.0;
+/// How far straight legs and slaloms lead (m).
+const LEGS_M: [f64; 2] = [12.0, 25.0];
+/// Where to, an eighth of a turn to the left each.
+const WHERE_TO: [&str; 8] = [
+    "ahead",
+    "half left",
+    "to the left",
+    "back on the left",
+    "back",
+    "back on the right",
+    "to the right",
+    "half right",
+];
+/// A pass near the stations leads this near to their middle (m).
+const NEAR_M: f64 = 15.0;
+/// Places that are nearer than this are no way to go (m).
+const NEXT_DOOR_M: f64 = 6.0;
+/// Directions are told from places this far apart (m).
+const HEADING_M: f64 = 0.5;
+/// Between what was read and what is tried (s).
+const PAUSE_S: f64 = 1.0;
+/// Places of the drive so far that are remembered.
+const MOST_PLACES: usize = 300;
+
+/// The vehicle where it is now.
+pub struct Here {
+    place_m: Vector2<f64>,
+    along: Vector2<f64>,
+    /// Where it was, some places after another.
+    driven_m: Vec<Vector2<f64>>,
+    as_driven: AsDriven,
+    ground_m: f64,
+}
+
+impl Here {
+    pub fn of(so_far: &SoFar<'_>) -> Option<Self> {
+        let triplets = so_far.triplets;
+        let placed = |index: usize| -> [Vector3<f64>; 3] {
+            let points_m = triplets.triplet_m(index);
+            std::array::from_fn(|station| {
+                so_far.station1_from_station[station].apply(&points_m[station])
+            })
+        };
+        let all_m: Vec<[Vector3<f64>; 3]> = (0..triplets.len()).map(placed).collect();
+        let middle_m = |at: &[Vector3<f64>; 3]| (at[0] + at[1] + at[2]) / 3.0;
+        let last_m = middle_m(all_m.last()?);
+        let before = all_m.iter().rev().map(|at| (last_m - middle_m(at)).xy());
+        let along = before.into_iter().find(|gone_m| gone_m.norm() > HEADING_M)?.normalize();
+        let as_driven = if pairwise_distances(so_far.prisms_m).contains(&0.0) {
+            AsDriven { prisms_m: [Vector3::zeros(); 3], slope_rms_rad: 0.0 }
+        } else {
+            AsDriven::of(so_far.prisms_m, &triplets.time_s, &all_m)?
+        };
+        let step = (all_m.len() / MOST_PLACES).max(1);
+        let driven_m = all_m.iter().step_by(step).map(|at| middle_m(at).xy()).collect();
+        Some(Self { place_m: last_m.xy(), along, driven_m, as_driven, ground_m: last_m.z })
+    }
+
+    /// Manoeuvres from here, in words and as ways in the frame of station 1.
+    pub fn candidates(&self, so_far: &SoFar<'_>) -> Vec<(String, Vec<Vector2<f64>>)> {
+        let heading_rad = self.along.y.atan2(self.along.x);
+        let mut all = Vec::new();
+        for length_m in EIGHTS_M {
+            let centre_m = self.place_m.into();
+            let eight = FigureEight { centre_m, length_m, heading_rad, times: 1 };
+            all.push((format!("drive a figure-eight of {length_m:.0} m here"), eight.places_m()));
+        }
+        for (side, hand) in [(1.0, "left"), (-1.0, "right")] {
+            for (name, radius_m, turns) in
+                [("loop", LOOP_RADIUS_M, 1.0), ("half loop", HALF_RADIUS_M, 0.5)]
+            {
+                let centre_m = (self.place_m + self.turned(side * FRAC_PI_2) * radius_m).into();
+                let from_rad = heading_rad - side * FRAC_PI_2;
+                let one = Loop { centre_m, radius_m, from_rad, turns: side * turns };
+                let what = format!("drive a {name} of {:.0} m to the {hand}", 2.0 * radius_m);
+                all.push((what, one.places_m()));
+            }
+        }
+        let mut to = |to_m: Vector2<f64>, where_to: &str| {
+            all.push((format!("drive straight {where_to}"), vec![self.place_m, to_m]));
+            all.push((
+                format!("drive a slalom {where_to}"),
+                slalom_m(self.place_m, to_m, &self.along),
+            ));
+        };
+        for (eighth, way) in (0..).zip(WHERE_TO) {
+            let along = self.turned(f64::from(eighth) * FRAC_PI_4);
+            for leg_m in LEGS_M {
+                to(self.place_m + along * leg_m, &format!("{way} for {leg_m:.0} m"));
+            }
+        }
+        let stations = so_far.station1_from_station.map(|at| at.translation_m.xy());
+        let middle_m = (stations[0] + stations[1] + stations[2]) / 3.0;
+        let away_m = self.place_m - middle_m;
+        if away_m.norm() > NEAR_M + LEGS_M[1] / 2.0 {
+            let near_m = middle_m + away_m.normalize() * NEAR_M;
+            to(near_m, &format!("to {NEAR_M:.0} m from the stations"));
+        }
+        let least = self.least_visited_m(so_far).map(|far_m| (far_m, "where it was not yet"));
+        for (far_m, what) in least.into_iter().chain(ends_m(so_far, middle_m)) {
+            if (far_m - self.place_m).norm() > NEXT_DOOR_M {
+                to(far_m, &format!("to ({:.0}, {:.0}), {what}", far_m.x, far_m.y));
+            }
+        }
+        all
+    }
+
+    /// Of the places where the vehicle is to be known, the one that is furthest from all that was driven.
+    fn least_visited_m(&self, so_far: &SoFar<'_>) -> Option<Vector2<f64>> {
+        let away_m = |place_m: &Vector2<f64>| {
+            let driven_m = self.driven_m.iter().map(|at| (at - place_m).norm());
+            driven_m.fold(f64::INFINITY, f64::min)
+        };
+        let places_m = so_far.places_m.iter().map(Vector3::xy);
+        places_m.max_by(|a, b| away_m(a).total_cmp(&away_m(b)))
+    }
+
+    fn turned(&self, by_rad: f64) -> Vector2<f64> {
+        Rotation2::new(by_rad) * self.along
+    }
+
+    /// The triplets so far with those of a manoeuvre, and how long it takes (s).
+    pub fn driven(&self, so_far: &SoFar<'_>, way_m: &[Vector2<f64>]) -> Option<(Triplets, f64)> {
+        let [_, second, third] = so_far.station1_from_station;
+        let rig = Rig { prisms_m: self.as_driven.prisms_m, ..Rig::default() };
+        let plan = Plan {
+            speed_m_per_s: so_far.speed_m_per_s,
+            turn_radius_m: so_far.turn_radius_m,
+            stations_m: so_far.station1_from_station.map(|at| at.translation_m),
+            ground: Ground {
+                height_m: self.ground_m,
+                slope_rms_rad: self.as_driven.slope_rms_rad,
+                ..Ground::default()
+            },
+            rig,
+            instrument: Instrument { rate_hz: so_far.rate_hz, ..Instrument::default() },
+            thresholds: so_far.thresholds,
+            // The vehicle heads as it does, wherever it is to go.
+            way: vec![Piece::Waypoints(
+                std::iter::once(self.place_m - self.along * HEADING_M)
+                    .chain(way_m.iter().copied())
+                    .map(Waypoint::at)
+                    .collect(),
+            )],
+            ..Plan::default()
+        };
+        let driven = drive_with(&plan, [second.yaw_rad, third.yaw_rad]).ok()?;
+        let takes_s = driven.simulated.scenario.duration_s;
+        Some((joined(so_far.triplets, &driven.pipeline.triplets), takes_s))
+    }
+}
+
+/// Triplets and, after a pause, those of a drive that begins where they end.
+fn joined(so_far: &Triplets, next: &Triplets) -> Triplets {
+    let begins_s = next.time_s.first().copied().unwrap_or_default();
+    let later_s = so_far.time_s.last().map_or(0.0, |last_s| last_s + PAUSE_S - begins_s);
+    let intervals = so_far.interval.last().map_or(0, |last| last + 1);
+    let times_s = |all: &[f64]| all.iter().map(|t| t + later_s).collect::<Vec<_>>();
+    let track = |station: usize| {
+        let (own, more) = (&so_far.readings[station], &next.readings[station]);
+        // What a station read last in a gap of the others lies after what is tried: it tells nothing.
+        let before = own.time_s.partition_point(|t| *t < begins_s + later_s);
+        FilteredTrack {
+            time_s: [own.time_s[..before].to_vec(), times_s(&more.time_s)].concat(),
+            position_m: [&own.position_m[..before], &more.position_m].concat(),
+            ..FilteredTrack::default()
+        }
+    };
+    let points_m =
+        [0, 1, 2].map(|station| [&so_far.points_m[station][..], &next.points_m[station]].concat());
+    let interval = next.interval.iter().map(|interval| interval + intervals);
+    let mut joined = Triplets::new(
+        [so_far.time_s.clone(), times_s(&next.time_s)].concat(),
+        so_far.interval.iter().copied().chain(interval).collect(),
+        points_m,
+    );
+    joined.restarts_s.clone_from(&so_far.restarts_s);
+    joined.readings = Arc::new([track(0), track(1), track(2)]);
+    joined
+}
+
+/// Of the places where the vehicle is to be known, the ends as they are seen from the stations.
+fn ends_m(so_far: &SoFar<'_>, middle_m: Vector2<f64>) -> Vec<(Vector2<f64>, &'static str)> {
+    let places_m: Vec<Vector2<f64>> = so_far.places_m.iter().map(Vector3::xy).collect();
+    let mean_m = places_m.iter().sum::<Vector2<f64>>() / places_m.len().max(1) as f64;
+    let Some(out) = (mean_m - middle_m).try_normalize(1e-6) else { return Vec::new() };
+    let left = Vector2::new(-out.y, out.x);
+    let ends = [
+        (out, "the far end"),
+        (left, "the left end"),
+        (-left, "the right end"),
+        (-out, "the near end"),
+    ];
+    let end_m = |(towards, what): (Vector2<f64>, &'static str)| {
+        let furthest = places_m.iter().max_by(|a, b| a.dot(&towards).total_cmp(&b.dot(&towards)));
+        Some((*furthest?, what))
+    };
+    ends.into_iter().filter_map(end_m).collect()
+}

@@ -1,0 +1,65 @@
+//! What is put right while a deployment comes in is said of what came already, and of what comes.
+
+use resect::deployment::{AzimuthSense, Deployment, Extras, Growing, Overrides, PrismConstants};
+use resect::live::event::{Event, Sent};
+use resect::live::{Engine, bonn, replay};
+use resect::progress::Progress;
+
+use crate::common::sample_folder;
+
+fn around(put_right: &Overrides) -> Growing {
+    let extras = Extras { put_right: put_right.clone(), ..Extras::default() };
+    let folder = sample_folder("hd2-tunnel");
+    Growing::around("live", Some(&folder), &extras, &Progress::default()).expect("a folder")
+}
+
+/// The deployment of some messages, begun with one thing said, and another after so many.
+fn heard(sent: &[Sent], first: &Overrides, then: Option<(usize, &Overrides)>) -> Deployment {
+    let mut engine = Engine::new(around(first), Some(1.0), None, 2e-3);
+    engine.take(Event::Connected("robot".to_owned()), 0.0);
+    engine.take(Event::Channel(bonn::Protocol::channel()), 0.0);
+    for (k, one) in sent.iter().enumerate() {
+        if let Some((_, then)) = then.filter(|(from, _)| *from == k) {
+            engine.read_with(around(then));
+            let view = engine.view(0.0);
+            assert!(
+                view.answer.is_none() && view.first.is_none(),
+                "answers were to other readings"
+            );
+        }
+        engine.take(Event::Message(one.clone()), 0.0);
+    }
+    engine.deployment().expect("readings")
+}
+
+#[test]
+fn it_is_as_if_it_had_been_said_in_the_beginning() {
+    let deployment = resect::deployment::open(&sample_folder("hd2-tunnel")).expect("a sample");
+    let sent: Vec<Sent> = replay::messages(&deployment, [0.01; 3]).collect();
+    let nothing = Overrides::default();
+    let last_s = deployment.end_s().expect("readings");
+    for put_right in [
+        Overrides { stations: Some([2, 3, 1]), ..nothing.clone() },
+        Overrides { azimuth: Some(AzimuthSense::CounterClockwise), ..nothing.clone() },
+        Overrides {
+            prism_constant_m: Some(PrismConstants::Each([0.0, 0.01, 0.02])),
+            inter_prism_m: Some([0.4, 0.41, 0.42]),
+            span_s: Some([0.0, last_s]),
+            ..nothing.clone()
+        },
+    ] {
+        let expected = heard(&sent, &put_right, None);
+        for from in [1, sent.len() / 2, sent.len() - 1] {
+            let found = heard(&sent, &nothing, Some((from, &put_right)));
+            assert_eq!(found.tracks, expected.tracks, "{put_right:?}");
+            assert_eq!(found.rig, expected.rig);
+            let said = |of: &Deployment| -> Vec<String> {
+                of.findings.iter().map(ToString::to_string).collect()
+            };
+            assert_eq!(said(&found), said(&expected));
+            // And back again, as when it is undone.
+            let back = heard(&sent, &put_right, Some((from, &nothing)));
+            assert_eq!(back.tracks, heard(&sent, &nothing, None).tracks);
+        }
+    }
+}
