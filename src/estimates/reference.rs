@@ -2,11 +2,13 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::analysis::Analysis;
+use crate::analysis::{Analysis, Answer};
 use crate::calibration::joint::prisms::ByConstants;
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
-use crate::evaluation::vehicle::{Instants, NoTrajectory, common_errors, prism_by, trajectory_by};
+use crate::evaluation::vehicle::{
+    Instants, NoTrajectory, common_errors, largest_about, prism_by, trajectory_by,
+};
 
 /// What is true at one instant, as far as the ground truth knows: all in station 1's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +20,8 @@ pub struct True {
     pub turned: Option<Turned>,
     /// Covariance of the position (m²).
     pub covariance_m2: Matrix3<f64>,
-    /// By how much the readings around the instant contradict the rig, at most (m): what no error of an estimate does.
+    /// By how much the readings around the instant contradict the rig, or each other where all are of one prism, at most (m):
+    /// what no error of an estimate does.
     pub contradiction_m: f64,
 }
 
@@ -56,13 +59,14 @@ impl<'a> Reference<'a> {
 
     /// The truth at those of the times at which there is any, in order of time.
     pub fn at(&self, wanted: Instants<'_>) -> Result<Vec<True>, NoTrajectory> {
-        let Ok(answer) = &self.analysis.answer else {
-            return Err(NoTrajectory::NoMotion(self.deployment.name.clone()));
-        };
+        let answer = self.analysis.answer.as_ref().map_err(|why| NoTrajectory::NoAnswer {
+            name: self.deployment.name.clone(),
+            why: why.to_string(),
+        })?;
         if self.has_orientation() {
             self.of_rig(&answer.calibration, wanted)
         } else {
-            self.of_prism(&answer.calibration, wanted)
+            self.of_prism(answer, wanted)
         }
     }
 
@@ -101,13 +105,11 @@ impl<'a> Reference<'a> {
         Ok(known.collect())
     }
 
-    fn of_prism(
-        &self,
-        calibration: &Calibration,
-        wanted: Instants<'_>,
-    ) -> Result<Vec<True>, NoTrajectory> {
+    fn of_prism(&self, answer: &Answer, wanted: Instants<'_>) -> Result<Vec<True>, NoTrajectory> {
         let triplets = self.analysis.triplets();
-        let found = prism_by(self.deployment, triplets, calibration, wanted)?;
+        let found = prism_by(self.deployment, triplets, &answer.calibration, wanted)?;
+        // The stations read one prism: how far apart they see it is what their readings contradict each other by.
+        let apart_mm = &answer.evaluation.distance_errors_mm;
         Ok(found
             .into_iter()
             .map(|at| True {
@@ -116,7 +118,7 @@ impl<'a> Reference<'a> {
                 velocity_m_per_s: at.velocity_m_per_s,
                 turned: None,
                 covariance_m2: at.position_covariance,
-                contradiction_m: 0.0,
+                contradiction_m: 1e-3 * largest_about(at.time_s, &triplets.time_s, apart_mm),
             })
             .collect())
     }

@@ -157,11 +157,9 @@ impl Solution {
             }))
         };
         let about_cuts = (0..drive.pieces.len()).into_par_iter().map(about_cut);
-        let (taken_s, about_cuts): (Vec<Option<[f64; 2]>>, Vec<Option<Vec<T>>>) = about_cuts
-            .collect::<Result<Vec<_>, Cancelled>>()?
-            .into_iter()
-            .map(Option::unzip)
-            .unzip();
+        let about_cuts: Vec<_> = about_cuts.collect::<Result<_, Cancelled>>()?;
+        let (taken_s, about_cuts): (Vec<_>, Vec<_>) =
+            about_cuts.into_iter().map(Option::unzip).unzip();
         let of_stretch = |index: usize, band: &Band<LOCAL, ROW>| {
             let stretch = &drive.pieces[index].stretch;
             let (before, after) = (index.checked_sub(1).and_then(|k| taken_s[k]), taken_s[index]);

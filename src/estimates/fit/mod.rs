@@ -175,7 +175,7 @@ fn thinned(poses: &[EstimatedPose]) -> Vec<EstimatedPose> {
 }
 
 /// The frame by plain least squares, clock and lever arm as they are.
-fn align(
+pub fn align(
     fit: &mut Fit,
     pairs: &[(&EstimatedPose, &True)],
     alignment: Alignment,
