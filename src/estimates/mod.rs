@@ -34,7 +34,7 @@ use fit::Fit;
 use metrics::{Ape, RelativeErrors};
 use odd::{OddOne, OddSpan};
 use ranking::Comparison;
-use reference::{Reference, True};
+use reference::{Reference, True, sound};
 use unfit::Unfit;
 
 /// A trajectory as another system estimated it.
@@ -214,9 +214,9 @@ pub fn judge(
             Err(why) => unjudged.push((name, why)),
         }
     }
-    let sound: Vec<&[EpochError]> = compared.iter().map(|one| &one.by_sound[..]).collect();
+    let by_sound: Vec<&[EpochError]> = compared.iter().map(|one| &one.by_sound[..]).collect();
     let mut odd: Vec<Vec<OddSpan>> =
-        (0..sound.len()).map(|own| odd::spans(own, &sound, &compared[own].truths)).collect();
+        (0..by_sound.len()).map(|own| odd::spans(own, &by_sound, &compared[own].truths)).collect();
     let by_readings =
         |span: &&mut OddSpan| matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut);
     if let Ok(answer) = &analysis.answer {
@@ -266,12 +266,9 @@ fn judge_one(
         .body_rotation
         .map(|_| Ape::of(errors.iter().filter_map(|error| Some(error.rotation_rad?.norm()))));
     let relative = metrics::relative(&matched, &fit, &RELATIVE_M);
-    let limit_m = odd::contradiction_limit_m(matched.iter().map(|(_, truth)| *truth));
-    let is_sound = |(_, truth): &&(_, &True)| truth.contradiction_m <= limit_m;
-    let sound: Vec<_> = matched.iter().filter(is_sound).copied().collect();
     let mut by_sound = fit.clone();
     // Where too few are left, they are no better than all.
-    if fit::align(&mut by_sound, &sound, options.alignment).is_err() {
+    if fit::align(&mut by_sound, &sound(&matched), options.alignment).is_err() {
         by_sound = fit.clone();
     }
     let by_sound = errors::errors(&matched, &by_sound);

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::errors::EpochError;
-use super::reference::True;
+use super::reference::{True, contradiction_limit_m};
 use crate::deployment::PAIRS;
 use crate::statistics::median;
 
@@ -23,9 +23,6 @@ const STEP_S: f64 = 1.0;
 const TOGETHER_S: f64 = 2.0;
 /// Fewer odd epochs than this are noise.
 const FEWEST: usize = 3;
-/// Readings that contradict the rig this many times as much as usual, and by so much, are wrong.
-const CONTRADICTED_TIMES: f64 = 4.0;
-const CONTRADICTED_M: f64 = 0.01;
 /// Estimates agree against the ground truth if they differ by less than this share of their error.
 const AGREE: f64 = 0.4;
 
@@ -107,12 +104,6 @@ pub fn station_at_fault(
             (0..3).partition(|pair| [PAIRS[*pair].0, PAIRS[*pair].1].contains(station));
         own.iter().all(|pair| off[other[0]] < NO_PART * off[*pair])
     })
-}
-
-/// By how much readings contradict the rig, or each other, at most where they are not wrong (m).
-pub fn contradiction_limit_m<'a>(truths: impl Iterator<Item = &'a True>) -> f64 {
-    let usual_m = median(truths.map(|truth| truth.contradiction_m)).unwrap_or_default();
-    (CONTRADICTED_TIMES * usual_m).max(CONTRADICTED_M)
 }
 
 /// The odd spans of one estimate beside all of them, without stations; `truths` are at the times of its errors.

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::EstimatedPose;
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::joint::prisms::ByConstants;
 use crate::calibration::{Calibration, Targets};
@@ -9,6 +10,7 @@ use crate::deployment::Deployment;
 use crate::evaluation::vehicle::{
     Instants, NoTrajectory, common_errors, largest_about, prism_by, trajectory_by,
 };
+use crate::statistics::median;
 
 /// What is true at one instant, as far as the ground truth knows: all in station 1's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +34,23 @@ pub struct Turned {
     /// Covariance of the rotation vector (rad²), and of it with the position (rad m), rows the rotation.
     pub covariance_rad2: Matrix3<f64>,
     pub with_position: Matrix3<f64>,
+}
+
+/// Readings that contradict the rig this many times as much as usual, and by so much, are wrong.
+const CONTRADICTED_TIMES: f64 = 4.0;
+const CONTRADICTED_M: f64 = 0.01;
+
+/// By how much readings contradict the rig, or each other, at most where they are not wrong (m).
+pub fn contradiction_limit_m<'a>(truths: impl Iterator<Item = &'a True>) -> f64 {
+    let usual_m = median(truths.map(|truth| truth.contradiction_m)).unwrap_or_default();
+    (CONTRADICTED_TIMES * usual_m).max(CONTRADICTED_M)
+}
+
+/// Poses with what is true then, without those at which the readings are wrong: a ground truth that is metres off for some
+/// seconds tells nothing of an estimate's clock, lever arm and frame.
+pub fn sound<'a>(pairs: &[(&'a EstimatedPose, &'a True)]) -> Vec<(&'a EstimatedPose, &'a True)> {
+    let limit_m = contradiction_limit_m(pairs.iter().map(|(_, truth)| *truth));
+    pairs.iter().filter(|(_, truth)| truth.contradiction_m <= limit_m).copied().collect()
 }
 
 /// Where the ground truth comes from.

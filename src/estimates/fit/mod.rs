@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector, Rotation3, UnitQuaternion, Vector3};
 use self::body::turn_body;
 use self::pieces::{Pieces, by_common};
 use super::errors::matched;
-use super::reference::{Reference, True};
+use super::reference::{Reference, True, sound};
 use super::time_offset;
 use super::unfit::Unfit;
 use super::{Alignment, Body, Estimate, EstimatedPose, Options, Unjudged};
@@ -129,7 +129,7 @@ pub fn fit(
     let thinned = thinned(poses);
     if sought.clock || sought.lever {
         let truths = at(reference, &thinned, offset_s)?;
-        align(&mut state.fit, &matched(&thinned, &truths, offset_s), sought.frame)
+        align(&mut state.fit, &sound(&matched(&thinned, &truths, offset_s)), sought.frame)
             .map_err(unfit)?;
         refine(&mut state, reference, &thinned, &mut sought, estimate)?;
     }
@@ -239,7 +239,7 @@ fn refine(
     let mut asked_s = state.fit.time_offset_s;
     let mut truths = at(reference, poses, asked_s)?;
     for _ in 0..MOST_STEPS {
-        let pairs = matched(poses, &truths, asked_s);
+        let pairs = sound(&matched(poses, &truths, asked_s));
         if pairs.len() < FEWEST_EPOCHS {
             return Err(unfit(Unfit::FewEpochs));
         }
