@@ -129,9 +129,11 @@ pub fn fit(
     let thinned = thinned(poses);
     if sought.clock || sought.lever {
         let truths = at(reference, &thinned, offset_s)?;
-        align(&mut state.fit, &sound(&matched(&thinned, &truths, offset_s)), sought.frame)
-            .map_err(unfit)?;
-        refine(&mut state, reference, &thinned, &mut sought, estimate)?;
+        // Once and for all: a set that changes with the clock would not let it settle.
+        let sound = sound(&matched(&thinned, &truths, offset_s));
+        align(&mut state.fit, &sound, sought.frame).map_err(unfit)?;
+        let poses: Vec<EstimatedPose> = sound.iter().map(|(pose, _)| **pose).collect();
+        refine(&mut state, reference, &poses, &mut sought, estimate)?;
     }
     let mut fit = state.fit;
     if options.time_offset_s.is_none() && fit.time_offset_s.abs() > FAR_S {
@@ -239,7 +241,7 @@ fn refine(
     let mut asked_s = state.fit.time_offset_s;
     let mut truths = at(reference, poses, asked_s)?;
     for _ in 0..MOST_STEPS {
-        let pairs = sound(&matched(poses, &truths, asked_s));
+        let pairs = matched(poses, &truths, asked_s);
         if pairs.len() < FEWEST_EPOCHS {
             return Err(unfit(Unfit::FewEpochs));
         }
