@@ -93,9 +93,13 @@ pub const INTERVALS: [Rgb; 7] = [
     [0, 114, 178],
 ];
 
-/// A trajectory of another system, numbered from 0: the colours of the set that no station has.
+/// Trajectories of other systems: purple, violet, vermilion, brown, none of them near a station's or on the scale by which
+/// their errors are coloured.
+const ESTIMATES: [Rgb; 4] = [[204, 121, 167], [130, 80, 220], [213, 94, 0], [140, 84, 50]];
+
+/// A trajectory of another system, numbered from 0.
 pub fn estimate(number: usize) -> Rgb {
-    INTERVALS[3 + number % 4]
+    ESTIMATES[number % ESTIMATES.len()]
 }
 
 /// Another run that is open, numbered from 0: tints that no station, pair or trajectory has.
@@ -169,6 +173,15 @@ mod tests {
             }
             for other in &PAIRS[..index] {
                 assert!(difference(pair, *other) > 0.2, "{pair:?} {other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_trajectory_is_not_taken_for_a_station_or_for_an_error() {
+        for (index, own) in ESTIMATES.into_iter().enumerate() {
+            for other in STATIONS.iter().chain(&VIRIDIS).chain(&ESTIMATES[..index]) {
+                assert!(difference(own, *other) > 0.12, "{own:?} {other:?}");
             }
         }
     }

@@ -13,13 +13,15 @@ use resect::analysis::Analysis;
 use resect::calibration::Method;
 use resect::deployment::Deployment;
 use resect::estimates::odd::{OddOne, OddSpan};
-use resect::estimates::{Estimate, EstimatedPose, Judgement, Options, judge, read};
-use resect::simulation::{EPOCH_S, ErrorKind, Preset, Scenario, simulate, simulate_scenario};
-use slam::{SLAM, Slam, driven, with_frame};
+use resect::estimates::{Body, Estimate, Judgement, Options, judge, read};
+use resect::simulation::{
+    EPOCH_S, ErrorKind, Preset, Scenario, Simulated, simulate, simulate_scenario,
+};
+use slam::{SLAM, Slam, driven, with_frame, write_tum};
 
 fn judged(deployment: &Deployment, estimates: Vec<Estimate>, options: &Options) -> Judgement {
     let analysis: Analysis = analyse(deployment, &by(Method::Joint));
-    judge(deployment, &analysis, estimates, options)
+    judge(deployment, &analysis, estimates.into_iter().map(|one| (one, *options)).collect())
 }
 
 #[test]
@@ -49,6 +51,131 @@ fn clock_lever_arm_and_turn_of_the_body_are_found_with_their_sigma() {
         let rmse_m = found.judged[0].position.rmse;
         assert!((0.01..0.05).contains(&rmse_m), "{rmse_m}");
     }
+}
+
+/// A drive whose stations all follow one prism, on ground that is as uneven as the rig's.
+fn one_prism(seed: u64, kinds: &[ErrorKind]) -> (Simulated, Deployment) {
+    let drawn_errors = kinds.to_vec();
+    let scenario = Scenario { drawn_errors, ..Preset::SinglePrism.scenario() };
+    let simulated = simulate_scenario(&scenario, seed);
+    let deployment = simulated.deployment().expect("valid");
+    (simulated, deployment)
+}
+
+/// Of one prism the ground truth knows positions alone: clock and lever arm are found all the same, by the estimate's own
+/// orientations, and nothing is said of how the vehicle is turned.
+#[test]
+fn of_one_prism_clock_and_lever_arm_are_found_and_no_orientation_is_claimed() {
+    let lever_m = Vector3::new(0.45, -0.2, 0.6);
+    let turn_rad = Vector3::new(0.1, -0.4, 1.3);
+    let turn = UnitQuaternion::from_scaled_axis(turn_rad);
+    let mut over_sigma: Vec<[f64; 4]> = Vec::new();
+    for seed in 0..6 {
+        let kinds = if seed < 3 { &[][..] } else { &ErrorKind::ALL };
+        let (simulated, deployment) = one_prism(100 + seed, kinds);
+        let analysis = analyse(&deployment, &by(Method::Joint));
+        for clock_s in [0.0, 0.237, -37.0] {
+            let slam = Slam { seed, clock_s, lever_m, turn_rad, drift_m: 0.0, ..SLAM };
+            let estimate = slam.drive(&simulated);
+            let found = judge(&deployment, &analysis, vec![(estimate, Options::default())]);
+            assert!(found.unjudged.is_empty(), "{:?}", found.unjudged);
+            let one = &found.judged[0];
+            let fit = &one.fit;
+            assert!(one.rotation.is_none() && fit.body_rotation.is_none(), "{fit:?}");
+            assert!(fit.body_rotation_sigma_rad.is_none() && one.relative.is_empty());
+            assert!(one.errors.iter().all(|e| e.rotation_rad.is_none()));
+            // Where the prism is in the body.
+            let prism_m = turn.inverse() * (simulated.truth.prisms_m[0] - lever_m);
+            let off_m = fit.lever_arm_m.expect("found") - prism_m;
+            let sigma_m = fit.lever_arm_sigma_m.expect("found");
+            let off_s = fit.time_offset_s + clock_s;
+            let sigma_s = fit.time_offset_sigma_s.expect("found");
+            assert!(sigma_s < 0.02 && sigma_m.min() < 0.05, "{sigma_s} s, {sigma_m}");
+            let over = off_m.component_div(&sigma_m);
+            over_sigma.push([off_s / sigma_s, over.x, over.y, over.z]);
+            let rmse_m = one.position.rmse;
+            assert!((0.01..0.05).contains(&rmse_m), "{rmse_m}");
+            assert!(one.odd.is_empty(), "{:?}", one.odd);
+        }
+    }
+    let count = over_sigma.len() as f64;
+    let rms =
+        [0, 1, 2, 3].map(|k| (over_sigma.iter().map(|o| o[k] * o[k]).sum::<f64>() / count).sqrt());
+    eprintln!("errors of clock and lever arm of one prism over their σ: {rms:.2?}");
+    assert!(rms.iter().all(|over| (0.1..1.6).contains(over)), "{rms:.2?}");
+}
+
+/// Positions alone, of the estimate and of the ground truth: no lever arm is known to anybody.
+#[test]
+fn positions_are_judged_by_one_prism_and_a_lever_arm_is_refused() {
+    let (simulated, deployment) = one_prism(7, &[]);
+    let mut estimate = SLAM.drive(&simulated);
+    let prism_m = simulated.truth.prisms_m[0];
+    for pose in &mut estimate.poses {
+        let orientation = pose.orientation.take().expect("turned");
+        pose.position_m += orientation * prism_m;
+    }
+    let found = judged(&deployment, vec![estimate.clone()], &Options::default());
+    let one = &found.judged[0];
+    assert!(one.fit.lever_arm_m.is_none() && one.fit.lever_arm_sigma_m.is_none());
+    assert!(one.fit.time_offset_sigma_s.is_some_and(|sigma_s| sigma_s < 0.02));
+    assert!((0.01..0.05).contains(&one.position.rmse), "{}", one.position.rmse);
+    let given = Options { body: Body::Lever(prism_m), ..Options::default() };
+    let refused = judged(&deployment, vec![estimate.clone()], &given);
+    assert!(refused.unjudged[0].1.to_string().contains("needs orientations"));
+    // By the paper's method C there is no motion to ask at an estimate's times, and that is said.
+    let analysis = analyse(&deployment, &by(Method::DynamicGcp));
+    let found = judge(&deployment, &analysis, vec![(estimate, Options::default())]);
+    let why = &found.unjudged[0].1;
+    assert!(why.to_string().contains("joint estimate") && why.flag() == Some("--method joint"));
+}
+
+/// The stations see one prism three times: where one of them is wrong they contradict each other, and an estimate does not make
+/// them do so.
+#[test]
+fn who_is_wrong_is_told_by_one_prism_too() {
+    let (mut right, mut told) = ([0; 2], 0);
+    const DRIVES: u64 = 8;
+    for seed in 0..DRIVES {
+        let (simulated, deployment) = one_prism(20 + seed, &[]);
+        let from_s = EPOCH_S + 40.0 + 20.0 * seed as f64;
+        let is_in = |time_s: f64| (from_s..from_s + 8.0).contains(&time_s);
+        let mut wrong = Slam { drift_m: 0.01, seed, ..SLAM }.drive(&simulated);
+        for pose in wrong.poses.iter_mut().filter(|pose| is_in(pose.time_s)) {
+            pose.position_m += Vector3::new(0.3, 0.0, 0.0);
+        }
+        let found = judged(&deployment, vec![wrong], &Options::default());
+        let odd = &found.judged[0].odd;
+        let seen = found.judged[0].errors.iter().filter(|error| is_in(error.time_s)).count() > 3;
+        let blamed = |span: &OddSpan| span.odd_one == OddOne::Estimate;
+        right[0] += u64::from((!seen || !odd.is_empty()) && odd.iter().all(blamed));
+
+        let mut broken = deployment.clone();
+        let station = (seed % 3) as usize;
+        for reading in &mut broken.tracks[station].measurements {
+            if is_in(reading.time_s) {
+                if seed % 2 == 0 {
+                    reading.range_m += 0.3;
+                } else {
+                    reading.azimuth_rad += 5.0_f64.to_radians();
+                }
+            }
+        }
+        let found = judged(&broken, vec![SLAM.drive(&simulated)], &Options::default());
+        assert!(found.unjudged.is_empty(), "{seed}: {:?}", found.unjudged);
+        // Neither do they move its clock.
+        let fit = &found.judged[0].fit;
+        let off = fit.time_offset_s / fit.time_offset_sigma_s.expect("found");
+        assert!(off.abs() < 4.0, "{seed}: {off}");
+        let odd = &found.judged[0].odd;
+        let of_readings = |span: &OddSpan| {
+            matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut)
+                && span.station.is_none_or(|told| told == station)
+        };
+        right[1] += u64::from(odd.iter().all(of_readings));
+        told += u64::from(odd.iter().any(|span| span.station == Some(station)));
+    }
+    assert!(right == [DRIVES; 2] && told >= 3, "{right:?} {told}");
 }
 
 /// Errors of the clock and of the lever arm's three axes over their stated σ, root mean square over drives, each with several
@@ -230,17 +357,6 @@ fn said(command: &mut Command) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-fn write_tum(estimate: &Estimate, path: &Path) {
-    let line = |pose: &EstimatedPose| {
-        let (t, q) = (pose.position_m, pose.orientation.expect("turned"));
-        format!(
-            "{:.6} {:.9} {:.9} {:.9} {:.9} {:.9} {:.9} {:.9}\n",
-            pose.time_s, t.x, t.y, t.z, q.i, q.j, q.k, q.w
-        )
-    };
-    std::fs::write(path, estimate.poses.iter().map(line).collect::<String>()).expect("written");
-}
-
 #[test]
 fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -272,6 +388,25 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     let path = own.to_str().expect("UTF-8");
     assert!(!evaluate(&["lio.tum"], &["--csv", path]).output().expect("runs").status.success());
     assert_eq!(std::fs::read(&own).expect("there"), kept);
+    // Two systems have two clocks and two bodies: what is known of one is found of the other.
+    let own = ["--time-offset", "0.25", "--time-offset", "found", "--body", "found"];
+    let own = [&own[..], &["--body", "0.1,-0.2,0", "--align", "rigid", "--json"]].concat();
+    let found: serde_json::Value =
+        serde_json::from_str(&said(&mut evaluate(&["lio.tum", "vio.tum"], &own))).expect("JSON");
+    let [lio, vio] = [0, 1].map(|index| &found["estimates"][index]);
+    assert!(lio["time_offset_s"] == 0.25 && lio["time_offset_sigma_s"].is_null(), "{lio}");
+    assert!(vio["time_offset_sigma_s"].is_f64() && lio["lever_arm_sigma_m"].is_array(), "{vio}");
+    assert_eq!(vio["lever_arm_m"], serde_json::json!([0.1, -0.2, 0.0]));
+    let thrice = ["--align", "rigid", "--align", "none", "--align", "none"];
+    for (more, part) in [
+        (&thrice[..], "--align is given 3 times and there are 2 trajectories"),
+        (&["--body", "1,2"], "found, same, or three numbers"),
+        (&["--time-offset", "nan"], "a number of seconds, or found"),
+    ] {
+        let output = evaluate(&["lio.tum", "vio.tum"], more).output().expect("runs");
+        let why = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && why.contains(part), "{why}");
+    }
     // An estimate of another drive, a line, and a handful of poses.
     let line = |name: &str, count: usize, along: fn(f64) -> [f64; 3]| {
         let pose = |i: usize| {

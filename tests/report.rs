@@ -230,14 +230,15 @@ fn no_name_can_break_the_page() {
     let mut estimate = Estimate {
         name: hostile.to_owned(),
         path: hostile.into(),
+        topic: None,
         poses: Vec::new(),
         findings: Vec::new(),
     };
-    let few = judge(&deployment, &analysis, vec![estimate.clone()], &Options::default());
+    let few = judge(&deployment, &analysis, vec![(estimate.clone(), Options::default())]);
     assert_eq!(few.unjudged.len(), 1);
     estimate.poses = own_poses(&deployment, &analysis);
-    let all = vec![estimate.clone(), estimate];
-    let judgement = judge(&deployment, &analysis, all, &Options::default());
+    let all = vec![(estimate, Options::default()); 2];
+    let judgement = judge(&deployment, &analysis, all);
     assert_eq!(judgement.judged.len(), 2);
     let judgement = Some(Judgement { unjudged: few.unjudged, ..judgement }.into());
     let chapter = Chapter::Analysed { deployment: deployment.into(), analysis, files, judgement };

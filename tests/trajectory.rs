@@ -6,11 +6,13 @@ use std::process::Command;
 
 use common::{analyse, answer, by, of_field, published, sample_folder};
 use resect::calibration::Method;
+use resect::calibration::joint::prisms::{Instant, Prisms};
 use resect::deployment::{Sample, open};
 use resect::evaluation::vehicle::{
     Instants, NoTrajectory, VehicleFrame, prism_by, trajectory_by, vehicle_trajectory,
 };
-use resect::simulation::{EPOCH_S, Preset, simulate};
+use resect::progress::Progress;
+use resect::simulation::{EPOCH_S, Preset, simulate, simulate_scenario};
 
 const LIMIT_M: f64 = 0.020;
 
@@ -254,6 +256,55 @@ fn a_pose_is_less_certain_where_readings_end_and_none_is_made_up_in_a_gap() {
     let (end, middle) = (median(ends), median(middles));
     // Most of both is the calibration's.
     assert!(end > 1.05 * middle, "{end} at the ends, {middle} in the middle");
+}
+
+/// A drive that is read without a pause is cut into stretches of a hundred knots at most, and nothing tells where: about a cut
+/// the prisms are as certain as elsewhere, and do not jump. (Knots of the two motions that go over into each other are not the
+/// same, which is where what is left comes from.)
+#[test]
+fn nothing_tells_where_a_long_stretch_is_cut() {
+    let mut found = Vec::new();
+    for seed in 0..2 {
+        let mut scenario = Preset::Warthog.scenario();
+        scenario.noise.outlier_share = 0.0;
+        scenario.noise.lost_locks_per_minute = 0.0;
+        scenario.noise.wrong_targets_per_minute = 0.0;
+        let deployment = simulate_scenario(&scenario, seed).deployment().expect("valid");
+        let mut settings = by(Method::Joint);
+        settings.pipeline.outlier_filter = false;
+        let analysis = analyse(&deployment, &settings);
+        let joint = answer(&analysis).calibration.joint().expect("a joint estimate");
+        let spans_s: Vec<[f64; 2]> = joint.solution.spans_s().collect();
+        let cuts = spans_s.windows(2).filter(|two| two[1][0] - two[0][1] < 1e-6);
+        for cut_s in cuts.map(|two| two[0][1]) {
+            const STEP_S: f64 = 0.005;
+            let times_s: Vec<f64> =
+                (-2000..2000).map(|step| cut_s + STEP_S * f64::from(step)).collect();
+            let instants = joint.solution.instants(&times_s, &Progress::default());
+            let Ok(Prisms::Rig(instants)) = instants else { panic!("a rig") };
+            assert_eq!(instants.len(), times_s.len(), "every instant once");
+            let sigma_m = |at: &Instant<9>| (at.position_covariance.trace() / 9.0).sqrt();
+            // Between readings σ is larger than at them.
+            let largest_m = |from_s: f64, to_s: f64| {
+                let is_in = |at: &&Instant<9>| (from_s..to_s).contains(&(at.time_s - cut_s).abs());
+                instants.iter().filter(is_in).map(sigma_m).fold(0.0, f64::max)
+            };
+            let jumps = instants.windows(2).map(|two| {
+                let (step, ahead) =
+                    (two[1].position_m - two[0].position_m, two[0].velocity_m_per_s);
+                let jump_m = (step - ahead * (two[1].time_s - two[0].time_s)).amax();
+                (jump_m / sigma_m(&two[0]), two[0].time_s - cut_s)
+            });
+            let (jump_sigmas, after_s) = jumps.max_by(|a, b| a.0.total_cmp(&b.0)).expect("some");
+            found.push((largest_m(0.0, 0.4) / largest_m(4.0, 8.0), jump_sigmas, after_s));
+        }
+    }
+    eprintln!("{found:.3?}");
+    assert!(found.len() > 10, "{} cuts", found.len());
+    for (over_usual, jump_sigmas, after_s) in found {
+        let what = format!("{over_usual} {jump_sigmas} {after_s} s after the cut");
+        assert!(over_usual < 1.15 && jump_sigmas < 0.5, "{what}");
+    }
 }
 
 #[test]

@@ -21,6 +21,9 @@ pub enum Targets {
 /// Tracks of one prism lie this close after alignment (m, median): far above the noise, the chords of bends and a
 /// clock some milliseconds off; far below any rig.
 const COINCIDE_M: f64 = 0.05;
+/// A station that is wrong for some seconds must not hide that the rest coincides: this share is aligned, so many times.
+const KEPT: f64 = 0.9;
+const ROUNDS: usize = 3;
 /// More triplets than this say nothing new.
 const MOST_TRIPLETS: usize = 2000;
 const FEWEST_TRIPLETS: usize = 10;
@@ -54,18 +57,25 @@ fn median_distance_m(triplets: &Triplets) -> Option<f64> {
     let step = triplets.len().div_ceil(MOST_TRIPLETS);
     let points: [Vec<Vector3<f64>>; 3] =
         triplets.points_m.each_ref().map(|points| points.iter().step_by(step).copied().collect());
-    let placed: [Vec<Vector3<f64>>; 3] = {
-        let second = align_level(&points[0], &points[1])?;
-        let third = align_level(&points[0], &points[2])?;
-        let [a, b, c] = &points;
-        [
-            a.clone(),
-            b.iter().map(|p| second.apply(p)).collect(),
-            c.iter().map(|p| third.apply(p)).collect(),
-        ]
-    };
+    let [a, b, c] = &points;
+    let placed = [a.clone(), aligned(a, b)?, aligned(a, c)?];
     let pairs = PAIRS.iter().flat_map(|(a, b)| placed[*a].iter().zip(&placed[*b]));
     median(pairs.map(|(a, b)| (a - b).norm()))
+}
+
+/// A track aligned to that of station 1, again and again without what lies furthest off.
+fn aligned(to_m: &[Vector3<f64>], from_m: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
+    let mut aligned = align_level(to_m, from_m)?;
+    for _ in 0..ROUNDS {
+        let off_m = |index: &usize| (to_m[*index] - aligned.apply(&from_m[*index])).norm();
+        let mut kept: Vec<usize> = (0..to_m.len()).collect();
+        kept.sort_by(|a, b| off_m(a).total_cmp(&off_m(b)));
+        kept.truncate((KEPT * to_m.len() as f64).ceil() as usize);
+        let [to_m, from_m] = [to_m, from_m]
+            .map(|points| kept.iter().map(|index| points[*index]).collect::<Vec<_>>());
+        aligned = align_level(&to_m, &from_m)?;
+    }
+    Some(from_m.iter().map(|point_m| aligned.apply(point_m)).collect())
 }
 
 /// Whether the direction of travel varies; there and back along a line does not count.

@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use nalgebra::Vector3;
+use clap::Args;
 
 use super::output::{advised, spare};
 use super::settings_args::{AnswerArguments, metres};
@@ -23,19 +22,17 @@ pub struct Arguments {
     /// Folder or file with the stations' tracks: the ground truth
     #[arg(long, value_name = "PATH")]
     against: PathBuf,
-    /// What an estimate's frame may be turned, moved and stretched by; with none it is in station 1's
-    #[arg(long, value_enum, default_value_t = Alignment::Rigid)]
-    align: Alignment,
-    /// What is added to the estimates' times (s); found if not given
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
-    time_offset: Option<f64>,
-    /// Where the estimates' body is in the vehicle: found, or the vehicle's own frame
-    #[arg(long, value_enum, default_value_t = BodyArgument::Found)]
-    body: BodyArgument,
-    /// The origin of the estimates' body in the vehicle's frame, or of one prism in the body's (m), in place of one that is
-    /// found
-    #[arg(long, value_name = "X,Y,Z", conflicts_with = "body", allow_hyphen_values = true, value_parser = metres)]
-    lever_arm: Option<Vector3<f64>>,
+    /// What an estimate's frame may be turned, moved and stretched by; with none it is in station 1's. This flag and the next
+    /// two are given once for all estimates, or once for each in their order
+    #[arg(long, value_enum, default_values_t = [Alignment::Rigid])]
+    align: Vec<Alignment>,
+    /// What is added to an estimate's times (s), or found
+    #[arg(long, value_name = "SECONDS|found", default_value = "found", allow_negative_numbers = true, value_parser = offset)]
+    time_offset: Vec<Option<f64>>,
+    /// Where an estimate's body is in the vehicle: found, the same as the vehicle's frame, or its origin there, known; of one
+    /// prism where that is in the body's frame (m)
+    #[arg(long, alias = "lever-arm", value_name = "found|same|X,Y,Z", default_value = "found", allow_hyphen_values = true, value_parser = body)]
+    body: Vec<Body>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -49,38 +46,20 @@ pub struct Arguments {
     settings: AnswerArguments,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum BodyArgument {
-    Found,
-    Same,
-}
-
 /// Width of the picture.
 const WIDTH: f32 = 900.0;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
-    if let Some(offset_s) = arguments.time_offset.filter(|offset_s| !offset_s.is_finite()) {
-        return Err(Failure::Usage(format!("--time-offset is {offset_s} s; it must be a number")));
-    }
-    let options = Options {
-        alignment: arguments.align,
-        time_offset_s: arguments.time_offset,
-        body: match (arguments.lever_arm, arguments.body) {
-            (Some(lever_m), _) => Body::Lever(lever_m),
-            (None, BodyArgument::Found) => Body::Found,
-            (None, BodyArgument::Same) => Body::Same,
-        },
-    };
     let mut read_estimates = Vec::new();
-    for path in &arguments.trajectory {
-        read_estimates.extend(read::read(path)?);
+    for (path, options) in arguments.trajectory.iter().zip(options_of_each(arguments)?) {
+        read_estimates.extend(read::read(path)?.into_iter().map(|one| (one, options)));
     }
     let (deployment, _) = load(&arguments.against, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);
     let answer = analysis.answer.clone()?;
     let calibration = &answer.calibration;
-    let judgement = judge(&deployment, &analysis, read_estimates, &options);
+    let judgement = judge(&deployment, &analysis, read_estimates);
     if judgement.judged.is_empty() {
         let whys: Vec<String> = judgement
             .unjudged
@@ -106,4 +85,49 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         estimates::text(&deployment.name, calibration, &judgement, start_s)
     })?)
+}
+
+/// How each of the files is judged.
+fn options_of_each(arguments: &Arguments) -> Result<Vec<Options>, Failure> {
+    let count = arguments.trajectory.len();
+    let align = one_or_each("--align", &arguments.align, count)?;
+    let time_offset_s = one_or_each("--time-offset", &arguments.time_offset, count)?;
+    let body = one_or_each("--body", &arguments.body, count)?;
+    let each = align.into_iter().zip(time_offset_s).zip(body);
+    Ok(each
+        .map(|((alignment, time_offset_s), body)| Options { alignment, time_offset_s, body })
+        .collect())
+}
+
+/// A value for each file, of a flag that is given once for all or once for each.
+fn one_or_each<T: Copy>(flag: &str, values: &[T], count: usize) -> Result<Vec<T>, Failure> {
+    match values {
+        [one] => Ok(vec![*one; count]),
+        each if each.len() == count => Ok(each.to_vec()),
+        several => Err(Failure::Usage(format!(
+            "{flag} is given {} times and there are {count} trajectories; give it once for all, or once for each in their \
+             order",
+            several.len()
+        ))),
+    }
+}
+
+fn offset(text: &str) -> Result<Option<f64>, String> {
+    match text.trim() {
+        "found" => Ok(None),
+        number => match number.parse() {
+            Ok(offset_s) if f64::is_finite(offset_s) => Ok(Some(offset_s)),
+            _ => Err("give a number of seconds, or found".to_owned()),
+        },
+    }
+}
+
+fn body(text: &str) -> Result<Body, String> {
+    match text.trim() {
+        "found" => Ok(Body::Found),
+        "same" => Ok(Body::Same),
+        lever => metres(lever).map(Body::Lever).map_err(|_| {
+            "give found, same, or three numbers with commas between them, in metres".to_owned()
+        }),
+    }
 }

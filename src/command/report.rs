@@ -81,7 +81,8 @@ fn chapter(
         Ok(deployment) => {
             let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));
             let files = marks_of(&deployment);
-            let judged = || judge(&deployment, &analysis, estimates.to_vec(), &Options::default());
+            let each = estimates.iter().map(|one| (one.clone(), Options::default()));
+            let judged = || judge(&deployment, &analysis, each.collect());
             let judgement = (!estimates.is_empty()).then(|| Arc::new(judged()));
             Chapter::Analysed { deployment, analysis, files, judgement }
         }

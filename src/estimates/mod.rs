@@ -25,7 +25,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::analysis::Analysis;
-use crate::deployment::{Deployment, Finding};
+use crate::deployment::names::told_apart;
+use crate::deployment::{Deployment, Finding, Remedy};
 use crate::evaluation::vehicle::NoTrajectory;
 
 use errors::EpochError;
@@ -33,18 +34,35 @@ use fit::Fit;
 use metrics::{Ape, RelativeErrors};
 use odd::{OddOne, OddSpan};
 use ranking::Comparison;
-use reference::{Reference, True};
+use reference::{Reference, True, sound};
 use unfit::Unfit;
 
 /// A trajectory as another system estimated it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// The file's name without its ending.
+    /// The file's name without its ending, and what else tells it from others.
     pub name: String,
     pub path: PathBuf,
+    /// Which of those in a bag it is; `None` where there is one.
+    pub topic: Option<String>,
     /// The poses in order of time, no two at one time.
     pub poses: Vec<EstimatedPose>,
     pub findings: Vec<Finding>,
+}
+
+impl Estimate {
+    /// Whether the other was read from the same place.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.path == other.path && self.topic == other.topic
+    }
+}
+
+/// The names of estimates, with as much of their folders as tells them apart: systems often call their files the same.
+pub fn names<'a>(estimates: impl Iterator<Item = &'a Estimate>) -> Vec<String> {
+    let named: Vec<(&str, PathBuf)> =
+        estimates.map(|one| (&*one.name, one.path.with_extension(""))).collect();
+    let named = named.iter().map(|(name, path)| ((*name).to_owned(), Some(&**path)));
+    told_apart(&named.collect::<Vec<_>>())
 }
 
 /// Where the estimate's body is in the estimate's own frame.
@@ -56,7 +74,7 @@ pub struct EstimatedPose {
     pub orientation: Option<UnitQuaternion<f64>>,
 }
 
-/// How estimates are brought together with the ground truth.
+/// How an estimate is brought together with the ground truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Options {
     pub alignment: Alignment,
@@ -83,6 +101,17 @@ pub enum Alignment {
     Similarity,
 }
 
+impl Alignment {
+    /// What the frame is turned, moved and stretched by, in words: "turn and shift".
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::None => "nothing",
+            Self::Rigid => "turn and shift",
+            Self::Similarity => "scale too",
+        }
+    }
+}
+
 /// Where the estimate's body is in the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -105,6 +134,18 @@ pub enum Unjudged {
 }
 
 impl Unjudged {
+    /// The same as a finding with what can be done about it.
+    pub fn finding(&self) -> Finding {
+        let finding = Finding::problem(format!("not judged: {self}"));
+        match self {
+            Self::NoReference(NoTrajectory::OnePrism(_) | NoTrajectory::NoMotion(_)) => {
+                finding.with(Remedy::JointEstimate)
+            }
+            Self::NoReference(NoTrajectory::NoRig(_)) => finding.with(Remedy::GiveRig),
+            Self::NoReference(_) | Self::Unfit { .. } => finding,
+        }
+    }
+
     /// The flag, or the command, that does what is advised where there is no window with fields for it.
     pub fn flag(&self) -> Option<&'static str> {
         match self {
@@ -118,6 +159,7 @@ impl Unjudged {
 #[derive(Clone, Debug)]
 pub struct Judged {
     pub estimate: Estimate,
+    pub alignment: Alignment,
     pub fit: Fit,
     /// In order of time, each of a pose where there is ground truth.
     pub errors: Vec<EpochError>,
@@ -155,32 +197,34 @@ pub struct Judgement {
 /// Lengths of path over which relative errors are told (m).
 pub const RELATIVE_M: [f64; 4] = [1.0, 5.0, 20.0, 100.0];
 
-/// Holds estimates against the deployment's own trajectory by its answer.
+/// Holds estimates against the deployment's own trajectory by its answer, each as its options say.
 pub fn judge(
     deployment: &Deployment,
     analysis: &Analysis,
-    estimates: Vec<Estimate>,
-    options: &Options,
+    estimates: Vec<(Estimate, Options)>,
 ) -> Judgement {
     let reference = Reference::new(deployment, analysis);
-    let mut judged: Vec<(Judged, Vec<True>)> = Vec::new();
+    let mut compared: Vec<Compared> = Vec::new();
     let mut unjudged = Vec::new();
-    for estimate in estimates {
-        let name = estimate.name.clone();
+    let names = names(estimates.iter().map(|(estimate, _)| estimate));
+    for ((mut estimate, options), name) in estimates.into_iter().zip(names) {
+        estimate.name.clone_from(&name);
         match judge_one(&reference, estimate, options) {
-            Ok(one) => judged.push(one),
+            Ok(one) => compared.push(one),
             Err(why) => unjudged.push((name, why)),
         }
     }
-    let all: Vec<&[EpochError]> = judged.iter().map(|(one, _)| &one.errors[..]).collect();
+    let by_sound: Vec<&[EpochError]> = compared.iter().map(|one| &one.by_sound[..]).collect();
     let mut odd: Vec<Vec<OddSpan>> =
-        (0..all.len()).map(|own| odd::spans(own, &all, &judged[own].1)).collect();
+        (0..by_sound.len()).map(|own| odd::spans(own, &by_sound, &compared[own].truths)).collect();
     let by_readings =
         |span: &&mut OddSpan| matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut);
     if let Ok(answer) = &analysis.answer {
         let triplet_s = &analysis.triplets().time_s;
-        for ((one, _), odd) in judged.iter().zip(&mut odd) {
-            odd.extend(odd::left_out_spans(&one.times_without_truth_s(), triplet_s));
+        for (one, odd) in compared.iter().zip(&mut odd) {
+            let (without_s, by_rig) =
+                (one.judged.times_without_truth_s(), reference.has_orientation());
+            odd.extend(odd::left_out_spans(&without_s, triplet_s, by_rig));
             odd.sort_by(|a, b| a.span_s[0].total_cmp(&b.span_s[0]));
         }
         for span in odd.iter_mut().flatten().filter(by_readings) {
@@ -188,21 +232,32 @@ pub fn judge(
             span.station = odd::station_at_fault(span.span_s, triplet_s, errors_mm);
         }
     }
+    let all: Vec<&[EpochError]> = compared.iter().map(|one| &one.judged.errors[..]).collect();
     let comparisons = ranking::compare(&all);
-    let judged = judged.into_iter().zip(odd);
+    let judged = compared.into_iter().zip(odd);
     Judgement {
-        judged: judged.map(|((one, _), odd)| Judged { odd, ..one }).collect(),
+        judged: judged.map(|(one, odd)| Judged { odd, ..one.judged }).collect(),
         comparisons,
         unjudged,
     }
 }
 
+/// An estimate beside the ground truth, before it is known who is wrong where.
+struct Compared {
+    judged: Judged,
+    /// The ground truth at each of its errors.
+    truths: Vec<True>,
+    /// Its errors where only the epochs align it at which the readings do not contradict themselves: a ground truth that is
+    /// metres off for some seconds turns the frame of evo's alignment, and would make the estimate seem wrong elsewhere.
+    by_sound: Vec<EpochError>,
+}
+
 fn judge_one(
     reference: &Reference<'_>,
     estimate: Estimate,
-    options: &Options,
-) -> Result<(Judged, Vec<True>), Unjudged> {
-    let (fit, truths) = fit::fit(reference, &estimate, options)?;
+    options: Options,
+) -> Result<Compared, Unjudged> {
+    let (fit, truths) = fit::fit(reference, &estimate, &options)?;
     let matched = errors::matched(&estimate.poses, &truths, fit.time_offset_s);
     let without_truth = estimate.poses.len() - matched.len();
     let errors = errors::errors(&matched, &fit);
@@ -211,11 +266,18 @@ fn judge_one(
         .body_rotation
         .map(|_| Ape::of(errors.iter().filter_map(|error| Some(error.rotation_rad?.norm()))));
     let relative = metrics::relative(&matched, &fit, &RELATIVE_M);
-    let of_matched = matched.into_iter().map(|(_, truth)| truth.clone()).collect();
+    let mut by_sound = fit.clone();
+    // Where too few are left, they are no better than all.
+    if fit::align(&mut by_sound, &sound(&matched), options.alignment).is_err() {
+        by_sound = fit.clone();
+    }
+    let by_sound = errors::errors(&matched, &by_sound);
+    let truths = matched.into_iter().map(|(_, truth)| truth.clone()).collect();
     let judged = Judged {
         against_sigma: errors::against_sigma(&errors),
         odd: Vec::new(),
         estimate,
+        alignment: options.alignment,
         fit,
         errors,
         without_truth,
@@ -223,5 +285,5 @@ fn judge_one(
         rotation,
         relative,
     };
-    Ok((judged, of_matched))
+    Ok(Compared { judged, truths, by_sound })
 }

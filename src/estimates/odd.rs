@@ -6,7 +6,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::errors::EpochError;
-use super::reference::True;
+use super::reference::{True, contradiction_limit_m};
 use crate::deployment::PAIRS;
 use crate::statistics::median;
 
@@ -23,9 +23,6 @@ const STEP_S: f64 = 1.0;
 const TOGETHER_S: f64 = 2.0;
 /// Fewer odd epochs than this are noise.
 const FEWEST: usize = 3;
-/// Readings that contradict the rig this many times as much as usual, and by so much, are wrong.
-const CONTRADICTED_TIMES: f64 = 4.0;
-const CONTRADICTED_M: f64 = 0.01;
 /// Estimates agree against the ground truth if they differ by less than this share of their error.
 const AGREE: f64 = 0.4;
 
@@ -33,7 +30,7 @@ const AGREE: f64 = 0.4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OddOne {
     Estimate,
-    /// The readings contradict the rig.
+    /// The readings contradict the rig, or each other where all are of one prism.
     Readings,
     /// So many estimates agree with each other against the ground truth.
     TruthAgainst(usize),
@@ -50,6 +47,8 @@ pub struct OddSpan {
     pub position_m: f64,
     pub rotation_rad: Option<f64>,
     pub odd_one: OddOne,
+    /// Whether readings are held against the rig; those of one prism are against each other.
+    pub by_rig: bool,
     /// The station (0 to 2) whose distances are those that contradict the rig, where it is one of them.
     pub station: Option<usize>,
 }
@@ -60,7 +59,7 @@ const AT_TRIPLET_S: f64 = 0.15;
 const SHORTEST_LEFT_OUT_S: f64 = 2.5;
 
 /// Spans in which an estimate has poses and the stations readings, but there is no ground truth. Both times are in order (s).
-pub fn left_out_spans(without_truth_s: &[f64], triplet_s: &[f64]) -> Vec<OddSpan> {
+pub fn left_out_spans(without_truth_s: &[f64], triplet_s: &[f64], by_rig: bool) -> Vec<OddSpan> {
     let is_read = |time_s: &&f64| {
         let after = triplet_s.partition_point(|other| other < *time_s);
         let beside = triplet_s[after.saturating_sub(1)..triplet_s.len().min(after + 1)].iter();
@@ -76,6 +75,7 @@ pub fn left_out_spans(without_truth_s: &[f64], triplet_s: &[f64]) -> Vec<OddSpan
             position_m: 0.0,
             rotation_rad: None,
             odd_one: OddOne::LeftOut,
+            by_rig,
             station: None,
         })
         .collect()
@@ -124,8 +124,8 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan>
             _ => spans.push(vec![index]),
         }
     }
-    let usual_contradiction_m =
-        median(truths.iter().map(|truth| truth.contradiction_m)).unwrap_or_default();
+    let by_rig = truths.iter().any(|truth| truth.turned.is_some());
+    let limit_m = contradiction_limit_m(truths.iter());
     spans
         .into_iter()
         .filter(|span| span.len() >= FEWEST)
@@ -137,7 +137,6 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan>
             let rotation = |e: &EpochError| e.rotation_rad.map_or(0.0, |turn| turn.norm());
             let contradiction_m =
                 median(span.iter().map(|index| errors[*index].contradiction_m)).unwrap_or_default();
-            let limit_m = (CONTRADICTED_TIMES * usual_contradiction_m).max(CONTRADICTED_M);
             let agreeing = (0..all.len())
                 .filter(|other| *other != own && agrees(&span, errors, &all[*other]))
                 .count();
@@ -152,6 +151,7 @@ pub fn spans(own: usize, all: &[&[EpochError]], truths: &[True]) -> Vec<OddSpan>
                 } else {
                     OddOne::Estimate
                 },
+                by_rig,
                 station: None,
             }
         })
@@ -266,7 +266,7 @@ mod tests {
             (0..400).map(|i| 0.1 * f64::from(i) + 0.03).filter(move |t| (from_s..to_s).contains(t))
         };
         let spans = |without: Vec<f64>| -> Vec<[f64; 2]> {
-            left_out_spans(&without, &triplet_s).iter().map(|span| span.span_s).collect()
+            left_out_spans(&without, &triplet_s, true).iter().map(|span| span.span_s).collect()
         };
         assert!(spans(poses(10.2, 30.0).collect()).is_empty(), "a gap is a gap");
         assert!(spans(poses(9.6, 30.3).collect()).is_empty(), "the ends of stretches are no news");

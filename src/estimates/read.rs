@@ -35,7 +35,7 @@ pub fn read(path: &Path) -> Result<Vec<Estimate>, OpenError> {
     if poses.is_empty() {
         return Err(OpenError::file(&file, "there is no pose in it", FORMATS));
     }
-    Ok(vec![put_in_order(name, path, poses, findings)])
+    Ok(vec![put_in_order((name, None), path, poses, findings)])
 }
 
 /// The files of a bag, where a path is one or a folder of one; none where it is not.
@@ -99,7 +99,8 @@ fn read_bag(path: &Path, name: &str, pieces: &[PathBuf]) -> Result<Vec<Estimate>
             Ok(EstimatedPose { time_s, position_m: pose.position_m.into(), orientation })
         });
         let poses = poses.collect::<Result<Vec<_>, _>>()?;
-        Ok(put_in_order(name, path, poses, findings.clone()))
+        let topic = several.then(|| topic.name.clone());
+        Ok(put_in_order((name, topic), path, poses, findings.clone()))
     });
     estimates.collect()
 }
@@ -112,7 +113,7 @@ fn unsound(file: &str, topic: &str, index: usize) -> OpenError {
 
 /// An estimate with its poses in order of time, no two at one, and what had to be done for that.
 fn put_in_order(
-    name: String,
+    (name, topic): (String, Option<String>),
     path: &Path,
     mut poses: Vec<EstimatedPose>,
     mut findings: Vec<Finding>,
@@ -139,7 +140,7 @@ fn put_in_order(
         findings.push(Finding::warning(line));
         poses.iter_mut().for_each(|pose| pose.orientation = None);
     }
-    Estimate { name, path: path.to_owned(), poses, findings }
+    Estimate { name, path: path.to_owned(), topic, poses, findings }
 }
 
 fn read_text(path: &Path) -> Result<String, OpenError> {

@@ -2,11 +2,15 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::analysis::Analysis;
+use super::EstimatedPose;
+use crate::analysis::{Analysis, Answer};
 use crate::calibration::joint::prisms::ByConstants;
 use crate::calibration::{Calibration, Targets};
 use crate::deployment::Deployment;
-use crate::evaluation::vehicle::{Instants, NoTrajectory, common_errors, prism_by, trajectory_by};
+use crate::evaluation::vehicle::{
+    Instants, NoTrajectory, common_errors, largest_about, prism_by, trajectory_by,
+};
+use crate::statistics::median;
 
 /// What is true at one instant, as far as the ground truth knows: all in station 1's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +22,8 @@ pub struct True {
     pub turned: Option<Turned>,
     /// Covariance of the position (m²).
     pub covariance_m2: Matrix3<f64>,
-    /// By how much the readings around the instant contradict the rig, at most (m): what no error of an estimate does.
+    /// By how much the readings around the instant contradict the rig, or each other where all are of one prism, at most (m):
+    /// what no error of an estimate does.
     pub contradiction_m: f64,
 }
 
@@ -29,6 +34,23 @@ pub struct Turned {
     /// Covariance of the rotation vector (rad²), and of it with the position (rad m), rows the rotation.
     pub covariance_rad2: Matrix3<f64>,
     pub with_position: Matrix3<f64>,
+}
+
+/// Readings that contradict the rig this many times as much as usual, and by so much, are wrong.
+const CONTRADICTED_TIMES: f64 = 4.0;
+const CONTRADICTED_M: f64 = 0.01;
+
+/// By how much readings contradict the rig, or each other, at most where they are not wrong (m).
+pub fn contradiction_limit_m<'a>(truths: impl Iterator<Item = &'a True>) -> f64 {
+    let usual_m = median(truths.map(|truth| truth.contradiction_m)).unwrap_or_default();
+    (CONTRADICTED_TIMES * usual_m).max(CONTRADICTED_M)
+}
+
+/// Poses with what is true then, without those at which the readings are wrong: a ground truth that is metres off for some
+/// seconds tells nothing of an estimate's clock, lever arm and frame.
+pub fn sound<'a>(pairs: &[(&'a EstimatedPose, &'a True)]) -> Vec<(&'a EstimatedPose, &'a True)> {
+    let limit_m = contradiction_limit_m(pairs.iter().map(|(_, truth)| *truth));
+    pairs.iter().filter(|(_, truth)| truth.contradiction_m <= limit_m).copied().collect()
 }
 
 /// Where the ground truth comes from.
@@ -56,13 +78,14 @@ impl<'a> Reference<'a> {
 
     /// The truth at those of the times at which there is any, in order of time.
     pub fn at(&self, wanted: Instants<'_>) -> Result<Vec<True>, NoTrajectory> {
-        let Ok(answer) = &self.analysis.answer else {
-            return Err(NoTrajectory::NoMotion(self.deployment.name.clone()));
-        };
+        let answer = self.analysis.answer.as_ref().map_err(|why| NoTrajectory::NoAnswer {
+            name: self.deployment.name.clone(),
+            why: why.to_string(),
+        })?;
         if self.has_orientation() {
             self.of_rig(&answer.calibration, wanted)
         } else {
-            self.of_prism(&answer.calibration, wanted)
+            self.of_prism(answer, wanted)
         }
     }
 
@@ -101,13 +124,11 @@ impl<'a> Reference<'a> {
         Ok(known.collect())
     }
 
-    fn of_prism(
-        &self,
-        calibration: &Calibration,
-        wanted: Instants<'_>,
-    ) -> Result<Vec<True>, NoTrajectory> {
+    fn of_prism(&self, answer: &Answer, wanted: Instants<'_>) -> Result<Vec<True>, NoTrajectory> {
         let triplets = self.analysis.triplets();
-        let found = prism_by(self.deployment, triplets, calibration, wanted)?;
+        let found = prism_by(self.deployment, triplets, &answer.calibration, wanted)?;
+        // The stations read one prism: how far apart they see it is what their readings contradict each other by.
+        let apart_mm = &answer.evaluation.distance_errors_mm;
         Ok(found
             .into_iter()
             .map(|at| True {
@@ -116,7 +137,7 @@ impl<'a> Reference<'a> {
                 velocity_m_per_s: at.velocity_m_per_s,
                 turned: None,
                 covariance_m2: at.position_covariance,
-                contradiction_m: 0.0,
+                contradiction_m: 1e-3 * largest_about(at.time_s, &triplets.time_s, apart_mm),
             })
             .collect())
     }

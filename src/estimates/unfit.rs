@@ -37,7 +37,7 @@ impl Unfit {
             Self::NoOverlap => Some("--time-offset"),
             Self::OnALine => Some("--align none"),
             Self::Undetermined => Some("--body same"),
-            Self::NoOrientation => Some("--lever-arm"),
+            Self::NoOrientation => Some("--body found"),
             Self::FewEpochs | Self::FewPoses(_) => None,
         }
     }

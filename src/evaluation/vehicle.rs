@@ -39,6 +39,8 @@ pub enum NoTrajectory {
         "{0}: by this method there are poses at the triplets only; the joint estimate has them at any time"
     )]
     NoMotion(String),
+    #[error("{name}: there is no answer that places the vehicle: {why}")]
+    NoAnswer { name: String, why: String },
     #[error(
         "{0}: the joint estimate found no motion that fits the readings; see what its answer says of the data"
     )]
@@ -52,7 +54,7 @@ impl NoTrajectory {
             Self::OnePrism(_) | Self::NoMotion(_) => Some("--method joint"),
             Self::NoRig(_) => Some("--rig"),
             Self::NoMotionFits(_) => Some("resect calibrate"),
-            Self::PrismsOnALine(_) | Self::OtherFrame(_) => None,
+            Self::PrismsOnALine(_) | Self::OtherFrame(_) | Self::NoAnswer { .. } => None,
         }
     }
 }
@@ -174,15 +176,9 @@ pub fn trajectory_by(
         placing.ok_or_else(|| NoTrajectory::OtherFrame(deployment.name.clone()))?;
     // The motion keeps the rig's distances whatever was read; what the readings around an instant say is held against it.
     let errors_m = distance_errors_m(triplets, station1_from_station, &inter_prism_m);
-    let read_m = |time_s: f64| {
-        let after = triplets.time_s.partition_point(|other| *other < time_s);
-        let is_there = triplets.time_s.get(after) == Some(&time_s);
-        let around = if is_there { after..after + 1 } else { after.saturating_sub(1)..after + 1 };
-        let around = around.start..around.end.min(triplets.len());
-        errors_m.iter().flat_map(|pair| &pair[around.clone()]).fold(0.0, |m, e| e.abs().max(m))
-    };
     let with_error = |pose: Pose| {
-        let inter_prism_error_m = pose.inter_prism_error_m.max(read_m(pose.time_s));
+        let read_m = largest_about(pose.time_s, &triplets.time_s, &errors_m);
+        let inter_prism_error_m = pose.inter_prism_error_m.max(read_m);
         Pose { inter_prism_error_m, ..pose }
     };
     let poses: Vec<Pose> = instants
@@ -192,6 +188,16 @@ pub fn trajectory_by(
         .collect();
     let dropped = times_s.len() - poses.len();
     Ok((Trajectory { poses, dropped }, frame))
+}
+
+/// The largest of the distance errors of pairs 12, 13, 23 at the triplets on either side of an instant, or at the instant's own.
+pub fn largest_about(time_s: f64, triplet_s: &[f64], errors: &[Vec<f64>; 3]) -> f64 {
+    let after = triplet_s.partition_point(|other| *other < time_s);
+    let is_there = triplet_s.get(after) == Some(&time_s);
+    let around = if is_there { after..after + 1 } else { after.saturating_sub(1)..after + 1 };
+    let around = around.start..around.end.min(triplet_s.len());
+    let each = errors.iter().flat_map(|pair| pair.get(around.clone()).unwrap_or_default());
+    each.fold(0.0, |most, error| error.abs().max(most))
 }
 
 /// What errors of the vehicle's way all instants have in common: how position (m) and turn (rad) in station 1's frame move with

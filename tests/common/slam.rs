@@ -3,6 +3,8 @@
 
 #![allow(dead_code, reason = "each test file uses a part")]
 
+use std::path::Path;
+
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -63,7 +65,13 @@ impl Slam {
             }
         });
         let path = format!("{}.tum", self.name).into();
-        Estimate { name: self.name.into(), path, poses: poses.collect(), findings: Vec::new() }
+        Estimate {
+            name: self.name.into(),
+            path,
+            topic: None,
+            poses: poses.collect(),
+            findings: Vec::new(),
+        }
     }
 }
 
@@ -74,10 +82,11 @@ pub fn span_s(simulated: &Simulated) -> f64 {
 }
 
 pub fn true_pose(simulated: &Simulated, time_s: f64) -> (Vector3<f64>, UnitQuaternion<f64>) {
-    let truth = &simulated.truth;
-    let points_m = truth.prisms_m.map(|p| truth.motion.position_m(&p, time_s - EPOCH_S));
+    // Of vehicles with one prism as well.
+    let corners_m = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let points_m = corners_m.map(|p| simulated.truth.motion.position_m(&p, time_s - EPOCH_S));
     let observed = ObservedRig { time_s, points_m, sigma_m: [Vector3::repeat(1e-3); 3] };
-    let pose = align_rig(&truth.prisms_m, &observed).expect("a triangle");
+    let pose = align_rig(&corners_m, &observed).expect("a triangle");
     (pose.position_m, pose.orientation)
 }
 
@@ -91,4 +100,15 @@ pub fn driven(seed: u64) -> (Simulated, Deployment) {
 pub fn with_frame(simulated: &Simulated, mut deployment: Deployment) -> Deployment {
     deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m);
     deployment
+}
+
+pub fn write_tum(estimate: &Estimate, path: &Path) {
+    let line = |pose: &EstimatedPose| {
+        let (t, q) = (pose.position_m, pose.orientation.expect("turned"));
+        format!(
+            "{:.6} {:.9} {:.9} {:.9} {:.9} {:.9} {:.9} {:.9}\n",
+            pose.time_s, t.x, t.y, t.z, q.i, q.j, q.k, q.w
+        )
+    };
+    std::fs::write(path, estimate.poses.iter().map(line).collect::<String>()).expect("written");
 }

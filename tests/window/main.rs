@@ -3,6 +3,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/slam.rs"]
+mod slam;
 
 mod advice;
 mod asking;

@@ -16,7 +16,7 @@ use resect::deployment::Sample;
 use resect::estimates::{Alignment, Body, Options};
 use resect::evaluation::trajectory::Trajectory;
 use resect::evaluation::vehicle::{Instants, trajectory_by};
-use resect::simulation::Preset;
+use resect::simulation::{Preset, simulate, write_folder};
 use resect::validation::one_frame::PlacedBy;
 
 use crate::common::{knock, two_runs};
@@ -24,6 +24,7 @@ use crate::harness::{
     LARGE, Part, SMALL, Window, click, open, press, send, set, settle, shown, snapshot_of,
     type_and_enter_at_once, window,
 };
+use crate::slam::{SLAM, Slam, write_tum};
 
 /// The ground truth of what is open, ten poses a second.
 fn own(harness: &Window) -> Trajectory {
@@ -122,7 +123,7 @@ fn of_two_dropped_trajectories_the_window_says_which_is_better_and_where_one_is_
     // Other options are another judgement.
     let similarity = Options { alignment: Alignment::Similarity, ..Options::default() };
     click(&mut harness, "scale too");
-    assert_eq!(shown(&harness).judging.options, similarity);
+    assert!(shown(&harness).judging.added.iter().all(|one| one.options == similarity));
     harness.get_by_label("scale");
     click(&mut harness, "Take vio away");
     settle(&mut harness);
@@ -144,7 +145,8 @@ fn trajectories_are_drawn_in_the_scene_and_kept_by_sessions() {
     send(&mut harness, Command::Show(hidden));
     harness.get_by_label_contains("hidden: trajectories");
     let session = harness.state().state.session();
-    assert_eq!(session.deployments[0].estimates, [lio]);
+    assert_eq!(session.deployments[0].estimates.len(), 1);
+    assert_eq!(session.deployments[0].estimates[0].path, lio);
     let mut again = window(SMALL, Theme::Light);
     again.state_mut().state.restore(session);
     settle(&mut again);
@@ -219,7 +221,8 @@ fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() 
     settle(&mut harness);
     click(&mut harness, "off by");
     click(&mut harness, "at");
-    let given = shown(&harness).judging.options;
+    let options = |harness: &Window| shown(harness).judging.added[0].options;
+    let given = options(&harness);
     assert_eq!(given.time_offset_s, Some(0.0));
     assert_eq!(given.body, Body::Lever(Vector3::zeros()));
     let fit =
@@ -232,7 +235,7 @@ fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() 
     type_and_enter_at_once(&mut harness, "0,25");
     settle(&mut harness);
     let lever_m = Vector3::new(0.25, 0.0, 0.0);
-    assert_eq!(shown(&harness).judging.options.body, Body::Lever(lever_m));
+    assert_eq!(options(&harness).body, Body::Lever(lever_m));
     assert_eq!(fit(&harness).lever_arm_m, Some(lever_m));
 
     click(&mut harness, "Show…");
@@ -250,6 +253,196 @@ fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() 
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(harness.state().state.way_plots.one_scale);
     snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "estimates-by-distance-dark");
+}
+
+/// What is done with trajectories is taken back and done again like any other setting, whichever deployment is looked at.
+#[test]
+fn what_is_done_with_trajectories_can_be_undone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
+    let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.4);
+    let names = |harness: &Window| -> Vec<String> {
+        let judged = shown(harness).judging.judged();
+        judged.map(|(colour, one)| format!("{} {colour}", one.estimate.name)).collect()
+    };
+    let next = |harness: &Window| {
+        let state = &harness.state().state;
+        state.undo.undo_name(state.units)
+    };
+    send(&mut harness, Command::OpenPaths(vec![lio, vio]));
+    settle(&mut harness);
+    assert_eq!(next(&harness), "Undo trajectory added: lio, vio");
+    click(&mut harness, "Take lio away");
+    assert_eq!(names(&harness), ["vio 1"]);
+    // The number of a colour that is free is given to the next, and comes back with its owner.
+    send(&mut harness, Command::Undo);
+    settle(&mut harness);
+    assert_eq!(names(&harness), ["lio 0", "vio 1"]);
+
+    click(&mut harness, "Show the trajectory vio");
+    assert_eq!(next(&harness), "Undo trajectory hidden: vio");
+    harness.get_by_label_contains("hidden: trajectory vio");
+    let run = shown(&harness).judging.version;
+    send(&mut harness, Command::Undo);
+    assert!(harness.query_by_label_contains("hidden: trajectory vio").is_none());
+    assert_eq!(shown(&harness).judging.version, run, "what is hidden is judged as it was");
+
+    click(&mut harness, "off by");
+    assert_eq!(next(&harness), "Undo clock: lio, vio");
+    click(&mut harness, "scale too");
+    send(&mut harness, Command::Undo);
+    let judging = &shown(&harness).judging;
+    assert!(judging.added.iter().all(|one| one.options.alignment == Alignment::Rigid));
+    assert!(judging.judged().all(|(_, one)| one.fit.time_offset_sigma_s.is_none()));
+    send(&mut harness, Command::Undo);
+    settle(&mut harness);
+    let judging = &shown(&harness).judging;
+    assert!(judging.judged().all(|(_, one)| one.fit.time_offset_sigma_s.is_some()));
+
+    send(&mut harness, Command::Undo);
+    assert!(shown(&harness).judging.added.is_empty());
+    assert!(harness.query_by_label("position errors of lio over time").is_none());
+    for _ in 0..3 {
+        send(&mut harness, Command::Redo);
+    }
+    settle(&mut harness);
+    let judging = &shown(&harness).judging;
+    assert!(judging.added.iter().all(|one| one.options.time_offset_s == Some(0.0)));
+    assert!(judging.added.iter().all(|one| one.options.alignment == Alignment::Similarity));
+    assert_eq!(names(&harness), ["lio 0", "vio 1"]);
+}
+
+/// Two systems have two clocks and two bodies; a session keeps what is known of each.
+#[test]
+fn each_trajectory_has_a_clock_and_a_body_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Light);
+    let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
+    let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.4);
+    send(&mut harness, Command::AddEstimates(vec![lio, vio]));
+    settle(&mut harness);
+    click(&mut harness, "How vio alone is judged");
+    click(&mut harness, "scale too");
+    click(&mut harness, "the vehicle's frame");
+    let wanted =
+        Options { alignment: Alignment::Similarity, time_offset_s: None, body: Body::Same };
+    let options = |harness: &Window| -> Vec<Options> {
+        shown(harness).judging.added.iter().map(|one| one.options).collect()
+    };
+    assert_eq!(options(&harness), [Options::default(), wanted]);
+    let fits = |harness: &Window| -> Vec<bool> {
+        shown(harness)
+            .judging
+            .judged()
+            .map(|(_, one)| one.fit.lever_arm_sigma_m.is_some())
+            .collect()
+    };
+    assert_eq!(fits(&harness), [true, false], "the one has its lever arm found, the other given");
+    harness.get_all_by_label("aligned by").nth(1).expect("a line of the table says so");
+    // Of all, what they do not have in common is neither; what is chosen then is of both.
+    click(&mut harness, "How all are judged");
+    click(&mut harness, "nothing");
+    assert!(options(&harness).iter().all(|one| one.alignment == Alignment::None));
+    assert_eq!(options(&harness)[1].body, Body::Same);
+    send(&mut harness, Command::Undo);
+
+    click(&mut harness, "Show the trajectory lio");
+    let session = harness.state().state.session();
+    let mut again = window(SMALL, Theme::Light);
+    again.state_mut().state.restore(session);
+    settle(&mut again);
+    settle(&mut again);
+    assert_eq!(options(&again), [Options::default(), wanted]);
+    let drawn: Vec<bool> = shown(&again).judging.added.iter().map(|one| one.shown).collect();
+    assert_eq!(drawn, [false, true]);
+}
+
+/// One prism has a place and no heading: what nobody can know is not shown, of the vehicle or of what it judges.
+#[test]
+fn one_prism_judges_positions_and_claims_no_heading() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let simulated = simulate(Preset::SinglePrism, 2);
+    open(&mut harness, simulated.deployment().expect("valid"));
+    let [lio, vio] = ["lio.tum", "vio.tum"].map(|name| folder.path().join(name));
+    write_tum(&Slam { drift_m: 0.0, ..SLAM }.drive(&simulated), &lio);
+    write_tum(&Slam { noise_m: 0.04, drift_m: 0.0, seed: 2, ..SLAM }.drive(&simulated), &vio);
+    send(&mut harness, Command::AddEstimates(vec![lio, vio]));
+    settle(&mut harness);
+    harness.get_by_label(" lio is better ");
+    harness.get_by_label("lever arm, z (mm)");
+    assert!(harness.query_by_label_contains("rotation").is_none());
+    for (_, one) in shown(&harness).judging.judged() {
+        let off_m = one.fit.lever_arm_m.expect("found") - simulated.truth.prisms_m[0];
+        let sigma_m = one.fit.lever_arm_sigma_m.expect("found");
+        assert!(off_m.component_div(&sigma_m).amax() < 4.0, "{off_m} {sigma_m}");
+    }
+    let all = WayPlots { aspects: [true; Aspect::ALL.len()], ..WayPlots::default() };
+    send(&mut harness, Command::PlotWay(all));
+    let unknown = harness.get_all_by_label_contains("not known at the cursor").count();
+    assert_eq!(unknown, 4, "heading, roll, pitch and their σ");
+}
+
+/// The first that someone does who has a drive and two systems: all of it dropped at once.
+#[test]
+fn a_deployment_and_two_trajectories_are_dropped_together_and_judged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let simulated = simulate(Preset::FigureEight, 4);
+    let [drive, lio, vio] = ["drive", "lio.txt", "vio.tum"].map(|name| folder.path().join(name));
+    write_folder(&simulated, &drive).expect("written");
+    write_tum(&Slam { drift_m: 0.0, clock_s: 0.4, ..SLAM }.drive(&simulated), &lio);
+    write_tum(&Slam { noise_m: 0.04, drift_m: 0.0, seed: 2, ..SLAM }.drive(&simulated), &vio);
+    send(&mut harness, Command::OpenPaths(vec![vio, drive, lio]));
+    settle(&mut harness);
+    settle(&mut harness);
+    assert_eq!(shown(&harness).deployment.name, "figure-eight (simulated)");
+    harness.get_by_label(" lio is better ");
+    harness.get_by_label_contains("which is significant");
+    let judging = &shown(&harness).judging;
+    let (_, lio) = judging.judged().find(|(_, one)| one.estimate.name == "lio").expect("judged");
+    let off_s = lio.fit.time_offset_s + 0.4;
+    assert!(off_s.abs() < 4.0 * lio.fit.time_offset_sigma_s.expect("found"), "{off_s}");
+}
+
+/// Systems often call their files the same: their folders tell them apart.
+#[test]
+fn trajectories_of_one_name_are_told_apart_by_their_folders() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let [lio, vio] = [("lio", 0.01), ("vio", 0.03)].map(|(system, noise_m)| {
+        let own = folder.path().join(system);
+        std::fs::create_dir(&own).expect("made");
+        write_slam(&harness, &own, "trajectory.tum", noise_m, 0.0)
+    });
+    send(&mut harness, Command::AddEstimates(vec![lio.clone()]));
+    settle(&mut harness);
+    harness.get_by_label("Take trajectory away");
+    send(&mut harness, Command::AddEstimates(vec![vio, lio]));
+    settle(&mut harness);
+    harness.get_by_label_contains("lio/trajectory is better than vio/trajectory: ");
+    assert_eq!(shown(&harness).judging.added.len(), 2, "none is there twice");
+    click(&mut harness, "Take vio/trajectory away");
+    settle(&mut harness);
+    assert_eq!(shown(&harness).judging.judged().count(), 1);
+}
+
+/// What is needed to judge is offered where it is said.
+#[test]
+fn the_paper_s_answer_has_no_motion_and_leads_to_one_that_has() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
+    let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.0);
+    set(&mut harness, |settings| {
+        settings.calibration = settings.calibration.plain(Method::InterPrism);
+    });
+    send(&mut harness, Command::AddEstimates(vec![lio, vio]));
+    settle(&mut harness);
+    click(&mut harness, "Use the joint estimate");
+    settle(&mut harness);
+    harness.get_by_label(" lio is better ");
 }
 
 /// Runs of one set-up are drawn in one frame, and so are those that control points bring together; others say why not.

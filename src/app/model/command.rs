@@ -4,13 +4,12 @@ use std::path::PathBuf;
 
 use super::Units;
 use super::studies::StudyOptions;
-use super::{Asked, AskedAnswer, Lookup, Palette, Picked, Plotted, Visibility};
+use super::{Added, Asked, AskedAnswer, Lookup, Palette, Picked, Plotted, Visibility};
 use super::{Colouring, Ruler, SceneOptions, ViewPreset};
 use super::{LayoutPreset, LiveCommand, Pane, PlanCommand, WayPlots};
 use crate::analysis::Settings;
 use crate::app::file_dialog::PromptCommand;
 use crate::deployment::{Extras, Sample, Source};
-use crate::estimates::Options;
 use crate::export::copy::{CopyFormat, Part};
 
 /// What a pane asks for.
@@ -132,10 +131,8 @@ pub enum Command {
     /// Reads trajectories of other systems and holds them against the active deployment.
     AddEstimates(Vec<PathBuf>),
     AddEstimateDialog,
-    /// Takes a trajectory away, by its name and its file.
-    RemoveEstimate(String, PathBuf),
-    /// How trajectories are brought together with the active deployment's.
-    SetJudging(Options),
+    /// The trajectories that are held against the active deployment, and how each is.
+    Judge(Vec<Added>),
     /// Chooses what the pane of the trajectory plots.
     PlotWay(WayPlots),
 

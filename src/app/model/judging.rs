@@ -4,87 +4,230 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::made::Made;
-use crate::estimates::{Estimate, Judged, Judgement, Options};
+use crate::estimates::{Estimate, Judged, Judgement, Options, names};
+
+/// A trajectory that was added, and what is asked of it.
+#[derive(Clone, Debug)]
+pub struct Added {
+    pub estimate: Arc<Estimate>,
+    /// The number of its colour: it stays when another is taken away.
+    pub colour: usize,
+    /// How it is brought together with the ground truth.
+    pub options: Options,
+    /// Whether the scene draws it.
+    pub shown: bool,
+}
+
+impl PartialEq for Added {
+    /// What was read once is the same as long as nobody reads it again.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.estimate, &other.estimate)
+            && (self.colour, self.options, self.shown) == (other.colour, other.options, other.shown)
+    }
+}
+
+/// A trajectory of a session: where it is read, and what is asked of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedEstimate {
+    pub path: PathBuf,
+    /// Which of those in a bag it is; `None` is all that are in the file.
+    pub topic: Option<String>,
+    pub options: Options,
+    pub shown: bool,
+}
 
 /// What was added, and what came of it.
 #[derive(Default)]
 pub struct Judging {
     /// In the order in which they were added, none twice.
-    pub estimates: Vec<Arc<Estimate>>,
-    /// The colour of each, by its number: it stays when another is taken away.
-    colours: Vec<usize>,
-    /// Files of the session that could not be read; they stay in it.
-    pub missing: Vec<PathBuf>,
-    pub options: Options,
+    pub added: Vec<Added>,
+    /// Those of the session that could not be read; they stay in it.
+    pub missing: Vec<SavedEstimate>,
     pub judgement: Made<Judgement>,
     /// Counts the changes of what is to be judged.
     pub version: u64,
 }
 
 impl Judging {
-    /// Adds estimates; one that was read from the same file before gives way.
-    pub fn add(&mut self, estimates: Vec<Arc<Estimate>>) {
+    /// What is added with these; one that was read from the same file before gives way.
+    pub fn with(&self, estimates: Vec<Arc<Estimate>>) -> Vec<Added> {
+        let mut added = self.added.clone();
         for estimate in estimates {
-            let is_same = |old: &&mut Arc<Estimate>| is_same(old, &estimate);
-            match self.estimates.iter_mut().find(is_same) {
-                Some(old) => *old = estimate,
+            match added.iter_mut().find(|one| one.estimate.is_same(&estimate)) {
+                Some(old) => old.estimate = estimate,
                 None => {
-                    let free = (0..).find(|colour| !self.colours.contains(colour));
-                    self.colours.push(free.unwrap_or_default());
-                    self.estimates.push(estimate);
+                    let is_free = |colour: &usize| added.iter().all(|one| one.colour != *colour);
+                    let colour = (0..).find(is_free).unwrap_or_default();
+                    added.push(Added {
+                        estimate,
+                        colour,
+                        options: Options::default(),
+                        shown: true,
+                    });
                 }
             }
         }
-        self.version += 1;
+        let names = names(added.iter().map(|one| &*one.estimate));
+        for (one, name) in added.iter_mut().zip(names) {
+            if one.estimate.name != name {
+                Arc::make_mut(&mut one.estimate).name = name;
+            }
+        }
+        added
     }
 
-    /// Takes one away, by its name and its file.
-    pub fn remove(&mut self, name: &str, path: &Path) {
-        let is_it = |one: &Arc<Estimate>| one.path == path && one.name == name;
-        if let Some(index) = self.estimates.iter().position(is_it) {
-            self.estimates.remove(index);
-            self.colours.remove(index);
+    /// What is added with those of a session that were read, as it had them.
+    pub fn with_saved(&self, estimates: &[Arc<Estimate>], saved: &[SavedEstimate]) -> Vec<Added> {
+        let of = |estimate: &Estimate| saved.iter().find(|one| one.is_of(estimate));
+        let is_named = |path: &Path| {
+            estimates.iter().any(|estimate| estimate.path == path && of(estimate).is_some())
+        };
+        // A file in which nothing has a name that the session knows is as one that was just added.
+        let kept = |one: &&Arc<Estimate>| of(one).is_some() || !is_named(&one.path);
+        let mut added = self.with(estimates.iter().filter(kept).cloned().collect());
+        for one in &mut added {
+            if let Some(saved) = of(&one.estimate) {
+                (one.options, one.shown) = (saved.options, saved.shown);
+            }
         }
-        self.version += 1;
-        if self.estimates.is_empty() {
+        added
+    }
+
+    /// Has these judged from now on.
+    pub fn set(&mut self, added: Vec<Added>) {
+        let asked = |one: &Added| (Arc::as_ptr(&one.estimate), one.options);
+        if !added.iter().map(asked).eq(self.added.iter().map(asked)) {
+            self.version += 1;
+        }
+        self.added = added;
+        if self.added.is_empty() {
             self.judgement.clear();
         }
     }
 
-    pub fn set(&mut self, options: Options) {
-        self.options = options;
-        self.version += 1;
-    }
-
-    /// The files that they were read from, each once.
-    pub fn files(&self) -> Vec<PathBuf> {
-        let mut files: Vec<PathBuf> = self.missing.clone();
-        for estimate in &self.estimates {
-            if !files.contains(&estimate.path) {
-                files.push(estimate.path.clone());
-            }
-        }
-        files
-    }
-
-    /// The estimates that were added, each with the number of its colour.
-    pub fn coloured(&self) -> impl Iterator<Item = (usize, &Arc<Estimate>)> {
-        self.colours.iter().copied().zip(&self.estimates)
+    /// What a session keeps of them.
+    pub fn saved(&self) -> Vec<SavedEstimate> {
+        let one = |added: &Added| SavedEstimate {
+            path: added.estimate.path.clone(),
+            topic: added.estimate.topic.clone(),
+            options: added.options,
+            shown: added.shown,
+        };
+        self.missing.iter().cloned().chain(self.added.iter().map(one)).collect()
     }
 
     /// The estimates that could be judged, each with the number of its colour.
     pub fn judged(&self) -> impl Iterator<Item = (usize, &Judged)> {
         let judged = self.judgement.newest.iter().flat_map(|judgement| &judgement.judged);
-        judged.filter_map(|one| Some((self.colour(&one.estimate)?, one)))
+        judged.filter_map(|one| Some((self.of(&one.estimate)?.colour, one)))
     }
 
-    /// The number of an estimate's colour; `None` once it was taken away.
-    pub fn colour(&self, of: &Estimate) -> Option<usize> {
-        self.coloured().find(|(_, estimate)| is_same(estimate, of)).map(|(colour, _)| colour)
+    /// What was added of an estimate; `None` once it was taken away.
+    pub fn of(&self, estimate: &Estimate) -> Option<&Added> {
+        self.added.iter().find(|one| one.estimate.is_same(estimate))
+    }
+
+    /// The colours in which the scene draws what was judged, in the order of the judgement; none of what is not shown.
+    pub fn drawn(&self, judgement: &Judgement) -> Vec<Option<usize>> {
+        let colour = |one: &Judged| Some(self.of(&one.estimate).filter(|it| it.shown)?.colour);
+        judgement.judged.iter().map(colour).collect()
     }
 }
 
-/// A bag may hold several, which its topics name.
-fn is_same(a: &Estimate, b: &Estimate) -> bool {
-    a.path == b.path && a.name == b.name
+impl SavedEstimate {
+    fn is_of(&self, estimate: &Estimate) -> bool {
+        self.path == estimate.path && (self.topic.is_none() || self.topic == estimate.topic)
+    }
+}
+
+/// What became other between the two, in a few words; the same ones while one number changes.
+pub fn change_in_words(before: &[Added], after: &[Added]) -> String {
+    let name = |one: &Added| one.estimate.name.clone();
+    let lacking = |some: &[Added], in_these: &[Added]| -> Vec<String> {
+        let is_there = |one: &Added| in_these.iter().any(|it| it.estimate.is_same(&one.estimate));
+        some.iter().filter(|one| !is_there(one)).map(name).collect()
+    };
+    let both: Vec<[&Added; 2]> = after
+        .iter()
+        .filter_map(|one| Some([before.iter().find(|it| it.estimate.is_same(&one.estimate))?, one]))
+        .collect();
+    let where_ = |differs: &dyn Fn(&Added, &Added) -> bool| -> Vec<String> {
+        both.iter().filter(|[old, new]| differs(old, new)).map(|[_, new]| name(new)).collect()
+    };
+    let parts = [
+        ("trajectory added", lacking(after, before)),
+        ("trajectory taken away", lacking(before, after)),
+        ("trajectory hidden", where_(&|old, new| old.shown && !new.shown)),
+        ("trajectory shown", where_(&|old, new| !old.shown && new.shown)),
+        ("alignment", where_(&|old, new| old.options.alignment != new.options.alignment)),
+        ("clock", where_(&|old, new| old.options.time_offset_s != new.options.time_offset_s)),
+        ("body", where_(&|old, new| old.options.body != new.options.body)),
+        ("trajectory read again", where_(&|old, new| !Arc::ptr_eq(&old.estimate, &new.estimate))),
+    ];
+    let parts = parts.iter().filter(|(_, names)| !names.is_empty());
+    parts
+        .map(|(what, names)| format!("{what}: {}", names.join(", ")))
+        .collect::<Vec<_>>()
+        .join("; ")
+}
+
+/// Names of files may be long, and differ at their beginning or their end.
+pub fn short(name: &str) -> String {
+    const LONGEST: usize = 26;
+    const ENDS: [usize; 2] = [13, 11];
+    let count = name.chars().count();
+    if count <= LONGEST {
+        return name.to_owned();
+    }
+    let first: String = name.chars().take(ENDS[0]).collect();
+    let last: String = name.chars().skip(count - ENDS[1]).collect();
+    format!("{first}…{last}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimate(path: &str, topic: Option<&str>) -> Arc<Estimate> {
+        let topic = topic.map(str::to_owned);
+        let name = topic.clone().unwrap_or_else(|| "slam".to_owned());
+        Arc::new(Estimate { name, path: path.into(), topic, poses: vec![], findings: vec![] })
+    }
+
+    #[test]
+    fn a_session_has_those_of_a_bag_judged_that_it_names_and_each_as_it_was() {
+        let [odom, lidar] = ["/odom", "/lidar"].map(|topic| estimate("a.bag", Some(topic)));
+        let tum = estimate("slam.tum", None);
+        let options = Options { time_offset_s: Some(0.5), ..Options::default() };
+        let saved = |path: &str, topic: Option<&str>| SavedEstimate {
+            path: path.into(),
+            topic: topic.map(str::to_owned),
+            options,
+            shown: false,
+        };
+        let read = vec![odom, lidar, tum];
+        let restored = |saved: &[SavedEstimate]| -> Vec<(String, bool)> {
+            let added = Judging::default().with_saved(&read, saved);
+            let is_as_saved = |one: &Added| one.options == options && !one.shown;
+            added.iter().map(|one| (one.estimate.name.clone(), is_as_saved(one))).collect()
+        };
+        let named = |all: &[(&str, bool)]| -> Vec<(String, bool)> {
+            all.iter().map(|(name, as_saved)| ((*name).to_owned(), *as_saved)).collect()
+        };
+        let one = restored(&[saved("a.bag", Some("/lidar")), saved("slam.tum", None)]);
+        assert_eq!(one, named(&[("/lidar", true), ("slam", true)]));
+        // Older sessions named none, and a bag that was recorded again may have others.
+        let all = restored(&[saved("a.bag", None)]);
+        assert_eq!(all, named(&[("/odom", true), ("/lidar", true), ("slam", false)]));
+        let other = restored(&[saved("a.bag", Some("/gnss"))]);
+        assert_eq!(other, named(&[("/odom", false), ("/lidar", false), ("slam", false)]));
+    }
+
+    #[test]
+    fn long_names_keep_both_ends() {
+        assert_eq!(short("orb_slam3"), "orb_slam3");
+        let long = "orb_slam3_stereo_inertial_run_07_loop_closed_final";
+        assert_eq!(short(long), "orb_slam3_ste…losed_final");
+        assert_eq!(short(&"ö".repeat(60)).chars().count(), 25);
+    }
 }

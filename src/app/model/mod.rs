@@ -10,7 +10,7 @@ mod command;
 pub mod estimates;
 pub mod flight;
 pub mod follow;
-mod judging;
+pub mod judging;
 pub mod layout_description;
 pub mod layout_presets;
 pub mod live;
@@ -42,7 +42,7 @@ pub use asked::{
 pub use camera::{Camera, Frame, ViewPreset};
 pub use colouring::Colouring;
 pub use command::{Command, Commands, PictureTo};
-pub use judging::Judging;
+pub use judging::{Added, Judging, SavedEstimate};
 pub use layout_description::LayoutDescription;
 pub use layout_presets::LayoutPreset;
 pub use live::{LiveCommand, LiveForm};

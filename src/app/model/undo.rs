@@ -1,9 +1,10 @@
-//! Undo and redo of settings, of what is put right in the data, and of the plan.
+//! Undo and redo of settings, of what is put right in the data, of what is judged, and of the plan.
 //!
 //! A drag sends many settings; it is one step. egui's own `Undoer` merges whatever comes within a second, also two
 //! different switches, and cannot name a step; this one merges changes of the same setting only.
 
 use super::Units;
+use super::judging::Added;
 use crate::analysis::{Settings, setting_changes};
 use crate::deployment::Extras;
 use crate::planning::Plan;
@@ -36,6 +37,11 @@ pub enum Changed {
         both: Box<[Extras; 2]>,
         words: String,
     },
+    /// The trajectories that are judged, and how that is told.
+    Judged {
+        both: Box<[Vec<Added>; 2]>,
+        words: String,
+    },
     /// The plan, which is of no deployment.
     Plan {
         both: Box<[Plan; 2]>,
@@ -49,6 +55,9 @@ impl Changed {
         match (self, later) {
             (Self::Settings([_, after]), Self::Settings([_, new])) => *after = *new,
             (Self::Plan { both, .. }, Self::Plan { both: later, .. }) => both[1] = later[1].clone(),
+            (Self::Judged { both, .. }, Self::Judged { both: later, .. }) => {
+                both[1] = later[1].clone();
+            }
             _ => {}
         }
     }
@@ -57,6 +66,7 @@ impl Changed {
         match self {
             Self::Settings([before, after]) => before == after,
             Self::Plan { both, .. } => both[0] == both[1],
+            Self::Judged { both, .. } => both[0] == both[1],
             Self::Extras { .. } => false,
         }
     }
@@ -64,18 +74,19 @@ impl Changed {
     fn in_words(&self, units: Units) -> String {
         match self {
             Self::Settings([before, after]) => units.changes(before, after),
-            Self::Extras { words, .. } => words.clone(),
+            Self::Extras { words, .. } | Self::Judged { words, .. } => words.clone(),
             Self::Plan { words, .. } => (*words).to_owned(),
         }
     }
 
     /// The settings that it touches; none of what has the data read again, which is a step of its own each time.
-    fn touched(&self) -> Option<Vec<&'static str>> {
+    fn touched(&self) -> Option<Vec<&str>> {
         match self {
             Self::Settings([before, after]) => {
                 Some(setting_changes(before, after).iter().map(|change| change.name).collect())
             }
             Self::Plan { words, .. } => Some(vec![*words]),
+            Self::Judged { words, .. } => Some(vec![words]),
             Self::Extras { .. } => None,
         }
     }

@@ -2,24 +2,21 @@
 //! and where somebody is wrong.
 
 use egui::RichText;
-use nalgebra::Vector3;
 
-use super::{finding, heading, number, scrolled};
+use super::{finding, heading, judging_options, scrolled};
+use crate::app::model::judging::short;
 use crate::app::model::{AngleUnit, Command, Commands, OpenDeployment, TimeScale, Units};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use crate::calibration::Verdict;
 use crate::estimates::odd::{OddOne, OddSpan};
-use crate::estimates::{Alignment, Body, Judged, Judgement, Options};
+use crate::estimates::{Judged, Judgement, Unjudged};
 use crate::export::estimates::{Angles, compared, contradiction, rows};
 use crate::palette;
 
 /// Widest that a sentence gets (points).
 const SENTENCE: f32 = 620.0;
-/// Lever arms on vehicles are shorter (m), and clocks that somebody knows are nearer than since 1970 (s).
-const LONGEST_LEVER_M: f64 = 100.0;
-const LARGEST_OFFSET_S: f64 = 4e9;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some(open) = state.active() else {
@@ -31,10 +28,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.scope(|ui| {
             ui.set_max_width(ui.available_width().min(SENTENCE));
             added(ui, open, commands);
-            if open.judging.estimates.is_empty() {
+            if open.judging.added.is_empty() {
                 return;
             }
-            options(ui, open.judging.options, commands);
+            judging_options::ui(ui, &open.judging.added, commands);
             if open.judging.judgement.is_running() {
                 ui.horizontal(|ui| {
                     ui.spinner();
@@ -51,7 +48,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 ui.multiply_opacity(0.45);
             }
             doubt(ui, open);
-            ranking(ui, judgement);
+            ranking(ui, state, judgement, commands);
             odd(ui, state, open, judgement, commands);
             table(ui, open, judgement, angles(state.units));
             for one in &judgement.judged {
@@ -66,16 +63,17 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 /// What was added, and how more is.
 fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     let judging = &open.judging;
-    if judging.estimates.is_empty() {
+    if judging.added.is_empty() {
         ui.label(
             "Drop trajectories of SLAM or odometry here (TUM, EuRoC, KITTI with times.txt, CSV with a header), or add a bag with Odometry or PoseStamped. This \
              deployment's own trajectory is the ground truth, with its σ at each instant.",
         );
         ui.add_space(4.0);
     }
-    for (colour, estimate) in judging.coloured() {
+    for (index, one) in judging.added.iter().enumerate() {
+        let estimate = &one.estimate;
         ui.horizontal(|ui| {
-            let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
+            let colour = theme::readable(palette::estimate(one.colour), ui.visuals().dark_mode);
             ui.label(RichText::new(short(&estimate.name)).color(colour).strong())
                 .on_hover_text(estimate.path.display().to_string());
             ui.weak(format!("{} poses", estimate.poses.len()));
@@ -83,82 +81,15 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
             let button = ui.small_button("×").on_hover_text(&name);
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
             if button.clicked() {
-                let (name, path) = (estimate.name.clone(), estimate.path.clone());
-                commands.push(Command::RemoveEstimate(name, path));
+                let mut others = judging.added.clone();
+                others.remove(index);
+                commands.push(Command::Judge(others));
             }
         });
     }
     if ui.button("Add a trajectory…").clicked() {
         commands.push(Command::AddEstimateDialog);
     }
-}
-
-/// How they are brought together with the ground truth.
-fn options(ui: &mut egui::Ui, options: Options, commands: &mut Commands) {
-    let mut chosen = options;
-    ui.horizontal_wrapped(|ui| {
-        ui.label("aligned by");
-        for (alignment, name, hint) in [
-            (Alignment::Rigid, "turn and shift", "As evo's --align"),
-            (Alignment::Similarity, "scale too", "For one camera alone, as evo's --correct_scale"),
-            (Alignment::None, "nothing", "The trajectory is in the frame of station 1"),
-        ] {
-            ui.radio_value(&mut chosen.alignment, alignment, name).on_hover_text(hint);
-        }
-    });
-    ui.horizontal_wrapped(|ui| {
-        ui.label("their body is");
-        let given_m = match options.body {
-            Body::Lever(lever_m) => lever_m,
-            Body::Found | Body::Same => Vector3::zeros(),
-        };
-        for (body, name, hint) in [
-            (Body::Found, "found", "Lever arm and rotation against the vehicle are estimated"),
-            (Body::Same, "the vehicle's frame", "As evo takes it to be"),
-            (Body::Lever(given_m), "at", "The lever arm is known, and the same for all of them: where their body's origin is in the vehicle's frame, or the one prism in the body's"),
-        ] {
-            ui.radio_value(&mut chosen.body, body, name).on_hover_text(hint);
-        }
-        if let Body::Lever(lever_m) = &mut chosen.body {
-            for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-                let label = ui.label(name);
-                metres(ui, name, &mut lever_m[axis]).labelled_by(label.id);
-            }
-        }
-    });
-    ui.horizontal_wrapped(|ui| {
-        ui.label("their clock is");
-        let given_s = options.time_offset_s.unwrap_or_default();
-        for (offset_s, name, hint) in [
-            (None, "found", "What has to be added to their times is estimated"),
-            (
-                Some(given_s),
-                "off by",
-                "What has to be added to their times is known; 0 s as evo takes it",
-            ),
-        ] {
-            ui.radio_value(&mut chosen.time_offset_s, offset_s, name).on_hover_text(hint);
-        }
-        if let Some(offset_s) = &mut chosen.time_offset_s {
-            let range = -LARGEST_OFFSET_S..=LARGEST_OFFSET_S;
-            number::field(ui, ("time offset", "s"), offset_s, range.clone(), |ui, value, parse| {
-                let field = egui::DragValue::new(value).speed(0.001).range(range).suffix(" s");
-                ui.add(field.max_decimals(4).custom_parser(parse))
-            })
-            .on_hover_text("Added to their times");
-        }
-    });
-    if chosen != options {
-        commands.push(Command::SetJudging(chosen));
-    }
-}
-
-fn metres(ui: &mut egui::Ui, name: &str, value_m: &mut f64) -> egui::Response {
-    let range = -LONGEST_LEVER_M..=LONGEST_LEVER_M;
-    number::field(ui, (name, "m"), value_m, range.clone(), |ui, value, parse| {
-        let field = egui::DragValue::new(value).speed(0.005).range(range).suffix(" m");
-        ui.add(field.max_decimals(4).custom_parser(parse))
-    })
 }
 
 /// Says so where the ground truth is not good itself: what it says of others is worth no more.
@@ -175,7 +106,7 @@ fn doubt(ui: &mut egui::Ui, open: &OpenDeployment) {
 }
 
 /// A badge and a sentence for each two of them, and who could not be judged.
-fn ranking(ui: &mut egui::Ui, judgement: &Judgement) {
+fn ranking(ui: &mut egui::Ui, state: &State, judgement: &Judgement, commands: &mut Commands) {
     ui.add_space(4.0);
     for two in &judgement.comparisons {
         let (word, verdict) = if two.is_significant() {
@@ -188,14 +119,10 @@ fn ranking(ui: &mut egui::Ui, judgement: &Judgement) {
         ui.label(RichText::new(word).color(ink).background_color(ground).strong());
         ui.add(egui::Label::new(compared(judgement, two)).wrap());
     }
-    for (_, why) in &judgement.unjudged {
-        let (colour, sign) =
-            theme::severity(crate::deployment::Severity::Problem, ui.visuals().dark_mode);
-        ui.horizontal_wrapped(|ui| {
-            ui.colored_label(colour, sign);
-            ui.label(format!("not judged: {why}"));
-        });
-    }
+    // What the ground truth lacks is said once.
+    let mut said: Vec<&Unjudged> = judgement.unjudged.iter().map(|(_, why)| why).collect();
+    said.dedup();
+    said.into_iter().for_each(|why| finding(ui, state, &why.finding(), commands));
 }
 
 /// Spans in which the estimate and the ground truth contradict each other; a click leads there.
@@ -253,7 +180,7 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles
         grid.show(ui, |ui| {
             ui.label("");
             for one in &judgement.judged {
-                let colour = open.judging.colour(&one.estimate).unwrap_or_default();
+                let colour = open.judging.of(&one.estimate).map_or(0, |added| added.colour);
                 let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
                 ui.label(RichText::new(short(&one.estimate.name)).color(colour).strong())
                     .on_hover_text(&one.estimate.name);
@@ -270,36 +197,10 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles
     });
 }
 
-/// Names of files may be long, and differ at their beginning or their end.
-fn short(name: &str) -> String {
-    const LONGEST: usize = 26;
-    const ENDS: [usize; 2] = [13, 11];
-    let count = name.chars().count();
-    if count <= LONGEST {
-        return name.to_owned();
-    }
-    let first: String = name.chars().take(ENDS[0]).collect();
-    let last: String = name.chars().skip(count - ENDS[1]).collect();
-    format!("{first}…{last}")
-}
-
 /// Turns of a few thousandths are small numbers in radians; the other units are told as they are.
 fn angles(units: Units) -> Angles {
     match units.angle {
         AngleUnit::Radian => Angles { per_radian: 1e3, unit: "mrad" },
         unit => Angles { per_radian: unit.per_radian(), unit: unit.name() },
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn long_names_keep_both_ends() {
-        assert_eq!(short("orb_slam3"), "orb_slam3");
-        let long = "orb_slam3_stereo_inertial_run_07_loop_closed_final";
-        assert_eq!(short(long), "orb_slam3_ste…losed_final");
-        assert_eq!(short(&"ö".repeat(60)).chars().count(), 25);
     }
 }

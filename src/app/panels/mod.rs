@@ -11,6 +11,7 @@ pub mod evaluation;
 pub mod findings;
 pub mod glossary;
 pub mod guide;
+mod judging_options;
 pub mod live;
 pub mod minima;
 mod number;

@@ -24,7 +24,6 @@ fn session(count: usize) -> Session {
         selection_s: None,
         files: Default::default(),
         estimates: Vec::new(),
-        judging: Default::default(),
     };
     Session {
         deployments: (0..count).map(saved).collect(),

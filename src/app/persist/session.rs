@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::hashes::{FileMark, HashCache, used_files};
 use crate::analysis::Settings;
 use crate::app::model::{
-    Colouring, LayoutDescription, Plotted, SceneOptions, StudyOptions, Units, Visibility, WayPlots,
+    Colouring, LayoutDescription, Plotted, SavedEstimate, SceneOptions, StudyOptions, Units,
+    Visibility, WayPlots,
 };
 use crate::atomic::WriteError;
 use crate::deployment::{Deployment, OpenError, Source};
-use crate::estimates::Options;
 use crate::export::summary::ResultSummary;
 use crate::planning::Plan;
 use crate::progress::Progress;
@@ -61,9 +61,8 @@ pub struct SavedDeployment {
     pub window_s: Option<[f64; 2]>,
     pub selection_s: Option<[f64; 2]>,
     pub files: Files,
-    /// Files of trajectories that are judged by it.
-    pub estimates: Vec<PathBuf>,
-    pub judging: Options,
+    /// Trajectories that are judged by it.
+    pub estimates: Vec<SavedEstimate>,
 }
 
 /// The files that a deployment was read from, found and hashed once and only when a session is written.
@@ -142,7 +141,7 @@ pub struct SavedPin {
     pub result: ResultSummary,
 }
 
-fn yes() -> bool {
+pub(super) fn yes() -> bool {
     true
 }
 

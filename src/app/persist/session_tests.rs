@@ -9,6 +9,7 @@ use crate::app::layout::Layout;
 use crate::app::model::Colouring;
 use crate::app::model::LayoutPreset;
 use crate::app::model::Plotted;
+use crate::app::model::SavedEstimate;
 use crate::app::model::SceneOptions;
 use crate::app::model::{Planning, StudyKind, StudyOptions};
 use crate::app::persist::hashes::used_files;
@@ -17,7 +18,7 @@ use crate::app::prepared::channels::Channel;
 use crate::calibration::Method;
 use crate::deployment::Source;
 use crate::deployment::{Extras, Sample};
-use crate::estimates::{Alignment, Options};
+use crate::estimates::{Alignment, Body, Options};
 use crate::export::summary::ResultSummary;
 use crate::progress::Progress;
 
@@ -37,8 +38,20 @@ fn session(folder: &Path) -> Session {
         files: Files::marked(
             HashCache::default().mark(&folder.join("data/tracks.csv")).into_iter().collect(),
         ),
-        estimates: vec![folder.join("data/slam.tum")],
-        judging: Options { alignment: Alignment::Similarity, ..Options::default() },
+        estimates: vec![
+            SavedEstimate {
+                path: folder.join("data/slam.tum"),
+                topic: None,
+                options: Options { alignment: Alignment::Similarity, ..Options::default() },
+                shown: true,
+            },
+            SavedEstimate {
+                path: folder.join("data/other.bag"),
+                topic: Some("/odom".to_owned()),
+                options: Options { time_offset_s: Some(-0.125), ..Options::default() },
+                shown: false,
+            },
+        ],
     };
     let sample = SavedDeployment {
         source: Source::sample(Sample::Hd2Tunnel),
@@ -48,7 +61,6 @@ fn session(folder: &Path) -> Session {
         selection_s: Some([1.0, 2.0]),
         files: Files::default(),
         estimates: Vec::new(),
-        judging: Options::default(),
     };
     let result = ResultSummary::of(&deployment, &analysis, &answer);
     Session {
@@ -208,6 +220,29 @@ fn an_odd_view_layout_or_pin_costs_only_itself() {
             Err(error) => assert!(said.is_empty(), "{error}"),
         }
     }
+}
+
+/// Before each trajectory had a clock and a body of its own, a session said them once for all.
+#[test]
+fn what_an_older_session_asked_of_all_trajectories_it_asks_of_each() {
+    let folder = with_data();
+    let path = folder.path().join("a.resect.toml");
+    let old = "resect_session = 1\n[[deployment]]\npath = \"data\"\nestimates = [\"a.tum\", \"b.bag\"]\n\
+               [deployment.judging]\nalignment = \"none\"\ntime_offset_s = 0.5\nbody = \"same\"\n";
+    std::fs::write(&path, old).expect("written");
+    let (back, findings) = load(&path).expect("an old session opens");
+    assert_eq!(findings, vec![]);
+    let folder = folder.path().canonicalize().expect("there");
+    let options =
+        Options { alignment: Alignment::None, time_offset_s: Some(0.5), body: Body::Same };
+    let of =
+        |file: &str| SavedEstimate { path: folder.join(file), topic: None, options, shown: true };
+    assert_eq!(back.deployments[0].estimates, [of("a.tum"), of("b.bag")]);
+    // One whose options are of a later version is still judged, and that is said.
+    std::fs::write(&path, old.replace("\"none\"", "\"by the weather\"")).expect("written");
+    let (back, findings) = load(&path).expect("opens");
+    assert_eq!(back.deployments[0].estimates[1].options, Options::default());
+    assert!(findings[0].message.contains("how a trajectory is judged"), "{findings:?}");
 }
 
 /// Version 1 before the joint estimate: its switches are read, and what became of them is said.

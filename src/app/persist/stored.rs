@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::hashes::FileMark;
-use super::session::{Files, SavedDeployment, SavedPin, SavedView, Session};
+use super::session::{Files, SavedDeployment, SavedPin, SavedView, Session, yes};
 use crate::analysis::Settings;
-use crate::app::model::LayoutDescription;
+use crate::app::model::{LayoutDescription, SavedEstimate};
 use crate::calibration::Method;
 use crate::deployment::{Extras, Finding, Place, Source};
 use crate::estimates::Options;
@@ -62,9 +62,25 @@ struct StoredDeployment {
     #[serde(default, rename = "file", skip_serializing_if = "Vec::is_empty")]
     files: Vec<FileMark>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    estimates: Vec<PathBuf>,
-    #[serde(default)]
+    estimates: Vec<StoredEstimate>,
+    /// What older sessions asked of all trajectories alike.
+    #[serde(default, skip_serializing)]
     judging: Lenient<Options>,
+}
+
+/// A trajectory that is judged; older sessions have its path alone.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum StoredEstimate {
+    Path(PathBuf),
+    Asked {
+        path: PathBuf,
+        topic: Option<String>,
+        #[serde(default = "yes")]
+        shown: bool,
+        #[serde(default)]
+        options: Lenient<Options>,
+    },
 }
 
 /// A part that may be unreadable without the rest being lost.
@@ -106,8 +122,17 @@ impl StoredSession {
                 .iter()
                 .map(|mark| FileMark { path: relative(&mark.path, folder), ..mark.clone() })
                 .collect(),
-            judging: Lenient::Read(saved.judging),
-            estimates: saved.estimates.iter().map(|path| relative(path, folder)).collect(),
+            judging: Lenient::default(),
+            estimates: saved
+                .estimates
+                .iter()
+                .map(|one| StoredEstimate::Asked {
+                    path: relative(&one.path, folder),
+                    topic: one.topic.clone(),
+                    shown: one.shown,
+                    options: Lenient::Read(one.options),
+                })
+                .collect(),
         };
         Self {
             resect_session: VERSION,
@@ -140,11 +165,7 @@ impl StoredSession {
             cursor_s: stored.cursor_s,
             window_s: stored.window_s,
             selection_s: stored.selection_s,
-            judging: stored
-                .judging
-                .read("how trajectories are judged", &mut findings)
-                .unwrap_or_default(),
-            estimates: stored.estimates.iter().map(|path| folder.join(path)).collect(),
+            estimates: read_estimates(stored.estimates, stored.judging, folder, &mut findings),
             files: Files::marked(
                 stored
                     .files
@@ -168,6 +189,27 @@ impl StoredSession {
         };
         Ok((session, findings))
     }
+}
+
+fn read_estimates(
+    stored: Vec<StoredEstimate>,
+    of_all: Lenient<Options>,
+    folder: &Path,
+    findings: &mut Vec<Finding>,
+) -> Vec<SavedEstimate> {
+    let mut asked = |options: Lenient<Options>| {
+        options.read("how a trajectory is judged", findings).unwrap_or_default()
+    };
+    let of_all = asked(of_all);
+    let one = |stored| match stored {
+        StoredEstimate::Path(path) => {
+            SavedEstimate { path: folder.join(path), topic: None, options: of_all, shown: true }
+        }
+        StoredEstimate::Asked { path, topic, shown, options } => {
+            SavedEstimate { path: folder.join(path), topic, options: asked(options), shown }
+        }
+    };
+    stored.into_iter().map(one).collect()
 }
 
 fn plan_makes_sense(plan: &Plan, findings: &mut Vec<Finding>) -> bool {

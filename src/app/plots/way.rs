@@ -34,7 +34,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let plots = state.way_plots;
     let judging = &open.judging;
     time_plot::head(ui, |ui| {
-        let can_judge = !judging.estimates.is_empty();
+        let can_judge = !judging.added.is_empty();
         if ui.available_width() > if can_judge { WIDE_WITH_ERRORS } else { WIDE } {
             switches(ui, plots, can_judge, commands);
         } else {
@@ -55,7 +55,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if judged.is_empty() && aspects.is_empty() {
         let why = match judging.judgement.is_running() {
             true => "Judging…",
-            false if plots.errors && !judging.estimates.is_empty() => {
+            false if plots.errors && !judging.added.is_empty() => {
                 "No trajectory could be judged: Evaluation says why."
             }
             false => "Nothing is chosen to be shown here.",

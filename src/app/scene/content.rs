@@ -45,6 +45,8 @@ pub struct SceneContent {
     pub beside: Layer,
     /// Trajectories of other systems, coloured by their errors.
     pub estimates: Layer,
+    /// Their names, each where it ends.
+    pub(super) estimate_labels: Vec<Label>,
     /// The error at the end of their colours (m); `None` where there are none.
     pub worst_m: Option<f64>,
     /// The grid; changes with the camera.

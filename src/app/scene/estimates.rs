@@ -1,8 +1,9 @@
 //! Trajectories of other systems in the scene: where they say the vehicle was, coloured by how far off that is.
 
 use super::SceneContent;
-use super::vertices::{LineVertex, WORLD, f32s, opaque};
-use crate::estimates::Judgement;
+use super::vertices::{Label, LineVertex, Rank, WORLD, f32s, opaque};
+use crate::estimates::Judged;
+use crate::estimates::errors::EpochError;
 use crate::palette;
 use crate::statistics::quantiles;
 
@@ -12,35 +13,61 @@ const SHOWN: f64 = 0.98;
 const GAP_S: f64 = 1.0;
 /// So many lines of one trajectory at most.
 const MOST_LINES: usize = 20_000;
-/// Wider than the tracks, which lie on it where it is right.
+/// Wider than the tracks, which lie on it where it is right; about it a line in the trajectory's own colour.
 const WIDTH_POINTS: f32 = 5.0;
+const OUTLINE_POINTS: f32 = 8.0;
 
 impl SceneContent {
-    /// Draws the trajectories of a judgement, aligned, where there is ground truth.
-    pub fn set_estimates(&mut self, judgement: Option<&Judgement>) {
+    /// Draws trajectories that were judged, aligned, where there is ground truth; each with the number of its colour.
+    pub fn set_estimates(&mut self, judged: &[(usize, &Judged)]) {
         self.estimates.clear();
-        let judged = judgement.map_or(&[][..], |judgement| &judgement.judged);
-        let sizes = judged.iter().flat_map(|one| one.errors.iter().map(|e| e.position_m.norm()));
-        self.worst_m = quantiles(sizes, [SHOWN]).map(|[worst_m]| worst_m.max(1e-6));
+        self.estimate_labels.clear();
+        let errors = judged.iter().flat_map(|(_, one)| &one.errors);
+        self.worst_m = quantiles(errors.map(|error| error.position_m.norm()), [SHOWN])
+            .map(|[worst_m]| worst_m.max(1e-6));
         let Some(worst_m) = self.worst_m else { return };
-        for one in judged {
-            let stride = one.errors.len().div_ceil(MOST_LINES).max(1);
-            let some: Vec<_> = one.errors.iter().step_by(stride).collect();
-            for pair in some.windows(2) {
-                let [a, b] = [pair[0], pair[1]];
-                if b.time_s - a.time_s > GAP_S * stride as f64 {
-                    continue;
-                }
-                let share = b.position_m.norm() / worst_m;
-                self.estimates.lines.push(LineVertex {
-                    from_m: f32s(&(a.true_position_m + a.position_m)),
-                    from_frame: WORLD,
-                    to_m: f32s(&(b.true_position_m + b.position_m)),
-                    to_frame: WORLD,
-                    colour: opaque(palette::continuous(share as f32)),
-                    width_points: WIDTH_POINTS,
-                });
+        let by_error =
+            |error: &EpochError| palette::continuous((error.position_m.norm() / worst_m) as f32);
+        // What is drawn later lies on what was: the errors of all on the outlines of all.
+        for (number, one) in judged {
+            let outline = palette::estimate(*number);
+            self.add_estimate(&one.errors, OUTLINE_POINTS, |_| outline);
+        }
+        for (_, one) in judged {
+            self.add_estimate(&one.errors, WIDTH_POINTS, by_error);
+        }
+        self.estimate_labels.extend(judged.iter().filter_map(|(number, one)| {
+            let last = one.errors.last()?;
+            Some(Label {
+                position_m: (last.true_position_m + last.position_m).cast(),
+                text: one.estimate.name.clone(),
+                colour: palette::estimate(*number),
+                rank: Rank::Trajectory,
+            })
+        }));
+    }
+
+    fn add_estimate(
+        &mut self,
+        errors: &[EpochError],
+        width_points: f32,
+        colour: impl Fn(&EpochError) -> palette::Rgb,
+    ) {
+        let stride = errors.len().div_ceil(MOST_LINES).max(1);
+        let some: Vec<&EpochError> = errors.iter().step_by(stride).collect();
+        for pair in some.windows(2) {
+            let [a, b] = [pair[0], pair[1]];
+            if b.time_s - a.time_s > GAP_S * stride as f64 {
+                continue;
             }
+            self.estimates.lines.push(LineVertex {
+                from_m: f32s(&(a.true_position_m + a.position_m)),
+                from_frame: WORLD,
+                to_m: f32s(&(b.true_position_m + b.position_m)),
+                to_frame: WORLD,
+                colour: opaque(colour(b)),
+                width_points,
+            });
         }
     }
 }

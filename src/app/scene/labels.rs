@@ -105,6 +105,7 @@ pub fn paint(
 ) {
     let (stations, points): (Vec<_>, Vec<_>) =
         content.labels.iter().rev().partition(|label| label.rank == Rank::Station);
+    let points = content.estimate_labels.iter().chain(points);
     for at in stations.iter().filter_map(|label| projection.screen(&label.position_m)) {
         placer.spared.push(Rect::from_center_size(at, STATION));
     }

@@ -5,7 +5,7 @@ use egui::{Color32, Rect, RichText, Role, Sense, Vec2, WidgetInfo};
 use super::legend_rows::{self, Row, Swatch};
 use super::{SceneContent, labels};
 use crate::analysis::Analysis;
-use crate::app::model::{Command, Commands, OpenDeployment, SceneOptions};
+use crate::app::model::{Added, Command, Commands, OpenDeployment, SceneOptions};
 use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
@@ -101,6 +101,11 @@ fn header(
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Show everything"));
         if button.on_hover_text(hint).clicked() {
             commands.push(Command::Show(state.visibility.with_the_whole_scene()));
+            let added = &open.judging.added;
+            if added.iter().any(|one| !one.shown) {
+                let shown = added.iter().map(|one| Added { shown: true, ..one.clone() });
+                commands.push(Command::Judge(shown.collect()));
+            }
         }
     });
 }
@@ -151,7 +156,7 @@ fn small(text: &str) -> RichText {
 
 /// A dot, full where the thing is shown, and its name; what is hidden is struck through.
 fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
-    let clickable = row.toggled.is_some();
+    let clickable = row.click.is_some();
     let sense = if clickable { Sense::click() } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(size, sense);
     if clickable {
@@ -172,6 +177,12 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
         Swatch::Colour(colour) => {
             ui.painter().circle_stroke(middle, 3.5, (1.2, colour));
         }
+        Swatch::Outlined(colour, outline) => {
+            if row.shown {
+                ui.painter().circle_filled(middle, 3.5, colour);
+            }
+            ui.painter().circle_stroke(middle, 4.5, (1.5, outline));
+        }
         Swatch::None => {}
     }
     let text = ui.visuals().text_color();
@@ -186,11 +197,11 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
     let galley = ui.painter().layout_job(job);
     let at = rect.left_center() + Vec2::new(18.0, -0.5 * galley.size().y);
     ui.painter().galley(at, galley, colour);
-    if let Some(toggled) = row.toggled {
+    if let Some(click) = &row.click {
         let verb = if row.shown { "hide" } else { "show" };
         let hint = format!("{}: click to {verb}", row.name);
         if response.on_hover_text(hint).clicked() {
-            commands.push(Command::Show(toggled));
+            commands.push(click.clone());
         }
     } else {
         short::whole_on_hover(response, &shown, &row.name);

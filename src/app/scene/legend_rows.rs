@@ -4,7 +4,7 @@ use egui::Color32;
 
 use super::SceneContent;
 use crate::analysis::Analysis;
-use crate::app::model::{Colouring, OpenDeployment, Visibility};
+use crate::app::model::{Added, Colouring, Command, OpenDeployment, Visibility};
 use crate::app::prepared::control_points::set_letter;
 use crate::app::state::State;
 use crate::app::theme;
@@ -20,13 +20,15 @@ pub struct Row {
     /// What it is about, said without colour and place.
     pub name: String,
     pub shown: bool,
-    /// What is shown after a click; `None` where nothing can be hidden.
-    pub toggled: Option<Visibility>,
+    /// What a click does; `None` where nothing can be hidden.
+    pub click: Option<Command>,
 }
 
 #[derive(Clone, Copy)]
 pub enum Swatch {
     Colour(Color32),
+    /// What is seen within a line of the second colour.
+    Outlined(Color32, Color32),
     None,
 }
 
@@ -53,7 +55,7 @@ pub fn groups(
         text: (station + 1).to_string(),
         name: format!("Show station {}", station + 1),
         shown: visibility.stations[station],
-        toggled: Some(visibility.with_station_toggled(station)),
+        click: shows(visibility.with_station_toggled(station)),
     });
     let tracks = (0..3).map(|prism| Row {
         swatch: Swatch::Colour(if by_station {
@@ -64,7 +66,7 @@ pub fn groups(
         text: (prism + 1).to_string(),
         name: format!("Show the track of prism {}", prism + 1),
         shown: visibility.tracks && visibility.prisms[prism],
-        toggled: Some(visibility.with_prism_toggled(prism)),
+        click: shows(visibility.with_prism_toggled(prism)),
     });
     let mut groups = vec![
         Group { title: "stations", chips: true, rows: stations.collect() },
@@ -83,7 +85,7 @@ pub fn groups(
             text: "control points".to_owned(),
             name: "Show control points".to_owned(),
             shown: visibility.control_points,
-            toggled: Some(toggled),
+            click: shows(toggled),
         }];
         rows.extend(of_sets(open, visibility));
         if has_residuals(open, analysis) {
@@ -92,7 +94,7 @@ pub fn groups(
                 text: "arrows: station − mean".to_owned(),
                 name: "Show residuals at control points".to_owned(),
                 shown: visibility.control_points && visibility.residuals,
-                toggled: Some(Visibility {
+                click: shows(Visibility {
                     control_points: true,
                     residuals: !(visibility.control_points && visibility.residuals),
                     ..*visibility
@@ -106,6 +108,11 @@ pub fn groups(
     groups
 }
 
+/// The click that has this shown.
+fn shows(visibility: Visibility) -> Option<Command> {
+    Some(Command::Show(visibility))
+}
+
 /// Readings of the stations that are shown, by what became of them.
 fn of_fates(analysis: &Analysis, state: &State, faint: Color32) -> Vec<Row> {
     let visibility = &state.visibility;
@@ -117,7 +124,7 @@ fn of_fates(analysis: &Analysis, state: &State, faint: Color32) -> Vec<Row> {
             text: format!("{}  {count}", fate.label()),
             name: format!("Show readings: {}", fate.label()),
             shown: visibility.shows_fate(place),
-            toggled: Some(visibility.with_fate_toggled(place)),
+            click: shows(visibility.with_fate_toggled(place)),
         })
     };
     SampleFate::ALL.into_iter().enumerate().filter_map(row).collect()
@@ -135,7 +142,7 @@ fn of_colours(analysis: &Analysis, state: &State, content: &SceneContent) -> Vec
         text: text.to_owned(),
         name: text.to_owned(),
         shown: true,
-        toggled: None,
+        click: None,
     };
     let mut rows = Vec::new();
     match state.colouring {
@@ -186,33 +193,49 @@ fn of_sets(open: &OpenDeployment, visibility: &Visibility) -> Vec<Row> {
     let row = |(number, set): (usize, &ControlPointSet)| {
         let (letter, count) = (set_letter(number), set.points.len());
         let text = format!("{letter}  {}  {count}", set.file);
-        Row { swatch: Swatch::None, name: text.clone(), text, shown: true, toggled: None }
+        Row { swatch: Swatch::None, name: text.clone(), text, shown: true, click: None }
     };
     let named = sets.len() > 1 && visibility.control_points;
     sets.iter().enumerate().filter(|_| named).map(row).collect()
 }
 
-/// Trajectories of other systems, by the scale of their errors.
+/// Trajectories of other systems: the scale of their errors, and each by the line about it.
 fn of_estimates(
     open: &OpenDeployment,
     visibility: &Visibility,
     content: &SceneContent,
 ) -> Vec<Row> {
-    if open.judging.judgement.newest.is_none() {
+    let judging = &open.judging;
+    if judging.judgement.newest.is_none() {
         return Vec::new();
     }
-    let toggled = Visibility { estimates: !visibility.estimates, ..*visibility };
+    let shown = visibility.estimates;
     let text = match content.worst_m {
         Some(worst_m) => format!("trajectories: to {:.0} mm off", 1e3 * worst_m),
         None => "trajectories".to_owned(),
     };
-    vec![Row {
-        swatch: Swatch::Colour(theme::rgb(palette::continuous(1.0))),
+    let worst = theme::rgb(palette::continuous(1.0));
+    let mut rows = vec![Row {
+        swatch: Swatch::Colour(worst),
         text,
         name: "Show trajectories of other systems".to_owned(),
-        shown: visibility.estimates,
-        toggled: Some(toggled),
-    }]
+        shown,
+        click: shows(Visibility { estimates: !shown, ..*visibility }),
+    }];
+    let has_lines = |one: &Added| judging.judged().any(|(colour, _)| colour == one.colour);
+    for (index, one) in judging.added.iter().enumerate().filter(|(_, one)| has_lines(one)) {
+        let mut toggled = judging.added.clone();
+        toggled[index].shown ^= true;
+        rows.push(Row {
+            swatch: Swatch::Outlined(worst, theme::rgb(palette::estimate(one.colour))),
+            text: one.estimate.name.clone(),
+            name: format!("Show the trajectory {}", one.estimate.name),
+            shown: shown && one.shown,
+            // Where none is seen, the switch of all is what hides it.
+            click: shown.then_some(Command::Judge(toggled)),
+        });
+    }
+    rows
 }
 
 /// The ways of other open runs, a colour each; one that is not drawn says why under the pointer.
@@ -227,7 +250,7 @@ fn of_runs_beside(open: &OpenDeployment, state: &State, faint: Color32) -> Vec<R
         text: "other open runs".to_owned(),
         name: "Show other open runs in this one's frame".to_owned(),
         shown,
-        toggled: Some(Visibility { runs_beside: !shown, ..*visibility }),
+        click: shows(Visibility { runs_beside: !shown, ..*visibility }),
     }];
     let runs = open.beside.newest.as_deref().filter(|_| shown);
     for (number, run) in runs.into_iter().flatten().enumerate() {
@@ -243,7 +266,7 @@ fn of_runs_beside(open: &OpenDeployment, state: &State, faint: Color32) -> Vec<R
             text,
             name: run.in_words(&|angle| state.units.told(angle)),
             shown: true,
-            toggled: None,
+            click: None,
         });
     }
     rows
@@ -269,13 +292,7 @@ fn of_what_is_known(analysis: &Analysis, visibility: &Visibility, faint: Color32
     let mut rows = Vec::new();
     let mut push = |colour, text: &str, name: &str, shown, toggled| {
         let (text, name) = (text.to_owned(), name.to_owned());
-        rows.push(Row {
-            swatch: Swatch::Colour(colour),
-            text,
-            name,
-            shown,
-            toggled: Some(toggled),
-        });
+        rows.push(Row { swatch: Swatch::Colour(colour), text, name, shown, click: shows(toggled) });
     };
     if calibration.is_some_and(|calibration| calibration.covariance.is_some()) {
         let shown = visibility.station_ellipsoids;
@@ -349,6 +366,10 @@ pub fn hidden(open: &OpenDeployment, analysis: &Analysis, visibility: &Visibilit
         if there && !shown {
             hidden.push(what.to_owned());
         }
+    }
+    if visibility.estimates {
+        let not_shown = open.judging.added.iter().filter(|one| !one.shown);
+        hidden.extend(not_shown.map(|one| format!("trajectory {}", one.estimate.name)));
     }
     hidden
 }

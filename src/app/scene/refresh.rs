@@ -10,6 +10,7 @@ use crate::app::prepared::time_origin_s;
 use crate::app::prepared::way::Way;
 use crate::app::state::State;
 use crate::app::theme;
+use crate::estimates::Judgement;
 
 impl SceneView {
     /// Rebuilds what the state has changed.
@@ -67,8 +68,16 @@ impl SceneView {
             self.beside = wanted;
         }
         let wanted = open.judging.judgement.newest.clone().filter(|_| state.visibility.estimates);
-        if self.judgement.as_ref().map(Arc::as_ptr) != wanted.as_ref().map(Arc::as_ptr) {
-            self.content.set_estimates(wanted.as_deref());
+        let wanted = wanted.map(|judgement| (open.judging.drawn(&judgement), judgement));
+        let of = |drawn: &Option<(Vec<Option<usize>>, Arc<Judgement>)>| {
+            drawn.as_ref().map(|(colours, judgement)| (colours.clone(), Arc::as_ptr(judgement)))
+        };
+        if of(&self.judgement) != of(&wanted) {
+            let drawn = wanted.iter().flat_map(|(colours, judgement)| {
+                let each = colours.iter().zip(&judgement.judged);
+                each.filter_map(|(colour, judged)| Some(((*colour)?, judged)))
+            });
+            self.content.set_estimates(&drawn.collect::<Vec<_>>());
             self.judgement = wanted;
         }
         let live = state.live.view.as_deref().filter(|_| state.live.id == Some(open.id));

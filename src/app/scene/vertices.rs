@@ -34,6 +34,7 @@ pub struct LineVertex {
 pub enum Rank {
     ControlPoint,
     Direction,
+    Trajectory,
     Station,
 }
 

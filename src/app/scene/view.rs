@@ -44,8 +44,8 @@ pub struct SceneView {
     pub(super) advised: (Vec<Vector2<f64>>, u64),
     /// What the ways of other runs are drawn of.
     pub(super) beside: Option<Arc<Vec<RunBeside>>>,
-    /// What the trajectories of other systems are drawn of.
-    pub(super) judgement: Option<Arc<Judgement>>,
+    /// What the trajectories of other systems are drawn of, and the number of each one's colour, if it is drawn.
+    pub(super) judgement: Option<(Vec<Option<usize>>, Arc<Judgement>)>,
     place: Option<Rect>,
     /// What the controls took in the last frame.
     controls_size: Vec2,

@@ -191,8 +191,7 @@ impl State {
 
             Command::AddEstimates(paths) => self.add_estimates(paths),
             Command::AddEstimateDialog => self.add_estimate_dialog(),
-            Command::RemoveEstimate(name, path) => self.remove_estimate(&name, &path),
-            Command::SetJudging(options) => self.set_judging(options),
+            Command::Judge(added) => self.judge(added, Moment::now(ctx)),
             Command::PlotWay(plots) => self.way_plots = plots,
 
             Command::Plan(command) => self.handle_plan(command, Moment::now(ctx)),
@@ -255,6 +254,11 @@ impl State {
                 Changed::Settings(both) => self.set(change.id, both[side]),
                 Changed::Extras { both, .. } => {
                     self.read_with(change.id, both[side].clone(), false);
+                }
+                Changed::Judged { both, .. } => {
+                    let [before, after] = *both;
+                    let added = if side == 0 { before } else { after };
+                    self.with_open(change.id, |open| open.judging.set(added));
                 }
                 Changed::Plan { both, .. } => self.planning.set(both[side].clone()),
             }

@@ -2,15 +2,17 @@
 //! other systems compare with it.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::State;
 use crate::app::file_dialog::{Question, Wanted};
-use crate::app::model::{OpenDeployment, Pane};
+use crate::app::model::judging::change_in_words;
+use crate::app::model::undo::{Change, Changed, Moment};
+use crate::app::model::{Added, OpenDeployment, Pane, SavedEstimate};
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
-use crate::estimates::{Estimate, Judgement, Options, judge, read};
+use crate::estimates::{Estimate, Judgement, judge, read};
 
 impl State {
     /// Starts what is to be made anew for those who look at it; to be called in every frame.
@@ -37,13 +39,15 @@ impl State {
             open.way.start(number, of);
         }
         let of = (open.analysis_run, open.judging.version);
-        let any = !open.judging.estimates.is_empty() && analysis.answer.is_ok();
+        let any = !open.judging.added.is_empty() && analysis.answer.is_ok();
         if any && open.judging.judgement.is_wanted(of) {
-            let (deployment, options) = (Arc::clone(&open.deployment), open.judging.options);
-            let estimates: Vec<Estimate> =
-                open.judging.estimates.iter().map(|estimate| Estimate::clone(estimate)).collect();
+            let deployment = Arc::clone(&open.deployment);
+            let added = open.judging.added.clone();
             let number = self.jobs.start(
-                move || judge(&deployment, &analysis, estimates, &options),
+                move || {
+                    let own = |one: &Added| (Estimate::clone(&one.estimate), one.options);
+                    judge(&deployment, &analysis, added.iter().map(own).collect())
+                },
                 move |state: &mut Self, number, judgement: Judgement| {
                     state.with_open(id, |open| open.judging.judgement.take(number, judgement));
                 },
@@ -99,7 +103,7 @@ impl State {
         self.open[active].beside.start(number, of);
     }
 
-    fn with_open(&mut self, id: u64, change: impl FnOnce(&mut OpenDeployment)) {
+    pub(super) fn with_open(&mut self, id: u64, change: impl FnOnce(&mut OpenDeployment)) {
         if let Some(open) = self.open.iter_mut().find(|open| open.id == id) {
             change(open);
         }
@@ -113,11 +117,47 @@ impl State {
             );
             return;
         };
-        self.read_estimates(id, paths, true);
+        self.read_estimates(id, paths);
     }
 
-    /// Reads trajectories for an open deployment; those that a session holds come without changing what is looked at.
-    pub(super) fn read_estimates(&mut self, id: u64, paths: Vec<PathBuf>, shown: bool) {
+    /// Reads trajectories and has them judged by an open deployment, which is a step that can be undone.
+    fn read_estimates(&mut self, id: u64, paths: Vec<PathBuf>) {
+        self.start_reading(paths, move |state, read, _| {
+            let Some(open) = state.open.iter().find(|open| open.id == id) else { return };
+            if read.is_empty() {
+                return;
+            }
+            let added = open.judging.with(read);
+            state.way_plots = state.way_plots.only_errors();
+            state.layout.show(Pane::Trajectory);
+            state.layout.show(Pane::Evaluation);
+            state.judge_by(id, added, Moment::NEVER);
+        });
+    }
+
+    /// Reads the trajectories of a session, which change nothing that is looked at; it keeps those that it could not read.
+    pub(super) fn read_saved_estimates(&mut self, id: u64, saved: Vec<SavedEstimate>) {
+        let mut paths: Vec<PathBuf> = Vec::new();
+        for one in &saved {
+            if !paths.contains(&one.path) {
+                paths.push(one.path.clone());
+            }
+        }
+        self.start_reading(paths, move |state, read, missing| {
+            state.with_open(id, |open| {
+                let lost = saved.iter().filter(|one| missing.contains(&one.path)).cloned();
+                open.judging.missing.extend(lost);
+                open.judging.set(open.judging.with_saved(&read, &saved));
+            });
+        });
+    }
+
+    /// Reads trajectories beside the window; `take` gets them, and the paths that could not be read, which are said.
+    fn start_reading(
+        &mut self,
+        paths: Vec<PathBuf>,
+        take: impl FnOnce(&mut Self, Vec<Arc<Estimate>>, Vec<PathBuf>) + Send + 'static,
+    ) {
         let number = self.jobs.start(
             move || {
                 let read = paths.into_iter().map(|path| (read::read(&path), path));
@@ -135,38 +175,31 @@ impl State {
                         }
                     }
                 }
-                if !shown {
-                    // The session keeps what it could not read.
-                    state.with_open(id, |open| open.judging.missing.extend(missing));
-                }
-                if read.is_empty() {
-                    return;
-                }
-                if shown {
-                    state.way_plots = state.way_plots.only_errors();
-                    state.layout.show(Pane::Trajectory);
-                    state.layout.show(Pane::Evaluation);
-                }
-                state.with_open(id, |open| {
-                    open.judging.add(read);
-                    // Who judges by it is at work with it.
-                    open.placeholder = false;
-                });
+                take(state, read, missing);
             },
         );
         self.looking.push(number);
     }
 
-    pub(super) fn remove_estimate(&mut self, name: &str, path: &Path) {
-        if let Some(open) = self.open.get_mut(self.active) {
-            open.judging.remove(name, path);
+    /// Has these trajectories held against the active deployment.
+    pub(super) fn judge(&mut self, added: Vec<Added>, moment: Moment) {
+        if let Some(id) = self.active().map(|open| open.id) {
+            self.judge_by(id, added, moment);
         }
     }
 
-    pub(super) fn set_judging(&mut self, options: Options) {
-        if let Some(open) = self.open.get_mut(self.active) {
-            open.judging.set(options);
+    fn judge_by(&mut self, id: u64, added: Vec<Added>, moment: Moment) {
+        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        if open.judging.added == added {
+            return;
         }
+        let words = change_in_words(&open.judging.added, &added);
+        let both = Box::new([open.judging.added.clone(), added.clone()]);
+        open.judging.set(added);
+        // Who judges by it is at work with it.
+        open.placeholder = false;
+        let what = Changed::Judged { both, words };
+        self.undo.record(vec![Change { id, what }], moment);
     }
 
     pub(super) fn add_estimate_dialog(&mut self) {
@@ -175,7 +208,7 @@ impl State {
         let answer = self.ask(Question::new(title, Wanted::ToOpen { folder: false }));
         self.jobs.start_unnumbered(
             move || answer.wait(),
-            move |state: &mut Self, path| state.read_estimates(id, vec![path], true),
+            move |state: &mut Self, path| state.read_estimates(id, vec![path]),
         );
     }
 }

@@ -66,13 +66,12 @@ impl State {
                 timeline.move_cursor(cursor_s);
             }
             timeline.select(saved.selection_s);
-            open.judging.options = saved.judging;
             if shown {
                 self.session.shown = Some(open.id);
             }
         }
         if !saved.estimates.is_empty() {
-            self.read_estimates(self.newest_id, saved.estimates, false);
+            self.read_saved_estimates(self.newest_id, saved.estimates);
         }
         self.tell_of_reading(self.open.len() - 1);
         let shown = self.session.shown;

@@ -170,8 +170,7 @@ impl State {
             window_s: (timeline.window_s != timeline.whole_s).then_some(timeline.window_s),
             selection_s: timeline.selection_s,
             files: self.session.files.get(&open.id).cloned().unwrap_or_default(),
-            estimates: open.judging.files(),
-            judging: open.judging.options,
+            estimates: open.judging.saved(),
         }
     }
 

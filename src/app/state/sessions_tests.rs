@@ -16,7 +16,6 @@ fn saved(source: Source) -> SavedDeployment {
         selection_s: None,
         files: Default::default(),
         estimates: Vec::new(),
-        judging: Default::default(),
     }
 }
 

@@ -12,7 +12,7 @@
 //! probes (Girard 1989). The rows of a long drive, of its motion and of its chain, are not kept but made again. [`stability`] looks for
 //! stations and clocks that step, [`strain`] holds what was found against the priors, and [`contradiction`] against sizes that
 //! were said to be smaller than usual. [`summary`] makes the answer, [`in_words`] tells it, [`corrected`] puts the triplets
-//! right, [`mod@foresee`] makes it before anything is read, and [`prisms`] has the motion at any instant, by [`band_covariance`] with how certain it is.
+//! right, [`mod@foresee`] makes it before anything is read, and [`prisms`] has the motion at any instant, about the [`cuts`] of long stretches as well, by [`band_covariance`] with how certain it is.
 
 mod band;
 mod band_covariance;
@@ -22,6 +22,7 @@ mod chain_factor;
 mod chain_rows;
 mod contradiction;
 mod corrected;
+mod cuts;
 mod drive;
 mod equations;
 mod foresee;

@@ -10,7 +10,7 @@ const MARGIN_S: f64 = 0.25;
 /// Shorter stretches than this many knots hold too few readings for a motion.
 const FEWEST_KNOTS: f64 = 4.0;
 /// Longer ones are cut: what a cut forgets of the motion is nothing beside so many knots, whose rows stay near the
-/// processor, and stretches are eliminated side by side.
+/// processor, and stretches are eliminated side by side. Where the motion itself is asked for, [`super::cuts`] makes up for it.
 const MOST_KNOTS: f64 = 100.0;
 /// Instants further apart than this many of their own steps belong to different stretches.
 const STEPS_APART: f64 = 2.5;
@@ -55,15 +55,27 @@ pub fn stretches(time_s: &[f64], interval: &[u32], knot_s: f64, part_s: f64) -> 
             })
         })
         .map(|(start_s, end_s)| {
-            let knots = ((end_s - start_s + 2.0 * MARGIN_S) / knot_s).ceil() as usize + 3;
             let part_s = part_s.max(PART_KNOTS * knot_s);
             let parts = ((end_s - start_s) / part_s).floor().max(1.0) as usize;
-            Stretch { start_s, end_s, knot_s, knots, parts }
+            Stretch::new([start_s, end_s], knot_s, parts)
         })
         .collect()
 }
 
 impl Stretch {
+    fn new([start_s, end_s]: [f64; 2], knot_s: f64, parts: usize) -> Self {
+        let knots = ((end_s - start_s + 2.0 * MARGIN_S) / knot_s).ceil() as usize + 3;
+        Self { start_s, end_s, knot_s, knots, parts }
+    }
+
+    /// A stretch about the cut between this one and the next, of a part on either side; `None` where they do not meet.
+    pub fn about_cut(&self, next: &Self) -> Option<Self> {
+        // No part is shorter, and each half of it lies within one.
+        let half_s = PART_KNOTS * self.knot_s;
+        let (from_s, to_s) = (self.end_s - half_s, self.end_s + half_s);
+        (next.start_s == self.end_s.next_up()).then(|| Self::new([from_s, to_s], self.knot_s, 2))
+    }
+
     /// What the knots add at an instant, at most the margin outside of the stretch.
     pub fn place(&self, time_s: f64) -> Place {
         let along = (time_s - self.start_s + MARGIN_S) / self.knot_s;
@@ -83,6 +95,16 @@ impl Stretch {
     /// When a knot's own spline is at its highest (s).
     pub fn knot_time_s(&self, knot: usize) -> f64 {
         self.start_s - MARGIN_S + (knot as f64 - 1.0) * self.knot_s
+    }
+
+    /// The middle of what is between the second and the third of four knots (s).
+    pub fn segment_time_s(&self, first: usize) -> f64 {
+        self.knot_time_s(first) + 1.5 * self.knot_s
+    }
+
+    /// Whether an instant is in it.
+    pub fn has(&self, time_s: f64) -> bool {
+        (self.start_s..=self.end_s).contains(&time_s)
     }
 
     fn part_s(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! One step of Gauss & Newton: everything linear about where it is taken to be, and the way from there.
 
 use std::mem::take;
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -289,16 +290,16 @@ pub fn move_motion<const LOCAL: usize, const ROW: usize>(
 }
 
 /// Where everything is taken to be, for each stretch of a drive.
-struct Around<'a> {
-    drive: &'a Drive,
-    at: &'a Estimates,
+pub struct Around<'a> {
+    pub drive: &'a Drive,
+    pub at: &'a Estimates,
     stations: [Station; 3],
     slow: Vec<PartVector>,
-    first_parts: Vec<usize>,
+    pub first_parts: Vec<usize>,
 }
 
 impl<'a> Around<'a> {
-    fn new(drive: &'a Drive, at: &'a Estimates, moves: &Moves) -> Self {
+    pub fn new(drive: &'a Drive, at: &'a Estimates, moves: &Moves) -> Self {
         let parts = at.slow.iter().enumerate();
         Self {
             drive,
@@ -320,20 +321,30 @@ impl<'a> Around<'a> {
         coefficients_m: &'b [f64],
     ) -> (&'b Piece, At<'b>) {
         let piece = &self.drive.pieces[index];
+        let parts = self.first_parts[index]..self.first_parts[index + 1];
+        (piece, self.parts_at::<LOCAL>(piece, parts, coefficients_m))
+    }
+
+    /// Of a piece with these parts of the drive.
+    pub fn parts_at<'b, const LOCAL: usize>(
+        &'b self,
+        piece: &Piece,
+        parts: Range<usize>,
+        coefficients_m: &'b [f64],
+    ) -> At<'b> {
         let distances = self.at.constants.fixed_rows::<3>(DISTANCES);
-        let at = At {
+        At {
             stations: &self.stations,
             distances_m: (LOCAL == 9).then(|| [distances[0], distances[1], distances[2]]),
             middle_s: piece.middle_s,
-            slow: &self.slow[self.first_parts[index]..self.first_parts[index + 1]],
+            slow: &self.slow[parts],
             coefficients_m,
-        };
-        (piece, at)
+        }
     }
 }
 
 /// `None` where the motion is not held.
-fn eliminate<const LOCAL: usize, const ROW: usize>(
+pub fn eliminate<const LOCAL: usize, const ROW: usize>(
     piece: &Piece,
     at: &At<'_>,
     by: &Weigh,

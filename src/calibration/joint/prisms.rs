@@ -7,13 +7,15 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3, Vector4};
+use rayon::prelude::*;
 
 use super::band::Band;
 use super::band_covariance::{Window, each_window};
-use super::band_rows::{BORDER, PART, TIED};
+use super::band_rows::{BORDER, MOTION_BORDER, PART, TIED};
+use super::cuts::{AboutCut, about_cut, taken_s};
 use super::drive::Drive;
-use super::motion::Place;
-use super::pass::{Estimates, Model, Pass, Spare, Weigh, pass};
+use super::motion::{Place, Stretch};
+use super::pass::{Around, Estimates, Model, Pass, Spare, Weigh, pass};
 use super::slow_changes::station_1_by_slow;
 use super::unknowns::{CONSTANTS, SLOW, Slow};
 use crate::calibration::ErrorSizes;
@@ -56,11 +58,15 @@ impl Solution {
         const RIG: usize = 9;
         const PRISM: usize = 3;
         Ok(if self.prisms == 3 {
-            const ROW: usize = TIED * RIG + BORDER;
-            Prisms::Rig(self.moved::<RIG, ROW>(time_s, progress)?)
+            const ROW: usize = TIED * RIG;
+            const WITH_PARTS: usize = ROW + BORDER;
+            Prisms::Rig(self.moved::<RIG, WITH_PARTS, { ROW + MOTION_BORDER }>(time_s, progress)?)
         } else {
-            const ROW: usize = TIED * PRISM + BORDER;
-            Prisms::Prism(self.moved::<PRISM, ROW>(time_s, progress)?)
+            const ROW: usize = TIED * PRISM;
+            const WITH_PARTS: usize = ROW + BORDER;
+            Prisms::Prism(
+                self.moved::<PRISM, WITH_PARTS, { ROW + MOTION_BORDER }>(time_s, progress)?,
+            )
         })
     }
 
@@ -73,27 +79,29 @@ impl Solution {
         const RIG: usize = 9;
         const PRISM: usize = 3;
         if self.prisms == 3 {
-            const ROW: usize = TIED * RIG + BORDER;
-            self.by_constants_of::<RIG, ROW>(time_s, progress)
+            const ROW: usize = TIED * RIG;
+            const WITH_PARTS: usize = ROW + BORDER;
+            self.by_constants_of::<RIG, WITH_PARTS, { ROW + MOTION_BORDER }>(time_s, progress)
         } else {
-            const ROW: usize = TIED * PRISM + BORDER;
-            self.by_constants_of::<PRISM, ROW>(time_s, progress)
+            const ROW: usize = TIED * PRISM;
+            const WITH_PARTS: usize = ROW + BORDER;
+            self.by_constants_of::<PRISM, WITH_PARTS, { ROW + MOTION_BORDER }>(time_s, progress)
         }
     }
 
-    fn moved<const LOCAL: usize, const ROW: usize>(
+    fn moved<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         &self,
         time_s: &[f64],
         progress: &Progress,
     ) -> Result<Vec<Instant<LOCAL>>, Cancelled> {
         let Some(pass) = self.pass::<LOCAL, ROW>(progress)? else { return Ok(Vec::new()) };
         let frames = self.frames(&pass);
-        self.each_instant(&pass, time_s, progress, |at| {
+        self.each_instant::<LOCAL, ROW, MOTION, _>(&pass, time_s, progress, |at| {
             instant::<LOCAL>(at.time_s, &at.place, at.knots, at.window, &frames[at.part])
         })
     }
 
-    fn by_constants_of<const LOCAL: usize, const ROW: usize>(
+    fn by_constants_of<const LOCAL: usize, const ROW: usize, const MOTION: usize>(
         &self,
         time_s: &[f64],
         progress: &Progress,
@@ -101,7 +109,7 @@ impl Solution {
         let Some(pass) = self.pass::<LOCAL, ROW>(progress)? else {
             return Ok(ByConstants::default());
         };
-        let each = self.each_instant(&pass, time_s, progress, |at| {
+        let each = self.each_instant::<LOCAL, ROW, MOTION, _>(&pass, time_s, progress, |at| {
             let moves = &pass.linear.data.moves;
             let mut open = SMatrix::<f64, OPEN, CONSTANTS>::zeros();
             open.fixed_rows_mut::<PART>(0).copy_from(&moves.of(at.part).0);
@@ -125,7 +133,7 @@ impl Solution {
     }
 
     /// Makes something of each of the times that is inside of a stretch, in their order.
-    fn each_instant<const LOCAL: usize, const ROW: usize, T: Send>(
+    fn each_instant<const LOCAL: usize, const ROW: usize, const MOTION: usize, T: Send>(
         &self,
         pass: &Pass<LOCAL, ROW>,
         time_s: &[f64],
@@ -133,27 +141,40 @@ impl Solution {
         make: impl Fn(At<'_>) -> T + Sync,
     ) -> Result<Vec<T>, Cancelled> {
         let drive = &self.drive;
-        let first_parts = drive.first_parts();
+        let around = Around::new(drive, &self.at, &pass.linear.data.moves);
+        let about_cut = |index: usize| {
+            progress.check()?;
+            let Some(taken_s) = taken_s(drive, index) else { return Ok(None) };
+            let times_s = within(time_s, |t| t < taken_s[0], |t| t > taken_s[1]);
+            if times_s.is_empty() {
+                return Ok(None);
+            }
+            // Where the motion about a cut is not held, each side has its own.
+            let found = about_cut::<LOCAL, ROW, MOTION>(&around, &self.by, index);
+            Ok(found.map(|AboutCut { stretch, coefficients_m, band }| {
+                let last_part = around.first_parts[index + 1] - 1;
+                (taken_s, made(&stretch, &coefficients_m, &band, times_s, last_part, &make))
+            }))
+        };
+        let about_cuts = (0..drive.pieces.len()).into_par_iter().map(about_cut);
+        let about_cuts: Vec<_> = about_cuts.collect::<Result<_, Cancelled>>()?;
+        let (taken_s, about_cuts): (Vec<_>, Vec<_>) =
+            about_cuts.into_iter().map(Option::unzip).unzip();
         let of_stretch = |index: usize, band: &Band<LOCAL, ROW>| {
             let stretch = &drive.pieces[index].stretch;
-            let from = time_s.partition_point(|t| *t < stretch.start_s);
-            let to = time_s.partition_point(|t| *t <= stretch.end_s);
-            let mut all: Vec<(Place, f64)> =
-                time_s[from..to].iter().map(|t| (stretch.place(*t), *t)).collect();
-            let mut found = Vec::with_capacity(all.len());
-            each_window(band, |window| {
-                while let Some((place, time_s)) = all.pop_if(|(p, _)| p.first == window.first) {
-                    let knots = &self.at.coefficients_m[index][LOCAL * place.first..];
-                    let part = first_parts[index] + stretch.part(time_s);
-                    found.push(make(At { time_s, place, knots, window, part }));
-                }
-            });
-            found.reverse();
-            found
+            let (before, after) = (index.checked_sub(1).and_then(|k| taken_s[k]), taken_s[index]);
+            let times_s = within(
+                time_s,
+                |t| t < stretch.start_s || before.is_some_and(|taken_s| t <= taken_s[1]),
+                |t| t > stretch.end_s || after.is_some_and(|taken_s| t >= taken_s[0]),
+            );
+            let coefficients_m = &self.at.coefficients_m[index];
+            made(stretch, coefficients_m, band, times_s, around.first_parts[index], &make)
         };
         let found = pass.with_bands(drive, &self.at, &self.by.levels, of_stretch);
         progress.check()?;
-        Ok(found.into_iter().flatten().flatten().collect())
+        let all = found.into_iter().zip(about_cuts).flat_map(|(own, cut)| [own, cut]);
+        Ok(all.flatten().flatten().collect())
     }
 
     /// Start and end of what has a motion (s), each stretch by itself.
@@ -214,6 +235,34 @@ struct At<'a> {
     knots: &'a [f64],
     window: &'a Window,
     part: usize,
+}
+
+/// Makes something of each of some times of a stretch, in their order.
+fn made<const LOCAL: usize, const ROW: usize, T>(
+    stretch: &Stretch,
+    coefficients_m: &[f64],
+    band: &Band<LOCAL, ROW>,
+    times_s: &[f64],
+    first_part: usize,
+    make: &impl Fn(At<'_>) -> T,
+) -> Vec<T> {
+    let mut all: Vec<(Place, f64)> = times_s.iter().map(|t| (stretch.place(*t), *t)).collect();
+    let mut found = Vec::with_capacity(all.len());
+    each_window(band, |window| {
+        while let Some((place, time_s)) = all.pop_if(|(p, _)| p.first == window.first) {
+            let knots = &coefficients_m[LOCAL * place.first..];
+            let part = first_part + stretch.part(time_s);
+            found.push(make(At { time_s, place, knots, window, part }));
+        }
+    });
+    found.reverse();
+    found
+}
+
+/// Those of some times in their order that are neither too early nor too late.
+fn within(time_s: &[f64], is_early: impl Fn(f64) -> bool, is_late: impl Fn(f64) -> bool) -> &[f64] {
+    let from = time_s.partition_point(|t| is_early(*t));
+    &time_s[from..time_s.partition_point(|t| !is_late(*t)).max(from)]
 }
 
 /// The unknowns of a part, and how station 1 and what it reads are shifted (m) and turned (rad).

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector, Rotation3, UnitQuaternion, Vector3};
 use self::body::turn_body;
 use self::pieces::{Pieces, by_common};
 use super::errors::matched;
-use super::reference::{Reference, True};
+use super::reference::{Reference, True, sound};
 use super::time_offset;
 use super::unfit::Unfit;
 use super::{Alignment, Body, Estimate, EstimatedPose, Options, Unjudged};
@@ -129,9 +129,11 @@ pub fn fit(
     let thinned = thinned(poses);
     if sought.clock || sought.lever {
         let truths = at(reference, &thinned, offset_s)?;
-        align(&mut state.fit, &matched(&thinned, &truths, offset_s), sought.frame)
-            .map_err(unfit)?;
-        refine(&mut state, reference, &thinned, &mut sought, estimate)?;
+        // Once and for all: a set that changes with the clock would not let it settle.
+        let sound = sound(&matched(&thinned, &truths, offset_s));
+        align(&mut state.fit, &sound, sought.frame).map_err(unfit)?;
+        let poses: Vec<EstimatedPose> = sound.iter().map(|(pose, _)| **pose).collect();
+        refine(&mut state, reference, &poses, &mut sought, estimate)?;
     }
     let mut fit = state.fit;
     if options.time_offset_s.is_none() && fit.time_offset_s.abs() > FAR_S {
@@ -175,7 +177,7 @@ fn thinned(poses: &[EstimatedPose]) -> Vec<EstimatedPose> {
 }
 
 /// The frame by plain least squares, clock and lever arm as they are.
-fn align(
+pub fn align(
     fit: &mut Fit,
     pairs: &[(&EstimatedPose, &True)],
     alignment: Alignment,

@@ -52,6 +52,7 @@ fn estimate(judged: &Judged) -> Value {
         "poses_with_ground_truth": judged.errors.len(),
         "poses_without_ground_truth": judged.without_truth,
         "alignment": {
+            "by": judged.alignment,
             "translation_m": fit.station1_from_estimate.translation_m.as_slice(),
             "quaternion_xyzw": quaternion(turn),
             "scale": fit.scale,
@@ -105,8 +106,10 @@ fn odd(span: &OddSpan) -> Value {
         },
         "station": span.station.map(|station| station + 1),
         "because": match span.odd_one {
-            OddOne::Estimate => "the readings agree with the rig",
-            OddOne::Readings => "the readings contradict the rig",
+            OddOne::Estimate if span.by_rig => "the readings agree with the rig",
+            OddOne::Estimate => "the readings agree with each other",
+            OddOne::Readings if span.by_rig => "the readings contradict the rig",
+            OddOne::Readings => "the readings contradict each other",
             OddOne::TruthAgainst(_) => "several estimates agree against it",
             OddOne::LeftOut => "readings that cannot be right were left out: there is none",
         },

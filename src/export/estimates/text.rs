@@ -90,6 +90,9 @@ pub fn rows(judgement: &Judgement, angles: Angles) -> Vec<(String, Vec<String>)>
     };
     row("poses with ground truth", &|one| Some(one.errors.len().to_string()));
     row("poses without", &|one| Some(one.without_truth.to_string()));
+    // Where all are brought together in one way, its numbers say all.
+    let is_one_way = judgement.judged.windows(2).all(|two| two[0].alignment == two[1].alignment);
+    row("aligned by", &|one| (!is_one_way).then(|| one.alignment.in_words().to_owned()));
     let with_sigma = |value: f64, sigma: Option<f64>| {
         let sigma = sigma.map(|sigma| format!(" ± {:.1}", 1e3 * sigma));
         format!("{:+.1}{}", 1e3 * value, sigma.unwrap_or(" given".into()))
@@ -179,14 +182,16 @@ pub fn compared(judgement: &Judgement, two: &Comparison) -> String {
 pub fn contradiction(span: &OddSpan, Angles { per_radian, unit }: Angles) -> String {
     let turn = span.rotation_rad.filter(|turn| turn.to_degrees() >= 0.05);
     let turn = turn.map(|turn| format!(", {:.1} {unit}", per_radian * turn));
+    let what = if span.by_rig { "the rig" } else { "each other" };
     let who = match span.odd_one {
-        OddOne::Estimate => "the estimate is wrong: the readings agree with the rig".to_owned(),
+        OddOne::Estimate => format!("the estimate is wrong: the readings agree with {what}"),
         OddOne::Readings => match span.station {
             Some(station) => format!(
-                "the ground truth is wrong: the readings of station {} contradict the rig there",
-                station + 1
+                "the ground truth is wrong: the readings of station {} contradict {} there",
+                station + 1,
+                if span.by_rig { "the rig" } else { "those of the others" }
             ),
-            None => "the ground truth is wrong: its readings contradict the rig there".to_owned(),
+            None => format!("the ground truth is wrong: its readings contradict {what} there"),
         },
         OddOne::LeftOut => {
             let whose = span.station.map_or("its readings".to_owned(), |station| {

@@ -16,12 +16,7 @@ pub fn markup(judgement: &Judgement, start_s: f64) -> Markup {
     let notes: Vec<Finding> = judged
         .iter()
         .flat_map(|one| one.estimate.findings.iter().chain(&one.fit.findings).cloned())
-        .chain(
-            judgement
-                .unjudged
-                .iter()
-                .map(|(_, why)| Finding::problem(format!("not judged: {why}"))),
-        )
+        .chain(judgement.unjudged.iter().map(|(_, why)| why.finding()))
         .collect();
     html! {
         h3 { "Trajectories of other systems" }
