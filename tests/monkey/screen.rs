@@ -141,6 +141,10 @@ impl Screen {
             self.frame(Vec::new());
         }
         self.window().settle();
+        // A wheel that was turned goes on for some frames, and what is under the pointer with it.
+        while self.ctx.input(|input| input.smooth_scroll_delta() != egui::Vec2::ZERO) {
+            self.frame(Vec::new());
+        }
     }
 
     pub fn frame(&mut self, events: Vec<Event>) {

@@ -186,10 +186,16 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles
                     .on_hover_text(&one.estimate.name);
             }
             ui.end_row();
-            for (label, cells) in rows(judgement, angles) {
-                words::explain_text(ui.small(&label), &label);
-                for cell in cells {
-                    ui.label(RichText::new(cell).monospace().small());
+            let rows = rows(judgement, angles);
+            let widest = |column: usize| {
+                rows.iter().map(|(_, cells)| cells[column].chars().count()).max().unwrap_or(0)
+            };
+            let widths: Vec<usize> = (0..judgement.judged.len()).map(widest).collect();
+            for (label, cells) in &rows {
+                words::explain_text(ui.small(label), label);
+                for (cell, width) in cells.iter().zip(&widths) {
+                    // Numbers end under each other.
+                    ui.label(RichText::new(format!("{cell:>width$}")).monospace().small());
                 }
                 ui.end_row();
             }

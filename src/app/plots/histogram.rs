@@ -23,7 +23,7 @@ const AXIS_NUMBERS: f32 = 18.0;
 const NUMBERS: f32 = 46.0;
 const LEAST: f32 = 20.0;
 /// Where plots would be lower than this, what can be read elsewhere goes: the words on all pairs, the name of the axis.
-const LEAST_NAMED: f32 = 36.0;
+const LEAST_NAMED: f32 = 26.0;
 /// Height of a line of words.
 const LINE: f32 = 15.0;
 /// Panes narrower than this have a line of its own for what is selected.
