@@ -38,7 +38,7 @@
 //! | [`validation`] | whether a calibration holds for another run, and which station moved | its words: `in_words.rs`; other runs in one frame: `one_frame.rs` |
 //! | [`estimates`] | trajectories of other systems (SLAM, odometry) held against a deployment's: evo's errors, each beside the ground truth's own σ, which is better, who is the odd one out: `resect evaluate` | a format: a function in `read.rs`; a metric: `metrics.rs` |
 //! | [`simulation`] | deployments with known truth | a preset, gaps and outliers included: an arm in `scenario.rs`; an error of instruments: `errors.rs`; how large it is in the field: `field_errors.rs` |
-//! | [`planning`] | plans of deployments: what a drive will tell before it is driven, and what would tell more | a manoeuvre: `manoeuvres.rs`, tried by `improvements.rs` and `what_next.rs`; a condition along the way: `locks.rs`, said in `in_words.rs` |
+//! | [`planning`] | plans of deployments: what a drive will tell before it is driven, and what would tell more | a manoeuvre: `manoeuvres.rs`, tried by `improvements.rs` and, from where a drive is, `from_here.rs`; a condition along the way: `locks.rs`, said in `in_words.rs` |
 //! | [`live`] | a deployment while it is driven: streams from the network, answers while they come in, and whether it is enough | a source: a file that gives events, as `foxglove.rs`; a warning: a variant of `Amiss` in `warnings.rs`; what to drive next: `next.rs` |
 //! | [`palette`] | the colours of stations, pairs, fates and verdicts, for window, report and pictures alike | |
 //! | [`experiment`] | the paper's studies over many deployments | a study: a file that gives a [`experiment::Study`] |

@@ -45,7 +45,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 Table { columns, reference, beside: width > wanted, column: NUMBER + spare };
             egui::Grid::new(("side by side", table.beside))
                 .num_columns(2 * table.columns.len())
-                .spacing([if table.beside { 12.0 } else { 10.0 }, 4.0])
+                .spacing([if table.beside { 12.0 } else { 6.0 }, 4.0])
                 .striped(true)
                 .show(ui, |ui| table.rows(ui, state, commands));
             ui.set_max_width(width);
@@ -159,14 +159,16 @@ impl Table<'_> {
 
     /// A row of numbers, with their differences beside or below them.
     fn numbers<'c>(&self, ui: &mut egui::Ui, name: &str, cell: impl Fn(usize) -> &'c Cell) {
-        ui.vertical(|ui| {
-            ui.spacing_mut().item_spacing.y = 0.0;
+        if self.beside {
             words::explain_text(ui.label(name), name);
-            if !self.beside {
+        } else {
+            ui.vertical(|ui| {
+                ui.spacing_mut().item_spacing.y = 0.0;
+                words::explain_text(ui.label(name), name);
                 // As high as the numbers with their differences, so that it stands in the line of the numbers.
                 ui.small("");
-            }
-        });
+            });
+        }
         for index in 0..self.columns.len() {
             let cell = cell(index);
             if self.beside {
