@@ -115,6 +115,19 @@ fn pieces_are_added_chosen_and_removed() {
 }
 
 #[test]
+fn what_cannot_be_is_never_the_plan() {
+    let mut harness = window(LARGE, Theme::Dark);
+    send(&mut harness, Command::UseLayout(LayoutPreset::Plan));
+    let before = plan(&harness).clone();
+    let mut impossible = before.clone();
+    impossible.rig.prisms_m[2].x += 60.0;
+    send(&mut harness, Command::Plan(PlanCommand::Set(impossible.into(), "a prism moved")));
+    assert_eq!(plan(&harness), &before);
+    let told = harness.state().state.toasts.shown().iter();
+    assert!(told.clone().any(|toast| toast.text.contains("prisms 1 and 3 are")), "{told:?}");
+}
+
+#[test]
 fn a_plan_comes_from_what_was_driven_and_is_kept_by_sessions_and_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = window(LARGE, Theme::Dark);

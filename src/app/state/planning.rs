@@ -48,6 +48,11 @@ impl State {
         if plan == self.planning.plan {
             return;
         }
+        // What cannot be is never the plan: a session would not take it either.
+        if let Err((what, remedy)) = plan.check() {
+            self.toasts.warning(&format!("the plan stays as it was: {what}; {remedy}"));
+            return;
+        }
         let both = Box::new([self.planning.plan.clone(), plan.clone()]);
         let what = Changed::Plan { both, words };
         self.undo.record(vec![Change { id: NO_DEPLOYMENT, what }], moment);
