@@ -142,7 +142,7 @@ impl Screen {
         }
         self.window().settle();
         // A wheel that was turned goes on for some frames, and what is under the pointer with it.
-        while self.ctx.input(|input| input.smooth_scroll_delta() != egui::Vec2::ZERO) {
+        while self.ctx.input(|input| input.smooth_scroll_delta() != Vec2::ZERO) {
             self.frame(Vec::new());
         }
     }
