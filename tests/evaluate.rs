@@ -24,6 +24,24 @@ fn judged(deployment: &Deployment, estimates: Vec<Estimate>, options: &Options) 
     judge(deployment, &analysis, estimates.into_iter().map(|one| (one, *options)).collect())
 }
 
+/// A station's readings wrong at some times: 30 cm too far, as of a wrong prism, or turned by 5°, as of a lost level.
+fn with_wrong_readings(
+    deployment: &Deployment,
+    station: usize,
+    too_far: bool,
+    is_in: impl Fn(f64) -> bool,
+) -> Deployment {
+    let mut broken = deployment.clone();
+    for reading in &mut broken.tracks[station].measurements {
+        match (is_in(reading.time_s), too_far) {
+            (true, true) => reading.range_m += 0.3,
+            (true, false) => reading.azimuth_rad += 5.0_f64.to_radians(),
+            (false, _) => {}
+        }
+    }
+    broken
+}
+
 #[test]
 fn clock_lever_arm_and_turn_of_the_body_are_found_with_their_sigma() {
     let (simulated, deployment) = driven(3);
@@ -150,17 +168,8 @@ fn who_is_wrong_is_told_by_one_prism_too() {
         let blamed = |span: &OddSpan| span.odd_one == OddOne::Estimate;
         right[0] += u64::from((!seen || !odd.is_empty()) && odd.iter().all(blamed));
 
-        let mut broken = deployment.clone();
         let station = (seed % 3) as usize;
-        for reading in &mut broken.tracks[station].measurements {
-            if is_in(reading.time_s) {
-                if seed % 2 == 0 {
-                    reading.range_m += 0.3;
-                } else {
-                    reading.azimuth_rad += 5.0_f64.to_radians();
-                }
-            }
-        }
+        let broken = with_wrong_readings(&deployment, station, seed % 2 == 0, is_in);
         let found = judged(&broken, vec![SLAM.drive(&simulated)], &Options::default());
         assert!(found.unjudged.is_empty(), "{seed}: {:?}", found.unjudged);
         // Neither do they move its clock.
@@ -283,18 +292,8 @@ fn rightly_blamed(drives: u64) -> ([u64; 2], u64) {
         let seen = found.judged[0].errors.iter().filter(|error| is_in(error.time_s)).count() > 3;
         right[0] += u64::from((!seen || !odd.is_empty()) && odd.iter().all(blamed));
 
-        let mut broken = deployment.clone();
         let station = (seed % 3) as usize;
-        for reading in &mut broken.tracks[station].measurements {
-            if is_in(reading.time_s) {
-                // By turns as a wrong prism does, and as a lost level does.
-                if seed % 2 == 0 {
-                    reading.range_m += 0.3;
-                } else {
-                    reading.azimuth_rad += 5.0_f64.to_radians();
-                }
-            }
-        }
+        let broken = with_wrong_readings(&deployment, station, seed % 2 == 0, is_in);
         let found = judged(&broken, vec![SLAM.drive(&simulated)], &Options::default());
         let odd = &found.judged[0].odd;
         // A motion that sets the wrong readings aside is not odd, and nobody is to be blamed.
@@ -399,7 +398,7 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     assert_eq!(vio["lever_arm_m"], serde_json::json!([0.1, -0.2, 0.0]));
     let thrice = ["--align", "rigid", "--align", "none", "--align", "none"];
     for (more, part) in [
-        (&thrice[..], "--align is given 3 times and there are 2 trajectories"),
+        (&thrice[..], "--align is given 3 times and the number of trajectories is 2"),
         (&["--body", "1,2"], "found, same, or three numbers"),
         (&["--time-offset", "nan"], "a number of seconds, or found"),
     ] {

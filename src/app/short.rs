@@ -1,6 +1,6 @@
 //! Names made short enough for their places.
 
-use egui::{FontId, Response, Ui};
+use egui::{FontId, Response, TextStyle, Ui};
 
 /// So many letters stay, however little room there is.
 const FEWEST: usize = 2;
@@ -33,6 +33,12 @@ pub fn in_the_middle(ui: &Ui, text: &str, font: &FontId, width: f32) -> String {
         }
     }
     with(fitting)
+}
+
+/// The name of a trajectory among others: files of other systems may be called anything.
+pub fn of_trajectory(ui: &Ui, name: &str) -> String {
+    const WIDEST: f32 = 180.0;
+    in_the_middle(ui, name, &TextStyle::Body.resolve(ui.style()), WIDEST)
 }
 
 /// Shows the whole name under the pointer, where only a part of it is seen.

@@ -105,7 +105,7 @@ fn one_or_each<T: Copy>(flag: &str, values: &[T], count: usize) -> Result<Vec<T>
         [one] => Ok(vec![*one; count]),
         each if each.len() == count => Ok(each.to_vec()),
         several => Err(Failure::Usage(format!(
-            "{flag} is given {} times and there are {count} trajectories; give it once for all, or once for each in their \
+            "{flag} is given {} times and the number of trajectories is {count}; give it once for all, or once for each in their \
              order",
             several.len()
         ))),

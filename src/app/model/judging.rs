@@ -171,19 +171,6 @@ pub fn change_in_words(before: &[Added], after: &[Added]) -> String {
         .join("; ")
 }
 
-/// Names of files may be long, and differ at their beginning or their end.
-pub fn short(name: &str) -> String {
-    const LONGEST: usize = 26;
-    const ENDS: [usize; 2] = [13, 11];
-    let count = name.chars().count();
-    if count <= LONGEST {
-        return name.to_owned();
-    }
-    let first: String = name.chars().take(ENDS[0]).collect();
-    let last: String = name.chars().skip(count - ENDS[1]).collect();
-    format!("{first}…{last}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -221,13 +208,5 @@ mod tests {
         assert_eq!(all, named(&[("/odom", true), ("/lidar", true), ("slam", false)]));
         let other = restored(&[saved("a.bag", Some("/gnss"))]);
         assert_eq!(other, named(&[("/odom", false), ("/lidar", false), ("slam", false)]));
-    }
-
-    #[test]
-    fn long_names_keep_both_ends() {
-        assert_eq!(short("orb_slam3"), "orb_slam3");
-        let long = "orb_slam3_stereo_inertial_run_07_loop_closed_final";
-        assert_eq!(short(long), "orb_slam3_ste…losed_final");
-        assert_eq!(short(&"ö".repeat(60)).chars().count(), 25);
     }
 }

@@ -4,8 +4,8 @@
 use egui::RichText;
 
 use super::{finding, heading, judging_options, scrolled};
-use crate::app::model::judging::short;
 use crate::app::model::{AngleUnit, Command, Commands, OpenDeployment, TimeScale, Units};
+use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
@@ -74,8 +74,10 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
         let estimate = &one.estimate;
         ui.horizontal(|ui| {
             let colour = theme::readable(palette::estimate(one.colour), ui.visuals().dark_mode);
-            ui.label(RichText::new(short(&estimate.name)).color(colour).strong())
-                .on_hover_text(estimate.path.display().to_string());
+            ui.label(
+                RichText::new(short::of_trajectory(ui, &estimate.name)).color(colour).strong(),
+            )
+            .on_hover_text(estimate.path.display().to_string());
             ui.weak(format!("{} poses", estimate.poses.len()));
             let name = format!("Take {} away", estimate.name);
             let button = ui.small_button("×").on_hover_text(&name);
@@ -110,7 +112,7 @@ fn ranking(ui: &mut egui::Ui, state: &State, judgement: &Judgement, commands: &m
     ui.add_space(4.0);
     for two in &judgement.comparisons {
         let (word, verdict) = if two.is_significant() {
-            let name = short(&judgement.judged[two.better].estimate.name);
+            let name = short::of_trajectory(ui, &judgement.judged[two.better].estimate.name);
             (format!(" {name} is better "), Verdict::Good)
         } else {
             (" not decided ".to_owned(), Verdict::Weak)
@@ -182,7 +184,8 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles
             for one in &judgement.judged {
                 let colour = open.judging.of(&one.estimate).map_or(0, |added| added.colour);
                 let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
-                ui.label(RichText::new(short(&one.estimate.name)).color(colour).strong())
+                let name = short::of_trajectory(ui, &one.estimate.name);
+                ui.label(RichText::new(name).color(colour).strong())
                     .on_hover_text(&one.estimate.name);
             }
             ui.end_row();

@@ -4,8 +4,8 @@ use egui::{Role, WidgetInfo};
 use nalgebra::Vector3;
 
 use super::number;
-use crate::app::model::judging::short;
 use crate::app::model::{Added, Command, Commands};
+use crate::app::short;
 use crate::estimates::{Alignment, Body, Options};
 
 /// Lever arms on vehicles are shorter (m), and clocks that somebody knows are nearer than since 1970 (s).
@@ -46,7 +46,8 @@ fn chosen(ui: &mut egui::Ui, added: &[Added]) -> Option<usize> {
         choice(ui, None, "all".to_owned(), "How all are judged".to_owned());
         for one in added {
             let name = &one.estimate.name;
-            choice(ui, Some(one.colour), short(name), format!("How {name} alone is judged"));
+            let text = short::of_trajectory(ui, name);
+            choice(ui, Some(one.colour), text, format!("How {name} alone is judged"));
         }
         ui.label(if chosen.is_none() { "are judged:" } else { "is judged:" });
     });
