@@ -8,6 +8,7 @@ mod desktop;
 mod evaluate;
 mod explain;
 mod export;
+mod judging_args;
 mod live;
 mod output;
 mod plan;

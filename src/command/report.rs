@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
+use super::judging_args::JudgingArguments;
 use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load_each, print};
@@ -29,6 +30,8 @@ pub struct Arguments {
     #[arg(long, value_name = "ESTIMATE")]
     judge: Vec<PathBuf>,
     #[command(flatten)]
+    judging: JudgingArguments,
+    #[command(flatten)]
     settings: AnswerArguments,
 }
 
@@ -41,8 +44,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Usage(line));
     }
     let mut estimates = Vec::new();
-    for path in &arguments.judge {
-        estimates.extend(read::read(path)?);
+    let options = arguments.judging.options_of_each(arguments.judge.len())?;
+    for (path, options) in arguments.judge.iter().zip(options) {
+        estimates.extend(read::read(path)?.into_iter().map(|one| (one, options)));
     }
     let opened = load_each(&arguments.path, &arguments.settings.extras());
     let chapters: Vec<Chapter> = zip(&arguments.path, opened)
@@ -75,14 +79,13 @@ fn chapter(
     path: &Path,
     opened: Result<Arc<Deployment>, OpenError>,
     settings: &Settings,
-    estimates: &[Estimate],
+    estimates: &[(Estimate, Options)],
 ) -> Chapter {
     match opened {
         Ok(deployment) => {
             let analysis = Box::new(Analyst::new(deployment.clone()).run(settings));
             let files = marks_of(&deployment);
-            let each = estimates.iter().map(|one| (one.clone(), Options::default()));
-            let judged = || judge(&deployment, &analysis, each.collect());
+            let judged = || judge(&deployment, &analysis, estimates.to_vec());
             let judgement = (!estimates.is_empty()).then(|| Arc::new(judged()));
             Chapter::Analysed { deployment, analysis, files, judgement }
         }

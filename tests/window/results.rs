@@ -172,7 +172,7 @@ fn the_history_names_what_changed_and_brings_it_back() {
         click(&mut harness, "Pin run 3");
         let names: Vec<_> =
             harness.state().state.results.pins.iter().map(|pin| pin.name.clone()).collect();
-        assert_eq!(names, ["A", "B"]);
+        assert_eq!(names, ["E", "F"]);
         snapshot_of(&mut harness, Part::Pane(Pane::Runs), name);
 
         let run = harness.get_by_role_and_label(Role::Button, "Run 2, good: τ_l 6 → 20 s");

@@ -60,7 +60,8 @@ impl Results {
         }
         let id = self.next_id();
         let taken = |name: &str| self.pins.iter().any(|pin| pin.name == name);
-        let letters = ('A'..='Z').map(String::from).find(|name| !taken(name));
+        // A to D are the methods, P to Z the sets of control points.
+        let letters = ('E'..='O').map(String::from).find(|name| !taken(name));
         let name = letters.unwrap_or_else(|| id.to_string());
         self.pins.push(Pin { id, name, summary, shown: true, plots, drawing: false });
         id

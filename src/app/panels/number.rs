@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
+use egui::response::Flags;
 use egui::{Align2, Key, Margin, Sense, TextStyle, Vec2, emath::Numeric, vec2};
 
 use crate::app::theme;
@@ -156,7 +157,10 @@ fn mend(
     let why = why.map_or(String::new(), |why| format!("{why}; "));
     let unit = unit.trim();
     let hint = format!("{why}it is still {now} {unit}. Put it right, or press Escape");
-    (response.on_hover_text(hint), mended)
+    let mut response = response.on_hover_text(hint);
+    // What the field is for, which the caller says on hover, would lie on the reason.
+    response.flags.remove(Flags::HOVERED | Flags::CONTAINS_POINTER);
+    (response, mended)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A session: everything that is open, and how it is looked at. Plain data, kept as versioned TOML.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
@@ -13,6 +13,7 @@ use crate::app::model::{
 };
 use crate::atomic::WriteError;
 use crate::deployment::{Deployment, OpenError, Source};
+use crate::estimates::Options;
 use crate::export::summary::ResultSummary;
 use crate::planning::Plan;
 use crate::progress::Progress;
@@ -151,10 +152,15 @@ impl Session {
         self.deployments.is_empty() && self.pins.is_empty() && self.plan.is_none()
     }
 
-    /// Whether the data, its settings and what is pinned are the same, wherever one looks at the moment.
+    /// Whether the data, its settings, what it judges and what is pinned are the same, wherever one looks at the moment.
     pub fn is_same_work(&self, other: &Self) -> bool {
-        fn of(session: &Session) -> impl Iterator<Item = (&Source, &Settings)> {
-            session.deployments.iter().map(|saved| (&saved.source, &saved.settings))
+        type Judged<'a> = Vec<(&'a Path, Option<&'a str>, &'a Options)>;
+        fn of(session: &Session) -> impl Iterator<Item = (&Source, &Settings, Judged<'_>)> {
+            session.deployments.iter().map(|saved| {
+                let judged = saved.estimates.iter();
+                let judged = judged.map(|one| (&*one.path, one.topic.as_deref(), &one.options));
+                (&saved.source, &saved.settings, judged.collect())
+            })
         }
         of(self).eq(of(other)) && self.pins == other.pins && self.plan == other.plan
     }

@@ -30,6 +30,9 @@ pub fn ui(ui: &mut egui::Ui, view: &View, height: f32) {
         shown.collect()
     };
     let y_axis = AxisHints::new_y().label("mm").formatter(|mark, _| log_axis::number(mark.value));
+    let x_axis = AxisHints::new_x()
+        .label("since the first answer")
+        .formatter(|mark, _| format!("{:.0} s", mark.value));
     let plot = Plot::new("sigma over the drive")
         .height(height)
         .allow_drag(false)
@@ -44,7 +47,7 @@ pub fn ui(ui: &mut egui::Ui, view: &View, height: f32) {
         .include_y((target_mm * 10.0).log10())
         .y_grid_spacer(log_axis::many_decades)
         .custom_y_axes(vec![y_axis])
-        .x_axis_formatter(|mark, _| format!("{:.0} s", mark.value));
+        .custom_x_axes(vec![x_axis]);
     plot.show(ui, |plot| {
         plot.hline(HLine::new("target", target_mm.log10()).color(aim(dark)).width(2.0));
         let published = Line::new("the paper's answer", points(&view.curves[0]));

@@ -16,6 +16,7 @@ use super::{answer_with_errors, close_marks, histogram, pair_name, pair_switches
 use crate::analysis::{Analysis, Answer};
 use crate::app::model::{Commands, OpenDeployment, Pin};
 use crate::app::prepared::plots::{Band, Distributions};
+use crate::app::prepared::rig_at::are_together_at;
 use crate::app::prepared::{Piece, gaps};
 use crate::app::state::State;
 use crate::app::theme;
@@ -174,11 +175,18 @@ impl PairPlot<'_> {
             let text = in_words(selected.by_pair_mm[self.pair]);
             lines.push(RichText::new(format!("selected: {text}")).strong());
         }
-        let at = self.open.timeline.cursor_s.and_then(|t| analysis.triplets().nearest(t));
-        if let Some(error) = at.and_then(|at| evaluation.distance_errors_mm[self.pair].get(at)) {
+        let cursor_s = self.open.timeline.cursor_s.filter(|t| are_together_at(analysis, *t));
+        let at = cursor_s.and_then(|t| analysis.triplets().nearest(t));
+        match at.and_then(|at| evaluation.distance_errors_mm[self.pair].get(at)) {
             // Adding zero makes a rounded -0.0 a plain one.
-            let error_mm = (10.0 * error).round() / 10.0 + 0.0;
-            lines.push(RichText::new(format!("{cursor} {error_mm:+.1}\u{a0}mm")));
+            Some(error) => {
+                let error_mm = (10.0 * error).round() / 10.0 + 0.0;
+                lines.push(RichText::new(format!("{cursor} {error_mm:+.1}\u{a0}mm")));
+            }
+            None if self.open.timeline.cursor_s.is_some() => {
+                lines.push(RichText::new(format!("{cursor} no triplet")));
+            }
+            None => {}
         }
         let hint = "Dots: the error of each triplet, apparent minus known distance. Line and band: running median, and \
                     from the lower quartile to the upper.";

@@ -32,14 +32,22 @@ pub struct LastRead {
 /// Finds the prisms at a time (s, in the stations' clock), by searches in sorted times. Between triplets they are
 /// interpolated as far as the pipeline itself goes across a gap.
 pub fn rig_at(deployment: &Deployment, analysis: &Analysis, time_s: f64) -> RigAt {
-    let longest_s = analysis.settings.pipeline.thresholds.tau_s_seconds;
-    match analysis.triplets().at(time_s, longest_s) {
+    match analysis.triplets().at(time_s, longest_s(analysis)) {
         Some(triplet) => RigAt::Together(triplet),
         None => RigAt::LastRead(std::array::from_fn(|station| {
             let fates = &analysis.pipeline.fates[station].each;
             last_read(&deployment.tracks[station], fates, time_s)
         })),
     }
+}
+
+/// Whether the prisms are known together at a time (s, in the stations' clock): by a triplet, or between two.
+pub fn are_together_at(analysis: &Analysis, time_s: f64) -> bool {
+    analysis.triplets().at(time_s, longest_s(analysis)).is_some()
+}
+
+fn longest_s(analysis: &Analysis) -> f64 {
+    analysis.settings.pipeline.thresholds.tau_s_seconds
 }
 
 fn last_read(track: &Track, fates: &[SampleFate], time_s: f64) -> Option<LastRead> {

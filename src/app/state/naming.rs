@@ -11,7 +11,13 @@ impl State {
     /// The names of the open deployments, which tell them apart.
     pub fn names(&self) -> Vec<String> {
         let named = self.open.iter().map(|open| {
-            (open.deployment.name.clone(), open.source.as_ref().and_then(Source::path))
+            let name = &open.deployment.name;
+            // What is replayed may be open beside it.
+            let name = match self.live.id == Some(open.id) {
+                true => format!("{name} (live)"),
+                false => name.clone(),
+            };
+            (name, open.source.as_ref().and_then(Source::path))
         });
         told_apart(&named.collect::<Vec<_>>())
     }
@@ -34,7 +40,9 @@ impl State {
             Some(kept) => !kept.is_same_work(&now),
             // As the program opens data by itself, it is opened again at any time.
             None => {
-                let is_tuned = |saved: &SavedDeployment| saved.settings != Settings::default();
+                let is_tuned = |saved: &SavedDeployment| {
+                    saved.settings != Settings::default() || !saved.estimates.is_empty()
+                };
                 !now.pins.is_empty() || now.deployments.iter().any(is_tuned)
             }
         }

@@ -119,6 +119,7 @@ fn stations(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
     let mut changed = false;
     let dark = ui.visuals().dark_mode;
     egui::Grid::new("stations of the plan").num_columns(4).spacing([6.0, 3.0]).show(ui, |ui| {
+        axes(ui);
         for (station, place_m) in plan.stations_m.iter_mut().enumerate() {
             let colour = theme::readable(palette::STATIONS[station], dark);
             ui.label(RichText::new((station + 1).to_string()).color(colour).strong());
@@ -132,10 +133,20 @@ fn stations(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
     changed
 }
 
+/// The line above three fields of a place.
+fn axes(ui: &mut egui::Ui) {
+    ui.label("");
+    for axis in ["x", "y", "z"] {
+        ui.vertical_centered(|ui| ui.weak(axis));
+    }
+    ui.end_row();
+}
+
 fn rig(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
     heading(ui, "Prisms on the vehicle");
     let mut changed = false;
     egui::Grid::new("prisms of the plan").num_columns(4).spacing([6.0, 3.0]).show(ui, |ui| {
+        axes(ui);
         for (prism, place_m) in plan.rig.prisms_m.iter_mut().enumerate() {
             ui.label((prism + 1).to_string())
                 .on_hover_text("x ahead, y left, z up from the ground under the vehicle");

@@ -21,6 +21,8 @@ use crate::export::summary::ResultSummary;
 const NAMES: f32 = 110.0;
 const NUMBER: f32 = 185.0;
 const DIFFERENCE: f32 = 140.0;
+/// What has no room in a row's name is left out (points).
+const LONGEST_NAME: f32 = 150.0;
 /// Size of the numbers where there is little room.
 const NARROW_TEXT: f32 = 11.0;
 /// More σ than this say nothing more.
@@ -112,10 +114,8 @@ impl Table<'_> {
         ui.end_row();
         let inter_prism = columns::inter_prism(&self.columns, self.reference);
         self.numbers(ui, "inter-prism", |column| &inter_prism[column]);
-        for (file, cells) in columns::control_points(&self.columns, self.reference) {
-            // Files from elsewhere have their whole path.
-            let name = file.rsplit(['/', '\\']).next().unwrap_or(&file);
-            self.numbers(ui, name, |column| &cells[column]);
+        for (name, cells) in columns::control_points(&self.columns, self.reference) {
+            self.numbers(ui, &name, |column| &cells[column]);
         }
         self.of_results(ui, "triplets", |ui, summary| {
             ui.monospace(summary.triplets.to_string());
@@ -160,11 +160,11 @@ impl Table<'_> {
     /// A row of numbers, with their differences beside or below them.
     fn numbers<'c>(&self, ui: &mut egui::Ui, name: &str, cell: impl Fn(usize) -> &'c Cell) {
         if self.beside {
-            words::explain_text(ui.label(name), name);
+            name_of_row(ui, name);
         } else {
             ui.vertical(|ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
-                words::explain_text(ui.label(name), name);
+                name_of_row(ui, name);
                 // As high as the numbers with their differences, so that it stands in the line of the numbers.
                 ui.small("");
             });
@@ -187,6 +187,13 @@ impl Table<'_> {
         }
         ui.end_row();
     }
+}
+
+fn name_of_row(ui: &mut egui::Ui, name: &str) {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let shown = short::in_the_middle(ui, name, &font, LONGEST_NAME);
+    let label = words::explain_text(ui.label(&shown), name);
+    short::whole_on_hover(label, &shown, name);
 }
 
 fn difference(ui: &mut egui::Ui, cell: &Cell) {
