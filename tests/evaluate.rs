@@ -427,6 +427,28 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     assert!(text.contains("APE position") && text.contains("few: "), "{text}");
 }
 
+#[test]
+fn a_report_judges_as_it_is_told_to() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let (simulated, _) = driven(8);
+    resect::simulation::write_folder(&simulated, &at("drive")).expect("written");
+    write_tum(&SLAM.drive(&simulated), &at("lio.tum"));
+    let page = |more: &[&str]| {
+        let mut command = resect();
+        command.arg("report").arg(at("drive")).arg("--judge").arg(at("lio.tum"));
+        said(command.arg("--out").arg(at("report.html")).args(more));
+        std::fs::read_to_string(at("report.html")).expect("written")
+    };
+    let (found, given) = (page(&[]), page(&["--time-offset", "0.25"]));
+    assert!(!found.contains("+250.0 given") && given.contains("+250.0 given"));
+    let mut twice = resect();
+    twice.arg("report").arg(at("drive")).arg("--judge").arg(at("lio.tum")).arg("--out");
+    twice.arg(at("report.html")).args(["--body", "same", "--body", "found"]);
+    let output = twice.output().expect("runs");
+    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
 /// What `resect trajectory` writes as odometry is read as the poses that it writes as TUM, from a file and from the folder that
 /// ROS 2 makes of it; as a deployment such a bag is refused with the way to use it.
 #[test]

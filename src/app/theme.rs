@@ -46,7 +46,12 @@ const IN_THE_SUN: f32 = 1.3;
 
 /// Makes type large and contrast full, in either theme; or as it was.
 pub fn in_the_sun(ctx: &egui::Context, on: bool) {
-    ctx.set_zoom_factor(if on { IN_THE_SUN } else { 1.0 });
+    let zoom = if on { IN_THE_SUN } else { 1.0 };
+    // egui makes the next screen of the last one, and before the first that is one of 10,000 by 10,000 points.
+    match ctx.cumulative_frame_nr() {
+        0 => ctx.options_mut(|options| options.zoom_factor = zoom),
+        _ => ctx.set_zoom_factor(zoom),
+    }
     for (theme, ink, ground, text) in [
         (egui::Theme::Light, Color32::BLACK, Color32::WHITE, TEXT_LIGHT),
         (egui::Theme::Dark, Color32::WHITE, Color32::BLACK, TEXT_DARK),
@@ -100,5 +105,25 @@ pub fn severity(severity: Severity, dark: bool) -> (Color32, &'static str) {
         Severity::Note => (faint(dark), "•"),
         Severity::Warning => (readable([230, 159, 0], dark), "⚠"),
         Severity::Problem => (readable([240, 90, 50], dark), "✗"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_frame_in_the_sun_is_as_large_as_its_window() {
+        let ctx = egui::Context::default();
+        in_the_sun(&ctx, true);
+        let size = egui::vec2(1280.0, 800.0) / ctx.zoom_factor();
+        let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+        let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
+        let mut output = ctx.run_ui(input, |ui| {
+            let shown = ui.ctx().content_rect().size();
+            assert!((shown - size).length() < 1.0, "{shown}");
+        });
+        output.textures_delta.clear();
+        assert_eq!(output.pixels_per_point, IN_THE_SUN);
     }
 }

@@ -115,13 +115,11 @@ impl Screen {
     /// The window is gone without having been told, as by a crash.
     pub fn die(&mut self) {
         self.window = None;
-        // Its pictures go now: the driver would give them back within the next window's first frame, which is not its own work.
-        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("drawn");
     }
 
     pub fn exit(&mut self) {
         self.window().on_exit();
-        self.die();
+        self.window = None;
     }
 
     /// As large as the system says that it is (points).

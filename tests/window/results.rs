@@ -58,7 +58,7 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
         (SMALL, Theme::Light, "against-pinned-small-light"),
     ] {
         let mut harness = window(size, theme);
-        assert!(harness.query_by_label("Against pinned A").is_none());
+        assert!(harness.query_by_label("Against pinned E").is_none());
         click(&mut harness, "Pin");
         assert_eq!(harness.state().state.results.pins.len(), 1);
         assert!(harness.query_by_label("This is the pinned result.").is_some());
@@ -78,9 +78,9 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
         assert!(harness.query_by_label("τ_a 1 → 0.5 °/s").is_some());
         snapshot_of(&mut harness, Part::Pane(Pane::Result), name);
 
-        click(&mut harness, "Unpin A");
+        click(&mut harness, "Unpin E");
         assert!(harness.state().state.results.pins.is_empty());
-        assert!(harness.query_by_label("Against pinned A").is_none());
+        assert!(harness.query_by_label("Against pinned E").is_none());
     }
 }
 
@@ -190,10 +190,10 @@ fn the_history_names_what_changed_and_brings_it_back() {
         let shown = |harness: &Window| {
             harness.state().state.results.pins.iter().map(|pin| pin.shown).collect::<Vec<_>>()
         };
-        harness.get_by_label("A  warthog (simulated)").click();
+        harness.get_by_label("E  warthog (simulated)").click();
         settle(&mut harness);
         assert_eq!(shown(&harness), [false, true]);
-        click(&mut harness, "Unpin A");
+        click(&mut harness, "Unpin E");
         assert_eq!(shown(&harness), [true]);
     }
 }

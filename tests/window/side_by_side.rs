@@ -31,7 +31,7 @@ fn a_pinned_result_stands_beside_the_present_one_with_what_differs() {
         (SMALL, Theme::Light, "pinned-beside-small-light"),
     ] {
         let mut harness = pinned(size, theme);
-        assert!(harness.query_by_label("Pinned A").is_some());
+        assert!(harness.query_by_label("Pinned E").is_some());
         // Eight numbers of the transforms, in their units and in σ.
         let told = |unit| harness.query_all_by_label_contains(unit).count();
         assert!(told(" mm (") >= 6 && told(" mrad (") >= 2, "{name}");
@@ -44,7 +44,7 @@ fn the_settings_of_a_pinned_result_are_taken_and_given_back() {
     let mut harness = pinned(LARGE, Theme::Dark);
     let changed = settings(&harness);
     let buttons: Vec<_> =
-        harness.get_all_by_role_and_label(Role::Button, "Use the settings of A").collect();
+        harness.get_all_by_role_and_label(Role::Button, "Use the settings of E").collect();
     buttons[0].click_accesskit();
     crate::harness::settle(&mut harness);
     assert_eq!(settings(&harness), resect::analysis::Settings::default());
@@ -72,4 +72,5 @@ fn points_that_are_not_the_same_stand_in_rows_of_their_own() {
     open(&mut harness, other);
     send(&mut harness, Command::ShowPane(Pane::SideBySide));
     assert_eq!(rows(&harness), only + 1);
+    assert!(harness.query_all_by_label("of another").count() > 0, "whose points they are");
 }

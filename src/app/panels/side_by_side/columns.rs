@@ -124,9 +124,18 @@ pub fn inter_prism(columns: &[Column<'_>], reference: usize) -> Vec<Cell> {
     columns.iter().enumerate().map(cell).collect()
 }
 
-/// The control-point metric by file: the row's name, and its cells. Points of one file that are not the same in two columns
-/// stand in two rows, because their numbers cannot be compared; such rows are named by the column, too.
-pub fn control_points(columns: &[Column<'_>], reference: usize) -> Vec<(String, Vec<Cell>)> {
+/// The control-point metric of a file.
+pub struct PointsRow {
+    /// Without its folder.
+    pub file: String,
+    /// Whose points they are, where other points are in a file of the same name.
+    pub whose: Option<String>,
+    pub cells: Vec<Cell>,
+}
+
+/// The control-point metric by file. Points of one file that are not the same in two columns stand in two rows: their
+/// numbers cannot be compared.
+pub fn control_points(columns: &[Column<'_>], reference: usize) -> Vec<PointsRow> {
     // The column that a row began with, and the spreads in it.
     let mut rows: Vec<(String, usize, Vec<Option<Spread>>)> = Vec::new();
     for (index, column) in columns.iter().enumerate() {
@@ -147,21 +156,19 @@ pub fn control_points(columns: &[Column<'_>], reference: usize) -> Vec<(String, 
     // Files from elsewhere have their whole path.
     let short = |file: &str| file.rsplit(['/', '\\']).next().unwrap_or(file).to_owned();
     let names: Vec<String> = rows.iter().map(|(file, ..)| short(file)).collect();
-    let cells = |(row, (_, first, spreads)): (usize, (String, usize, Vec<Option<Spread>>))| {
-        let name = &names[row];
-        let name = match names.iter().filter(|other| *other == name).count() {
-            1 => name.clone(),
-            _ => format!("{name} of {}", columns[first].title),
-        };
+    let of_row = |(row, (_, first, spreads)): (usize, (String, usize, Vec<Option<Spread>>))| {
+        let file = names[row].clone();
+        let several = names.iter().filter(|name| **name == file).count() > 1;
+        let whose = several.then(|| columns[first].title.clone());
         let cell = |(index, spread): (usize, &Option<Spread>)| {
             // A file that grew since is of the same name and other points.
             let same = |against: &Spread| spread.is_some_and(|own| own.n == against.n);
             spread_cell(*spread, spreads[reference].filter(same).filter(|_| index != reference))
         };
         let cells = spreads.iter().enumerate().map(cell).collect();
-        (name, cells)
+        PointsRow { file, whose, cells }
     };
-    rows.into_iter().enumerate().map(cells).collect()
+    rows.into_iter().enumerate().map(of_row).collect()
 }
 
 fn spread_cell(spread: Option<Spread>, against: Option<Spread>) -> Cell {

@@ -21,7 +21,7 @@ use crate::export::summary::ResultSummary;
 const NAMES: f32 = 110.0;
 const NUMBER: f32 = 185.0;
 const DIFFERENCE: f32 = 140.0;
-/// What has no room in a row's name is left out (points).
+/// What has no room under a row's name is left out (points).
 const LONGEST_NAME: f32 = 150.0;
 /// Size of the numbers where there is little room.
 const NARROW_TEXT: f32 = 11.0;
@@ -114,8 +114,9 @@ impl Table<'_> {
         ui.end_row();
         let inter_prism = columns::inter_prism(&self.columns, self.reference);
         self.numbers(ui, "inter-prism", |column| &inter_prism[column]);
-        for (name, cells) in columns::control_points(&self.columns, self.reference) {
-            self.numbers(ui, &name, |column| &cells[column]);
+        for row in columns::control_points(&self.columns, self.reference) {
+            let whose = row.whose.map_or(String::new(), |title| format!("of {title}"));
+            self.numbers_of(ui, [&row.file, &whose], |column| &row.cells[column]);
         }
         self.of_results(ui, "triplets", |ui, summary| {
             ui.monospace(summary.triplets.to_string());
@@ -157,18 +158,27 @@ impl Table<'_> {
         });
     }
 
-    /// A row of numbers, with their differences beside or below them.
     fn numbers<'c>(&self, ui: &mut egui::Ui, name: &str, cell: impl Fn(usize) -> &'c Cell) {
-        if self.beside {
-            name_of_row(ui, name);
-        } else {
-            ui.vertical(|ui| {
-                ui.spacing_mut().item_spacing.y = 0.0;
-                name_of_row(ui, name);
-                // As high as the numbers with their differences, so that it stands in the line of the numbers.
-                ui.small("");
-            });
-        }
+        self.numbers_of(ui, [name, ""], cell);
+    }
+
+    /// A row of numbers, with their differences beside or below them; under its name stands what tells it from another.
+    fn numbers_of<'c>(
+        &self,
+        ui: &mut egui::Ui,
+        [name, whose]: [&str; 2],
+        cell: impl Fn(usize) -> &'c Cell,
+    ) {
+        ui.vertical(|ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            words::explain_text(ui.label(name), name);
+            // Where differences stand below, as high as the numbers with them, so that it stands in the line of the numbers.
+            if !self.beside || !whose.is_empty() {
+                let font = egui::TextStyle::Small.resolve(ui.style());
+                let shown = short::in_the_middle(ui, whose, &font, LONGEST_NAME);
+                short::whole_on_hover(ui.small(&shown), &shown, whose);
+            }
+        });
         for index in 0..self.columns.len() {
             let cell = cell(index);
             if self.beside {
@@ -187,13 +197,6 @@ impl Table<'_> {
         }
         ui.end_row();
     }
-}
-
-fn name_of_row(ui: &mut egui::Ui, name: &str) {
-    let font = egui::TextStyle::Body.resolve(ui.style());
-    let shown = short::in_the_middle(ui, name, &font, LONGEST_NAME);
-    let label = words::explain_text(ui.label(&shown), name);
-    short::whole_on_hover(label, &shown, name);
 }
 
 fn difference(ui: &mut egui::Ui, cell: &Cell) {
