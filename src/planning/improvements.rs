@@ -98,7 +98,7 @@ pub fn improvements(plan: &Plan) -> Result<Vec<Improvement>, PlanError> {
             plan: candidate.plan,
         })
     };
-    let all = candidates(plan, &before);
+    let all = candidates(plan);
     let mut found: Vec<Improvement> = all.into_par_iter().filter_map(one).collect();
     found.sort_by(|a, b| a.after_m.total_cmp(&b.after_m));
     Ok(found)
@@ -136,7 +136,7 @@ fn far_end_m(plan: &Plan, looked: &Looked, places_m: &[Vec<Vector3<f64>>; 3]) ->
     Some(far_end(&transforms, &looked.held()?.covariance, &own)?.sigma_m)
 }
 
-fn candidates(plan: &Plan, looked: &Looked) -> Vec<Candidate> {
+fn candidates(plan: &Plan) -> Vec<Candidate> {
     let mut all = Vec::new();
     let mut add = |kind, what: String, plan: Plan| all.push(Candidate { kind, what, plan });
     let (far_m, along) = far_place(plan);
@@ -204,9 +204,7 @@ fn candidates(plan: &Plan, looked: &Looked) -> Vec<Candidate> {
     }
     let mut twice = plan.clone();
     twice.way.extend(plan.way.iter().cloned());
-    let minutes = looked.driven.simulated.scenario.duration_s / 60.0;
-    let what = format!("the same way once more ({minutes:.0} minutes)");
-    add(ImprovementKind::LongerDrive, what, twice);
+    add(ImprovementKind::LongerDrive, "the same way once more".to_owned(), twice);
     all
 }
 

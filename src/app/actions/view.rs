@@ -79,7 +79,7 @@ pub fn actions(state: &State) -> Vec<Action> {
         actions.push(view("Theme", name, Command::UseTheme(theme)).one_of(state.theme == theme));
     }
     actions.push(
-        view("Theme", "Readable in the sun", Command::ReadInTheSun(!state.in_the_sun))
+        view("In the sun", "Readable in the sun", Command::ReadInTheSun(!state.in_the_sun))
             .hint("Large type and full contrast, in either theme")
             .on(state.in_the_sun),
     );

@@ -294,7 +294,7 @@ fn paint_far_end(
         false => theme::severity(Severity::Warning, dark).0,
     };
     painter.circle_stroke(middle, 9.0, Stroke::new(1.6, colour));
-    let text = format!("far end: {sigma_mm:.1} mm");
+    let text = format!("far end, prism {}: {sigma_mm:.1} mm", held.far_end.station + 1);
     let font = egui::FontId::proportional(12.0);
     let galley = painter.layout_no_wrap(text, font, colour);
     let mut ground = Rect::from_min_size(middle + Vec2::new(12.0, -8.0), galley.size()).expand(2.0);

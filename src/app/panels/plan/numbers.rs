@@ -137,7 +137,7 @@ fn stations(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
 fn axes(ui: &mut egui::Ui) {
     ui.label("");
     for axis in ["x", "y", "z"] {
-        ui.vertical_centered(|ui| ui.weak(axis));
+        ui.weak(axis);
     }
     ui.end_row();
 }

@@ -169,16 +169,18 @@ impl Table<'_> {
         [name, whose]: [&str; 2],
         cell: impl Fn(usize) -> &'c Cell,
     ) {
-        ui.vertical(|ui| {
-            ui.spacing_mut().item_spacing.y = 0.0;
+        if self.beside && whose.is_empty() {
             words::explain_text(ui.label(name), name);
-            // Where differences stand below, as high as the numbers with them, so that it stands in the line of the numbers.
-            if !self.beside || !whose.is_empty() {
+        } else {
+            ui.vertical(|ui| {
+                ui.spacing_mut().item_spacing.y = 0.0;
+                words::explain_text(ui.label(name), name);
+                // Where differences stand below, as high as the numbers with them, so that it stands in their line.
                 let font = egui::TextStyle::Small.resolve(ui.style());
                 let shown = short::in_the_middle(ui, whose, &font, LONGEST_NAME);
                 short::whole_on_hover(ui.small(&shown), &shown, whose);
-            }
-        });
+            });
+        }
         for index in 0..self.columns.len() {
             let cell = cell(index);
             if self.beside {
