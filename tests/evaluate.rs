@@ -442,11 +442,20 @@ fn a_report_judges_as_it_is_told_to() {
     };
     let (found, given) = (page(&[]), page(&["--time-offset", "0.25"]));
     assert!(!found.contains("+250.0 given") && given.contains("+250.0 given"));
-    let mut twice = resect();
-    twice.arg("report").arg(at("drive")).arg("--judge").arg(at("lio.tum")).arg("--out");
-    twice.arg(at("report.html")).args(["--body", "same", "--body", "found"]);
-    let output = twice.output().expect("runs");
-    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
+    // Nobody is left to believe that something was judged so which was not.
+    let lio = at("lio.tum");
+    let judged = ["--judge", lio.to_str().expect("UTF-8"), "--body", "same", "--body", "found"];
+    for (wrong, part) in [
+        (&judged[..], "--body is given 2 times and the number of trajectories is 1"),
+        (&["--body", "same"], "give that, too"),
+    ] {
+        let mut command = resect();
+        command.arg("report").arg(at("drive")).arg("--out").arg(at("none.html")).args(wrong);
+        let output = command.output().expect("runs");
+        let why = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && why.contains(part), "{why}");
+        assert!(!at("none.html").exists());
+    }
 }
 
 /// What `resect trajectory` writes as odometry is read as the poses that it writes as TUM, from a file and from the folder that

@@ -44,11 +44,8 @@ const WIDTH: f32 = 900.0;
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
     let mut read_estimates = Vec::new();
-    for (path, options) in arguments
-        .trajectory
-        .iter()
-        .zip(arguments.judging.options_of_each(arguments.trajectory.len())?)
-    {
+    let options = arguments.judging.options_of_each(arguments.trajectory.len())?;
+    for (path, options) in arguments.trajectory.iter().zip(options) {
         read_estimates.extend(read::read(path)?.into_iter().map(|one| (one, options)));
     }
     let (deployment, _) = load(&arguments.against, arguments.settings.extras())?;

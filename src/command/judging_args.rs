@@ -22,6 +22,11 @@ pub struct JudgingArguments {
 }
 
 impl JudgingArguments {
+    /// Whether anything else is wanted than without these flags.
+    pub fn are_given(&self) -> bool {
+        self.options_of_each(1).ok() != Some(vec![Options::default()])
+    }
+
     /// How each of so many files is judged.
     pub fn options_of_each(&self, count: usize) -> Result<Vec<Options>, Failure> {
         let align = one_or_each("--align", &self.align, count)?;

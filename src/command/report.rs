@@ -43,6 +43,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let line = "--judge goes with one deployment; write a report for each".to_owned();
         return Err(Failure::Usage(line));
     }
+    if arguments.judge.is_empty() && arguments.judging.are_given() {
+        let line = "--align, --time-offset and --body say how --judge judges; give that, too";
+        return Err(Failure::Usage(line.to_owned()));
+    }
     let mut estimates = Vec::new();
     let options = arguments.judging.options_of_each(arguments.judge.len())?;
     for (path, options) in arguments.judge.iter().zip(options) {

@@ -1,6 +1,6 @@
 //! A session: everything that is open, and how it is looked at. Plain data, kept as versioned TOML.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,6 @@ use crate::app::model::{
 };
 use crate::atomic::WriteError;
 use crate::deployment::{Deployment, OpenError, Source};
-use crate::estimates::Options;
 use crate::export::summary::ResultSummary;
 use crate::planning::Plan;
 use crate::progress::Progress;
@@ -154,14 +153,27 @@ impl Session {
 
     /// Whether the data, its settings, what it judges and what is pinned are the same, wherever one looks at the moment.
     pub fn is_same_work(&self, other: &Self) -> bool {
-        type Judged<'a> = Vec<(&'a Path, Option<&'a str>, &'a Options)>;
-        fn of(session: &Session) -> impl Iterator<Item = (&Source, &Settings, Judged<'_>)> {
-            session.deployments.iter().map(|saved| {
-                let judged = saved.estimates.iter();
-                let judged = judged.map(|one| (&*one.path, one.topic.as_deref(), &one.options));
-                (&saved.source, &saved.settings, judged.collect())
-            })
+        fn of(session: &Session) -> impl Iterator<Item = (&Source, &Settings)> {
+            session.deployments.iter().map(|saved| (&saved.source, &saved.settings))
         }
-        of(self).eq(of(other)) && self.pins == other.pins && self.plan == other.plan
+        let mut pairs = self.deployments.iter().zip(&other.deployments);
+        let is_judged_alike = pairs.all(|(a, b)| judge_same(&a.estimates, &b.estimates));
+        of(self).eq(of(other))
+            && is_judged_alike
+            && self.pins == other.pins
+            && self.plan == other.plan
     }
+}
+
+/// Whether the same trajectories are judged alike, in whatever order: those that cannot be read come first. One entry of a
+/// session may stand for all that are in a bag.
+fn judge_same(a: &[SavedEstimate], b: &[SavedEstimate]) -> bool {
+    let is_same = |one: &SavedEstimate, other: &SavedEstimate| {
+        let topics = one.topic.as_ref().zip(other.topic.as_ref());
+        one.path == other.path && one.options == other.options && topics.is_none_or(|(a, b)| a == b)
+    };
+    let all_in = |a: &[SavedEstimate], b: &[SavedEstimate]| {
+        a.iter().all(|one| b.iter().any(|other| is_same(one, other)))
+    };
+    all_in(a, b) && all_in(b, a)
 }

@@ -238,6 +238,16 @@ fn what_an_older_session_asked_of_all_trajectories_it_asks_of_each() {
     let of =
         |file: &str| SavedEstimate { path: folder.join(file), topic: None, options, shown: true };
     assert_eq!(back.deployments[0].estimates, [of("a.tum"), of("b.bag")]);
+    // What is judged otherwise, or no more, is other work; where one looks is not.
+    let mut other = back.clone();
+    other.deployments[0].estimates[0].shown = false;
+    other.deployments[0].estimates.reverse();
+    other.deployments[0].estimates[0].topic = Some("/odometry".to_owned());
+    assert!(other.is_same_work(&back));
+    other.deployments[0].estimates[0].options = Options::default();
+    assert!(!other.is_same_work(&back));
+    other.deployments[0].estimates.clear();
+    assert!(!other.is_same_work(&back));
     // One whose options are of a later version is still judged, and that is said.
     std::fs::write(&path, old.replace("\"none\"", "\"by the weather\"")).expect("written");
     let (back, findings) = load(&path).expect("opens");

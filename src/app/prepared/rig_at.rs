@@ -87,6 +87,7 @@ mod tests {
             let RigAt::Together(now) = rig_at(&deployment, &analysis, time_s) else {
                 panic!("a triplet on either side of {time_s}")
             };
+            assert!(are_together_at(&analysis, time_s));
             for station in 0..3 {
                 let points_m = &triplets.points_m[station];
                 let middle = 0.5 * (points_m[index - 1] + points_m[index]);
@@ -105,6 +106,7 @@ mod tests {
         for last in (1..times_s.len()).filter(|i| intervals[*i] != intervals[i - 1]) {
             let [from_s, to_s] = [times_s[last - 1], times_s[last]];
             for time_s in (1..20).map(|step| from_s + (to_s - from_s) * f64::from(step) / 20.0) {
+                assert!(!are_together_at(&analysis, time_s));
                 let RigAt::LastRead(prisms) = rig_at(&deployment, &analysis, time_s) else {
                     panic!("a pose across a gap at {time_s}")
                 };
