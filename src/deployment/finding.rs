@@ -108,6 +108,14 @@ impl Finding {
     }
 }
 
+/// What speaks against an answer among its findings: problems, then warnings.
+pub fn doubts(findings: &[Finding]) -> Vec<&Finding> {
+    let mut doubts: Vec<&Finding> =
+        findings.iter().filter(|finding| finding.severity > Severity::Note).collect();
+    doubts.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+    doubts
+}
+
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)?;

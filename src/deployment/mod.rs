@@ -27,7 +27,7 @@ mod track;
 mod what_is;
 
 pub use control_points::{ControlPoint, ControlPointSet};
-pub use finding::{Finding, Severity};
+pub use finding::{Finding, Severity, doubts};
 pub use format::{ColumnMapping, OpenError, Question, Topic};
 pub use gnss::GnssFix;
 pub use growing::Growing;

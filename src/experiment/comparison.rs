@@ -175,13 +175,14 @@ fn group(method: Method, index: usize, each: &[(Compared, [BothErrors; METHODS])
         each.iter().flat_map(|(_, errors)| errors[index][metric].iter().copied()).collect()
     };
     let why = match solved {
-        0 => ["data lacks it", "data lacks it"],
+        0 => ["not possible with this data"; 2],
         _ => ["no control points", "no distances"],
     };
     Group {
         label: method.label(),
         note: match (solved, each.len()) {
-            (0, _) => "not possible with this data".to_owned(),
+            // Where both boxes would stand, it says so.
+            (0, _) => String::new(),
             (_, 1) => String::new(),
             (solved, all) => format!("{solved} of {all} deployments"),
         },

@@ -158,9 +158,10 @@ pub fn sweep(
         subtitle: reference::in_words(&judges, splits),
         value_label: "inter-prism error (mm)".to_owned(),
         group_label: format!(
-            "{} ({}); below it the number of triplets",
+            "{} ({}), set to {}; below it the number of triplets",
             parameter.title(),
-            parameter.unit()
+            parameter.unit(),
+            parameter.of(&mut settings.pipeline.clone())
         ),
         series: vec![Series {
             name: settings.pipeline.interpolation.title().to_owned(),

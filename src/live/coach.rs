@@ -142,7 +142,7 @@ impl Coach {
         let Some(far_end) = judged.far_end else {
             return match judged.open.first() {
                 Some(open) => format!("{}{next}", open_in_words(open)),
-                None => format!("the answer is {}{next}", judged.verdict_in_words),
+                None => format!("the answer is {}{next}", judged.verdict_and_reason()),
             };
         };
         let at = format!(
@@ -161,13 +161,14 @@ impl Coach {
             return format!("{stepped}; set that station up again, and begin the drive again");
         }
         if judged.verdict != Verdict::Good {
-            return format!(
-                "the answer is {}, see its reasons; {at}{next}",
-                judged.verdict_in_words
-            );
+            return format!("the answer is {}; {at}{next}", judged.verdict_and_reason());
         }
         match far_end.sigma_m <= self.target_m {
             true => format!("drive on a little, to see that it stays: {at}"),
+            false if next::gain_little(moves) => format!(
+                "not yet: {at}; no manoeuvre from here gains {:.0} %: nearer stations or a larger target would help",
+                1e2 * next::LITTLE
+            ),
             false => format!("not yet: {at}{next}"),
         }
     }
@@ -197,6 +198,7 @@ mod tests {
             took_ms: 1.0,
             verdict: Verdict::Good,
             verdict_in_words: "good".to_owned(),
+            reason: None,
             far_end: Some(FarEnd { station: 2, position_m, sigma_m: sigma_mm * 1e-3 }),
             open: Vec::new(),
             advice: Some("turn more"),
@@ -271,6 +273,40 @@ mod tests {
         let large = said(&outcome(1.0, 9.0, |_| ()));
         assert!(large.starts_with("not yet: 9.0 mm") && large.ends_with("turn more"), "{large}");
         assert!(coach.sentence(None, &[]).starts_with("no answer yet"));
+    }
+
+    #[test]
+    fn where_driving_on_gains_little_the_target_is_said_to_be_far() {
+        let coach = Coach::new(2e-3);
+        let one = |before_m: Option<f64>, after_m: f64| NextMove {
+            sentence: format!("drive a circle: {:.1} mm foreseen", after_m * 1e3),
+            waypoints_m: Vec::new(),
+            before_m,
+            after_m,
+            takes_s: 40.0,
+            open: 0,
+            gain_per_m2_s: 1.0,
+        };
+        let said = |moves: &[NextMove]| coach.sentence(Some(&outcome(1.0, 5.0, |_| ())), moves);
+        assert!(said(&[one(Some(5e-3), 4.9e-3)]).contains("no manoeuvre from here gains 5 %"));
+        let worth_it = [one(Some(5e-3), 4.9e-3), one(Some(5e-3), 3e-3)];
+        assert!(said(&worth_it).ends_with("drive a circle: 4.9 mm foreseen"));
+        assert!(said(&[one(None, 4e-3)]).ends_with("drive a circle: 4.0 mm foreseen"));
+    }
+
+    #[test]
+    fn a_verdict_is_told_with_what_speaks_against_the_answer() {
+        let coach = Coach::new(2e-3);
+        let weak = outcome(1.0, 1.5, |judged| {
+            judged.verdict = Verdict::Weak;
+            judged.verdict_in_words = "weak".to_owned();
+            judged.reason = Some("station 2's clock seems late".to_owned());
+        });
+        let said = coach.sentence(Some(&weak), &[]);
+        assert!(
+            said.starts_with("the answer is weak: station 2's clock seems late; 1.5 mm"),
+            "{said}"
+        );
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::calibration::inter_prism::drive_shape::Plan;
 use crate::calibration::inter_prism::observability::{Hold, Observability};
 use crate::calibration::joint::Stepped;
 use crate::calibration::{Method, TransformSigma, Verdict, distance_errors_m};
-use crate::deployment::{Deployment, PAIRS};
+use crate::deployment::{Deployment, PAIRS, doubts};
 use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::geometry::RigidTransform;
 use crate::statistics::median;
@@ -36,6 +36,8 @@ pub struct Judged {
     pub took_ms: f64,
     pub verdict: Verdict,
     pub verdict_in_words: String,
+    /// What speaks against it most, if anything does.
+    pub reason: Option<String>,
     /// Where on the track it leaves the most open; `None` where a direction is free.
     pub far_end: Option<FarEnd>,
     /// What the drive does not hold, in words, the least held first.
@@ -54,6 +56,12 @@ pub struct Judged {
 }
 
 impl Judged {
+    /// "weak: station 2's clock seems late".
+    pub fn verdict_and_reason(&self) -> String {
+        let why = self.reason.as_ref().map_or(String::new(), |why| format!(": {why}"));
+        format!("{}{why}", self.verdict_in_words)
+    }
+
     /// Whether later readings can be held against it.
     pub fn is_sure(&self) -> bool {
         self.far_end.is_some_and(|far_end| far_end.sigma_m < SURE_M)
@@ -142,6 +150,7 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
         took_ms: analysis.total_ms(),
         verdict: calibration.verdict,
         verdict_in_words: calibration.verdict_in_words(),
+        reason: doubts(&calibration.findings).first().map(|finding| finding.message.clone()),
         far_end,
         open: observability.map_or_else(Vec::new, open),
         advice: observability.map(|observability| observability.advice),

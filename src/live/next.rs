@@ -18,6 +18,8 @@ use crate::progress::Progress;
 /// How a vehicle drives that nobody described: as fast, and around bends as tight as this.
 const SPEED_M_PER_S: f64 = 0.8;
 const TURN_RADIUS_M: f64 = 3.5;
+/// A manoeuvre that makes σ smaller by less than this share is hardly worth its time.
+pub const LITTLE: f64 = 0.05;
 /// Readings a second, where no estimate says.
 const RATE_HZ: f64 = 2.5;
 
@@ -99,6 +101,14 @@ fn moves(
     };
     let found = what_next(&so_far, progress);
     found.ok().flatten().map_or_else(Vec::new, |advice| advice.moves)
+}
+
+/// Whether manoeuvres are known, and none makes σ at the far end smaller by [`LITTLE`].
+pub fn gain_little(moves: &[NextMove]) -> bool {
+    let gains = |one: &NextMove| {
+        one.before_m.is_none_or(|before_m| one.after_m < (1.0 - LITTLE) * before_m)
+    };
+    !moves.is_empty() && !moves.iter().any(gains)
 }
 
 /// What would help an answer most, in one sentence; `None` where nothing is known to.

@@ -24,13 +24,13 @@ const LEGS_M: [f64; 2] = [12.0, 25.0];
 /// Where to, an eighth of a turn to the left each.
 const WHERE_TO: [&str; 8] = [
     "ahead",
-    "half left",
+    "45° to the left",
     "to the left",
-    "back on the left",
+    "back to the left",
     "back",
-    "back on the right",
+    "back to the right",
     "to the right",
-    "half right",
+    "45° to the right",
 ];
 /// A pass near the stations leads this near to their middle (m).
 const NEAR_M: f64 = 15.0;

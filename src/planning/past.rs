@@ -112,15 +112,20 @@ impl Plan {
                 Verdict::Good => deployment.name.clone(),
                 _ => format!("{} (of a {} answer)", deployment.name, verdict.name()),
             },
-            stations_m: [0, 1, 2].map(|station| transforms[station].translation_m),
+            // Whoever reads or changes a plan wants no more digits than a plan can keep.
+            stations_m: transforms.map(|station| station.translation_m.map(|m| rounded(m, 3))),
             turn_radius_m: 1.0,
             // Nobody says how high prisms stand above the ground: it lies at their own height here.
             ground: Ground {
-                height_m,
-                slope_rms_rad: as_driven.slope_rms_rad,
+                height_m: rounded(height_m, 2),
+                slope_rms_rad: rounded(as_driven.slope_rms_rad, 4),
                 ..Ground::default()
             },
-            rig: Rig { prisms_m: as_driven.prisms_m, inter_prism_sigma_m, ..Rig::default() },
+            rig: Rig {
+                prisms_m: as_driven.prisms_m.map(|prism_m| prism_m.map(|m| rounded(m, 4))),
+                inter_prism_sigma_m,
+                ..Rig::default()
+            },
             instrument: joint.map_or_else(Instrument::default, Instrument::from_estimate),
             thresholds: analysis.settings.pipeline.thresholds,
             errors: analysis.settings.calibration.errors,
@@ -135,16 +140,21 @@ impl Instrument {
     pub fn from_estimate(joint: &JointEstimate) -> Self {
         let levels = &joint.levels;
         Self {
-            range_mm: 1e3 * levels.range_m(),
+            range_mm: rounded(1e3 * levels.range_m(), 3),
             // What is learned is how many times the stated noise it is, share and constant alike.
-            range_ppm: 1e3 * levels.range_m(),
-            angle_arcsec: levels.angle_rad / ARCSECOND_RAD,
-            rate_hz: joint.solution.readings_hz(),
-            stamp_jitter_ms: 1e3 * levels.jitter_s,
-            range_wander_mm: 1e3 * joint.wander.sigma_m,
+            range_ppm: rounded(1e3 * levels.range_m(), 3),
+            angle_arcsec: rounded(levels.angle_rad / ARCSECOND_RAD, 2),
+            rate_hz: rounded(joint.solution.readings_hz(), 2),
+            stamp_jitter_ms: rounded(1e3 * levels.jitter_s, 3),
+            range_wander_mm: rounded(1e3 * joint.wander.sigma_m, 3),
             ..Self::default()
         }
     }
+}
+
+fn rounded(value: f64, decimals: i32) -> f64 {
+    let scale = 10_f64.powi(decimals);
+    (value * scale).round() / scale
 }
 
 /// The rig as it stood on the vehicle while it drove.

@@ -39,11 +39,13 @@ pub struct Advice {
 /// A manoeuvre from where the vehicle is.
 #[derive(Clone, Debug)]
 pub struct NextMove {
-    /// "drive a figure-eight of 16 m here: 3.1 → 1.6 mm in 40 s".
+    /// "drive a figure-eight of 16 m here, 40 s: 1.6 mm foreseen". What is foreseen of the readings so far is not said: it is another
+    /// number than the σ of their answer.
     pub sentence: String,
     /// The way in the frame of station 1, from where the vehicle is.
     pub waypoints_m: Vec<Vector2<f64>>,
-    /// What is open at the far end afterwards (m).
+    /// What is foreseen to be open at the far end, of the readings so far (m; `None` where a direction is free) and afterwards (m).
+    pub before_m: Option<f64>,
     pub after_m: f64,
     pub takes_s: f64,
     /// How many of the eight directions are still free or weak then.
@@ -89,10 +91,16 @@ pub fn what_next(so_far: &SoFar<'_>, progress: &Progress) -> Result<Option<Advic
         let (Some(after_m), open) = look(&triplets)? else { return Ok(None) };
         let known = |sigma_m: f64| sigma_m.powi(-2);
         let gain_per_m2_s = (known(after_m) - before_m.map_or(0.0, known)) / takes_s.max(1.0);
-        let before = before_m.map_or("free".to_owned(), |m| format!("{:.1}", m * 1e3));
-        let sentence = format!("{what}: {before} → {:.1} mm in {takes_s:.0} s", after_m * 1e3);
-        let found =
-            NextMove { sentence, waypoints_m: way_m, after_m, takes_s, open, gain_per_m2_s };
+        let sentence = format!("{what}, {takes_s:.0} s: {:.1} mm foreseen", after_m * 1e3);
+        let found = NextMove {
+            sentence,
+            waypoints_m: way_m,
+            before_m,
+            after_m,
+            takes_s,
+            open,
+            gain_per_m2_s,
+        };
         Ok((gain_per_m2_s > 0.0).then_some(found))
     };
     let tried = here.candidates(so_far).into_par_iter().map(one);

@@ -75,6 +75,27 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
 }
 
 #[test]
+fn the_cursor_goes_with_what_comes_until_it_is_moved() {
+    let mut harness = window(LARGE, Theme::Dark);
+    replay(&mut harness, None);
+    until(&mut harness, has_answer);
+    let cursor_s = |window: &Window| shown(window).timeline.cursor_s.expect("a cursor");
+    let now_s = |window: &Window| shown(window).now_s();
+    let before_s = now_s(&harness);
+    until(&mut harness, |window| now_s(window) > before_s + 5.0);
+    assert_eq!(cursor_s(&harness), now_s(&harness));
+    let early_s = shown(&harness).start_s() + 3.0;
+    send(&mut harness, Command::MoveCursor(early_s));
+    let before_s = now_s(&harness);
+    until(&mut harness, |window| now_s(window) > before_s + 5.0);
+    assert_eq!(cursor_s(&harness), early_s, "who looks back is left alone");
+    click(&mut harness, "Now");
+    let before_s = now_s(&harness);
+    until(&mut harness, |window| now_s(window) > before_s + 5.0);
+    assert_eq!(cursor_s(&harness), now_s(&harness));
+}
+
+#[test]
 fn a_replay_that_ends_by_itself_is_the_whole_deployment() {
     let mut harness = window(SMALL, Theme::Light);
     send(&mut harness, Command::Live(LiveCommand::Edit(LiveForm { speed: 1000.0, ..form(None) })));

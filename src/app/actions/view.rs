@@ -160,11 +160,15 @@ fn hiding(state: &State) -> Vec<Action> {
     let set = |section, name: &str, options| {
         Action::new(Menu::View, section, name, Command::SetScene(options))
     };
-    let legend = |name: &str, open: bool| {
-        set("Legend", name, SceneOptions { legend_open: Some(open), ..scene })
-            .one_of(scene.legend_open == Some(open))
+    let legend = |name: &str, open: Option<bool>| {
+        set("Legend", name, SceneOptions { legend_open: open, ..scene })
+            .one_of(scene.legend_open == open)
     };
-    actions.extend([legend("Legend: open", true), legend("Legend: folded", false)]);
+    actions.extend([
+        legend("Legend: open where there is room", None),
+        legend("Legend: open", Some(true)),
+        legend("Legend: folded", Some(false)),
+    ]);
     actions.extend(SceneOptions::ERROR_SCALES.into_iter().map(|scale| {
         let options = SceneOptions { ellipsoid_scale: scale, ..scene };
         set("Ellipsoids", &format!("Ellipsoids ×{scale}"), options)

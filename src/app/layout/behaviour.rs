@@ -8,6 +8,8 @@ use egui_tiles::{
 };
 
 use crate::app::model::pane::Pane;
+use crate::app::words;
+use crate::glossary;
 
 /// Side of the cross that closes a tab, and its distance from the title (points).
 const CROSS_POINTS: f32 = 12.0;
@@ -81,6 +83,18 @@ impl Behavior<Pane> for PaneBehaviour<'_> {
         tab.widget_info(|| {
             WidgetInfo::selected(egui::Role::Button, ui.is_enabled(), state.active, &title)
         });
+        match tiles.get(tile) {
+            Some(Tile::Pane(Pane::Clocks)) => {
+                words::mark(&tab, &[&glossary::OWN_CLOCK, &glossary::CLOCK_OFFSET]);
+            }
+            Some(Tile::Pane(Pane::PriorSearch)) => {
+                words::mark(&tab, &[&glossary::PRIOR, &glossary::TAU_V]);
+            }
+            Some(Tile::Pane(Pane::Channels | Pane::Rates)) => {
+                words::mark(&tab, &[&glossary::READING]);
+            }
+            _ => words::mark_text(&tab, &title),
+        }
         if state.active && comes_to_front(ui, id) {
             // The bar may be scrolled to other tabs.
             ui.scroll_to_rect_animation(rect, None, ScrollAnimation::none());

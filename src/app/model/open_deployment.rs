@@ -13,6 +13,9 @@ use crate::app::prepared::{Clouds, PreparedPlots};
 use crate::deployment::{Deployment, Source};
 use crate::export::summary::ResultSummary;
 
+/// Prisms that were seen together no longer ago than this are seen now (s).
+const LATELY_S: f64 = 3.0;
+
 pub struct OpenDeployment {
     /// Tells it from every other that was ever opened.
     pub id: u64,
@@ -151,6 +154,8 @@ impl OpenDeployment {
             return false;
         };
         let Answered { analysis, plots, clouds, joint_follows, .. } = answered;
+        let grows = self.more.is_some();
+        let follows = grows && self.timeline.cursor_s.is_some_and(|at_s| at_s >= self.now_s());
         if let Some(more) = self.more.take() {
             self.grow(more);
         }
@@ -170,7 +175,19 @@ impl OpenDeployment {
         self.plots = plots;
         self.clouds = clouds;
         self.analysis_run += 1;
+        if follows {
+            self.timeline.move_cursor(self.now_s());
+        }
         true
+    }
+
+    /// The newest instant (s): that of the last triplet, or of the last reading where the prisms are not seen together any more. A
+    /// cursor that is there goes along while the deployment grows.
+    pub fn now_s(&self) -> f64 {
+        let end_s = self.timeline.whole_s[1];
+        let analysis = self.analysis.as_ref();
+        let last_s = analysis.and_then(|analysis| analysis.triplets().time_s.last().copied());
+        last_s.filter(|last_s| end_s - last_s < LATELY_S).unwrap_or(end_s)
     }
 }
 

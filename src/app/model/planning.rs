@@ -61,7 +61,7 @@ impl Default for Planning {
         let approach = [[24.0, -4.0], [44.0, 2.0]].map(|place| Waypoint::at(Vector2::from(place)));
         let way = vec![Piece::Waypoints(approach.to_vec()), Piece::FigureEight(eight)];
         Self {
-            plan: Plan { name: "plan".to_owned(), way, ..Plan::default() },
+            plan: Plan { name: "example".to_owned(), way, ..Plan::default() },
             path: None,
             touched: false,
             version: 0,
@@ -89,6 +89,21 @@ impl Planning {
     }
 }
 
+/// "figure-eight", or where a plan has several "figure-eight 2".
+pub fn manoeuvre_name(plan: &Plan, piece: usize) -> String {
+    let kind = |piece: &Piece| match piece {
+        Piece::FigureEight(_) => "figure-eight",
+        Piece::Loop(_) => "loop",
+        Piece::Waypoints(_) => "way",
+    };
+    let Some(own) = plan.way.get(piece).map(kind) else { return "manoeuvre".to_owned() };
+    let alike = |pieces: &[Piece]| pieces.iter().filter(|other| kind(other) == own).count();
+    match alike(&plan.way) {
+        1 => own.to_owned(),
+        _ => format!("{own} {}", alike(&plan.way[..=piece])),
+    }
+}
+
 impl Handle {
     /// Everything in a plan that can be moved.
     pub fn all(plan: &Plan) -> Vec<Self> {
@@ -106,10 +121,7 @@ impl Handle {
 
     /// How people call it.
     pub fn name(self, plan: &Plan) -> String {
-        let piece_name = |piece: usize| match plan.way.get(piece) {
-            Some(Piece::FigureEight(_)) => "figure-eight",
-            _ => "loop",
-        };
+        let piece_name = |piece: usize| manoeuvre_name(plan, piece);
         match self {
             Self::Station(station) => format!("station {}", station + 1),
             Self::Waypoint { piece, index } => {

@@ -37,11 +37,20 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             ui.label(why_none(state));
             return;
         }
+        let what = "Each station's version minus the mean of the stations, in station 1's frame.";
+        ui.label(RichText::new(what).small().weak());
+        // What is to the right of the edge must be seen to be there.
+        ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
         egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
             // The heads stay where the rows scroll, so both have columns of one width.
             grid("heads of control points").show(ui, |ui| {
                 for (title, hint) in COLUMNS {
-                    ui.label(RichText::new(title).small().weak()).on_hover_text(hint);
+                    let text = RichText::new(title).small().weak();
+                    if title.ends_with("(mm)") {
+                        number_cell(ui, text).on_hover_text(hint);
+                    } else {
+                        ui.label(text).on_hover_text(hint);
+                    }
                 }
                 ui.end_row();
             });
@@ -58,6 +67,16 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 fn grid(name: &str) -> egui::Grid {
     egui::Grid::new(name).min_col_width(COLUMN).spacing([8.0, 2.0])
+}
+
+/// A number, or the head of a column of them, to the right of its column.
+fn number_cell(ui: &mut egui::Ui, text: RichText) -> egui::Response {
+    let (rect, _) = ui.allocate_exact_size(
+        egui::vec2(COLUMN, ui.spacing().interact_size.y),
+        egui::Sense::hover(),
+    );
+    let layout = egui::Layout::right_to_left(egui::Align::Center);
+    ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(layout)).label(text)
 }
 
 /// A row for each station that measured the point.
@@ -79,9 +98,9 @@ fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
         let colour = theme::readable(palette::STATIONS[station], dark);
         ui.label(RichText::new((station + 1).to_string()).color(colour));
         for axis_m in residual_m.iter() {
-            ui.monospace(format!("{:+7.2}", 1e3 * axis_m));
+            number_cell(ui, RichText::new(format!("{:+.2}", 1e3 * axis_m)).monospace());
         }
-        ui.monospace(format!("{:6.2}", 1e3 * residual_m.norm()));
+        number_cell(ui, RichText::new(format!("{:.2}", 1e3 * residual_m.norm())).monospace());
         if row == 0 {
             ui.label(match (point.used, point.pillar) {
                 (true, _) => "used",

@@ -20,7 +20,9 @@ use crate::palette;
 
 const LARGE: f32 = 34.0;
 const MIDDLE: f32 = 18.0;
+/// Least height of the curve of σ, and what stands below it.
 const CURVE: f32 = 190.0;
+const BELOW: f32 = 150.0;
 /// A lamp of a station, and the least width of what stands beside it.
 const LAMP: f32 = 16.0;
 const STATION: f32 = 90.0;
@@ -78,7 +80,7 @@ fn told(ui: &mut egui::Ui, view: &View) {
     stations(ui, view);
     ui.add_space(6.0);
     live_sigma::legend(ui, view);
-    live_sigma::ui(ui, view, CURVE);
+    live_sigma::ui(ui, view, CURVE.max(ui.clip_rect().bottom() - ui.cursor().top() - BELOW));
 }
 
 /// Verdict and σ, or that it is enough.
@@ -102,7 +104,9 @@ fn headline(ui: &mut egui::Ui, view: &View) {
             Some(far_end) => {
                 let sigma = format!("± {:.1} mm", far_end.sigma_m * 1e3);
                 ui.label(RichText::new(sigma).size(LARGE).strong());
-                ui.label(RichText::new(format!("target {:.1}", view.target_m * 1e3)).size(MIDDLE));
+                ui.label(
+                    RichText::new(format!("target {:.1} mm", view.target_m * 1e3)).size(MIDDLE),
+                );
             }
             None => {
                 let open = RichText::new("a direction is free").size(LARGE);
@@ -149,12 +153,11 @@ fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus) {
     line("rate", status.rate_hz.map(|rate| format!("{rate:.1} Hz")));
     line("last reading", status.age_s.map(|age_s| format!("{age_s:.1} s ago")));
     line("latency", status.latency_s.map(|late_s| format!("{:.0} ms", late_s * 1e3)));
-    line(
-        "clock late by",
-        status
-            .late_s
-            .map(|[late_s, sigma_s]| format!("{:+.1} ± {:.1} ms", late_s * 1e3, sigma_s * 1e3)),
-    );
+    let late = status.late_s.map(|[late_s, sigma_s]| {
+        let side = if late_s < 0.0 { "early" } else { "late" };
+        format!("{side} by {:.1} ± {:.1} ms", late_s.abs() * 1e3, sigma_s * 1e3)
+    });
+    line("clock", late);
     line(
         "lost its prism",
         match status.lock_losses {

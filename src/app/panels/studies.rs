@@ -1,11 +1,9 @@
 //! The paper's studies: what to run, how far it is, and the picture of what came of it.
 
-use egui::RichText;
-
 use super::{MARGIN, finding, number, scrolled};
 use crate::app::model::studies::{StudyKind, StudyOptions};
 use crate::app::model::{Command, Commands};
-use crate::app::plots::chart;
+use crate::app::plots::{chart, in_the_middle};
 use crate::app::state::State;
 use crate::app::words;
 use crate::calibration::Method;
@@ -194,7 +192,7 @@ fn picture(ui: &mut egui::Ui, state: &State) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), egui::Sense::hover());
     let Some(result) = &state.studies.result else {
         let text = "Choose a study and run it: box plots as in the paper appear here.";
-        ui.put(rect, egui::Label::new(RichText::new(text).weak()));
+        in_the_middle(&mut ui.new_child(egui::UiBuilder::new().max_rect(rect)), text);
         return;
     };
     let study = result.study();

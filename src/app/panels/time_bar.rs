@@ -16,6 +16,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     egui::Panel::bottom("time bar").show(ui, |ui| {
         ui.horizontal(|ui| {
             transport(ui, state, commands);
+            if state.live.is_running() && state.live.id == Some(open.id) {
+                now(ui, open, commands);
+            }
             scene(ui, state, commands);
             let [start_s, end_s] = open.timeline.whole_s;
             let at_s = open.timeline.cursor_s.unwrap_or(start_s) - start_s;
@@ -63,6 +66,17 @@ fn transport(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     combo.response.on_hover_text("Seconds of the drive in a second");
     if speed != state.playback.speed {
         commands.push(Command::SetPlaySpeed(speed));
+    }
+}
+
+/// Whether the cursor follows what comes, and the way back to that.
+fn now(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
+    let now_s = open.now_s();
+    let follows = open.timeline.cursor_s.is_some_and(|at_s| at_s >= now_s);
+    let button = egui::Button::selectable(follows, "Now").frame_when_inactive(true);
+    let hint = "The time cursor goes with the newest readings (End); moving it ends that";
+    if ui.add(button).on_hover_text(hint).clicked() {
+        commands.push(Command::MoveCursor(now_s));
     }
 }
 

@@ -8,7 +8,9 @@ use super::marks::Marks;
 use super::strips::{Strip, strips};
 use super::time_plot::{self, TimePlot};
 use super::times::Times;
-use super::{LABELS, close_marks, pair_switches, round_marks, station_switches, with_room};
+use super::{
+    LABELS, close_marks, in_the_middle, pair_switches, round_marks, station_switches, with_room,
+};
 use crate::app::model::plotted::{APART, SeenSeries};
 use crate::app::model::{Command, Commands, OpenDeployment, Plotted, Units};
 use crate::app::prepared::channels::{Channel, Of};
@@ -16,18 +18,26 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::palette::{self, Rgb};
 
+/// Narrower panes have no room for what is plotted beside what of it is shown (points).
+const NARROW: f32 = 640.0;
 /// Three times as many dots of a series are all drawn.
 const LEAST_RUNS: usize = 800;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, _)) = state.analysed() else {
-        ui.centered_and_justified(|ui| ui.weak("No readings to plot."));
+        in_the_middle(ui, "No readings to plot.");
         return;
     };
     let times = Times::of(open, state);
     let plotted = state.plotted;
+    let is_narrow = ui.available_width() < NARROW;
+    if is_narrow {
+        time_plot::head(ui, |ui| choice(ui, plotted, commands));
+    }
     time_plot::head(ui, |ui| {
-        choice(ui, plotted, commands);
+        if !is_narrow {
+            choice(ui, plotted, commands);
+        }
         match plotted.channel.of() {
             Of::Station => station_switches(ui, state, commands),
             Of::Pair => pair_switches(ui, state, commands),
@@ -45,7 +55,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
     let all = plotted.seen(&open.plots, &state.visibility);
     if all.is_empty() {
-        ui.centered_and_justified(|ui| ui.weak(nothing(plotted)));
+        in_the_middle(ui, nothing(plotted));
         return;
     }
     let strip = strips(ui, 1, all.len())[0];

@@ -9,7 +9,7 @@ use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, Pl
 use super::strips::strips;
 use super::time_plot::{self, TimePlot};
 use super::times::Times;
-use super::{close_marks, station_switches};
+use super::{close_marks, in_the_middle, station_switches};
 use crate::analysis::Analysis;
 use crate::app::model::{Commands, OpenDeployment};
 use crate::app::state::State;
@@ -22,7 +22,7 @@ const LEAST_MS: f64 = 1.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, analysis)) = state.analysed() else {
-        ui.centered_and_justified(|ui| ui.weak("No clocks to plot."));
+        in_the_middle(ui, "No clocks to plot.");
         return;
     };
     let times = Times::of(open, state);

@@ -16,6 +16,9 @@ const MOST_TARGETS: f64 = 300.0;
 /// What is shown at least: so many seconds, and from half the target to ten times it.
 const SHORTEST_S: f64 = 30.0;
 
+/// Grid lines this near are not seen, this far apart in full ink (points).
+const GRID: std::ops::RangeInclusive<f32> = 8.0..=900.0;
+
 /// The curve of the settings' answers over that of the paper's, and the target as a line.
 pub fn ui(ui: &mut egui::Ui, view: &View, height: f32) {
     let dark = ui.visuals().dark_mode;
@@ -29,12 +32,16 @@ pub fn ui(ui: &mut egui::Ui, view: &View, height: f32) {
         });
         shown.collect()
     };
-    let y_axis = AxisHints::new_y().label("mm").formatter(|mark, _| log_axis::number(mark.value));
+    let y_axis = AxisHints::new_y()
+        .label("σ at the far end (mm)")
+        .formatter(|mark, _| log_axis::number(mark.value));
     let x_axis = AxisHints::new_x()
         .label("since the first answer")
         .formatter(|mark, _| format!("{:.0} s", mark.value));
     let plot = Plot::new("sigma over the drive")
         .height(height)
+        // The curve stands out of its grid.
+        .grid_spacing(GRID)
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)

@@ -2,6 +2,9 @@
 
 use egui_plot::{GridInput, GridMark};
 
+/// What a number takes of an axis, with some room about it (points).
+const NUMBER: f64 = 16.0;
+
 /// Lines at 1, 2 and 5 times the powers of ten, and at the digits between where little of a decade is seen.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 pub fn decades(input: GridInput) -> Vec<GridMark> {
@@ -18,7 +21,14 @@ pub fn decades(input: GridInput) -> Vec<GridMark> {
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 pub fn many_decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    marks(low, high, &[(1.0, 1.0), (2.0, 0.3), (5.0, 0.3)])
+    let all = marks(low, high, &[(1.0, 1.0), (2.0, 0.3), (5.0, 0.3)]);
+    // Where a decade is lower than a number, every other one, or fewer, has one.
+    let every = (NUMBER * super::per_point(&input)).ceil().max(1.0);
+    let widened = |mark: GridMark| match mark.value % every == 0.0 {
+        true => GridMark { step_size: mark.step_size * every, ..mark },
+        false => mark,
+    };
+    all.into_iter().map(widened).collect()
 }
 
 fn marks(low: f64, high: f64, steps: &[(f64, f64)]) -> Vec<GridMark> {

@@ -37,6 +37,16 @@ use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;
 
+/// A faint sentence where there is nothing else to show; its lines are not stretched, however narrow the pane is.
+pub fn in_the_middle(ui: &mut egui::Ui, text: &str) {
+    let height = ui.available_height();
+    ui.vertical_centered(|ui| {
+        ui.add_space(0.4 * height);
+        ui.weak(text);
+    });
+    ui.allocate_space(ui.available_size());
+}
+
 /// The answer to plot, if there is one.
 fn answer(state: &State) -> Option<(&OpenDeployment, &Analysis, &Answer)> {
     let (open, analysis) = state.analysed()?;
@@ -59,7 +69,7 @@ fn answer_with_errors<'a>(
         None => Some("No result to plot."),
     };
     let Some(why) = why else { return answer };
-    ui.centered_and_justified(|ui| ui.weak(why));
+    in_the_middle(ui, why);
     None
 }
 
@@ -68,7 +78,8 @@ fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let mut visibility = state.visibility;
     let dark = ui.visuals().dark_mode;
     for (pair, on) in visibility.pairs.iter_mut().enumerate() {
-        ui.checkbox(on, pair_name(pair, dark)).on_hover_text("Show or hide this pair of prisms");
+        ui.checkbox(on, pair_name(pair, dark))
+            .on_hover_text("Show or hide this pair of prisms, in all plots");
     }
     if visibility != state.visibility {
         commands.push(Command::Show(visibility));
@@ -115,8 +126,15 @@ fn round_marks(input: GridInput) -> Vec<GridMark> {
 
 /// Marks along y, where a number is not wide.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
-fn close_marks(input: GridInput) -> Vec<GridMark> {
+pub fn close_marks(input: GridInput) -> Vec<GridMark> {
     marks_apart(&input, 20.0)
+}
+
+/// The next round number that is not above a positive one.
+fn round_below(most: f64) -> f64 {
+    let decade = 10_f64.powf(most.log10().floor());
+    let digits = [5.0, 4.0, 3.0, 2.0].into_iter().find(|times| times * decade <= most);
+    digits.unwrap_or(1.0) * decade
 }
 
 /// Two round marks on both sides of zero, for an axis so short that zero alone would be left, which is no scale.
@@ -126,9 +144,7 @@ fn marks_about_zero(input: &GridInput) -> Option<[GridMark; 2]> {
     if most <= 0.0 {
         return None;
     }
-    let decade = 10_f64.powf(most.log10().floor());
-    let times = [5.0, 4.0, 3.0, 2.0, 1.0].into_iter().find(|times| times * decade <= most)?;
-    let value = times * decade;
+    let value = round_below(most);
     // A number's height.
     let is_room = 2.0 * value > 12.0 * per_point(input);
     let mark = |value: f64| GridMark { value, step_size: 4.0 * value.abs() };
@@ -164,6 +180,11 @@ fn marks_apart(input: &GridInput, points: f64) -> Vec<GridMark> {
     let strong = (highest / step).floor() - (lowest / step).ceil() + 1.0;
     if let Some(marks) = marks_about_zero(input).filter(|_| strong < 2.0) {
         return marks.to_vec();
+    }
+    if strong < 1.0 && low >= 0.0 && highest > 0.0 {
+        // A single number, as high as there is a round one, is a scale from zero.
+        let value = round_below(highest);
+        return vec![GridMark { value, step_size: 4.0 * value }];
     }
     ((low / fine).ceil() as i64..=(high / fine).floor() as i64)
         .map(|index| {
@@ -206,5 +227,7 @@ mod tests {
         assert_eq!(numbers((-6.9, 6.9), 150.0), [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0]);
         // Where the only numbers would be at the ends, smaller ones stand about zero.
         assert_eq!(numbers((-5.1, 5.1), 30.0), [-4.0, 4.0]);
+        // And an axis from zero that is lower than the distance of two has one.
+        assert_eq!(numbers((0.0, 33.0), 22.0), [20.0]);
     }
 }

@@ -5,7 +5,7 @@ use egui::{Color32, Pos2, Rect, Sense, Shape, Stroke, Vec2, WidgetInfo};
 use egui_plot::{Line, Plot, PlotBounds, PlotPoint, PlotPoints, PlotTransform, PlotUi};
 
 use super::strips::{axis_below, bare_axis};
-use super::{round_marks, time_plot};
+use super::{LABELS, round_marks, time_plot};
 use crate::app::model::planning::{Addition, Handle, Planning};
 use crate::app::model::{Command, Commands, PlanCommand};
 use crate::app::state::State;
@@ -52,7 +52,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         .allow_boxed_zoom(false)
         .allow_double_click_reset(false)
         .custom_x_axes(vec![axis_below("x (m)")])
-        .custom_y_axes(vec![bare_axis().label(egui::RichText::new("y (m)").small())])
+        .custom_y_axes(vec![
+            bare_axis().label_spacing(LABELS).label(egui::RichText::new("y (m)").small()),
+        ])
         .x_grid_spacer(round_marks)
         .y_grid_spacer(round_marks)
         .label_formatter(|_| None);
@@ -197,9 +199,8 @@ fn key(ui: &mut egui::Ui, way: &[OnTheWay]) {
             }
             ui.small(format!("{:.1} mm (1 σ)", 1e3 * most_m));
         }
-        let signs = format!(
-            "ellipses: stations, 95 %, ×{SIGMA_SCALE} · crosses: readings that will not count"
-        );
+        let signs =
+            format!("ellipses: stations, 95 %, ×{SIGMA_SCALE} · ×: readings that will not count");
         ui.add(egui::Label::new(egui::RichText::new(signs).small().weak()).truncate());
     });
 }
@@ -297,12 +298,31 @@ fn paint_far_end(
     let text = format!("far end, prism {}: {sigma_mm:.1} mm", held.far_end.station + 1);
     let font = egui::FontId::proportional(12.0);
     let galley = painter.layout_no_wrap(text, font, colour);
-    let mut ground = Rect::from_min_size(middle + Vec2::new(12.0, -8.0), galley.size()).expand(2.0);
-    if ground.right() > transform.frame().right() {
-        ground = ground.translate(Vec2::new(-ground.width() - 24.0, 0.0));
-    }
+    let way: Vec<Pos2> = (foreseen.way.iter())
+        .map(|on_it| at(transform, [on_it.position_m.x, on_it.position_m.y]))
+        .collect();
+    let ground = beside_the_way(middle, galley.size(), *transform.frame(), &way);
     painter.rect_filled(ground, 2.0, ui.visuals().panel_fill.gamma_multiply(0.8));
     painter.galley(ground.min + Vec2::splat(2.0), galley, colour);
+}
+
+/// Where a label of a place covers the least of the way, within a frame.
+fn beside_the_way(middle: Pos2, size: Vec2, frame: Rect, way: &[Pos2]) -> Rect {
+    const OUT: f32 = 14.0;
+    let half = 0.5 * size + Vec2::splat(2.0);
+    let sides = [[1.0, 0.0], [-1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
+    let corners = [[1.0, -1.0], [-1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let places = [1.0, 2.5].into_iter().flat_map(|times| {
+        sides.into_iter().chain(corners).map(move |[x, y]: [f32; 2]| {
+            let out = Vec2::new(x * (OUT + half.x), y * (OUT + half.y)) * times;
+            Rect::from_center_size(middle + out, 2.0 * half)
+        })
+    });
+    let covered = |place: &Rect| {
+        let outside = if frame.contains_rect(*place) { 0 } else { way.len() + 1 };
+        outside + way.iter().filter(|at| place.contains(**at)).count()
+    };
+    places.min_by_key(covered).expect("there are places")
 }
 
 /// Everything that is moved by the pointer, above all else.

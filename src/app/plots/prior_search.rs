@@ -2,7 +2,7 @@
 
 use egui_plot::{AxisHints, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
-use super::{LABELS, answer, log_axis, round_marks};
+use super::{LABELS, answer, in_the_middle, log_axis, round_marks};
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::app::theme;
@@ -16,7 +16,7 @@ const STEPS: [&str; 2] = ["step 1", "step 2"];
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((_, _, answer)) = answer(state) else {
-        ui.centered_and_justified(|ui| ui.weak("No result to plot."));
+        in_the_middle(ui, "No result to plot.");
         return;
     };
     let search = answer.calibration.inter_prism().and_then(|d| d.prior_search.as_ref());

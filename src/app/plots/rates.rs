@@ -13,7 +13,7 @@ use super::strips::{Strip, strips};
 use super::threshold::{self, Threshold};
 use super::time_plot::{self, Shown, TimePlot};
 use super::times::Times;
-use super::{log_axis, station_switches};
+use super::{in_the_middle, log_axis, station_switches};
 use crate::app::model::{Command, Commands, OpenDeployment, Picked};
 use crate::app::prepared::{Quantity, RawReadings, StationReadings};
 use crate::app::state::State;
@@ -27,7 +27,7 @@ const NEAR: f32 = 8.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, _)) = state.analysed() else {
-        ui.centered_and_justified(|ui| ui.weak("No readings to plot."));
+        in_the_middle(ui, "No readings to plot.");
         return;
     };
     let times = Times::of(open, state);
@@ -192,7 +192,13 @@ impl RatePlot<'_> {
 
     /// What the line is, and what it rejects: that is what it is tuned by.
     fn words(&self, ui: &mut egui::Ui, strip: &Strip, pipeline: &PipelineSettings) {
-        let mut lines = vec![RichText::new(self.threshold(pipeline).label()).strong()];
+        let label = self.threshold(pipeline).label();
+        // Where the axis has no room for its name, it stands here.
+        let label = match strip.names_axis(self.quantity.name(), self.unit()) {
+            true => label,
+            false => format!("{}, {label}", self.quantity.name()),
+        };
+        let mut lines = vec![RichText::new(label).strong()];
         let mut hint = format!("The size of the {} ({}).", self.quantity.name(), self.unit());
         if let Some([what, count, all]) = self.counts(pipeline) {
             lines.push(RichText::new(format!("{what} {count} of {all}")));

@@ -134,11 +134,17 @@ impl Strip {
         Some(axis_below(name).min_thickness(thickness))
     }
 
+    /// Whether the axis of values has room for its name.
+    pub fn names_axis(&self, name: &str, unit: &str) -> bool {
+        format!("{name} ({unit})").chars().count() as f32 * LETTER < self.height()
+    }
+
     /// An axis of values with its name and unit, or where that has no room with the unit alone.
     pub fn value_axis<'a>(&self, name: &str, unit: &str) -> AxisHints<'a> {
-        let whole = format!("{name} ({unit})");
-        let fits = whole.chars().count() as f32 * LETTER < self.height();
-        let text = if fits { whole } else { unit.to_owned() };
+        let text = match self.names_axis(name, unit) {
+            true => format!("{name} ({unit})"),
+            false => unit.to_owned(),
+        };
         bare_axis().label(RichText::new(text).small()).formatter(|mark, _| in_decimals(mark))
     }
 

@@ -9,7 +9,7 @@ use super::estimate_errors::{self, HALF_95};
 use super::strips::{Strip, strips};
 use super::time_plot::{self, TimePlot};
 use super::times::Times;
-use super::{close_marks, with_room};
+use super::{close_marks, in_the_middle, with_room};
 use crate::app::model::estimates::Shown;
 use crate::app::model::{Command, Commands, OpenDeployment, Units, WayPlots};
 use crate::app::prepared::way::{Aspect, Instant, Way};
@@ -24,7 +24,7 @@ const WIDE_WITH_ERRORS: f32 = 780.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, _)) = state.analysed() else {
-        ui.centered_and_justified(|ui| ui.weak("Nothing open."));
+        in_the_middle(ui, "Nothing open.");
         return;
     };
     if state.is_stale() {
@@ -60,13 +60,13 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             }
             false => "Nothing is chosen to be shown here.",
         };
-        ui.centered_and_justified(|ui| ui.weak(why));
+        in_the_middle(ui, why);
         return;
     }
     let way = open.way.newest.as_deref();
     let why_not = way.and_then(|way| way.why_not.as_ref());
     if let Some(why) = why_not.filter(|_| judged.is_empty()) {
-        ui.centered_and_justified(|ui| ui.weak(why));
+        in_the_middle(ui, why);
         return;
     }
     let places = strips(ui, judged.len() + aspects.len(), 2);

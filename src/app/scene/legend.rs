@@ -9,6 +9,7 @@ use crate::app::model::{Added, Command, Commands, OpenDeployment, SceneOptions};
 use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
+use crate::app::words;
 
 /// In a smaller picture the legend starts folded.
 const ROOM: Vec2 = Vec2::new(700.0, 420.0);
@@ -166,6 +167,7 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
             ui.painter().rect_filled(rect, 3.0, fill);
         }
     }
+    words::mark_text(&response, &row.name);
     if !clickable {
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &row.name));
     }

@@ -18,6 +18,8 @@ use crate::palette;
 const ROW: f32 = 17.0;
 const MARGIN: Vec2 = Vec2::new(8.0, 3.0);
 const BETWEEN: f32 = 16.0;
+/// Room at the end of the last row for how much more there is to read.
+const MORE: f32 = 46.0;
 const FONT: f32 = 11.5;
 /// Wanted length of the bar that says how long a metre is (points).
 const BAR_POINTS: f32 = 90.0;
@@ -74,7 +76,7 @@ pub fn ui(
     let layout = |text: &str, colour| {
         let mut job =
             egui::text::LayoutJob::simple_singleline(text.to_owned(), font.clone(), colour);
-        job.wrap = egui::text::TextWrapping::truncate_at_width(area.width());
+        job.wrap = egui::text::TextWrapping::truncate_at_width(area.width() - MORE);
         painter.layout_job(job)
     };
     // Each with what it says, should it find no room.
@@ -101,7 +103,11 @@ pub fn ui(
     let mut left_out = Vec::new();
     for (said, item) in items {
         let fits = |(row, end): (usize, &f32)| {
-            let right = if row == 0 { bar.left() - BETWEEN } else { area.right() };
+            let right = match row {
+                0 => bar.left() - BETWEEN,
+                _ if row + 1 == count => area.right() - MORE,
+                _ => area.right(),
+            };
             end + item.width() <= right
         };
         let Some(row) = ends.iter().enumerate().position(fits) else {
@@ -116,7 +122,8 @@ pub fn ui(
     }
     // A picture that is kept can't be hovered.
     if !left_out.is_empty() && !state.picturing {
-        painter.text(area.right_bottom(), Align2::RIGHT_BOTTOM, "…", font.clone(), faint);
+        let more = format!("+{} more", left_out.len());
+        painter.text(area.right_bottom(), Align2::RIGHT_BOTTOM, more, font.clone(), faint);
     }
     let all: Vec<String> = texts.into_iter().map(|text| text.text).collect();
     let response = ui.interact(rect, ui.scope_id().with("strip"), Sense::hover());

@@ -93,6 +93,8 @@ fn cursor(
         let small = units.angle.small_name();
         lines[1] += &format!("  ± {} {small}", units.angle_sigma(orientation_rad));
     }
+    // Trajectory has that of the joint estimate, which knows of more than three points.
+    lines[1] += ", of this triplet alone";
     lines
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::State;
+use crate::app::file_dialog::Question;
 use crate::app::model::{Plotted, Visibility};
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::channels::Channel;
@@ -35,7 +36,10 @@ impl State {
         let (plots, start_s) = (std::sync::Arc::clone(&open.plots), open.start_s());
         let window_s = open.timeline.window_s.map(|time_s| time_s - start_s);
         let shown = Shown { plotted: self.plotted, visible: self.visibility, window_s };
-        let answer = self.ask_where(&format!("Save {} (CSV)", self.plotted.in_words()), "csv");
+        // Several of one deployment are saved beside each other.
+        let (what, of) = (self.plotted.in_words(), open.deployment.name.clone());
+        let title = format!("Save {what} (CSV)");
+        let answer = self.ask(Question::new_file(&title, &format!("{of} {what}"), "csv"));
         self.tell_when_done(move || {
             let path = answer.wait()?;
             let written = write(&path, &plots, &shown, start_s);

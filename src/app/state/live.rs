@@ -35,7 +35,10 @@ impl State {
             LiveCommand::ChooseReplay => {
                 let wanted = WantedPath::ToOpen { folder: true };
                 let question = Question::new("Replay a deployment", wanted);
-                self.ask_for_live(question, |form, path| form.replay = Some(path));
+                // It is on disk already.
+                self.ask_for_live(question, |form, path| {
+                    (form.replay, form.records) = (Some(path), false);
+                });
             }
             LiveCommand::ChooseKnown => {
                 let wanted = WantedPath::ToOpen { folder: true };
@@ -169,6 +172,10 @@ impl State {
             let source = self.recorded_source();
             self.add(deployment, source);
             self.live.id = Some(self.newest_id);
+            // The cursor follows what comes until it is moved.
+            if let Some(open) = self.open.last_mut() {
+                open.timeline.move_cursor(open.now_s());
+            }
             return;
         };
         let number = self.jobs.next_number();

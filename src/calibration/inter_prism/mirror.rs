@@ -31,6 +31,18 @@ pub struct Choice {
     pub ambiguous: bool,
 }
 
+impl Choice {
+    /// The same choice with another fit of its answer: what costs are said to be is over that one's.
+    pub fn with_answer(self, answer: Basin) -> Self {
+        let Some(twin) = self.mirror.twin else { return Self { answer, ..self } };
+        let witness = match self.mirror.resolved_by {
+            ResolvedBy::Cost if !is_decisive(&answer, &twin) => ResolvedBy::Nothing,
+            witness => witness,
+        };
+        between(witness, self.twin_is_real, answer, twin)
+    }
+}
+
 /// Chooses between the lowest minimum and its twin.
 pub fn choose(
     rig: &Rig,
@@ -59,12 +71,22 @@ pub fn choose(
         (ResolvedBy::Rig, decided)
     } else if let Some(decided) = by_control_points(control_points, &lowest, &twin) {
         (ResolvedBy::ControlPoints, decided)
-    } else if twin.mean_square_m2 >= DECISIVE_COST_RATIO * lowest.mean_square_m2 {
+    } else if is_decisive(&lowest, &twin) {
         (ResolvedBy::Cost, false)
     } else {
         (ResolvedBy::Nothing, twin.mean_square_m2 < lowest.mean_square_m2)
     };
     let (answer, other) = if twin_is_real { (twin, lowest) } else { (lowest, twin) };
+    between(witness, twin_is_real, answer, other)
+}
+
+/// Whether the cost alone decides.
+fn is_decisive(answer: &Basin, twin: &Basin) -> bool {
+    twin.mean_square_m2 >= DECISIVE_COST_RATIO * answer.mean_square_m2
+}
+
+/// What a witness chose, in words.
+fn between(witness: ResolvedBy, twin_is_real: bool, answer: Basin, other: Basin) -> Choice {
     let cost_ratio = other.mean_square_m2 / answer.mean_square_m2;
     let apart_m = (1..3)
         .map(|s| {
@@ -181,6 +203,17 @@ mod tests {
         let choice = choose(&rig(None), &[], basin(0.4, 1.0), Some(basin(-0.4, 4.0)));
         assert_eq!(choice.mirror.resolved_by, ResolvedBy::Cost);
         assert!(!choice.ambiguous);
+    }
+
+    #[test]
+    fn a_refined_answer_is_what_the_twin_is_compared_with() {
+        let choice = choose(&rig(None), &[], basin(0.4, 1.0), Some(basin(-0.4, 8.0)));
+        let refined = choice.with_answer(basin(0.41, 2.0));
+        assert_eq!(refined.mirror.cost_ratio, Some(4.0));
+        assert!(refined.findings[0].message.contains("costs 4.00 times the answer"));
+        let fits_as_badly = refined.with_answer(basin(0.41, 5.0));
+        assert_eq!(fits_as_badly.mirror.resolved_by, ResolvedBy::Nothing);
+        assert!(fits_as_badly.ambiguous);
     }
 
     #[test]

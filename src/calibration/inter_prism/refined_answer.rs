@@ -65,15 +65,21 @@ pub fn solve(
     // Whether the refinement itself converged is judged apart.
     found.answer = Minimum { parameters, normal, converged: true, passes: 1 };
     let answer = basin(&data, &found.answer);
-    let other = std::mem::replace(&mut found.choice.answer, answer);
+    let other = found.choice.answer;
     let same = |basin: &Basin| same_solution(&basin.station1_from_station, &level);
     if let Some(own) = found.basins.iter_mut().find(|basin| same(basin)) {
         *own = answer;
     }
+    // Costs over the answer's are over the refined answer's: they have to be the same in every table and sentence.
     if same(&other) || !refined.converged {
+        found.choice = found.choice.with_answer(answer);
         return RefinedAnswer { found, data, kept_s, doubt: None };
     }
+    found.choice.answer = answer;
     found.choice.mirror.twin = Some(other);
+    found.choice.mirror.cost_ratio = Some(other.mean_square_m2 / answer.mean_square_m2);
+    // What they say is about the other one.
+    found.choice.findings.clear();
     let finding = Finding::warning(
         "with all that was estimated taken into account another minimum fits better than this answer; nothing decides \
          between them",

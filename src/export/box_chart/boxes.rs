@@ -46,6 +46,12 @@ impl Slots {
         Self { left, slot, unit, half_box, numbers }
     }
 
+    /// How far boxes stand from the middle of their shares, to leave room for their numbers.
+    pub fn aside(&self) -> f32 {
+        let numbers = self.numbers.as_ref();
+        numbers.map_or(0.0, |it| (0.5 * self.unit - it.widest - 5.0 - self.half_box).min(0.0))
+    }
+
     /// What the marks mean, and how many values are behind them.
     pub fn caption(&self, chart: &Study) -> String {
         let n = || chart.all_quantiles().map(|quantiles| quantiles.n);
@@ -93,10 +99,7 @@ impl Slots {
         let [q05, q25, median, q75, q95] = quantiles.values().map(|value| axis.place(value));
         let end = x + 0.5 * self.unit;
         // The box is in the middle unless its number needs the room.
-        let x = match &self.numbers {
-            Some(numbers) => x.min(end - numbers.widest - 5.0 - self.half_box),
-            None => x,
-        };
+        let x = x + self.aside();
         if let Some(numbers) = &self.numbers {
             let [median_text, range_text] = texts(quantiles, numbers.digits);
             let size = numbers.size;

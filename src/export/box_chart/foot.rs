@@ -81,11 +81,18 @@ impl Foot {
             + 16.0
     }
 
-    /// `left` and `right` are the ends of the axis, `top` its height.
-    pub fn draw(&self, [left, right]: [f32; 2], top: f32, width: f32, marks: &mut Vec<Mark>) {
+    /// `left` and `right` are the ends of the axis, `top` its height; names stand so far `aside` of the middles of their groups.
+    pub fn draw(
+        &self,
+        [left, right]: [f32; 2],
+        aside: f32,
+        top: f32,
+        width: f32,
+        marks: &mut Vec<Mark>,
+    ) {
         let slot = (right - left) / self.groups.len().max(1) as f32;
         for (index, group) in self.groups.iter().enumerate().step_by(self.every) {
-            let x = left + slot * (index as f32 + 0.5);
+            let x = left + slot * (index as f32 + 0.5) + aside;
             if self.upwards {
                 let first = x - 0.5 * LABEL_LINE * (group.label.len() as f32 - 1.0);
                 for (index, line) in group.label.iter().enumerate() {

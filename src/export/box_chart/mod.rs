@@ -154,7 +154,9 @@ pub fn lay_out(chart: &Study, findings: &[Finding], size: [f32; 2]) -> LaidOut {
         marks.push(Mark::upwards(at, line, LABEL, Ink::Text, Anchor::Middle));
     }
     marks.push(Mark::line([left, bottom], [right, bottom], Ink::Weak, 1.0));
-    foot.draw([left, right], bottom, width, &mut marks);
+    // The name of a single box stands right below it.
+    let aside = if chart.series.len() == 1 { slots.aside() } else { 0.0 };
+    foot.draw([left, right], aside, bottom, width, &mut marks);
     let places = Places {
         across: [left, right].map(|x| scale * x),
         upwards: [bottom, top].map(|y| scale * y),

@@ -14,7 +14,7 @@ use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::app::{theme, words};
 use crate::calibration::Verdict;
-use crate::deployment::{Finding, Severity};
+use crate::deployment::{Finding, Severity, doubts};
 use crate::glossary;
 
 /// The most words shown below the steps, of those that have what is sought.
@@ -164,7 +164,7 @@ impl<'a> Guide<'a> {
     fn present_doubts(&self) -> Vec<&'a Finding> {
         let answer =
             self.state.analysed().and_then(|(_, analysis)| analysis.answer.as_deref().ok());
-        answer.map_or_else(Vec::new, |answer| result::doubts(&answer.calibration.findings))
+        answer.map_or_else(Vec::new, |answer| doubts(&answer.calibration.findings))
     }
 
     fn verdict(&mut self, ui: &mut egui::Ui) {

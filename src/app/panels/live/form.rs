@@ -25,9 +25,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.horizontal_wrapped(|ui| {
             ui.label("Stations 1, 2, 3");
             let field = egui::TextEdit::singleline(&mut form.stations)
-                .hint_text("only where messages do not say it: topics or instruments, with commas")
+                .hint_text("topics or instruments, with commas")
                 .desired_width(FIELD);
-            ui.add(field).accessible_name("Topics or instruments of stations 1, 2, 3");
+            let field = ui.add(field).accessible_name("Topics or instruments of stations 1, 2, 3");
+            field.on_hover_text("Only where the messages do not say which station they are of");
         });
     }
     ui.horizontal_wrapped(|ui| {
@@ -69,7 +70,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 fn source(ui: &mut egui::Ui, form: &mut LiveForm, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         if ui.radio(form.replay.is_none(), "A stream").clicked() {
-            form.replay = None;
+            (form.replay, form.records) = (None, true);
         }
         let field = egui::TextEdit::singleline(&mut form.address)
             .hint_text("ws://robot:8765")

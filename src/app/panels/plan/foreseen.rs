@@ -7,10 +7,11 @@ use crate::app::model::estimates::Shown;
 use crate::app::model::{Command, Commands, PlanCommand, Units};
 use crate::app::panels::result::badge;
 use crate::app::panels::{finding, heading, observability, scrolled};
-use crate::app::plots::{axis_below, bare_axis, still};
+use crate::app::plots::{axis_below, bare_axis, close_marks, still};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
+use crate::deployment::Severity;
 use crate::glossary;
 use crate::palette;
 use crate::planning::{Held, Prediction};
@@ -60,19 +61,26 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 /// The verdict that the drive would end in, and its far end.
 fn head(ui: &mut egui::Ui, foreseen: &Prediction, target_mm: f64) {
     ui.horizontal_wrapped(|ui| {
-        badge(ui, foreseen.verdict, 15.0);
+        words::explain(badge(ui, foreseen.verdict, 15.0), &glossary::VERDICT);
         let line = match &foreseen.held {
-            Some(held) => format!("{:.1} mm at the far end", 1e3 * held.far_end.sigma_m),
+            Some(held) => {
+                let sigma_mm = 1e3 * held.far_end.sigma_m;
+                let target = if sigma_mm > target_mm { "misses" } else { "meets" };
+                format!("{sigma_mm:.1} mm at the far end {target} the wanted {target_mm:.1} mm")
+            }
             None => "a direction stays free".to_owned(),
         };
-        ui.label(RichText::new(line).size(15.0).strong()).on_hover_text(
+        let text = RichText::new(line).size(15.0).strong();
+        let misses = foreseen.held.as_ref().is_none_or(|held| 1e3 * held.far_end.sigma_m > target_mm);
+        let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
+        ui.label(if misses { text.color(notable) } else { text }).on_hover_text(
             "Root mean square error of where a calibrated station puts its prism where that is worst on the track, from the \
              joint estimate's own information: priors and errors of instruments included",
         );
     });
     let minutes = foreseen.duration_s / 60.0;
     let length_m = foreseen.length_m;
-    ui.weak(format!("wanted {target_mm:.1} mm · {minutes:.1} minutes · {length_m:.0} m"));
+    ui.weak(format!("{minutes:.1} minutes · {length_m:.0} m"));
 }
 
 /// σ of (x, y, z, yaw) of stations 2 and 3, with what most of each comes from.
@@ -128,6 +136,7 @@ fn along(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
         .height(PLOT)
         // Half of the last number stands beyond the plot.
         .width(ui.available_width() - ASIDE)
+        .y_grid_spacer(close_marks)
         .custom_x_axes(vec![axis_below("time (s)")])
         .custom_y_axes(vec![bare_axis().label(RichText::new("σ position (mm)").small())])
         .label_formatter(|_| None);

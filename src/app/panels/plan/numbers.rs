@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use egui::RichText;
 
+use crate::app::model::planning::manoeuvre_name;
 use crate::app::model::{Command, Commands, PlanCommand};
 use crate::app::panels::{heading, number, scrolled};
 use crate::app::state::State;
@@ -282,14 +283,21 @@ fn ground(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
     changed
 }
 
+fn capitalised(name: &str) -> String {
+    let (first, rest) = name.split_at(1);
+    first.to_uppercase() + rest
+}
+
 /// The measures of figure-eights and loops; their places are moved in the map.
 fn manoeuvres(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
     let mut changed = false;
+    let names: Vec<String> =
+        (0..plan.way.len()).map(|piece| capitalised(&manoeuvre_name(plan, piece))).collect();
     for (index, piece) in plan.way.iter_mut().enumerate() {
         ui.push_id(("manoeuvre", index), |ui| match piece {
             Piece::Waypoints(_) => {}
             Piece::FigureEight(eight) => {
-                heading(ui, "Figure-eight");
+                heading(ui, &names[index]);
                 let length = Field {
                     name: "length",
                     unit: "m",
@@ -312,7 +320,7 @@ fn manoeuvres(ui: &mut egui::Ui, plan: &mut Plan) -> bool {
                 }
             }
             Piece::Loop(one) => {
-                heading(ui, "Loop");
+                heading(ui, &names[index]);
                 let radius =
                     Field { name: "radius", unit: "m", range: 0.5..=1000.0, speed: 0.05, hint: "" };
                 changed |= field(ui, &radius, &mut one.radius_m);

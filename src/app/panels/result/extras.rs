@@ -5,8 +5,10 @@ use egui::RichText;
 use crate::analysis::Analysis;
 use crate::app::model::estimates::column;
 use crate::app::model::{OpenDeployment, Units};
+use crate::app::words;
 use crate::calibration::joint::{Dominant, JointEstimate};
 use crate::calibration::{Calibration, Extra, Quantity};
+use crate::glossary;
 
 /// Shows the tables, folded; nothing where nothing was estimated.
 pub fn ui(
@@ -29,10 +31,12 @@ pub fn ui(
         ui.small("Bold: told from zero. Known before: one σ without this drive.");
     });
     if let Some(joint) = calibration.joint() {
-        egui::CollapsingHeader::new("What σ comes from").id_salt("budget").show(ui, |ui| {
+        let header = egui::CollapsingHeader::new("What σ comes from").id_salt("budget");
+        let header = header.show(ui, |ui| {
             scatter(ui, joint, units);
             budget(ui, joint, units);
         });
+        words::explain(header.header_response, &glossary::SIGMA);
     }
 }
 

@@ -5,7 +5,7 @@ use egui::RichText;
 use crate::app::panels::heading;
 use crate::app::words;
 use crate::calibration::Targets;
-use crate::deployment::pair_label;
+use crate::deployment::{ControlPointSet, pair_label};
 use crate::evaluation::{Evaluation, Spread};
 use crate::glossary;
 
@@ -18,7 +18,7 @@ pub fn name(targets: Targets) -> &'static str {
 }
 
 /// Shows the metrics, in mm whatever the units: there is nothing larger to see.
-pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
+pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets, sets: &[ControlPointSet]) {
     heading(ui, "Metrics (mm)");
     egui::Grid::new("metrics").num_columns(4).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {
         ui.label("");
@@ -50,11 +50,19 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets) {
         }
         for metric in &evaluation.control_points_mm {
             // Files from elsewhere have their whole path.
-            let name = metric.file.rsplit(['/', '\\']).next().unwrap_or(&metric.file);
-            row(ui, RichText::new(name), &glossary::GCP_METRIC, &metric.spread);
+            row(ui, RichText::new(file_name(&metric.file)), &glossary::GCP_METRIC, &metric.spread);
         }
     });
     if evaluation.control_points_mm.is_empty() {
         ui.weak("No control points: no control-point metric.");
     }
+    for set in sets.iter().filter(|set| set.pillars) {
+        let name = file_name(&set.file);
+        let line = format!("{name}: pillars, which the metric leaves out, as the paper does.");
+        ui.add(egui::Label::new(RichText::new(line).weak()).wrap());
+    }
+}
+
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }

@@ -19,7 +19,7 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
 use crate::calibration::{Calibration, Targets, Verdict};
-use crate::deployment::{Finding, Severity};
+use crate::deployment::{Finding, Severity, doubts};
 use crate::export::difference::Deviation;
 use crate::export::summary::ResultSummary;
 use crate::export::text;
@@ -107,7 +107,8 @@ fn show(
     if let Some(correlation) = calibration.correlation() {
         correlations::ui(ui, &correlation);
     }
-    metrics::ui(ui, &answer.evaluation, analysis.offer.targets);
+    let points = &open.deployment.control_points;
+    metrics::ui(ui, &answer.evaluation, analysis.offer.targets, points);
 }
 
 /// Keeps the result to compare later ones with, unless it is kept already.
@@ -151,14 +152,6 @@ fn head(
         let text = format!("{what} {:.2} mm (median), IQR {:.2} mm", spread.median, spread.iqr);
         words::explain(ui.label(text), &glossary::INTER_PRISM_METRIC);
     }
-}
-
-/// Problems, then warnings.
-pub fn doubts(findings: &[Finding]) -> Vec<&Finding> {
-    let mut doubts: Vec<&Finding> =
-        findings.iter().filter(|finding| finding.severity > Severity::Note).collect();
-    doubts.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-    doubts
 }
 
 /// What else limits the answer than the first that the head tells, and the first notes; the others on request, so that the
@@ -218,7 +211,10 @@ fn difference_row(
     show: impl Fn(f64) -> String,
 ) {
     let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
-    ui.label(name);
+    let label = words::explain_text(ui.label(name), name);
+    if name.starts_with("distance") {
+        label.on_hover_text("How far apart the two places of the station are");
+    }
     for Deviation { value, sigmas } in deviations {
         ui.monospace(format!("{:>8}", show(value)));
         let text = sigmas.map_or("–".to_owned(), |sigmas| format!("{sigmas:.1}"));

@@ -4,8 +4,10 @@ use super::difference_row;
 use crate::app::model::{Command, Commands};
 use crate::app::panels::heading;
 use crate::app::state::State;
+use crate::app::words;
 use crate::calibration::Calibration;
 use crate::export::difference::moved_from_published;
+use crate::glossary;
 
 /// Shows the paper's answer beside a joint estimate; nothing beside any other answer.
 pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut Commands) {
@@ -18,7 +20,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut 
     egui::Grid::new("moved from published").num_columns(5).spacing([7.0, 3.0]).striped(true).show(
         ui,
         |ui| {
-            ui.label(format!("joint − {name}"));
+            let label = ui.label(format!("joint − {name}"));
+            words::explain_all(label, &[&glossary::JOINT, &glossary::INTER_PRISM]);
             for station in &moved {
                 ui.strong(format!("T1{}", station.station));
                 ui.weak("in σ");

@@ -10,6 +10,7 @@ use super::result::{NOTABLE_SIGMAS, badge};
 use super::validation;
 use crate::analysis::Settings;
 use crate::app::model::{Command, Commands};
+use crate::app::plots::in_the_middle;
 use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
@@ -30,7 +31,7 @@ const MOST_SIGMAS: f64 = 999.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if state.open.is_empty() {
-        ui.centered_and_justified(|ui| ui.weak("Nothing open."));
+        in_the_middle(ui, "Nothing open.");
         return;
     }
     let width = ui.available_width() - 24.0;

@@ -9,7 +9,7 @@ use egui::Rect;
 use super::threshold::Threshold;
 use super::time_plot;
 use super::times::Times;
-use super::{station_switches, strips};
+use super::{in_the_middle, station_switches, strips};
 use crate::analysis::Settings;
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
@@ -22,7 +22,7 @@ const BARS: f32 = 14.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, analysis)) = state.analysed() else {
-        ui.centered_and_justified(|ui| ui.weak("No readings to plot."));
+        in_the_middle(ui, "No readings to plot.");
         return;
     };
     let times = Times::of(open, state);
