@@ -59,7 +59,8 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
     let fates = analysis.pipeline.fates.each_ref().map(|fates| fates.each.len());
     let tracks = shown(&harness).deployment.tracks.each_ref().map(|t| t.measurements.len());
     assert_eq!(fates, tracks, "answer and readings belong together");
-    harness.get_by_label_contains("target 2.0 mm");
+    // Beside σ, and in the legend of its curve.
+    assert_eq!(harness.get_all_by_label_contains("target 2.0 mm").count(), 2);
     click(&mut harness, "Stop");
     until(&mut harness, |window| {
         let live = &window.state().state.live;

@@ -112,7 +112,7 @@ fn last_read(ghosts: &[Option<Ghost>; 3]) -> String {
     }
     let plural = if prisms.len() > 1 { "s" } else { "" };
     let (prisms, ages) = (prisms.join(", "), ages.join(", "));
-    format!("no triplet; ghost{plural} of prism{plural} {prisms}, read {ages} s ago")
+    format!("no triplet; prism{plural} {prisms} read {ages} s ago")
 }
 
 fn position(p: &Vector3<f64>, units: Units) -> String {
@@ -165,10 +165,10 @@ mod tests {
         let ghost = |age_s, rejected| Some(Ghost { position_m: Vector3::zeros(), age_s, rejected });
         assert_eq!(
             last_read(&[ghost(0.42, false), None, ghost(1.16, true)]),
-            "no triplet; ghosts of prisms 1, 3, read 0.4, 1.2 (rejected) s ago"
+            "no triplet; prisms 1, 3 read 0.4, 1.2 (rejected) s ago"
         );
         let one = last_read(&[None, ghost(2.0, false), None]);
-        assert_eq!(one, "no triplet; ghost of prism 2, read 2.0 s ago");
+        assert_eq!(one, "no triplet; prism 2 read 2.0 s ago");
         assert_eq!(last_read(&[None; 3]), "no triplet, and no reading in the last 3 s");
     }
 }
