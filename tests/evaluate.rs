@@ -13,7 +13,7 @@ use resect::analysis::Analysis;
 use resect::calibration::Method;
 use resect::deployment::Deployment;
 use resect::estimates::odd::{OddOne, OddSpan};
-use resect::estimates::{Body, Estimate, Judgement, Options, judge, read};
+use resect::estimates::{Alignment, Body, Estimate, Judgement, Options, judge, read};
 use resect::simulation::{
     EPOCH_S, ErrorKind, Preset, Scenario, Simulated, simulate, simulate_scenario,
 };
@@ -69,6 +69,30 @@ fn clock_lever_arm_and_turn_of_the_body_are_found_with_their_sigma() {
         let rmse_m = found.judged[0].position.rmse;
         assert!((0.01..0.05).contains(&rmse_m), "{rmse_m}");
     }
+}
+
+/// A trajectory in feet has the right form and the wrong size: that is said, and not that clock and lever arm cannot be told apart.
+#[test]
+fn another_unit_is_named_as_such() {
+    let (simulated, deployment) = driven(3);
+    let longer_by = |times: f64, alignment: Alignment| -> Vec<String> {
+        let mut estimate = SLAM.drive(&simulated);
+        estimate.poses.iter_mut().for_each(|pose| pose.position_m *= times);
+        let found =
+            judged(&deployment, vec![estimate], &Options { alignment, ..Options::default() });
+        let unjudged = found.unjudged.iter().map(|(_, why)| why.to_string());
+        let of_judged = found.judged.iter().flat_map(|one| &one.fit.findings);
+        unjudged.chain(of_judged.map(|finding| finding.message.clone())).collect()
+    };
+    for times in [3.2808, 0.3048] {
+        let said = longer_by(times, Alignment::Rigid).join("\n");
+        assert!(said.contains(&format!("are {times:.1}")), "{said}");
+        assert!(said.contains("in metres") && !said.contains("told apart"), "{said}");
+        let with_scale = longer_by(times, Alignment::Similarity).join("\n");
+        assert!(!with_scale.contains("in metres"), "{with_scale}");
+    }
+    let drifted = longer_by(1.03, Alignment::Rigid).join("\n");
+    assert!(!drifted.contains("in metres"), "{drifted}");
 }
 
 /// A drive whose stations all follow one prism, on ground that is as uneven as the rig's.

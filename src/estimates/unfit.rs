@@ -1,7 +1,7 @@
 //! Why an estimate cannot be brought together with the ground truth.
 
 /// Why an estimate could not be brought together with the ground truth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unfit {
     #[error(
         "its times have nothing in common with the readings, and its speeds are like those of no part of the drive; check \
@@ -25,6 +25,11 @@ pub enum Unfit {
     )]
     Undetermined,
     #[error(
+        "its ways are {0:.3} times as long as the ground truth's; check that both are in metres (a factor of 3.281 is that of \
+         feet), or align it with a scale"
+    )]
+    OtherScale(f64),
+    #[error(
         "a lever arm needs orientations, of the estimate or of the ground truth; there are none"
     )]
     NoOrientation,
@@ -37,6 +42,7 @@ impl Unfit {
             Self::NoOverlap => Some("--time-offset"),
             Self::OnALine => Some("--align none"),
             Self::Undetermined => Some("--body same"),
+            Self::OtherScale(_) => Some("--align similarity"),
             Self::NoOrientation => Some("--body found"),
             Self::FewEpochs | Self::FewPoses(_) => None,
         }

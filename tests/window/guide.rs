@@ -40,6 +40,10 @@ fn f1_explains_what_is_under_the_pointer_or_else_has_the_focus() {
     assert_eq!(explained(&mut harness), [&glossary::TAU_S]);
     hover(&mut harness, Role::Label, "yaw of T12");
     assert_eq!(explained(&mut harness), [&glossary::YAW]);
+    hover(&mut harness, Role::Button, "Prior search");
+    assert_eq!(explained(&mut harness), [&glossary::PRIOR, &glossary::TAU_V]);
+    hover(&mut harness, Role::Label, "joint − D");
+    assert_eq!(explained(&mut harness), [&glossary::JOINT, &glossary::INTER_PRISM]);
     leave(&mut harness);
     harness.get_by_role_and_label(Role::Slider, "τ_l  length").focus();
     harness.run_steps(2);

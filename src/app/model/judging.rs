@@ -93,6 +93,17 @@ impl Judging {
         added
     }
 
+    /// What is judged once a step from some to others is taken, back or again: what a session brought meanwhile, which is no step,
+    /// stays.
+    pub fn after_step(&self, from: &[Added], to: Vec<Added>) -> Vec<Added> {
+        let is_among = |some: &[Added], one: &Added| {
+            some.iter().any(|other| other.estimate.is_same(&one.estimate))
+        };
+        let others = self.added.iter().filter(|one| !is_among(from, one) && !is_among(&to, one));
+        let others: Vec<Added> = others.cloned().collect();
+        to.into_iter().chain(others).collect()
+    }
+
     /// Has these judged from now on.
     pub fn set(&mut self, added: Vec<Added>) {
         let asked = |one: &Added| (Arc::as_ptr(&one.estimate), one.options);
@@ -179,6 +190,20 @@ mod tests {
         let topic = topic.map(str::to_owned);
         let name = topic.clone().unwrap_or_else(|| "slam".to_owned());
         Arc::new(Estimate { name, path: path.into(), topic, poses: vec![], findings: vec![] })
+    }
+
+    #[test]
+    fn what_a_session_brings_after_a_step_is_not_taken_away_with_it() {
+        let [own, saved] = ["slam.tum", "vio.tum"].map(|path| estimate(path, None));
+        let mut judging = Judging::default();
+        let step = [judging.added.clone(), judging.with(vec![own])];
+        judging.set(step[1].clone());
+        judging.set(judging.with(vec![saved]));
+        let both = judging.added.clone();
+        judging.set(judging.after_step(&step[1], step[0].clone()));
+        assert_eq!(judging.added, both[1..], "taken back");
+        judging.set(judging.after_step(&step[0], step[1].clone()));
+        assert_eq!(judging.added.len(), 2, "and done again");
     }
 
     #[test]

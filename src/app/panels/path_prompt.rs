@@ -176,10 +176,14 @@ fn nothing_to_show(prompt: &PathPrompt, shown: &[&Entry]) -> Option<String> {
     if prompt.trouble().is_some() && prompt.complaint.is_none() {
         return prompt.trouble().map(str::to_owned);
     }
-    shown.is_empty().then(|| match prompt.question.wanted {
-        Wanted::Folder => "No folder here has what is typed in its name.".to_owned(),
-        _ => "Nothing here has what is typed in its name.".to_owned(),
-    })
+    let wants_folder = matches!(prompt.question.wanted, Wanted::Folder);
+    let why = match (prompt.typed_name().is_empty(), wants_folder) {
+        (true, true) => "There is no folder in here.",
+        (true, false) => "This folder is empty.",
+        (false, true) => "No folder here has what is typed in its name.",
+        (false, false) => "Nothing here has what is typed in its name.",
+    };
+    shown.is_empty().then(|| why.to_owned())
 }
 
 fn row(

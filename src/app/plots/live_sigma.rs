@@ -3,7 +3,7 @@
 use egui::{Color32, RichText};
 use egui_plot::{AxisHints, HLine, Line, Plot, PlotPoints};
 
-use super::log_axis;
+use super::{GRID, log_axis};
 use crate::app::theme;
 use crate::calibration::Verdict;
 use crate::live::View;
@@ -15,9 +15,6 @@ const MM: f64 = 1e3;
 const MOST_TARGETS: f64 = 300.0;
 /// What is shown at least: so many seconds, and from half the target to ten times it.
 const SHORTEST_S: f64 = 30.0;
-
-/// Grid lines this near are not seen, this far apart in full ink (points).
-const GRID: std::ops::RangeInclusive<f32> = 8.0..=900.0;
 
 /// The curve of the settings' answers over that of the paper's, and the target as a line.
 pub fn ui(ui: &mut egui::Ui, view: &View, height: f32) {

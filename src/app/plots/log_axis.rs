@@ -9,11 +9,13 @@ const NUMBER: f64 = 16.0;
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 pub fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    let steps: Vec<(f64, f64)> = (1..10)
-        .filter(|digit| high - low < 0.7 || [1, 2, 5].contains(digit))
-        .map(|digit| (f64::from(digit), 1.0))
-        .collect();
-    marks(low, high, &steps)
+    let times: &[f64] = match high - low {
+        // From one digit to the next is half of what is seen.
+        span if span < 0.4 => &[1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        span if span < 0.7 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        _ => &[1.0, 2.0, 5.0],
+    };
+    marks(low, high, &times.iter().map(|times| (*times, 1.0)).collect::<Vec<_>>())
 }
 
 /// Marks where decades have little room: strong lines at the powers of ten, faint ones at 2 and 5 times them, with
@@ -52,6 +54,7 @@ pub fn number(log10: f64) -> String {
         v if v < 0.009_5 => format!("{v:.3}"),
         v if v < 0.095 => format!("{v:.2}"),
         v if v < 0.95 => format!("{v:.1}"),
+        v if v < 9.5 && (v - v.round()).abs() > 0.05 => format!("{v:.1}"),
         v => format!("{v:.0}"),
     }
 }

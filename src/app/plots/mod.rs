@@ -114,6 +114,9 @@ fn pair_name(pair: usize, dark: bool) -> egui::RichText {
         .strong()
 }
 
+/// Grid lines as near as this are not seen, and as far apart as this in full ink (points): what is plotted stands out of its grid.
+const GRID: std::ops::RangeInclusive<f32> = 8.0..=900.0;
+
 /// Numbers along x appear from the first of these distances (points), in full from the second.
 const LABELS: std::ops::RangeInclusive<f32> = 20.0..=34.0;
 

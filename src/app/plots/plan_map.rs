@@ -18,6 +18,8 @@ use crate::planning::{OnTheWay, Plan, Prediction};
 /// Half the side of the square in which a handle is caught (points).
 const REACH: f32 = 9.0;
 const RADIUS: f32 = 5.5;
+/// Radius of the ring about the far end (points).
+const FAR_END: f32 = 9.0;
 /// Longer ways have smaller waypoints (how many there are).
 const MANY: usize = 60;
 /// Length of the arrows along weak directions (points).
@@ -51,6 +53,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         .allow_scroll(false)
         .allow_boxed_zoom(false)
         .allow_double_click_reset(false)
+        .show_crosshair(false)
         .custom_x_axes(vec![axis_below("x (m)")])
         .custom_y_axes(vec![
             bare_axis().label_spacing(LABELS).label(egui::RichText::new("y (m)").small()),
@@ -294,7 +297,7 @@ fn paint_far_end(
         true => theme::readable(palette::DONE, dark),
         false => theme::severity(Severity::Warning, dark).0,
     };
-    painter.circle_stroke(middle, 9.0, Stroke::new(1.6, colour));
+    painter.circle_stroke(middle, FAR_END, Stroke::new(1.6, colour));
     let text = format!("far end, prism {}: {sigma_mm:.1} mm", held.far_end.station + 1);
     let font = egui::FontId::proportional(12.0);
     let galley = painter.layout_no_wrap(text, font, colour);
@@ -302,25 +305,34 @@ fn paint_far_end(
         .map(|on_it| at(transform, [on_it.position_m.x, on_it.position_m.y]))
         .collect();
     let ground = beside_the_way(middle, galley.size(), *transform.frame(), &way);
+    // Which place it is about is seen where it had to move away, too.
+    let towards = ground.clamp(middle) - middle;
+    if towards.length() > 2.0 * FAR_END {
+        let from = middle + towards.normalized() * FAR_END;
+        painter.line_segment([from, middle + towards], Stroke::new(1.0, colour));
+    }
     painter.rect_filled(ground, 2.0, ui.visuals().panel_fill.gamma_multiply(0.8));
     painter.galley(ground.min + Vec2::splat(2.0), galley, colour);
 }
 
-/// Where a label of a place covers the least of the way, within a frame.
+/// Where a label beside a place covers the least of the way, within a frame; the nearest of such places.
 fn beside_the_way(middle: Pos2, size: Vec2, frame: Rect, way: &[Pos2]) -> Rect {
     const OUT: f32 = 14.0;
     let half = 0.5 * size + Vec2::splat(2.0);
     let sides = [[1.0, 0.0], [-1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
     let corners = [[1.0, -1.0], [-1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-    let places = [1.0, 2.5].into_iter().flat_map(|times| {
+    let places = [1.0, 1.7, 2.5].into_iter().flat_map(|times| {
         sides.into_iter().chain(corners).map(move |[x, y]: [f32; 2]| {
             let out = Vec2::new(x * (OUT + half.x), y * (OUT + half.y)) * times;
-            Rect::from_center_size(middle + out, 2.0 * half)
+            let place = Rect::from_center_size(middle + out, 2.0 * half);
+            let back =
+                (frame.min - place.min).max(Vec2::ZERO) + (frame.max - place.max).min(Vec2::ZERO);
+            place.translate(back)
         })
     });
     let covered = |place: &Rect| {
-        let outside = if frame.contains_rect(*place) { 0 } else { way.len() + 1 };
-        outside + way.iter().filter(|at| place.contains(**at)).count()
+        let on_it = way.iter().chain([&middle]).filter(|at| place.expand(4.0).contains(**at));
+        (on_it.count(), place.distance_to_pos(middle) as i32)
     };
     places.min_by_key(covered).expect("there are places")
 }

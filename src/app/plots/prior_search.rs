@@ -2,7 +2,7 @@
 
 use egui_plot::{AxisHints, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
-use super::{LABELS, answer, in_the_middle, log_axis, round_marks};
+use super::{GRID, LABELS, answer, in_the_middle, log_axis, round_marks};
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::app::theme;
@@ -31,6 +31,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     caption(ui, search);
     let id = state.active().map(|open| (open.id, open.analysis_run));
     Plot::new(("prior search", id))
+        .grid_spacing(GRID)
         .custom_x_axes(vec![
             AxisHints::new_x().label("speed limit τ_v (m/s)").label_spacing(LABELS),
         ])
@@ -55,6 +56,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 let colour = theme::rgb(palette::STEPS[step]);
                 let name = |what: &str| format!("{}: {what}", STEPS[step]);
                 let median = |run: &SearchRun| run.metric_m;
+                // Where both steps come to the same, the first one is seen about the second.
+                let width = if step == 0 { 3.2 } else { 1.2 };
                 plot_ui.line(
                     Line::new(name("cost (rms, triplets below τ_v)"), series(runs, |r| r.rms_m))
                         .color(colour.gamma_multiply(0.6))
@@ -65,7 +68,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 plot_ui.line(
                     Line::new(name("metric (median, all triplets)"), series(runs, median))
                         .color(colour)
-                        .width(1.4)
+                        .width(width)
                         .allow_band(false),
                 );
                 for (counts, shape) in [(true, MarkerShape::Circle), (false, MarkerShape::Cross)] {
@@ -75,7 +78,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                         Points::new("", series(&some, median))
                             .color(colour)
                             .shape(shape)
-                            .radius(3.5),
+                            .radius(2.5 + width),
                     );
                 }
                 if let Some(best) = search.best[step] {
@@ -100,8 +103,9 @@ fn series(runs: &[SearchRun], value_m: impl Fn(&SearchRun) -> f64) -> PlotPoints
 /// What each step chose, in its colour, and how to read the picture.
 fn caption(ui: &mut egui::Ui, search: &PriorSearch) {
     let dark = ui.visuals().dark_mode;
-    ui.horizontal_wrapped(|ui| {
-        ui.add_space(6.0);
+    let margin = egui::Margin::symmetric(6, 0);
+    let framed = egui::Frame::new().inner_margin(margin);
+    let texts = |ui: &mut egui::Ui| {
         for (index, runs) in search.steps.iter().enumerate() {
             let counted = runs.iter().filter(|run| run.counts()).count();
             let best = search.best[index].map_or("no run had enough triplets".to_owned(), |best| {
@@ -116,7 +120,8 @@ fn caption(ui: &mut egui::Ui, search: &PriorSearch) {
         }
         let key = "solid: median of all triplets · dashed: cost (rms) of those below τ_v · cross: does not count · ring: chosen";
         words::explain_text(ui.small(key), key);
-    });
+    };
+    framed.show(ui, |ui| ui.horizontal_wrapped(texts));
 }
 
 /// The search runs only where it is asked for.

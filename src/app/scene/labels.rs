@@ -147,6 +147,10 @@ fn beside_its_point(
         _ => placer.beside(at, galley.size()),
     };
     if let Some(place) = place {
+        if label.rank == Rank::Station {
+            // Tracks and arrows may cross it, where stations stand among them.
+            painter.add(ground_shape(place, dark));
+        }
         painter.galley(place.min, galley, colour);
     }
 }

@@ -257,8 +257,10 @@ impl State {
                 }
                 Changed::Judged { both, .. } => {
                     let [before, after] = *both;
-                    let added = if side == 0 { before } else { after };
-                    self.with_open(change.id, |open| open.judging.set(added));
+                    let (from, to) = if side == 0 { (after, before) } else { (before, after) };
+                    self.with_open(change.id, |open| {
+                        open.judging.set(open.judging.after_step(&from, to));
+                    });
                 }
                 Changed::Plan { both, .. } => self.planning.set(both[side].clone()),
             }

@@ -21,7 +21,7 @@ use super::{Alignment, Body, Estimate, EstimatedPose, Options, Unjudged};
 use crate::deployment::Finding;
 use crate::evaluation::vehicle::Instants;
 use crate::geometry::{RigidTransform, align_rigid, align_similar};
-use crate::statistics::sandwich;
+use crate::statistics::{median, sandwich};
 
 /// Fits take so many epochs at most, evenly spread.
 const MOST_EPOCHS: usize = 4000;
@@ -133,7 +133,15 @@ pub fn fit(
         let sound = sound(&matched(&thinned, &truths, offset_s));
         align(&mut state.fit, &sound, sought.frame).map_err(unfit)?;
         let poses: Vec<EstimatedPose> = sound.iter().map(|(pose, _)| **pose).collect();
-        refine(&mut state, reference, &poses, &mut sought, estimate)?;
+        let longer = times_longer(&sound).filter(|_| sought.frame == Alignment::Rigid);
+        refine(&mut state, reference, &poses, &mut sought, estimate).map_err(|why| {
+            match (&why, longer) {
+                (Unjudged::Unfit { why: Unfit::Undetermined, .. }, Some(longer)) => {
+                    unfit(Unfit::OtherScale(longer))
+                }
+                _ => why,
+            }
+        })?;
     }
     let mut fit = state.fit;
     if options.time_offset_s.is_none() && fit.time_offset_s.abs() > FAR_S {
@@ -146,6 +154,10 @@ pub fn fit(
     let truths = at(reference, poses, fit.time_offset_s)?;
     let pairs = matched(poses, &truths, fit.time_offset_s);
     align(&mut fit, &pairs, options.alignment).map_err(unfit)?;
+    if let Some(longer) = times_longer(&pairs).filter(|_| options.alignment == Alignment::Rigid) {
+        let line = format!("{}: {}", estimate.name, Unfit::OtherScale(longer));
+        fit.findings.push(Finding::warning(line));
+    }
     turn_body(&mut fit, &pairs, options.body == Body::Same);
     Ok((fit, truths))
 }
@@ -170,6 +182,23 @@ fn at(
 ) -> Result<Vec<True>, Unjudged> {
     let times_s: Vec<f64> = poses.iter().map(|pose| pose.time_s + offset_s).collect();
     Ok(reference.at(Instants::At(&times_s))?)
+}
+
+/// How many times as long as the ground truth's the estimate's ways are, where that is no drift but another unit, or one camera
+/// alone: the median over ways of some metres, whatever the two frames and errors are.
+fn times_longer(pairs: &[(&EstimatedPose, &True)]) -> Option<f64> {
+    const WAY_M: f64 = 2.0;
+    const DRIFT: f64 = 1.1;
+    let (mut from, mut ratios) = (0, Vec::new());
+    for (to, (pose, truth)) in pairs.iter().enumerate() {
+        let (first, first_true) = pairs[from];
+        let true_m = (truth.position_m - first_true.position_m).norm();
+        if true_m >= WAY_M {
+            ratios.push((pose.position_m - first.position_m).norm() / true_m);
+            from = to;
+        }
+    }
+    median(ratios).filter(|longer| *longer > 0.0 && !(DRIFT.recip()..DRIFT).contains(longer))
 }
 
 fn thinned(poses: &[EstimatedPose]) -> Vec<EstimatedPose> {

@@ -20,6 +20,8 @@ const TEXT: f32 = 13.0;
 const LEAST: f32 = 40.0;
 /// Lower charts have no room for the name of their counts.
 const LEAST_NAMED: f32 = 64.0;
+/// Half the number "100 s", as a share of an axis.
+const HALF_A_NUMBER: f64 = 0.13;
 
 /// The values of τ_s and τ_l that the user wants.
 pub fn ui(
@@ -129,6 +131,8 @@ impl Distribution<'_> {
         let [low, high] = ends.fold([threshold - 0.7, threshold + 0.7], |[low, high], [a, b]| {
             [low.min(a - 0.1), high.max(b + 0.1)]
         });
+        // The number of the last power of ten is not cut off at the edge.
+        let high = high.max(high.floor() + HALF_A_NUMBER * (high - low));
         let most = bins().map(|(_, count)| count).max().unwrap_or(1);
         let shown = still(Plot::new((self.name, id)))
             .height(height)
