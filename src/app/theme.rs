@@ -32,6 +32,8 @@ pub fn apply(ctx: &egui::Context) {
         style.spacing.item_spacing = egui::vec2(6.0, 5.0);
         style.spacing.slider_width = 90.0;
         style.spacing.interact_size.y = 20.0;
+        // egui 0.37 panics where the pointer leaves a scroll bar that is shorter than the least length of its handle; no bar is.
+        style.spacing.scroll.handle_min_length = 0.0;
     });
     ctx.style_mut_of(egui::Theme::Light, |style| {
         style.visuals.override_text_color = Some(TEXT_LIGHT);
@@ -39,6 +41,13 @@ pub fn apply(ctx: &egui::Context) {
     ctx.style_mut_of(egui::Theme::Dark, |style| {
         style.visuals.override_text_color = Some(TEXT_DARK);
     });
+}
+
+/// Bars of long lists keep a handle that can be caught, where they are much longer than it.
+pub fn keep_handle(ui: &mut egui::Ui) {
+    const HANDLE: f32 = 12.0;
+    let is_long = ui.available_size().min_elem() > 10.0 * HANDLE;
+    ui.spacing_mut().scroll.handle_min_length = if is_long { HANDLE } else { 0.0 };
 }
 
 /// How much larger type is in the sun.
@@ -125,5 +134,43 @@ mod tests {
         });
         output.textures_delta.clear();
         assert_eq!(output.pixels_per_point, IN_THE_SUN);
+    }
+
+    #[test]
+    fn a_scroll_bar_of_a_few_points_can_be_dragged() {
+        let ctx = egui::Context::default();
+        apply(&ctx);
+        let frame = |events: Vec<egui::Event>| {
+            let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(100.0, 100.0));
+            let input = egui::RawInput { screen_rect: Some(screen), events, ..Default::default() };
+            let mut output = ctx.run_ui(input, |ui| {
+                let solid = egui::style::ScrollStyle::solid();
+                let handle_min_length = ui.spacing().scroll.handle_min_length;
+                ui.spacing_mut().scroll = egui::style::ScrollStyle { handle_min_length, ..solid };
+                let area = egui::ScrollArea::vertical().auto_shrink(false).max_height(6.0);
+                area.min_scrolled_height(6.0)
+                    .show(ui, |ui| ui.allocate_space(egui::vec2(20.0, 500.0)));
+            });
+            output.textures_delta.clear();
+        };
+        let press = |at: egui::Pos2| egui::Event::PointerButton {
+            pos: at,
+            button: egui::PointerButton::Primary,
+            pressed: true,
+            modifiers: egui::Modifiers::NONE,
+        };
+        (0..3).for_each(|_| frame(Vec::new()));
+        for (x, y) in (88..100).flat_map(|x| (0..16).map(move |y| (x as f32, y as f32))) {
+            let (at, out) = (egui::pos2(x, y), egui::pos2(x, 90.0));
+            frame(vec![egui::Event::PointerMoved(at)]);
+            frame(vec![press(at), egui::Event::PointerMoved(out)]);
+            frame(vec![egui::Event::PointerGone]);
+            frame(vec![egui::Event::PointerButton {
+                pos: out,
+                button: egui::PointerButton::Primary,
+                pressed: false,
+                modifiers: egui::Modifiers::NONE,
+            }]);
+        }
     }
 }

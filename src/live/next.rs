@@ -113,6 +113,10 @@ pub fn gain_little(moves: &[NextMove]) -> bool {
 
 /// What would help an answer most, in one sentence; `None` where nothing is known to.
 pub fn sentence(moves: &[NextMove], judged: &Judged) -> Option<String> {
-    let best = moves.first().map(|best| best.sentence.clone());
+    // Advice takes longer than answers: what an answer has reached meanwhile is no advice any more.
+    let is_worth_it = |one: &&NextMove| {
+        judged.far_end.is_none_or(|far| one.after_m < (1.0 - LITTLE) * far.sigma_m)
+    };
+    let best = moves.iter().find(is_worth_it).map(|best| best.sentence.clone());
     best.or_else(|| judged.advice.map(str::to_owned))
 }

@@ -90,8 +90,9 @@ impl Behavior<Pane> for PaneBehaviour<'_> {
             Some(Tile::Pane(Pane::PriorSearch)) => {
                 words::mark(&tab, &[&glossary::PRIOR, &glossary::TAU_V]);
             }
-            Some(Tile::Pane(Pane::Channels | Pane::Rates)) => {
-                words::mark(&tab, &[&glossary::READING]);
+            Some(Tile::Pane(Pane::Channels)) => words::mark(&tab, &[&glossary::READING]),
+            Some(Tile::Pane(Pane::Rates)) => {
+                words::mark(&tab, &[&glossary::OUTLIER_FILTER, &glossary::TAU_R]);
             }
             _ => words::mark_text(&tab, &title),
         }

@@ -40,7 +40,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let what = "Each station's version minus the mean of the stations, in station 1's frame.";
         ui.label(RichText::new(what).small().weak());
         // What is to the right of the edge must be seen to be there.
-        ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
+        let solid = egui::style::ScrollStyle::solid();
+        ui.spacing_mut().scroll = egui::style::ScrollStyle { handle_min_length: 0.0, ..solid };
         egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
             // The heads stay where the rows scroll, so both have columns of one width.
             grid("heads of control points").show(ui, |ui| {

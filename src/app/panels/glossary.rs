@@ -1,6 +1,7 @@
 //! The words of the field, to be looked up: those that F1 was pressed on, or all that have what is typed.
 
 use crate::app::model::{Command, Commands, Lookup};
+use crate::app::theme;
 use crate::app::words;
 use crate::glossary;
 
@@ -24,11 +25,16 @@ pub fn ui(ctx: &egui::Context, lookup: &Lookup, commands: &mut Commands) {
             .hint_text("A word, or what it is about")
             .desired_width(f32::INFINITY);
         ui.add(field).accessible_name("Word").request_focus();
+        // One that is typed leaves the field only.
+        if ui.input(|input| input.key_pressed(egui::Key::Escape)) {
+            commands.push(Command::CloseOverlay);
+        }
         ui.add_space(4.0);
         let some = edited.query.trim().is_empty() && !edited.of.is_empty();
         let found = if some { edited.of.clone() } else { glossary::matching(&edited.query) };
         let height = size.y - 90.0;
         // A dialog offers no more room than it had; what is found by the next letter may need it.
+        theme::keep_handle(ui);
         let list = egui::ScrollArea::vertical().auto_shrink([false, true]).max_height(height);
         list.min_scrolled_height(height).show(ui, |ui| {
             for term in &found {

@@ -1,6 +1,7 @@
 //! Every minimum of the cost that the search found, folded away under the mirror twin.
 
 use crate::app::model::Units;
+use crate::app::panels::number_head;
 use crate::app::words;
 use crate::calibration::inter_prism::InterPrismDetails;
 use crate::glossary;
@@ -11,8 +12,9 @@ pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
         egui::Grid::new("minima").num_columns(4).spacing([10.0, 2.0]).striped(true).show(
             ui,
             |ui| {
-                for name in ["", "RMS (mm)", "cost ratio", "away (m)"] {
-                    words::explain_text(ui.label(name), name);
+                ui.label("");
+                for name in ["RMS (mm)", "cost ratio", "away (m)"] {
+                    words::explain_text(number_head(ui, name, name.len()), name);
                 }
                 ui.end_row();
                 for basin in &details.basins {
@@ -24,7 +26,7 @@ pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
                     });
                     ui.label(details.role(basin)).on_hover_text(lines.join("\n"));
                     ui.monospace(format!("{:>8.2}", basin.mean_square_m2.sqrt() * 1e3));
-                    ui.monospace(format!("{:>8.2}", details.cost_ratio(basin)));
+                    ui.monospace(format!("{:>10.2}", details.cost_ratio(basin)));
                     ui.monospace(format!("{:>8.2}", basin.apart_m(&details.basin)));
                     ui.end_row();
                 }

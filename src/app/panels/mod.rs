@@ -47,6 +47,7 @@ const MARGIN: f32 = 8.0;
 
 /// A pane's content with a margin, scrolling where it does not fit.
 fn scrolled(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
+    theme::keep_handle(ui);
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         egui::Frame::new().inner_margin(MARGIN).show(ui, |ui| {
             ui.set_width(ui.available_width());
@@ -106,6 +107,11 @@ fn use_pinned(ui: &mut egui::Ui, state: &State, id: u64, commands: &mut Commands
     if button.clicked() {
         commands.push(Command::UsePinned(id));
     }
+}
+
+/// The head of a column of numbers that are so many characters wide, above their right end.
+fn number_head(ui: &mut egui::Ui, text: &str, width: usize) -> egui::Response {
+    ui.label(egui::RichText::new(format!("{text:>width$}")).monospace().strong())
 }
 
 /// A heading inside a pane.

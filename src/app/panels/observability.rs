@@ -26,7 +26,7 @@ pub fn ui(ui: &mut egui::Ui, observed: &Observability) {
         }
         ui.small(
             "Bars: how much the distances resist a motion of stations 2 and 3, over the most they resist any, on a log \
-             scale from 1e-7 to 1. Beside them: σ along it at the track.",
+             scale from 1e-7 to 1. Beside them: σ along each at the track; what is least certain of all is a mix of them.",
         );
         let lead = if doubtful { "What to drive next" } else { "To hold the first better" };
         ui.add(egui::Label::new(format!("{lead}: {}.", observed.advice)).wrap());

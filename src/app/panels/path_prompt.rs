@@ -152,6 +152,7 @@ fn list(ui: &mut egui::Ui, prompt: &PathPrompt, moved: bool, asked: &mut Vec<Pro
             ui.label(RichText::new(said).color(colour));
             return;
         }
+        theme::keep_handle(ui);
         let scroll = egui::ScrollArea::vertical().max_height(list_height).auto_shrink(false);
         scroll.show_rows(ui, height, shown.len(), |ui, rows| {
             let step = height + ui.spacing().item_spacing.y;

@@ -6,6 +6,9 @@ use crate::app::actions::{self, Action, Menu};
 use crate::app::model::Commands;
 use crate::app::state::State;
 
+/// What a menu leaves of the window's height: the bar that it hangs from, and its own frame (points).
+const BELOW_A_MENU: f32 = 60.0;
+
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     egui::Panel::top("top bar").show(ui, |ui| {
         egui::MenuBar::new().ui(ui, |ui| {
@@ -18,7 +21,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 MenuButton::new(menu.title()).config(config).ui(ui, |ui| {
                     let actions = actions::all(state);
                     let entries = actions.iter().filter(|action| action.menu == menu);
-                    show_menu(ui, entries, commands);
+                    // A menu that is higher than the window is scrolled.
+                    let height = ui.ctx().content_rect().height() - BELOW_A_MENU;
+                    egui::ScrollArea::vertical()
+                        .max_height(height)
+                        .show(ui, |ui| show_menu(ui, entries, commands));
                 });
             }
             ui.separator();

@@ -18,6 +18,8 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::palette::{self, Rgb};
 
+/// What stands beside the two boxes of what is plotted (points).
+const BESIDE_BOXES: f32 = 90.0;
 /// Narrower panes have no room for what is plotted beside what of it is shown (points).
 const NARROW: f32 = 640.0;
 /// Three times as many dots of a series are all drawn.
@@ -85,11 +87,12 @@ fn nothing(plotted: Plotted) -> &'static str {
 /// What is plotted, and against what.
 fn choice(ui: &mut egui::Ui, plotted: Plotted, commands: &mut Commands) {
     let mut chosen = plotted;
+    let width = (0.5 * (ui.available_width() - BESIDE_BOXES)).clamp(40.0, 130.0);
     let named = |response: egui::Response, name: &str| {
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
     };
     let combo = egui::ComboBox::from_id_salt("channel").selected_text(plotted.channel.name());
-    let combo = combo.height(400.0).show_ui(ui, |ui| {
+    let combo = combo.width(width).truncate().height(400.0).show_ui(ui, |ui| {
         for channel in Channel::ALL {
             let on = channel == plotted.channel;
             if ui.selectable_label(on, channel.name()).on_hover_text(channel.hint()).clicked() {
@@ -101,7 +104,7 @@ fn choice(ui: &mut egui::Ui, plotted: Plotted, commands: &mut Commands) {
     ui.small("against");
     let against = plotted.against.map_or("time", Channel::name);
     let combo = egui::ComboBox::from_id_salt("against").selected_text(against);
-    let combo = combo.height(400.0).show_ui(ui, |ui| {
+    let combo = combo.width(width).truncate().height(400.0).show_ui(ui, |ui| {
         if ui.selectable_label(plotted.against.is_none(), "time").clicked() {
             chosen.against = None;
         }

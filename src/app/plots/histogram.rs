@@ -163,7 +163,8 @@ fn words(
 ) {
     let hint = "|e|: the size of the error, apparent minus known distance. IQR: from its lower quartile to the upper. \
                 Scroll: zoom; right drag: move; double-click: all.";
-    let part = selected.map(|spread| format!("selected: {}", in_words(spread)));
+    let told = if ui.available_width() < NARROW { in_short } else { in_words };
+    let part = selected.map(|spread| format!("selected: {}", told(spread)));
     let label = |ui: &mut egui::Ui, text: RichText| {
         ui.add(egui::Label::new(text.small()).truncate()).on_hover_text(hint);
     };
@@ -171,7 +172,7 @@ fn words(
         ui.set_height(LINE);
         ui.add_space(6.0);
         label(ui, name);
-        label(ui, RichText::new(in_words(all)));
+        label(ui, RichText::new(told(all)));
         if let Some(part) = part.as_ref().filter(|_| !two_lines) {
             label(ui, RichText::new(part).strong());
         }

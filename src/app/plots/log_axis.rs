@@ -4,6 +4,8 @@ use egui_plot::{GridInput, GridMark};
 
 /// What a number takes of an axis, with some room about it (points).
 const NUMBER: f64 = 16.0;
+/// Half of its height.
+const END: f64 = 5.0;
 
 /// Lines at 1, 2 and 5 times the powers of ten, and at the digits between where little of a decade is seen.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
@@ -18,19 +20,25 @@ pub fn decades(input: GridInput) -> Vec<GridMark> {
     marks(low, high, &times.iter().map(|times| (*times, 1.0)).collect::<Vec<_>>())
 }
 
-/// Marks where decades have little room: strong lines at the powers of ten, faint ones at 2 and 5 times them, with
-/// numbers where those fit.
+/// Marks where decades have little room: strong lines at the powers of ten, faint ones at 2 and 5 times them, with numbers where
+/// those fit, and none at the ends, where they would lie on those of the next plot.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
 pub fn many_decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    let all = marks(low, high, &[(1.0, 1.0), (2.0, 0.3), (5.0, 0.3)]);
+    let per_point = super::per_point(&input);
+    let inside = low + END * per_point..=high - END * per_point;
     // Where a decade is lower than a number, every other one, or fewer, has one.
-    let every = (NUMBER * super::per_point(&input)).ceil().max(1.0);
-    let widened = |mark: GridMark| match mark.value % every == 0.0 {
-        true => GridMark { step_size: mark.step_size * every, ..mark },
-        false => mark,
+    let every = (NUMBER * per_point).ceil().max(1.0);
+    let first = inside.start().ceil();
+    let has_number =
+        |value: f64| inside.contains(&value) && (value - first).rem_euclid(every) < 1e-9;
+    let numbered = |mark: GridMark| match mark.step_size {
+        1.0 if has_number(mark.value) => GridMark { step_size: every, ..mark },
+        1.0 => GridMark { step_size: 0.3, ..mark },
+        _ => mark,
     };
-    all.into_iter().map(widened).collect()
+    let all = marks(low, high, &[(1.0, 1.0), (2.0, 0.3), (5.0, 0.3)]);
+    all.into_iter().map(numbered).collect()
 }
 
 fn marks(low: f64, high: f64, steps: &[(f64, f64)]) -> Vec<GridMark> {
@@ -56,5 +64,24 @@ pub fn number(log10: f64) -> String {
         v if v < 0.95 => format!("{v:.1}"),
         v if v < 9.5 && (v - v.round()).abs() > 0.05 => format!("{v:.1}"),
         v => format!("{v:.0}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(bounds: (f64, f64), height: f64) -> Vec<f64> {
+        let base_step_size = 8.0 * (bounds.1 - bounds.0) / height;
+        let marks = many_decades(GridInput { bounds, base_step_size });
+        marks.iter().filter(|mark| mark.step_size >= 1.0).map(|mark| mark.value).collect()
+    }
+
+    #[test]
+    fn a_low_axis_of_decades_has_a_number_that_is_not_at_its_end() {
+        assert_eq!(numbers((-2.2, 1.3), 90.0), [-2.0, -1.0, 0.0, 1.0]);
+        // The power of ten next to the end has no room, and the others not each.
+        assert_eq!(numbers((-1.8, 0.1), 30.0), [-1.0]);
+        assert_eq!(numbers((-3.5, 1.5), 40.0), [-3.0, -1.0]);
     }
 }

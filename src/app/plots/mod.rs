@@ -123,7 +123,7 @@ const LABELS: std::ops::RangeInclusive<f32> = 20.0..=34.0;
 /// Grid lines at 1, 2 or 5 times a power of ten, every one of which has room for its number, and four or five faint
 /// ones between.
 #[expect(clippy::needless_pass_by_value, reason = "egui_plot hands it over")]
-fn round_marks(input: GridInput) -> Vec<GridMark> {
+pub fn round_marks(input: GridInput) -> Vec<GridMark> {
     marks_apart(&input, 40.0)
 }
 

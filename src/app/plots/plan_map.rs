@@ -341,7 +341,7 @@ fn beside_the_way(middle: Pos2, size: Vec2, frame: Rect, way: &[Pos2]) -> Rect {
 fn handles(ui: &mut egui::Ui, state: &State, transform: &PlotTransform, commands: &mut Commands) {
     let plan = &state.planning.plan;
     let all = Handle::all(plan);
-    let radius = if all.len() > MANY { 0.5 * RADIUS } else { RADIUS };
+    let radius = if all.len() > MANY { 0.25 * RADIUS } else { RADIUS };
     let dark = ui.visuals().dark_mode;
     let frame = *transform.frame();
     for handle in all {
@@ -410,6 +410,8 @@ fn paint_handle(ui: &egui::Ui, handle: Handle, middle: Pos2, radius: f32, lit: b
             painter.text(above, egui::Align2::CENTER_BOTTOM, number, font, ink);
         }
         Handle::Waypoint { .. } => {
+            // Many of them must not hide the colours of the way.
+            let radius = if lit { radius.max(0.6 * RADIUS) } else { radius };
             painter.circle(middle, 0.8 * radius, ui.visuals().panel_fill, ring);
         }
         Handle::Middle(_) | Handle::Ramp(_) => {

@@ -3,8 +3,6 @@
 //! The rates stand on a logarithmic axis without their signs: outliers are a hundred times faster than driving, and the
 //! filter asks only how fast.
 
-use std::ops::RangeInclusive;
-
 use egui::{RichText, Stroke};
 use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
@@ -88,7 +86,7 @@ impl RatePlot<'_> {
         let (unit, scale) = (self.unit(), self.times.scale);
         let axis = strip
             .value_axis(self.quantity.name(), unit)
-            .formatter(|mark, range| number_inside(mark.value, range));
+            .formatter(|mark, _| log_axis::number(mark.value));
         let plot = Plot::new(("rates", self.open.id, self.quantity.symbol()))
             .y_grid_spacer(log_axis::many_decades)
             .label_formatter(move |position| match position {
@@ -252,13 +250,6 @@ impl RatePlot<'_> {
             commands.push(Command::Set(settings));
         }
     }
-}
-
-/// The number at a grid line; none at the ends, where it would stand on one of the plot above or below.
-fn number_inside(log10: f64, range: &RangeInclusive<f64>) -> String {
-    let margin = 0.08 * (range.end() - range.start());
-    let inside = (range.start() + margin..=range.end() - margin).contains(&log10);
-    if inside { log_axis::number(log10) } else { String::new() }
 }
 
 /// The reading's fate by the thresholds as they are now: the answer may still be on its way.

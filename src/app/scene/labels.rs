@@ -143,11 +143,11 @@ fn beside_its_point(
     let colour = theme::readable(label.colour, dark);
     let galley = painter.layout_no_wrap(label.text.clone(), FontId::proportional(size), colour);
     let place = match label.rank {
-        Rank::Station => placer.near(at, galley.size()),
+        Rank::Station | Rank::Direction => placer.near(at, galley.size()),
         _ => placer.beside(at, galley.size()),
     };
     if let Some(place) = place {
-        if label.rank == Rank::Station {
+        if matches!(label.rank, Rank::Station | Rank::Direction) {
             // Tracks and arrows may cross it, where stations stand among them.
             painter.add(ground_shape(place, dark));
         }

@@ -10,6 +10,7 @@ use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
+use crate::glossary::{self, Term};
 
 /// In a smaller picture the legend starts folded.
 const ROOM: Vec2 = Vec2::new(700.0, 420.0);
@@ -151,6 +152,20 @@ fn rows(
     }
 }
 
+/// What F1 explains of a row: what it shows and hides, and the words in its name.
+fn terms(name: &str) -> Vec<&'static Term> {
+    let what: Option<&'static Term> = match name {
+        name if name.starts_with("Show readings") => Some(&glossary::FATE),
+        name if name.starts_with("Show station") => Some(&glossary::STATION),
+        name if name.starts_with("Show the track of") => Some(&glossary::TRIPLET),
+        name if name.contains("tube") => Some(&glossary::TRAJECTORY),
+        _ => None,
+    };
+    let mut terms: Vec<&'static Term> = what.into_iter().collect();
+    terms.extend(glossary::in_text(name).into_iter().filter(|term| what != Some(*term)));
+    terms
+}
+
 fn small(text: &str) -> RichText {
     RichText::new(text).size(11.5).weak()
 }
@@ -167,7 +182,7 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
             ui.painter().rect_filled(rect, 3.0, fill);
         }
     }
-    words::mark_text(&response, &row.name);
+    words::mark(&response, &terms(&row.name));
     if !clickable {
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &row.name));
     }

@@ -129,7 +129,7 @@ pub fn ui(
     let response = ui.interact(rect, ui.scope_id().with("strip"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Status, true, all.join(" · ")));
     if !left_out.is_empty() {
-        response.on_hover_text(left_out.join("\n"));
+        response.on_hover_text_at_pointer(left_out.join("\n"));
     }
 }
 

@@ -23,6 +23,8 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::estimates::Judgement;
 
+/// What the folded legend takes of a picture's width, with the margins of both (points).
+const LEGEND_FOLDED: f32 = 116.0;
 /// Radius of the ring around what was picked, and around what would be (points).
 const PICKED_RING: f32 = 9.0;
 const HOVERED_RING: f32 = 6.0;
@@ -151,8 +153,11 @@ impl SceneView {
     ) -> Vec<Rect> {
         let Some((open, analysis)) = state.analysed() else { return Vec::new() };
         let mut over = Vec::new();
-        // The legend comes first for Tab; folded it leaves room for the controls beside it.
-        over.extend(legend::ui(ui, rect, (open, analysis), state, &self.content, commands));
+        // The legend comes first for Tab; folded it leaves room for the controls beside it, or stands below them.
+        let is_beside = rect.width() - self.controls_size.x > LEGEND_FOLDED;
+        let below = if is_beside || state.picturing { 0.0 } else { self.controls_size.y };
+        let picture = rect.with_min_y(rect.top() + below);
+        over.extend(legend::ui(ui, picture, (open, analysis), state, &self.content, commands));
         if !state.picturing {
             over.insert(0, controls::ui(ui, rect, &mut self.controls_size, state, commands));
         }

@@ -83,6 +83,16 @@ impl State {
         let Some(name) = self.name_of(id) else { return };
         let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
         let analysis = Arc::clone(&answered.analysis);
+        // While it grows, the paper's answer to what is new does not take the place of the joint estimate for a moment: what is
+        // said of an answer and what is drawn of it are of one.
+        if answered.joint_follows
+            && open.answered
+            && let Some(more) = open.more.as_ref()
+            && let Some(session) = self.live.session.as_ref().filter(|_| self.live.id == Some(id))
+        {
+            session.answered(Arc::clone(more), analysis, true);
+            return;
+        }
         let (first, joint_follows) = (!open.answered, answered.joint_follows);
         let before = open.summary.clone();
         if !open.take(answered) {

@@ -7,7 +7,7 @@ use crate::app::model::estimates::Shown;
 use crate::app::model::{Command, Commands, PlanCommand, Units};
 use crate::app::panels::result::badge;
 use crate::app::panels::{finding, heading, observability, scrolled};
-use crate::app::plots::{axis_below, bare_axis, close_marks, still};
+use crate::app::plots::{axis_below, bare_axis, close_marks, round_marks, still};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
@@ -61,7 +61,6 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 /// The verdict that the drive would end in, and its far end.
 fn head(ui: &mut egui::Ui, foreseen: &Prediction, target_mm: f64) {
     ui.horizontal_wrapped(|ui| {
-        words::explain(badge(ui, foreseen.verdict, 15.0), &glossary::VERDICT);
         let line = match &foreseen.held {
             Some(held) => {
                 let sigma_mm = 1e3 * held.far_end.sigma_m;
@@ -80,7 +79,11 @@ fn head(ui: &mut egui::Ui, foreseen: &Prediction, target_mm: f64) {
     });
     let minutes = foreseen.duration_s / 60.0;
     let length_m = foreseen.length_m;
-    ui.weak(format!("{minutes:.1} minutes · {length_m:.0} m"));
+    ui.horizontal_wrapped(|ui| {
+        ui.label("verdict of such a drive:");
+        words::explain(badge(ui, foreseen.verdict, 11.0), &glossary::VERDICT);
+        ui.weak(format!("{minutes:.1} minutes · {length_m:.0} m"));
+    });
 }
 
 /// σ of (x, y, z, yaw) of stations 2 and 3, with what most of each comes from.
@@ -116,6 +119,7 @@ fn table(ui: &mut egui::Ui, held: &Held, units: Units) {
 /// How well the vehicle's position will be known along the drive.
 fn along(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
     heading(ui, "σ of the vehicle along the way");
+    ui.small("At each instant, with the noise of its own readings; σ at the far end is what the calibration alone leaves open.");
     let mut pieces: Vec<Vec<[f64; 2]>> = vec![Vec::new()];
     for at in &foreseen.way {
         match at.position_sigma_m {
@@ -136,6 +140,7 @@ fn along(ui: &mut egui::Ui, foreseen: &Prediction, units: Units) {
         .height(PLOT)
         // Half of the last number stands beyond the plot.
         .width(ui.available_width() - ASIDE)
+        .x_grid_spacer(round_marks)
         .y_grid_spacer(close_marks)
         .custom_x_axes(vec![axis_below("time (s)")])
         .custom_y_axes(vec![bare_axis().label(RichText::new("σ position (mm)").small())])

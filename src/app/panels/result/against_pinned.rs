@@ -4,7 +4,7 @@ use egui::RichText;
 
 use super::difference_row;
 use crate::app::model::{Command, Commands, OpenDeployment, Pin, Units};
-use crate::app::panels::{heading, use_pinned};
+use crate::app::panels::{heading, number_head, use_pinned};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::calibration::moved_m;
@@ -74,8 +74,8 @@ fn transforms(
         |ui| {
             ui.label("now − pinned");
             for station in stations {
-                ui.strong(format!("T1{}", station.station));
-                ui.weak("in σ");
+                number_head(ui, &format!("T1{}", station.station), 8);
+                number_head(ui, "in σ", 4);
             }
             ui.end_row();
             for (axis, name) in ["x (mm)", "y (mm)", "z (mm)"].into_iter().enumerate() {

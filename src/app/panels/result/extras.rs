@@ -92,7 +92,7 @@ fn budget(ui: &mut egui::Ui, joint: &JointEstimate, units: Units) {
         for (index, transform) in ["T12", "T13"].into_iter().enumerate() {
             ui.strong(format!("σ of {transform}"));
             ui.weak("mostly from");
-            ui.weak("of all");
+            ui.weak("whole σ");
             ui.end_row();
             for (axis, name) in ["x", "y", "z", "yaw"].into_iter().enumerate() {
                 let Dominant { what, part, whole } = joint.dominant(4 * index + axis);

@@ -3,7 +3,7 @@
 use egui::RichText;
 
 use crate::app::model::Units;
-use crate::app::panels::{heading, minima, observability};
+use crate::app::panels::{heading, minima, number_head, observability};
 use crate::app::words;
 use crate::calibration::inter_prism::InterPrismDetails;
 use crate::calibration::static_gcp::StaticGcpDetails;
@@ -39,8 +39,8 @@ fn mirror(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
     };
     egui::Grid::new("mirror").num_columns(3).spacing([10.0, 2.0]).show(ui, |ui| {
         ui.label("");
-        ui.label("answer");
-        ui.label("twin");
+        number_head(ui, "answer", 8);
+        number_head(ui, "twin", 8);
         ui.end_row();
         for station in 1..3 {
             ui.label(format!("z of T1{} ({})", station + 1, units.length.name()));

@@ -2,7 +2,7 @@
 
 use egui::RichText;
 
-use crate::app::panels::heading;
+use crate::app::panels::{heading, number_head};
 use crate::app::words;
 use crate::calibration::Targets;
 use crate::deployment::{ControlPointSet, pair_label};
@@ -22,15 +22,15 @@ pub fn ui(ui: &mut egui::Ui, evaluation: &Evaluation, targets: Targets, sets: &[
     heading(ui, "Metrics (mm)");
     egui::Grid::new("metrics").num_columns(4).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {
         ui.label("");
-        ui.label("median");
-        words::explain(ui.label("IQR"), &glossary::IQR);
-        ui.label("n");
+        number_head(ui, "median", 7);
+        words::explain(number_head(ui, "IQR", 7), &glossary::IQR);
+        number_head(ui, "n", 6);
         ui.end_row();
         let row = |ui: &mut egui::Ui, name: RichText, term, spread: &Spread| {
             words::explain(ui.label(name), term);
             ui.monospace(format!("{:>7.2}", spread.median));
             ui.monospace(format!("{:>7.2}", spread.iqr));
-            ui.monospace(spread.n.to_string());
+            ui.monospace(format!("{:>6}", spread.n));
             ui.end_row();
         };
         let all = name(targets);

@@ -2,7 +2,7 @@
 
 use super::difference_row;
 use crate::app::model::{Command, Commands};
-use crate::app::panels::heading;
+use crate::app::panels::{heading, number_head};
 use crate::app::state::State;
 use crate::app::words;
 use crate::calibration::Calibration;
@@ -23,8 +23,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut 
             let label = ui.label(format!("joint − {name}"));
             words::explain_all(label, &[&glossary::JOINT, &glossary::INTER_PRISM]);
             for station in &moved {
-                ui.strong(format!("T1{}", station.station));
-                ui.weak("in σ");
+                number_head(ui, &format!("T1{}", station.station), 8);
+                number_head(ui, "in σ", 4);
             }
             ui.end_row();
             let [two, three] = &moved;

@@ -36,7 +36,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     let width = ui.available_width() - 24.0;
     // Columns that have no room are seen to go on.
-    ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
+    let thin = egui::style::ScrollStyle::thin();
+    ui.spacing_mut().scroll = egui::style::ScrollStyle { handle_min_length: 0.0, ..thin };
     egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
             let (columns, reference) = columns(state);
@@ -78,7 +79,7 @@ struct Table<'a> {
 
 impl Table<'_> {
     fn rows(&self, ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-        self.row(ui, "", |ui, column| title(ui, state, column, commands));
+        self.titles(ui, state, commands);
         if !state.results.pins.is_empty() {
             self.of_results(ui, "data", |ui, summary| {
                 let name = &summary.deployment;
@@ -123,6 +124,23 @@ impl Table<'_> {
             ui.monospace(summary.triplets.to_string());
         });
         self.row(ui, "settings", |ui, column| settings(ui, state, column, commands));
+    }
+
+    /// What each column is, and what its differences are against.
+    fn titles(&self, ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+        let against = &self.columns[self.reference].title;
+        ui.label("");
+        for (index, column) in self.columns.iter().enumerate() {
+            ui.scope(|ui| {
+                ui.set_max_width(self.column);
+                title(ui, state, column, commands);
+            });
+            if self.beside && index != self.reference {
+                let hint = format!("{} minus {against}", column.title);
+                ui.weak("difference").on_hover_text(hint);
+            }
+        }
+        ui.end_row();
     }
 
     /// A row with something for each column, which leaves the differences out.
