@@ -290,7 +290,9 @@ mod tests {
         let said = |moves: &[NextMove]| coach.sentence(Some(&outcome(1.0, 5.0, |_| ())), moves);
         assert!(said(&[one(Some(5e-3), 4.9e-3)]).contains("no manoeuvre from here gains 5 %"));
         let worth_it = [one(Some(5e-3), 4.9e-3), one(Some(5e-3), 3e-3)];
-        assert!(said(&worth_it).ends_with("drive a circle: 4.9 mm foreseen"));
+        assert!(said(&worth_it).ends_with("drive a circle: 3.0 mm foreseen"));
+        // Advice for an earlier answer that has been reached meanwhile is not given.
+        assert!(said(&[one(Some(11e-3), 4.9e-3)]).ends_with("turn more"));
         assert!(said(&[one(None, 4e-3)]).ends_with("drive a circle: 4.0 mm foreseen"));
     }
 

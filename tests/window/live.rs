@@ -3,6 +3,7 @@
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, LiveCommand, LiveForm, Pane};
+use resect::calibration::Method;
 
 use crate::common::sample_folder;
 use crate::harness::{LARGE, SMALL, Window, click, send, settle, shown, window};
@@ -73,6 +74,24 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
     // What was recorded is what is shown.
     let recorded = open.source.clone().expect("recorded").open(&Default::default()).expect("opens");
     assert_eq!(recorded.tracks, open.deployment.tracks);
+}
+
+/// The paper's answer to each snapshot comes first; drawn for a moment it would say something else than the sentence beside it.
+#[test]
+fn what_is_drawn_while_it_grows_is_of_the_answer_that_is_told() {
+    let mut harness = window(LARGE, Theme::Dark);
+    replay(&mut harness, None);
+    until(&mut harness, |window| has_answer(window) && shown(window).answered);
+    let readings = |window: &Window| shown(window).deployment.tracks[0].measurements.len();
+    let before = readings(&harness);
+    until(&mut harness, |window| {
+        let analysis = shown(window).analysis.as_ref().expect("answered");
+        let method = analysis.answer.as_ref().map(|answer| answer.calibration.method);
+        assert_eq!(method.ok(), Some(Method::Joint));
+        readings(window) > before + 60
+    });
+    let view = harness.state().state.live.view.clone().expect("live");
+    assert!(view.first.is_some(), "the paper's answers are followed all the same");
 }
 
 #[test]

@@ -55,7 +55,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     actions.extend(hiding(state));
     actions.extend(Colouring::ALL.into_iter().map(|colouring| {
         let name = format!("Colour by {}", colouring.title().to_lowercase());
-        view("Colours", &name, Command::Colour(colouring)).on(state.colouring == colouring)
+        view("Colours", &name, Command::Colour(colouring)).one_of(state.colouring == colouring)
     }));
     actions.extend(
         Pane::ALL.into_iter().map(|pane| view("Panes", pane.title(), Command::ShowPane(pane))),

@@ -28,6 +28,8 @@ const LEAST_NAMED: f32 = 26.0;
 const LINE: f32 = 15.0;
 /// Panes narrower than this have a line of its own for what is selected.
 const NARROW: f32 = 420.0;
+/// Narrower ones have no room for the names of their numbers.
+const SHORT: f32 = 260.0;
 /// Plots lower than this have room for a unit at their axis only.
 const LOW: f32 = 90.0;
 
@@ -163,7 +165,7 @@ fn words(
 ) {
     let hint = "|e|: the size of the error, apparent minus known distance. IQR: from its lower quartile to the upper. \
                 Scroll: zoom; right drag: move; double-click: all.";
-    let told = if ui.available_width() < NARROW { in_short } else { in_words };
+    let told = if ui.available_width() < SHORT { in_short } else { in_words };
     let part = selected.map(|spread| format!("selected: {}", told(spread)));
     let label = |ui: &mut egui::Ui, text: RichText| {
         ui.add(egui::Label::new(text.small()).truncate()).on_hover_text(hint);

@@ -94,7 +94,7 @@ fn cursor(
         lines[1] += &format!("  ± {} {small}", units.angle_sigma(orientation_rad));
     }
     // Trajectory has that of the joint estimate, which knows of more than three points.
-    lines[1] += ", of this triplet alone";
+    lines[1] += ", by one triplet";
     lines
 }
 
