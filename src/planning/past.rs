@@ -118,7 +118,7 @@ impl Plan {
             // Nobody says how high prisms stand above the ground: it lies at their own height here.
             ground: Ground {
                 height_m: rounded(height_m, 2),
-                slope_rms_rad: rounded(as_driven.slope_rms_rad, 4),
+                slope_rms_rad: rounded(as_driven.slope_rms_rad.to_degrees(), 2).to_radians(),
                 ..Ground::default()
             },
             rig: Rig {
@@ -140,12 +140,12 @@ impl Instrument {
     pub fn from_estimate(joint: &JointEstimate) -> Self {
         let levels = &joint.levels;
         Self {
-            range_mm: rounded(1e3 * levels.range_m(), 3),
+            range_mm: rounded(1e3 * levels.range_m(), 2),
             // What is learned is how many times the stated noise it is, share and constant alike.
-            range_ppm: rounded(1e3 * levels.range_m(), 3),
+            range_ppm: rounded(1e3 * levels.range_m(), 2),
             angle_arcsec: rounded(levels.angle_rad / ARCSECOND_RAD, 2),
             rate_hz: rounded(joint.solution.readings_hz(), 2),
-            stamp_jitter_ms: rounded(1e3 * levels.jitter_s, 3),
+            stamp_jitter_ms: rounded(1e3 * levels.jitter_s, 2),
             range_wander_mm: rounded(1e3 * joint.wander.sigma_m, 3),
             ..Self::default()
         }

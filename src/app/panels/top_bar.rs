@@ -25,6 +25,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     let height = ui.ctx().content_rect().height() - BELOW_A_MENU;
                     egui::ScrollArea::vertical()
                         .max_height(height)
+                        // A menu offers no more room than it had.
+                        .min_scrolled_height(height)
                         .show(ui, |ui| show_menu(ui, entries, commands));
                 });
             }

@@ -82,6 +82,6 @@ mod tests {
         assert_eq!(numbers((-2.2, 1.3), 90.0), [-2.0, -1.0, 0.0, 1.0]);
         // The power of ten next to the end has no room, and the others not each.
         assert_eq!(numbers((-1.8, 0.1), 30.0), [-1.0]);
-        assert_eq!(numbers((-3.5, 1.5), 40.0), [-3.0, -1.0]);
+        assert_eq!(numbers((-3.5, 1.5), 40.0), [-2.0, 0.0]);
     }
 }

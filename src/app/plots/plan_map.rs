@@ -21,7 +21,7 @@ const RADIUS: f32 = 5.5;
 /// Radius of the ring about the far end (points).
 const FAR_END: f32 = 9.0;
 /// Longer ways have smaller waypoints (how many there are).
-const MANY: usize = 60;
+const MANY: usize = 30;
 /// Length of the arrows along weak directions (points).
 const ARROW: f32 = 46.0;
 /// A turn of the wheel zooms by e over so many points.

@@ -82,7 +82,12 @@ impl Threshold<'_> {
     /// A bar as long as the threshold, from the left of a frame; its end is dragged.
     pub fn bar(&self, ui: &mut egui::Ui, frame: Rect, points_per_unit: f32) -> Option<f64> {
         let font = egui::TextStyle::Small.resolve(ui.style());
-        let galley = ui.painter().layout_no_wrap(self.label(), font, egui::Color32::PLACEHOLDER);
+        let lay_out = |text: String| {
+            ui.painter().layout_no_wrap(text, font.clone(), egui::Color32::PLACEHOLDER)
+        };
+        let whole = lay_out(self.label());
+        let is_room = whole.size().x + 3.0 * REACH < frame.width();
+        let galley = if is_room { whole } else { lay_out(self.symbol.to_owned()) };
         let left = frame.left_center() + Vec2::new(1.0, 0.0);
         let longest = (frame.width() - galley.size().x - 8.0).max(1.0);
         let end = left + Vec2::new((self.value as f32 * points_per_unit).min(longest), 0.0);

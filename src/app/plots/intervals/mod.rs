@@ -31,7 +31,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         time_plot::selection(ui, &times, commands);
         let (kept, short) = (open.plots.gaps.kept.len(), open.plots.gaps.short.len());
         let kept_s: f64 = analysis.pipeline.kept_intervals.iter().map(Interval::length_s).sum();
-        ui.small(format!("{kept} intervals kept ({kept_s:.0} s), {short} too short"));
+        let text = format!("{kept} intervals kept ({kept_s:.0} s), {short} too short");
+        ui.add(egui::Label::new(egui::RichText::new(text).small()).truncate());
         time_plot::hint(ui, "");
     });
     let whole = ui.available_rect_before_wrap();
