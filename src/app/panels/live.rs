@@ -105,7 +105,8 @@ fn headline(ui: &mut egui::Ui, view: &View) {
                 let sigma = format!("± {:.1} mm", far_end.sigma_m * 1e3);
                 ui.label(RichText::new(sigma).size(LARGE).strong());
                 ui.label(
-                    RichText::new(format!("target {:.1} mm", view.target_m * 1e3)).size(MIDDLE),
+                    RichText::new(format!("target\u{a0}{:.1}\u{a0}mm", view.target_m * 1e3))
+                        .size(MIDDLE),
                 );
             }
             None => {

@@ -123,7 +123,14 @@ pub fn paint(
         text_at(painter, placer, name.at, name.text, 10.0, colour);
     }
     for label in points {
+        let before = placer.spared.len();
+        if label.rank == Rank::Direction {
+            // On a ground of their own, they would hide what was driven.
+            let outline = content.outline_m.iter().filter_map(|place_m| projection.screen(place_m));
+            placer.spared.extend(outline.map(|at| Rect::from_center_size(at, STATION)));
+        }
         beside_its_point(painter, projection, placer, label, 10.5, dark);
+        placer.spared.truncate(before);
     }
     for number in numbers {
         text_at(painter, placer, number.at, number.text, 10.0, colour);

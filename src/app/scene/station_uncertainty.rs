@@ -66,7 +66,8 @@ pub fn add_weak_directions(
     shown: &[bool; 3],
 ) {
     let Some(extent_m) = extent_m(content) else { return };
-    for direction in observed.directions.iter().filter(|d| d.hold != Hold::Held) {
+    // Names are placed from the last to the first: what is least held, which sentences name, must find room.
+    for direction in observed.directions.iter().rev().filter(|d| d.hold != Hold::Held) {
         let colour = palette::hold(direction.hold);
         let moves = direction.motion.map(|motion| motion.translation_m.norm());
         let most = moves[0].max(moves[1]);
