@@ -108,7 +108,7 @@ impl Finding {
     }
 }
 
-/// What speaks against an answer among its findings: problems, then warnings.
+/// Gives what speaks against an answer among its findings: problems, then warnings.
 pub fn doubts(findings: &[Finding]) -> Vec<&Finding> {
     let mut doubts: Vec<&Finding> =
         findings.iter().filter(|finding| finding.severity > Severity::Note).collect();

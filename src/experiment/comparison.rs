@@ -181,9 +181,8 @@ fn group(method: Method, index: usize, each: &[(Compared, [BothErrors; METHODS])
     Group {
         label: method.label(),
         note: match (solved, each.len()) {
-            // Where both boxes would stand, it says so.
-            (0, _) => String::new(),
-            (_, 1) => String::new(),
+            // Where no box can stand, its place says why.
+            (0, _) | (_, 1) => String::new(),
             (solved, all) => format!("{solved} of {all} deployments"),
         },
         boxes: (0..2)

@@ -56,7 +56,7 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// "weak: station 2's clock seems late".
+    /// Tells the verdict and what speaks most against the answer: "weak: station 2's clock seems late".
     pub fn verdict_and_reason(&self) -> String {
         let why = self.reason.as_ref().map_or(String::new(), |why| format!(": {why}"));
         format!("{}{why}", self.verdict_in_words)

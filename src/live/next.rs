@@ -103,7 +103,7 @@ fn moves(
     found.ok().flatten().map_or_else(Vec::new, |advice| advice.moves)
 }
 
-/// Whether manoeuvres are known, and none makes σ at the far end smaller by [`LITTLE`].
+/// Tells whether manoeuvres are known, and none makes σ at the far end smaller by [`LITTLE`].
 pub fn gain_little(moves: &[NextMove]) -> bool {
     let gains = |one: &NextMove| {
         one.before_m.is_none_or(|before_m| one.after_m < (1.0 - LITTLE) * before_m)

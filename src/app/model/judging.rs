@@ -93,8 +93,8 @@ impl Judging {
         added
     }
 
-    /// What is judged once a step from some to others is taken, back or again: what a session brought meanwhile, which is no step,
-    /// stays.
+    /// Gives what is judged once a step from some to others is taken, back or again: what a session brought meanwhile, which is no
+    /// step, stays.
     pub fn after_step(&self, from: &[Added], to: Vec<Added>) -> Vec<Added> {
         let is_among = |some: &[Added], one: &Added| {
             some.iter().any(|other| other.estimate.is_same(&one.estimate))

@@ -154,8 +154,8 @@ impl OpenDeployment {
             return false;
         };
         let Answered { analysis, plots, clouds, joint_follows, .. } = answered;
-        let grows = self.more.is_some();
-        let follows = grows && self.timeline.cursor_s.is_some_and(|at_s| at_s >= self.now_s());
+        let follows =
+            self.more.is_some() && self.timeline.cursor_s.is_some_and(|at_s| at_s >= self.now_s());
         if let Some(more) = self.more.take() {
             self.grow(more);
         }
@@ -181,7 +181,7 @@ impl OpenDeployment {
         true
     }
 
-    /// The newest instant (s): that of the last triplet, or of the last reading where the prisms are not seen together any more. A
+    /// Gives the newest instant (s): that of the last triplet, or of the last reading where the prisms are not seen together any more. A
     /// cursor that is there goes along while the deployment grows.
     pub fn now_s(&self) -> f64 {
         let end_s = self.timeline.whole_s[1];

@@ -89,7 +89,7 @@ impl Planning {
     }
 }
 
-/// "figure-eight", or where a plan has several "figure-eight 2".
+/// Names a piece of a plan: "figure-eight", or where there are several "figure-eight 2".
 pub fn manoeuvre_name(plan: &Plan, piece: usize) -> String {
     let kind = |piece: &Piece| match piece {
         Piece::FigureEight(_) => "figure-eight",
@@ -121,7 +121,6 @@ impl Handle {
 
     /// How people call it.
     pub fn name(self, plan: &Plan) -> String {
-        let piece_name = |piece: usize| manoeuvre_name(plan, piece);
         match self {
             Self::Station(station) => format!("station {}", station + 1),
             Self::Waypoint { piece, index } => {
@@ -131,8 +130,8 @@ impl Handle {
                 });
                 format!("waypoint {}", before.sum::<usize>() + index + 1)
             }
-            Self::Middle(piece) => format!("middle of the {}", piece_name(piece)),
-            Self::Tip(piece) => format!("tip of the {}", piece_name(piece)),
+            Self::Middle(piece) => format!("middle of the {}", manoeuvre_name(plan, piece)),
+            Self::Tip(piece) => format!("tip of the {}", manoeuvre_name(plan, piece)),
             Self::Ramp(index) => format!("ramp {}", index + 1),
         }
     }

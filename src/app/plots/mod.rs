@@ -37,7 +37,7 @@ use crate::app::theme;
 use crate::deployment::pair_label;
 use crate::palette;
 
-/// A faint sentence where there is nothing else to show; its lines are not stretched, however narrow the pane is.
+/// Shows a faint sentence where there is nothing else to show; its lines are not stretched, however narrow the pane is.
 pub fn in_the_middle(ui: &mut egui::Ui, text: &str) {
     let height = ui.available_height();
     ui.vertical_centered(|ui| {
@@ -133,7 +133,7 @@ pub fn close_marks(input: GridInput) -> Vec<GridMark> {
     marks_apart(&input, 20.0)
 }
 
-/// The next round number that is not above a positive one.
+/// Gives the next round number that is not above a positive one.
 fn round_below(most: f64) -> f64 {
     let decade = 10_f64.powf(most.log10().floor());
     let digits = [5.0, 4.0, 3.0, 2.0].into_iter().find(|times| times * decade <= most);

@@ -315,7 +315,7 @@ fn paint_far_end(
     painter.galley(ground.min + Vec2::splat(2.0), galley, colour);
 }
 
-/// Where a label beside a place covers the least of the way, within a frame; the nearest of such places.
+/// Finds where a label beside a place covers the least of the way, within a frame; the nearest of such places.
 fn beside_the_way(middle: Pos2, size: Vec2, frame: Rect, way: &[Pos2]) -> Rect {
     const OUT: f32 = 14.0;
     let half = 0.5 * size + Vec2::splat(2.0);

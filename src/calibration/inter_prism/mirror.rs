@@ -32,7 +32,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// The same choice with another fit of its answer: what costs are said to be is over that one's.
+    /// Gives the same choice with another fit of its answer: what costs are said to be is over that one's.
     pub fn with_answer(self, answer: Basin) -> Self {
         let Some(twin) = self.mirror.twin else { return Self { answer, ..self } };
         let witness = match self.mirror.resolved_by {

@@ -184,8 +184,8 @@ fn at(
     Ok(reference.at(Instants::At(&times_s))?)
 }
 
-/// How many times as long as the ground truth's the estimate's ways are, where that is no drift but another unit, or one camera
-/// alone: the median over ways of some metres, whatever the two frames and errors are.
+/// Tells how many times as long as the ground truth's the estimate's ways are, where that is no drift but another unit, or one
+/// camera alone: the median over ways of some metres, whatever the two frames and errors are.
 fn times_longer(pairs: &[(&EstimatedPose, &True)]) -> Option<f64> {
     const WAY_M: f64 = 2.0;
     const DRIFT: f64 = 1.1;

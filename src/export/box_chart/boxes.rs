@@ -46,7 +46,7 @@ impl Slots {
         Self { left, slot, unit, half_box, numbers }
     }
 
-    /// How far boxes stand from the middle of their shares, to leave room for their numbers.
+    /// Tells how far boxes stand from the middle of their shares, to leave room for their numbers.
     pub fn aside(&self) -> f32 {
         let numbers = self.numbers.as_ref();
         numbers.map_or(0.0, |it| (0.5 * self.unit - it.widest - 5.0 - self.half_box).min(0.0))
