@@ -147,3 +147,21 @@ fn a_picture_of_the_scene_has_no_buttons() {
     harness.run_steps(1);
     assert!(harness.query_by_label("Colour by").is_some());
 }
+
+/// A tab can be dragged to be as small as a border lets it, and egui's own checks see widths below nothing.
+#[test]
+fn a_pane_of_any_size_breaks_nothing() {
+    let mut harness = window(SMALL, Theme::Dark);
+    send(&mut harness, Command::Pin);
+    for preset in LayoutPreset::ALL {
+        send(&mut harness, Command::UseLayout(preset));
+        for pane in Pane::ALL {
+            send(&mut harness, Command::ShowPane(pane));
+            for side in [300.0, 180.0, 120.0, 90.0, 60.0, 30.0] {
+                harness.set_size(Vec2::splat(side));
+                harness.run_steps(1);
+            }
+            harness.set_size(SMALL);
+        }
+    }
+}

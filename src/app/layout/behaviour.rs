@@ -14,6 +14,8 @@ use crate::glossary;
 /// Side of the cross that closes a tab, and its distance from the title (points).
 const CROSS_POINTS: f32 = 12.0;
 const CROSS_GAP_POINTS: f32 = 4.0;
+/// Below this nothing of a pane can be read, and what its margins leave is less than nothing (points).
+const LEAST_PANE: egui::Vec2 = vec2(64.0, 32.0);
 
 /// What the user did to the layout in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,7 +43,14 @@ pub const SIMPLIFICATION: SimplificationOptions = SimplificationOptions {
 
 impl Behavior<Pane> for PaneBehaviour<'_> {
     fn pane_ui(&mut self, ui: &mut egui::Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
-        (self.draw)(*pane, ui);
+        let room = ui.available_size();
+        if room.x >= LEAST_PANE.x && room.y >= LEAST_PANE.y {
+            (self.draw)(*pane, ui);
+        } else {
+            let (place, colour) = (ui.max_rect(), ui.visuals().weak_text_color());
+            let font = TextStyle::Body.resolve(ui.style());
+            ui.painter().text(place.center(), Align2::CENTER_CENTER, "…", font, colour);
+        }
         UiResponse::None
     }
 
