@@ -49,12 +49,7 @@ fn running(ui: &mut egui::Ui, state: &State, view: &View, commands: &mut Command
     ui.horizontal_wrapped(|ui| {
         let mut target_mm = state.live.form.target_mm;
         ui.label("Target");
-        let drag =
-            egui::DragValue::new(&mut target_mm).range(0.1..=100.0).speed(0.05).suffix(" mm");
-        let drag =
-            ui.add(drag).on_hover_text("What σ has to come down to at the far end of the track");
-        let drag = drag.accessible_name("Target at the far end");
-        if drag.changed() {
+        if form::target(ui, &mut target_mm).changed() {
             let form = LiveForm { target_mm, ..state.live.form.clone() };
             commands.push(Command::Live(LiveCommand::Edit(form)));
         }

@@ -6,6 +6,7 @@ use egui::RichText;
 
 use crate::app::model::live::{LiveCommand, LiveForm};
 use crate::app::model::{Command, Commands};
+use crate::app::panels::number;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::deployment::{Severity, Source};
@@ -43,8 +44,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     });
     ui.horizontal(|ui| {
         ui.label("Target at the far end of the track");
-        let target = egui::DragValue::new(&mut form.target_mm).range(0.1..=100.0).speed(0.05);
-        ui.add(target.suffix(" mm")).accessible_name("Target at the far end");
+        target(ui, &mut form.target_mm);
     });
     ui.add_space(8.0);
     ui.horizontal(|ui| {
@@ -65,6 +65,16 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         // Before what else was asked: it goes by what stands in the form.
         commands.insert(0, Command::Live(LiveCommand::Edit(form)));
     }
+}
+
+/// What σ has to come down to, before and during a drive.
+pub fn target(ui: &mut egui::Ui, target_mm: &mut f64) -> egui::Response {
+    let (name, unit, range) = ("Target at the far end", " mm", 0.1..=100.0);
+    let field = number::field(ui, (name, unit), target_mm, range.clone(), |ui, target, parse| {
+        let target = egui::DragValue::new(target).range(range).speed(0.05).suffix(unit);
+        ui.add(target.custom_parser(parse).custom_formatter(number::shown)).accessible_name(name)
+    });
+    field.on_hover_text("What σ has to come down to at the far end of the track")
 }
 
 fn source(ui: &mut egui::Ui, form: &mut LiveForm, commands: &mut Commands) {
@@ -90,9 +100,11 @@ fn source(ui: &mut egui::Ui, form: &mut LiveForm, commands: &mut Commands) {
             commands.push(Command::Live(LiveCommand::ChooseReplay));
         }
         ui.label("faster by");
-        let speed =
-            egui::DragValue::new(&mut form.speed).range(0.1..=1000.0).speed(0.1).prefix("×");
-        ui.add(speed).accessible_name("Speed of the replay");
+        let (name, range) = ("Speed of the replay", 0.1..=1000.0);
+        number::field(ui, (name, ""), &mut form.speed, range.clone(), |ui, speed, parse| {
+            let speed = egui::DragValue::new(speed).range(range).speed(0.1).prefix("×");
+            ui.add(speed.custom_parser(parse).custom_formatter(number::shown)).accessible_name(name)
+        });
     });
 }
 

@@ -69,10 +69,10 @@ fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails, units: Units) {
     let widest =
         |values: &[f64]| values.last().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3));
     egui::Grid::new("pairs").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+        ui.label("points").on_hover_text("Markers of the two points");
         let apart = format!("apart ({})", units.length.name());
-        for (name, hint) in [
-            ("points", "Markers of the two points"),
-            (&apart, "Known distance between them"),
+        let heads = [
+            (apart.as_str(), "Known distance between them"),
             (
                 "left out (mm)",
                 "Largest distance between what the stations make of a point left out",
@@ -81,23 +81,23 @@ fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails, units: Units) {
                 "known (mm)",
                 "Largest distance of a point left out to its known position, mean of the stations",
             ),
-        ] {
-            ui.label(name).on_hover_text(hint);
+        ];
+        for (name, hint) in heads {
+            number_head(ui, name, name.len()).on_hover_text(hint);
         }
         ui.end_row();
         for (index, pair) in details.pairs.iter().enumerate() {
             let name = format!("{}–{}", pair.markers[0], pair.markers[1]);
             let chosen = index == details.chosen;
-            let cell = |text: String| {
-                let text = RichText::new(text).monospace();
-                if chosen { text.strong() } else { text }
-            };
-            ui.label(cell(name));
-            ui.label(cell(units.length(pair.baseline_m)));
-            ui.label(cell(widest(&pair.left_out_m)));
+            let bold = |text: RichText| if chosen { text.strong() } else { text };
             let known =
                 pair.largest_from_known_m().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3));
-            ui.label(cell(known));
+            let numbers = [units.length(pair.baseline_m), widest(&pair.left_out_m), known];
+            ui.label(bold(RichText::new(name)));
+            for (number, (head, _)) in numbers.into_iter().zip(heads) {
+                let width = head.len();
+                ui.label(bold(RichText::new(format!("{number:>width$}")).monospace()));
+            }
             ui.end_row();
         }
     });

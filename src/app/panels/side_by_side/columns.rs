@@ -9,6 +9,9 @@ use crate::evaluation::Spread;
 use crate::export::difference::{Deviation, ResultDifference};
 use crate::export::summary::ResultSummary;
 
+/// Stations of other readings that stand farther apart in plan than this were set up elsewhere (m).
+const ELSEWHERE_M: f64 = 1.0;
+
 pub struct Column<'a> {
     pub title: String,
     pub whose: Whose,
@@ -36,6 +39,7 @@ pub struct Cell {
 pub struct Difference {
     /// With its sign and unit.
     pub text: String,
+    /// None also where the stations were set up elsewhere.
     pub sigmas: Option<f64>,
 }
 
@@ -85,6 +89,25 @@ pub fn transforms(columns: &[Column<'_>], reference: usize, units: Units) -> Vec
     columns.iter().enumerate().map(cells).collect()
 }
 
+/// Whether a result is of a set-up at another place, so that how it differs is no error of either.
+///
+/// In plan, because the mirror twin of one set-up differs in height only.
+fn is_elsewhere(against: &ResultSummary, summary: &ResultSummary) -> bool {
+    let apart = ResultDifference::between(against, summary).stations;
+    let far = apart.iter().any(|station| {
+        let [x, y, _] = station.translation_m;
+        x.value.hypot(y.value) > ELSEWHERE_M
+    });
+    far && !against.has_same_data(summary)
+}
+
+/// Whether any column is of a set-up at another place than the one that the others are held against.
+pub fn any_elsewhere(columns: &[Column<'_>], reference: usize) -> bool {
+    let against = columns.get(reference).and_then(Column::summary);
+    let of = |summary| against.is_some_and(|against| is_elsewhere(against, summary));
+    columns.iter().filter_map(Column::summary).any(of)
+}
+
 fn of_summary(summary: &ResultSummary, against: Option<&ResultSummary>, units: Units) -> Vec<Cell> {
     let numbers = summary.stations.iter().flat_map(|station| {
         let sigma = |place: usize| station.sigma.map(|sigma| sigma[place]);
@@ -95,11 +118,12 @@ fn of_summary(summary: &ResultSummary, against: Option<&ResultSummary>, units: U
     let differences = against.map(|against| {
         let difference = ResultDifference::between(against, summary);
         let both = |k: usize| against.stations[k].sigma.and(summary.stations[k].sigma).is_some();
+        let is_elsewhere = is_elsewhere(against, summary);
         let of = |k: usize| {
             let station = difference.stations[k];
             let told = |text: String, deviation: Deviation| Difference {
                 text,
-                sigmas: deviation.sigmas.filter(|_| both(k)),
+                sigmas: deviation.sigmas.filter(|_| both(k) && !is_elsewhere),
             };
             let length = |along: Deviation| {
                 told(format!("{} mm", units.length_difference(along.value)), along)

@@ -59,6 +59,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     "± one standard deviation. Differences are against {against}; in σ where both σ are known: of the \
                      column's own where both come from the same readings, else of both together."
                 ));
+                if columns::any_elsewhere(&table.columns, table.reference) {
+                    ui.small("Stations that were set up elsewhere have no σ of their difference.");
+                }
             } else {
                 ui.small("± one standard deviation. Pinned results and other open deployments stand beside it.");
             }
