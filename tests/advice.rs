@@ -379,6 +379,10 @@ fn who_follows_the_advice_reaches_two_millimetres_sooner() {
 /// Advised drives take 71 s on average and the presets' own 95 s: 74 %, from 45 to 109 % each. 60 % is not had: both begin with the
 /// same 20 s, of which the vehicle stands for 8, and the manoeuvre that has every direction held takes about 40 s. On top of these 60 s
 /// often comes another one, because less was read than foreseen: what was to leave 1.9 mm leaves 2.3 where a lock is lost.
+///
+/// Twenty drives tell the share to 4 %: over sixty it is 80 %. Of these 77 % are left where manoeuvres are foreseen with locks lost
+/// at random, thrice each, and as many where τ_l is 2 to 3 s; an earlier or later first advice, another speed (0.75 to 1.6 times) or
+/// another order of manoeuvres (what reaches the target soonest, open directions weighed against seconds) gain nothing.
 #[test]
 #[ignore = "a minute; prints the table"]
 fn who_follows_the_advice_reaches_two_millimetres_sooner_over_twenty_drives() {

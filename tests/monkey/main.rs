@@ -7,9 +7,10 @@
 //! cargo test --release --test monkey -- --ignored --nocapture     # an hour, or RESECT_MONKEY_MINUTES
 //! RESECT_MONKEY_SEED=17 cargo test --test monkey a_monkey_breaks_nothing_in_a_short_while
 //! ```
-//! The second plays one life again; what ran beside the window may come at other frames. RESECT_MONKEY_TRACE=1 prints
-//! every act before it is done. `Open in Rerun` alone is left out (`dice::LEFT_OUT`), because it starts another program;
-//! links are never followed, for nothing here listens to what the window asks of the system.
+//! Without `--release` the hour has egui's own checks as well, and compares no memory. The second plays one life again;
+//! what ran beside the window may come at other frames. RESECT_MONKEY_TRACE=1 prints every act before it is done.
+//! `Open in Rerun` alone is left out (`dice::LEFT_OUT`), because it starts another program; links are never followed, for
+//! nothing here listens to what the window asks of the system.
 
 mod act;
 mod dice;
@@ -86,7 +87,10 @@ fn a_monkey_breaks_nothing_for_an_hour() {
                 break;
             }
         }
-        assert_no_growth(&sizes_mb, MOST_GROWTH_MB);
+        // With its own checks on, egui keeps the source of every id that it ever gave: 2 MB a life.
+        if !cfg!(debug_assertions) {
+            assert_no_growth(&sizes_mb, MOST_GROWTH_MB);
+        }
     });
 }
 

@@ -266,7 +266,11 @@ fn each_open_deployment_keeps_its_settings() {
         assert_eq!(harness.state().state.open.len(), 2);
         show(&mut harness, Pane::SideBySide);
         assert!(harness.query_by_label_contains("set up elsewhere").is_some());
-        assert_eq!(harness.query_all_by_label_contains(" σ)").count(), 0, "two places are no error");
+        assert_eq!(
+            harness.query_all_by_label_contains(" σ)").count(),
+            0,
+            "two places are no error"
+        );
         snapshot_of(&mut harness, Part::Pane(Pane::SideBySide), name);
         harness.get_all_by_label("warthog (simulated)").next().expect("listed").click();
         settle(&mut harness);
