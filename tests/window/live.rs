@@ -60,6 +60,7 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
     let fates = analysis.pipeline.fates.each_ref().map(|fates| fates.each.len());
     let tracks = shown(&harness).deployment.tracks.each_ref().map(|t| t.measurements.len());
     assert_eq!(fates, tracks, "answer and readings belong together");
+    assert!(harness.query_all_by_label_contains(" (live)").count() > 0, "named as what it is");
     // Beside σ, and in the legend of its curve.
     harness.get_by_label_contains("target 2.0 mm");
     harness.get_by_label_contains("target\u{a0}2.0\u{a0}mm");
