@@ -185,8 +185,11 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles
                 let colour = open.judging.of(&one.estimate).map_or(0, |added| added.colour);
                 let colour = theme::readable(palette::estimate(colour), ui.visuals().dark_mode);
                 let name = short::of_trajectory(ui, &one.estimate.name);
-                ui.label(RichText::new(name).color(colour).strong())
-                    .on_hover_text(&one.estimate.name);
+                // Above where its numbers end.
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    ui.label(RichText::new(name).color(colour).strong())
+                        .on_hover_text(&one.estimate.name);
+                });
             }
             ui.end_row();
             let rows = rows(judgement, angles);
@@ -198,7 +201,8 @@ fn table(ui: &mut egui::Ui, open: &OpenDeployment, judgement: &Judgement, angles
                 words::explain_text(ui.small(label), label);
                 for (cell, width) in cells.iter().zip(&widths) {
                     // Numbers end under each other.
-                    ui.label(RichText::new(format!("{cell:>width$}")).monospace().small());
+                    let text = RichText::new(format!("{cell:>width$}"));
+                    ui.label(text.small().family(egui::FontFamily::Monospace));
                 }
                 ui.end_row();
             }

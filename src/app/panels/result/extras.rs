@@ -28,7 +28,7 @@ pub fn ui(
     };
     egui::CollapsingHeader::new(title).id_salt("extras").show(ui, |ui| {
         table(ui, &extras, units);
-        ui.small("Bold: told from zero. Known before: one σ without this drive.");
+        ui.small("→ told from zero. Known before: one σ without this drive.");
     });
     if let Some(joint) = calibration.joint() {
         let header = egui::CollapsingHeader::new("What σ comes from").id_salt("budget");
@@ -55,9 +55,9 @@ fn table(ui: &mut egui::Ui, extras: &[Extra], units: Units) {
                 ui.strong(of);
                 ui.end_row();
             }
-            ui.label(format!("  {}", extra.name));
-            let cell = RichText::new(cell).monospace().size(11.0);
-            ui.label(if extra.notable { cell.strong() } else { cell });
+            let mark = if extra.notable { "→" } else { "" };
+            ui.label(format!("  {} {mark}", extra.name));
+            ui.label(RichText::new(cell).monospace().size(11.0));
             let prior =
                 extra.prior.map_or("–".to_owned(), |sigma| units.prior(extra.quantity, sigma));
             ui.small(format!("± {prior}"));

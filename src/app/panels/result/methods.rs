@@ -1,6 +1,5 @@
 //! What only one method knows: the mirror twin of D, the pairs of A, the frame of B.
 
-use egui::RichText;
 
 use crate::app::model::Units;
 use crate::app::panels::{heading, minima, number_head, observability};
@@ -87,21 +86,20 @@ fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails, units: Units) {
         }
         ui.end_row();
         for (index, pair) in details.pairs.iter().enumerate() {
-            let name = format!("{}–{}", pair.markers[0], pair.markers[1]);
-            let chosen = index == details.chosen;
-            let bold = |text: RichText| if chosen { text.strong() } else { text };
+            let chosen = if index == details.chosen { "→" } else { "" };
+            let name = format!("{}–{} {chosen}", pair.markers[0], pair.markers[1]);
             let known =
                 pair.largest_from_known_m().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3));
             let numbers = [units.length(pair.baseline_m), widest(&pair.left_out_m), known];
-            ui.label(bold(RichText::new(name)));
+            ui.label(name);
             for (number, (head, _)) in numbers.into_iter().zip(heads) {
                 let width = head.len();
-                ui.label(bold(RichText::new(format!("{number:>width$}")).monospace()));
+                ui.monospace(format!("{number:>width$}"));
             }
             ui.end_row();
         }
     });
-    ui.small("Bold: the pair that the answer comes from.");
+    ui.small("→ the pair that the answer comes from");
 }
 
 fn static_gcp(ui: &mut egui::Ui, details: &StaticGcpDetails, units: Units) {
