@@ -55,8 +55,8 @@ fn table(ui: &mut egui::Ui, extras: &[Extra], units: Units) {
                 ui.strong(of);
                 ui.end_row();
             }
-            let mark = if extra.notable { "→" } else { "" };
-            ui.label(format!("  {} {mark}", extra.name));
+            let mark = if extra.notable { " →" } else { "" };
+            ui.label(format!("  {}{mark}", extra.name));
             ui.label(RichText::new(cell).monospace().size(11.0));
             let prior =
                 extra.prior.map_or("–".to_owned(), |sigma| units.prior(extra.quantity, sigma));

@@ -1,6 +1,5 @@
 //! What only one method knows: the mirror twin of D, the pairs of A, the frame of B.
 
-
 use crate::app::model::Units;
 use crate::app::panels::{heading, minima, number_head, observability};
 use crate::app::words;
@@ -86,8 +85,8 @@ fn two_point(ui: &mut egui::Ui, details: &TwoPointDetails, units: Units) {
         }
         ui.end_row();
         for (index, pair) in details.pairs.iter().enumerate() {
-            let chosen = if index == details.chosen { "→" } else { "" };
-            let name = format!("{}–{} {chosen}", pair.markers[0], pair.markers[1]);
+            let chosen = if index == details.chosen { " →" } else { "" };
+            let name = format!("{}–{}{chosen}", pair.markers[0], pair.markers[1]);
             let known =
                 pair.largest_from_known_m().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3));
             let numbers = [units.length(pair.baseline_m), widest(&pair.left_out_m), known];
