@@ -53,7 +53,7 @@ fn a_station_is_dragged_and_what_is_foreseen_follows() {
     let (before, before_m) = (plan(&harness).clone(), far_end_m(&harness));
     assert!((0.0005..0.02).contains(&before_m), "{before_m}");
     // The verdict beside it is good; whether it is good enough is another question.
-    harness.get_by_label_contains("mm at the far end misses the wanted 2.0 mm");
+    harness.get_by_label_contains("mm at the far end misses the wanted 2.0\u{a0}mm");
     harness.get_by_label("x of T12");
     snapshot_of(&mut harness, Part::Pane(Pane::PlanMap), "plan-dark");
 

@@ -253,10 +253,42 @@ pub fn with_sign(value: f64, decimals: usize) -> String {
     if zero || text.starts_with('-') { text } else { format!("+{text}") }
 }
 
+/// A sentence in which no line ends between a number and its unit, after ± or σ, or at an arrow.
+pub fn unbroken(sentence: &str) -> String {
+    const UNITS: [&str; 15] = [
+        "m", "mm", "km", "s", "ms", "min", "rad", "mrad", "µrad", "deg", "gon", "mgon", "ppm",
+        "Hz", "%",
+    ];
+    let mut words = sentence.split(' ');
+    let mut before = words.next().unwrap_or_default();
+    let mut text = before.to_owned();
+    for word in words {
+        let is_unit = UNITS.contains(&word.trim_end_matches([',', ';', '.', ':', ')']));
+        let of_number = before.ends_with(|c: char| c.is_ascii_digit()) && is_unit;
+        let to_number =
+            before.ends_with(['±', 'σ', '→']) && word.starts_with(|c: char| c.is_ascii_digit());
+        text.push(if of_number || to_number || word == "→" { '\u{a0}' } else { ' ' });
+        text.push_str(word);
+        before = word;
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::f64::consts::PI;
+
+    #[test]
+    fn numbers_keep_their_units() {
+        let plain = |text: &str| unbroken(text).replace('\u{a0}', "_");
+        assert_eq!(
+            plain("once more: 5.6 → 3.7 mm, 200 s more (σ 3.0 mm) in 2 places"),
+            "once more: 5.6_→_3.7_mm, 200_s more (σ_3.0_mm) in 2 places"
+        );
+        assert_eq!(plain("a  b"), "a  b", "blanks stay");
+        assert_eq!(plain(""), "");
+    }
 
     #[test]
     fn a_right_angle_in_each_unit() {

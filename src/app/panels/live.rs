@@ -7,6 +7,7 @@ use egui::{Color32, RichText, Vec2};
 
 use super::scrolled;
 use crate::app::model::live::{LiveCommand, LiveForm};
+use crate::app::model::units::unbroken;
 use crate::app::model::{Command, Commands};
 use crate::app::plots::live_sigma;
 use crate::app::state::State;
@@ -63,7 +64,7 @@ fn running(ui: &mut egui::Ui, state: &State, view: &View, commands: &mut Command
 /// What is told, the most important first.
 fn told(ui: &mut egui::Ui, view: &View) {
     headline(ui, view);
-    let sentence = RichText::new(&view.sentence).size(MIDDLE);
+    let sentence = RichText::new(unbroken(&view.sentence)).size(MIDDLE);
     ui.add(egui::Label::new(sentence).wrap());
     ui.add_space(4.0);
     for warning in &view.warnings {

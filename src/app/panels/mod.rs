@@ -33,6 +33,7 @@ pub mod top_bar;
 pub mod validation;
 
 use crate::app::actions::remedies;
+use crate::app::model::units::unbroken;
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::app::theme;
@@ -67,7 +68,7 @@ fn finding(ui: &mut egui::Ui, state: &State, finding: &Finding, commands: &mut C
         ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, sign, font, colour);
         ui.vertical(|ui| {
             let message = state.units.message(finding);
-            let label = ui.add(egui::Label::new(&message).wrap());
+            let label = ui.add(egui::Label::new(unbroken(&message)).wrap());
             words::explain_text(label, &message);
             if !finding.remedies.is_empty() {
                 ui.horizontal_wrapped(|ui| {

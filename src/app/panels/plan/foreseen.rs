@@ -4,6 +4,7 @@ use egui::RichText;
 use egui_plot::{Line, Plot, PlotPoints};
 
 use crate::app::model::estimates::Shown;
+use crate::app::model::units::unbroken;
 use crate::app::model::{Command, Commands, PlanCommand, Units};
 use crate::app::panels::result::badge;
 use crate::app::panels::{finding, heading, observability, scrolled};
@@ -69,7 +70,7 @@ fn head(ui: &mut egui::Ui, foreseen: &Prediction, target_mm: f64) {
             }
             None => "a direction stays free".to_owned(),
         };
-        let text = RichText::new(line).size(15.0).strong();
+        let text = RichText::new(unbroken(&line)).size(15.0).strong();
         let misses = foreseen.held.as_ref().is_none_or(|held| 1e3 * held.far_end.sigma_m > target_mm);
         let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
         ui.label(if misses { text.color(notable) } else { text }).on_hover_text(
@@ -226,7 +227,7 @@ fn improvements(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                         let set = PlanCommand::Set(plan, "an improvement taken");
                         commands.push(Command::Plan(set));
                     }
-                    ui.add(egui::Label::new(&one.sentence).wrap());
+                    ui.add(egui::Label::new(unbroken(&one.sentence)).wrap());
                 });
             }
         }
