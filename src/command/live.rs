@@ -194,7 +194,17 @@ fn say(text: &str) -> Result<bool, WriteError> {
 
 /// Tells what it came to.
 fn end(finished: Finished, arguments: &Arguments, settings: &Settings) -> Result<(), Failure> {
-    let Finished { deployment, view, recorded } = finished;
+    let Finished { deployment, view, recorded, closing } = finished;
+    let answered = deployment.map(Arc::new).map(|deployment| {
+        // What is asked for at the end is what was said last, of all readings.
+        let analysis =
+            arguments.answer.then(|| Analyst::new(Arc::clone(&deployment)).run(settings));
+        (deployment, analysis)
+    });
+    let view = match &answered {
+        Ok((deployment, Some(analysis))) => closing.judged(&view, deployment, analysis),
+        _ => view,
+    };
     if arguments.json {
         print(&format!("{}\n", told::json(&view)))?;
     } else {
@@ -216,8 +226,7 @@ fn end(finished: Finished, arguments: &Arguments, settings: &Settings) -> Result
     if !arguments.answer {
         return Ok(());
     }
-    let deployment = Arc::new(deployment?);
-    let analysis = Analyst::new(Arc::clone(&deployment)).run(settings);
+    let (deployment, Some(analysis)) = answered? else { return Ok(()) };
     let answer = analysis.answer.clone()?;
     if arguments.json {
         let answer = json::calibration(&deployment, &analysis, &answer, 0.0);

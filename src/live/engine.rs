@@ -194,6 +194,10 @@ impl Engine {
         self.moves = moves;
     }
 
+    pub fn coach(&self) -> &Coach {
+        &self.coach
+    }
+
     pub fn target_m(&self) -> f64 {
         self.coach.target_m
     }

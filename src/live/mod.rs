@@ -11,11 +11,13 @@
 //! | [`pace`] | how often answers are begun |
 //! | [`engine`], [`view`] | all of it without threads: events go in, snapshots and views come out |
 //! | [`session`] | the threads, behind one handle |
+//! | [`Closing`] | the last words, once all readings have their answer |
 //!
 //! The tracks grow in [`crate::deployment::Growing`], which makes the same deployment of the messages as a bag of them makes: answers are
 //! those of [`crate::analysis::Analyst`], as of any other deployment.
 
 pub mod bonn;
+mod closing;
 pub mod coach;
 pub mod connect;
 pub mod engine;
@@ -31,6 +33,7 @@ pub mod status;
 pub mod view;
 pub mod warnings;
 
+pub use self::closing::Closing;
 pub use self::engine::Engine;
 pub use self::pace::Pace;
 pub use self::session::{Feed, Finished, LiveError, Session, Wanted, around};

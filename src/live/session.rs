@@ -16,6 +16,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use super::closing::Closing;
 use super::connect::{self, AddressError, Expected};
 use super::engine::Engine;
 use super::event::Event;
@@ -84,6 +85,8 @@ pub struct Finished {
     pub deployment: Result<Deployment, OpenError>,
     pub view: View,
     pub recorded: Option<Result<Recorded, RecordError>>,
+    /// What the answer to all readings is told by.
+    pub closing: Closing,
 }
 
 /// What others see of it while it runs.
@@ -349,7 +352,8 @@ impl Intake {
         if let Some(Ok(recorded)) = &recorded {
             view.recorded = Some(recorded.clone());
         }
-        Finished { deployment: self.engine.deployment(), view, recorded }
+        let closing = Closing::new(self.engine.coach().clone());
+        Finished { deployment: self.engine.deployment(), view, recorded, closing }
     }
 
     fn clock_s(&self) -> f64 {

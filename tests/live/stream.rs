@@ -113,7 +113,7 @@ fn a_stream_that_breaks_off_twice_gives_what_its_recording_gives_exactly() {
     let view = session.view();
     assert_eq!(view.connections, 3);
     assert!(view.late > 0 && view.repeated > 100, "{view:?}");
-    let Finished { deployment, recorded, view } = session.stop().expect("it ran");
+    let Finished { deployment, recorded, view, .. } = session.stop().expect("it ran");
     server.join();
     let recorded = recorded.expect("it was asked for").expect("written");
     assert_eq!((recorded.messages, view.messages), (count, count));

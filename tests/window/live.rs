@@ -73,6 +73,14 @@ fn a_replay_grows_in_the_window_and_stays_when_it_is_stopped() {
     let open = shown(&harness);
     assert_eq!((open.id, open.source.as_ref().and_then(|s| s.path())), (id, Some(&*file)));
     assert!(open.analysis.is_some() && open.analysing.is_none());
+    // What was said last is of all of it, and of what is shown.
+    let last = harness.state().state.live.view.as_ref().and_then(|view| view.answer.clone());
+    let answer = open.analysis.as_ref().and_then(|analysis| analysis.answer.clone().ok());
+    let [last, answer] = [
+        last.map(|judged| judged.station1_from_station),
+        answer.map(|answer| answer.calibration.station1_from_station),
+    ];
+    assert_eq!(last.expect("judged"), answer.expect("calibrated"));
     // What was recorded is what is shown.
     let recorded = open.source.clone().expect("recorded").open(&Default::default()).expect("opens");
     assert_eq!(recorded.tracks, open.deployment.tracks);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::live::{Pace, Session, View, Wanted};
+use crate::live::{Closing, Pace, Session, View, Wanted};
 
 /// What the user fills in before it is connected.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +68,8 @@ pub struct Live {
     pub is_ending: bool,
     /// What was told last, also after the end.
     pub view: Option<Arc<View>>,
+    /// What has ended, until all of its readings have their answer.
+    pub closing: Option<Closing>,
     /// The open deployment that grows, by its id.
     pub id: Option<u64>,
     /// Whether that was closed meanwhile.

@@ -9,7 +9,7 @@ use crate::app::theme;
 use crate::palette;
 
 /// Width of a column with room for a name or a number (points).
-const COLUMN: f32 = 60.0;
+const COLUMN: f32 = 50.0;
 
 /// Numbers first: names of files are wide, and may be out of sight.
 const COLUMNS: [(&str, &str); 8] = [
@@ -21,7 +21,7 @@ const COLUMNS: [(&str, &str); 8] = [
     ("x (mm)", "What the station makes of it, from the mean of the stations, in station 1's frame"),
     ("y (mm)", "The same along y"),
     ("z (mm)", "The same upwards"),
-    ("length (mm)", "How far the station's version is from the mean"),
+    ("3D (mm)", "How far the station's version is from the mean"),
     ("used", "Whether the answer rests on it; what it does not rest on tells whether it is right"),
     ("set", "The file it was read from"),
 ];
@@ -67,7 +67,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 }
 
 fn grid(name: &str) -> egui::Grid {
-    egui::Grid::new(name).min_col_width(COLUMN).spacing([8.0, 2.0])
+    egui::Grid::new(name).min_col_width(COLUMN).spacing([6.0, 2.0])
 }
 
 /// A number, or the head of a column of them, to the right of its column.

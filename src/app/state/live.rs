@@ -77,7 +77,8 @@ impl State {
                 match begun {
                     Ok(session) => {
                         (state.live.session, state.live.id) = (Some(session), None);
-                        (state.live.view, state.live.was_closed) = (None, false);
+                        (state.live.view, state.live.closing) = (None, None);
+                        state.live.was_closed = false;
                         state.live.pace = Pace::default();
                     }
                     Err(line) => state.live.trouble = Some(line),
@@ -110,8 +111,8 @@ impl State {
     }
 
     fn take_finished(&mut self, finished: Finished) {
-        let Finished { deployment, view, recorded } = finished;
-        self.live.view = Some(Arc::new(view));
+        let Finished { deployment, view, recorded, closing } = finished;
+        (self.live.view, self.live.closing) = (Some(Arc::new(view)), Some(closing));
         match recorded {
             Some(Ok(recorded)) => {
                 self.toasts.done(format!("recorded to {}", recorded.path.display()));
@@ -242,11 +243,16 @@ impl State {
         }
     }
 
-    /// An answer to the growing deployment, for the coach.
-    pub(super) fn tell_live(&self, id: u64, analysis: &Arc<Analysis>, is_first: bool) {
+    /// An answer to the growing deployment, for the coach; the first of the settings after the end is to all readings.
+    pub(super) fn tell_live(&mut self, id: u64, analysis: &Arc<Analysis>, is_first: bool) {
         let growing = self.open.iter().find(|open| open.id == id && Some(id) == self.live.id);
         if let (Some(session), Some(open)) = (&self.live.session, growing) {
             session.answered(Arc::clone(&open.deployment), Arc::clone(analysis), is_first);
+        } else if let (Some(open), Some(view), false) = (growing, &self.live.view, is_first)
+            && let Some(closing) = self.live.closing.take()
+        {
+            let view = closing.judged(view, &open.deployment, analysis);
+            self.live.view = Some(Arc::new(view));
         }
     }
 }
