@@ -94,7 +94,7 @@ impl Keeping {
                 restored = true;
             } else {
                 findings.push(Finding::warning(format!(
-                    "resect stopped before ({when}); what was open is kept and comes back when resect is started without \
+                    "resect stopped before, {when}; what was open is kept and comes back when resect is started without \
                      a path"
                 )));
             }

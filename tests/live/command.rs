@@ -52,7 +52,11 @@ fn a_replay_prints_a_line_a_second_and_in_the_end_what_calibrate_prints_of_its_r
         assert_eq!(line["stations"].as_array().expect("a list").len(), 3);
         assert!(line["enough"].is_boolean() && line["advice"].is_string(), "{line}");
     }
-    assert_eq!(lines[lines.len() - 1]["link"], "ended");
+    let last = &lines[lines.len() - 1];
+    assert_eq!(last["link"], "ended");
+    // The last word is of all readings, too.
+    let all_mm = &answer["answer"]["metrics"]["inter_prism_mm"]["median"];
+    assert_eq!((&last["answer_age_s"], &last["inter_prism_mm"]), (&serde_json::json!(0.0), all_mm));
     assert!(lines.iter().any(|line| line["far_end_mm"].is_number()), "an answer on the way");
     let offline = run(&["calibrate", text(&file), "--rig", text(&sample), "--json"]);
     let offline: Value = serde_json::from_slice(&offline.stdout).expect("JSON");

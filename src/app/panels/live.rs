@@ -144,7 +144,7 @@ fn of_station(ui: &mut egui::Ui, station: usize, status: &StationStatus) {
     });
     let mut line = |name: &str, value: Option<String>| {
         if let Some(value) = value {
-            ui.label(format!("{name} {value}"));
+            ui.label(unbroken(&format!("{name} {value}")));
         }
     };
     line("rate", status.rate_hz.map(|rate| format!("{rate:.1} Hz")));
