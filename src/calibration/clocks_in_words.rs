@@ -6,7 +6,7 @@ use crate::deployment::{Finding, Remedy};
 
 /// A clock that is off by more than both is worth a warning where it is not estimated (s).
 const SUSPICIOUS_SIGMAS: f64 = 3.5;
-const SUSPICIOUS_OFFSET_S: f64 = 0.002;
+pub const SUSPICIOUS_OFFSET_S: f64 = 0.002;
 /// Four times what the prior allows (s per s).
 const IMPLAUSIBLE_DRIFT: f64 = 20e-6;
 

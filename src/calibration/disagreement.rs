@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Calibration, Method, TransformSigma};
+use super::{Calibration, Method};
 use crate::deployment::{Deployment, Finding, ToldAngle, ToldIn, TrackFrame};
 use crate::geometry::{RigidTransform, wrap_to_pi};
 
@@ -70,41 +70,42 @@ pub fn disagreements(
     if deployment.track_frame == TrackFrame::Common && from_tracks[0] != from_tracks[1] {
         return Vec::new();
     }
-    (1..3)
-        .filter_map(|station| {
-            let sigmas = [a.sigma, b.sigma].map(|s| s.map(|s| s[station - 1]));
-            let transforms = [a, b].map(|answer| answer.station1_from_station[station]);
-            let area_m = working_area_m(deployment, station);
-            difference([a.method, b.method], station, transforms, sigmas, &area_m)
-        })
-        .filter(|d| d.largest_sigmas > DISAGREEMENT_SIGMAS && d.moved_m > NOTABLE_M)
-        .collect()
+    let at = |station| difference(deployment, [a, b], station);
+    (1..3).filter_map(at).filter(|d| d.moved_m > NOTABLE_M).collect()
 }
 
+/// What two answers disagree about for station 2 (1) or 3.
 fn difference(
-    methods: [Method; 2],
+    deployment: &Deployment,
+    answers: [&Calibration; 2],
     station: usize,
-    [a, b]: [RigidTransform; 2],
-    sigmas: [Option<TransformSigma>; 2],
-    area_m: &[Vector3<f64>],
 ) -> Option<Disagreement> {
-    let (Some(sigma_a), Some(sigma_b)) = (sigmas[0], sigmas[1]) else { return None };
-    let count = area_m.len().max(1) as f64;
+    let [a, b] = answers.map(|answer| answer.station1_from_station[station]);
+    let [Some(sigma_a), Some(sigma_b)] = answers.map(|answer| answer.sigma.map(|s| s[station - 1]))
+    else {
+        return None;
+    };
     let off = b.translation_m - a.translation_m;
     let yaw_rad = wrap_to_pi(b.yaw_rad() - a.yaw_rad());
     let yaw_sigmas = yaw_rad.abs() / sigma_a.yaw_rad.hypot(sigma_b.yaw_rad);
     let axis_sigmas = (0..3).map(|axis| {
         off[axis].abs() / sigma_a.translation_m[axis].hypot(sigma_b.translation_m[axis])
     });
-    Some(Disagreement {
-        methods,
-        station: station + 1,
-        translation_m: off.into(),
-        yaw_rad,
-        yaw_sigmas: Some(yaw_sigmas),
-        largest_sigmas: axis_sigmas.fold(yaw_sigmas, f64::max),
-        moved_m: apart_m(&a, &b, area_m),
-        range_m: area_m.iter().map(Vector3::norm).sum::<f64>() / count,
+    let largest_sigmas = axis_sigmas.fold(yaw_sigmas, f64::max);
+    // Most agree, and then nobody asks where the station measured.
+    (largest_sigmas > DISAGREEMENT_SIGMAS).then(|| {
+        let area_m = working_area_m(deployment, station);
+        let count = area_m.len().max(1) as f64;
+        Disagreement {
+            methods: answers.map(|answer| answer.method),
+            station: station + 1,
+            translation_m: off.into(),
+            yaw_rad,
+            yaw_sigmas: Some(yaw_sigmas),
+            largest_sigmas,
+            moved_m: apart_m(&a, &b, &area_m),
+            range_m: area_m.iter().map(Vector3::norm).sum::<f64>() / count,
+        }
     })
 }
 

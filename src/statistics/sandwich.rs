@@ -52,13 +52,14 @@ pub fn covariance(blocks: &[Block], prior: Option<&Prior>) -> Option<DMatrix<f64
     }
     let lower = information.cholesky()?.unpack();
     let inverse = lower.solve_lower_triangular(&DMatrix::identity(unknowns, unknowns))?;
-    let mut middle = &inverse * by_prior * inverse.transpose();
+    let transposed = inverse.transpose();
+    let mut middle = &inverse * by_prior * &transposed;
     for block in blocks {
-        let leverage = &inverse * &block.information * inverse.transpose();
+        let leverage = &inverse * &block.information * &transposed;
         let gradient = unfollowed(leverage, &inverse * &block.gradient);
         middle.ger(1.0, &gradient, &gradient, 1.0);
     }
-    let covariance = inverse.transpose() * middle * inverse;
+    let covariance = transposed * middle * inverse;
     covariance.iter().all(|entry| entry.is_finite()).then_some(covariance)
 }
 

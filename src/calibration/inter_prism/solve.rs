@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::diagnosis::{self, Evidence};
 use super::observability::Observability;
 use super::published::{self, Published};
-use super::refinement::{self, Refinement};
+use super::refinement::{self, Refinement, SuspectedClocks};
 use super::uncertainty::{self, Uncertainty};
 use super::used::Used;
 use super::{
@@ -48,7 +48,10 @@ pub fn solve(
     let (published, data, used) = published_answer(&task, triplets)?;
     let prior_ms = published.prior_ms;
     let plain = published.choice.answer.station1_from_station;
-    let mut found = Found::published(&task, published, &data, &used);
+    let (mut found, suspected) = rayon::join(
+        || Found::published(&task, published, &data, &used),
+        || suspected_clocks(&task, &used, &plain),
+    );
     drop(data);
     let refinement = match found.uncertainty.covariance {
         Some(_) => refined(&task, &used, &plain)?,
@@ -66,7 +69,10 @@ pub fn solve(
     );
     let mut judgement = found.judged(&task, &observability);
     judgement.doubt(found.pull_of_gross_errors.take());
-    judgement.add_suspected_clocks(&task, &found, &used, &plain);
+    if let Some(clocks) = suspected.filter(|_| found.uncertainty.covariance.is_some()) {
+        judgement.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
+        judgement.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));
+    }
     judgement.add_refinement(&task, refinement.as_ref());
     let kept_s = found.kept_s.take().map_or_else(|| used.instants().0, Cow::Owned);
     found.doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s));
@@ -145,6 +151,24 @@ fn published_answer<'a>(
         published = solve(&used, &data);
     }
     Ok((published, data, used))
+}
+
+/// Clocks that seem off, where they are not estimated.
+fn suspected_clocks(
+    task: &Task<'_>,
+    used: &Used<'_>,
+    plain: &[LevelTransform; 3],
+) -> Option<SuspectedClocks> {
+    let settings = task.settings;
+    let ask = || {
+        refinement::suspected_clocks(
+            &used.triplets(),
+            plain,
+            &task.rig.inter_prism_m,
+            settings.inter_prism_sigma_m,
+        )
+    };
+    (!settings.estimate.clocks).then(ask).flatten()
 }
 
 /// What goes beyond the paper, where it was asked for and the data holds it.
@@ -284,27 +308,6 @@ impl Judgement {
         for finding in more {
             self.verdict = self.verdict.max(Verdict::Weak);
             self.findings.push(finding);
-        }
-    }
-
-    /// Clocks that seem off and were not estimated.
-    fn add_suspected_clocks(
-        &mut self,
-        task: &Task<'_>,
-        found: &Found,
-        used: &Used<'_>,
-        plain: &[LevelTransform; 3],
-    ) {
-        if task.settings.estimate.clocks || found.uncertainty.covariance.is_none() {
-            return;
-        }
-        let sigma_m = task.settings.inter_prism_sigma_m;
-        let triplets = used.triplets();
-        let suspected =
-            refinement::suspected_clocks(&triplets, plain, &task.rig.inter_prism_m, sigma_m);
-        if let Some(clocks) = suspected {
-            self.doubt(clocks_in_words::suspicions(&clocks.offsets_s));
-            self.doubt(clocks_in_words::suspected_jumps(&clocks.jumps_s));
         }
     }
 

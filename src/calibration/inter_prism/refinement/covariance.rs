@@ -14,14 +14,14 @@ const NOISE_SHARE_SIGMA: f64 = 0.5;
 /// not known exactly either: their σ is propagated, since an error of theirs acts on every triplet alike and no
 /// residual shows it.
 pub fn covariance(
-    blocks: &[Sums],
+    sums: &Sums,
     precision: &State,
     lambda: f64,
     places: &[usize],
     distance_sigma_m: f64,
 ) -> Option<Matrix> {
-    let all = Sums::over(blocks);
-    let each: Vec<Block> = blocks
+    let each: Vec<Block> = sums
+        .blocks
         .iter()
         .map(|block| Block {
             information: reduced(&block.hessian, places),
@@ -31,7 +31,7 @@ pub fn covariance(
     let prior = Prior { precision: reduced_vector(precision, places), weight: lambda };
     let mut small = sandwich::covariance(&each, Some(&prior))?;
     let priors = Matrix::from_diagonal(&(lambda * precision));
-    let inverse: DMatrix<f64> = reduced(&(all.hessian + priors), places).cholesky()?.inverse();
+    let inverse: DMatrix<f64> = reduced(&(sums.hessian + priors), places).cholesky()?.inverse();
     let mut add = |pull: DVector<f64>| {
         let moved = &inverse * pull;
         small += &moved * moved.transpose();
@@ -43,9 +43,9 @@ pub fn covariance(
             TILTS.. => TILT_SIGMA_RAD,
             _ => distance_sigma_m,
         };
-        add(reduced_vector(&all.hessian.column(held).into_owned(), places) * sigma);
+        add(reduced_vector(&sums.hessian.column(held).into_owned(), places) * sigma);
     }
-    add(reduced_vector(&all.by_noise, places) * NOISE_SHARE_SIGMA);
+    add(reduced_vector(&sums.by_noise, places) * NOISE_SHARE_SIGMA);
     let mut full = Matrix::zeros();
     for (i, row) in places.iter().enumerate() {
         for (j, column) in places.iter().enumerate() {

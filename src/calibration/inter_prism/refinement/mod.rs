@@ -18,10 +18,14 @@ mod support;
 pub use self::answer::Refinement;
 use self::answer::summary;
 use self::covariance::covariance;
-use self::model::{CLOCKS, CONSTANT, DISTANCES, DRIFTS, PolarNoise, State, TILTS, UNKNOWNS};
+use self::model::{
+    CLOCKS, CONSTANT, DISTANCES, DRIFTS, Linearised, PolarNoise, State, TILTS, UNKNOWNS, residuals,
+    transforms,
+};
 use self::noise::{Noise, loss_scale};
-use self::sums::{Sums, by_block, prior_weight, step};
+use self::sums::{Sums, prior_weight, step};
 pub use self::support::Support;
+use crate::calibration::clocks_in_words::SUSPICIOUS_OFFSET_S;
 use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use crate::calibration::{
     CalibrationSettings, Estimate, Estimated, Loss, MovingTriplets, time_blocks,
@@ -64,6 +68,11 @@ pub fn refine(
     let noise = Noise::new(triplets, &plain.map(RigidTransform::from))
         .no_larger_than_residuals(&data, &start);
     let blocks = time_blocks::of(&triplets.time_s, &triplets.interval);
+    let sums_at = |state: &State, scale: Option<f64>| {
+        let placed = transforms(state);
+        let at_state = |i: usize| Linearised::at(&data, i, state, &placed, &noise.covariance_m2[i]);
+        Sums::over(&blocks, at_state, &noise, settings.loss, scale)
+    };
 
     let mut state = start;
     let mut lambda = 0.0;
@@ -72,13 +81,15 @@ pub fn refine(
     for iteration in 0..MOST_REWEIGHTINGS + MOST_NEWTON_STEPS {
         progress.check().ok()?;
         let settled = iteration >= MOST_REWEIGHTINGS;
+        let placed = transforms(&state);
         if !settled {
-            scale = loss_scale(&data, &state, &noise, settings.loss);
+            let each_m = (0..triplets.len())
+                .map(|index| residuals(&data, index, &state, &placed).residual_m);
+            scale = loss_scale(each_m, &noise, settings.loss);
         }
-        let each = by_block(&data, &state, &noise, settings.loss, scale, &blocks);
-        let sums = Sums::over(&each);
+        let sums = sums_at(&state, scale);
         if !settled {
-            lambda = prior_weight(&sums, &each)?;
+            lambda = prior_weight(&sums)?;
         }
         let gradient = sums.gradient + (lambda * precision).component_mul(&(state - start));
         let newton =
@@ -93,14 +104,15 @@ pub fn refine(
             break;
         }
     }
-    let each = by_block(&data, &state, &noise, settings.loss, scale, &blocks);
+    let sums = sums_at(&state, scale);
     let covariance =
-        covariance(&each, &precision, lambda, &estimated, settings.inter_prism_sigma_m)?;
+        covariance(&sums, &precision, lambda, &estimated, settings.inter_prism_sigma_m)?;
     Some(summary(&state, &start, &covariance, settings, converged))
 }
 
 /// What the clocks of stations 2 and 3 look like from the plain answer: one step of least squares with transforms, clocks
-/// and distances, on some of the triplets. Cheap enough to ask of every answer. `None` when the data cannot tell.
+/// and distances, on some of the triplets. Cheap enough to ask of every answer. `None` when the data cannot tell, or when
+/// they are too good for a suspicion, whatever their σ.
 pub fn suspected_clocks(
     triplets: &Triplets,
     plain: &[LevelTransform; 3],
@@ -121,17 +133,27 @@ pub fn suspected_clocks(
     let noise =
         Noise::new(some, &plain.map(RigidTransform::from)).no_larger_than_residuals(&data, &state);
     let blocks = time_blocks::of(&some.time_s, &some.interval);
+    let placed = transforms(&state);
+    let mut each: Vec<Linearised> = (0..some.len())
+        .map(|i| Linearised::at(&data, i, &state, &placed, &noise.covariance_m2[i]))
+        .collect();
     // A few gross errors must not decide.
     let loss = Loss::Huber;
-    let scale = loss_scale(&data, &state, &noise, loss);
-    let each = by_block(&data, &state, &noise, loss, scale, &blocks);
-    let sums = Sums::over(&each);
-    let lambda = prior_weight(&sums, &each)?;
-    let state = state - step(&sums.normal, &precision, lambda, &sums.gradient, &places)?;
+    let sums = |each: &[Linearised]| {
+        let scale = loss_scale(each.iter().map(|triplet| triplet.residual_m), &noise, loss);
+        Sums::over(&blocks, |i| &each[i], &noise, loss, scale)
+    };
+    let first = sums(&each);
+    let lambda = prior_weight(&first)?;
+    let step = -step(&first.normal, &precision, lambda, &first.gradient, &places)?;
+    let state = state + step;
+    let clocks = [CLOCKS, CLOCKS + 1, DRIFTS, DRIFTS + 1];
+    if clocks.iter().all(|place| state[*place].abs() <= SUSPICIOUS_OFFSET_S) {
+        return None;
+    }
     // What the clocks explained is no error any more.
-    let scale = loss_scale(&data, &state, &noise, loss);
-    let each = by_block(&data, &state, &noise, loss, scale, &blocks);
-    let covariance = covariance(&each, &precision, lambda, &places, distance_sigma_m)?;
+    each.iter_mut().for_each(|triplet| triplet.step(&step));
+    let covariance = covariance(&sums(&each), &precision, lambda, &places, distance_sigma_m)?;
     let estimate = |place: usize| Estimate {
         value: state[place],
         sigma: covariance[(place, place)].max(0.0).sqrt(),

@@ -18,9 +18,16 @@ pub const CONSTANT: usize = 19;
 pub type State = SVector<f64, UNKNOWNS>;
 pub type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// The rows and columns of some of the unknowns.
+/// The rows and columns of some of the unknowns, in increasing order, of a symmetric matrix. Its lower triangle is read.
 pub fn reduced(matrix: &Matrix, places: &[usize]) -> DMatrix<f64> {
-    DMatrix::from_fn(places.len(), places.len(), |i, j| matrix[(places[i], places[j])])
+    let mut small = DMatrix::zeros(places.len(), places.len());
+    for (j, column) in places.iter().enumerate() {
+        for i in j..places.len() {
+            small[(i, j)] = matrix[(places[i], *column)];
+        }
+    }
+    small.fill_upper_triangle_with_lower_triangle();
+    small
 }
 
 pub fn reduced_vector(vector: &State, places: &[usize]) -> DVector<f64> {
@@ -55,10 +62,50 @@ pub struct Residuals {
     length_m: [f64; 3],
 }
 
-/// The same, with how it moves with the unknowns.
-pub struct Distances {
-    pub residuals: Residuals,
+/// The distances of one triplet about a state, to first order.
+pub struct Linearised {
+    /// Apparent minus estimated distance of each pair (m).
+    pub residual_m: [f64; 3],
+    /// How it moves with the unknowns.
     pub derivative: [State; 3],
+    /// What noise alone makes of derivative × residual, on average.
+    pub noise_pull: [State; 3],
+}
+
+impl Linearised {
+    /// A triplet at a state, with the covariance of the noise of its separations (m², station 1's frame).
+    pub fn at(
+        data: &MovingTriplets<'_>,
+        index: usize,
+        state: &State,
+        station1_from_station: &[RigidTransform; 3],
+        covariance_m2: &[Matrix3<f64>; 3],
+    ) -> Self {
+        let found = distances(data, index, state, station1_from_station);
+        let mut linearised = Self {
+            residual_m: found.residuals.residual_m,
+            derivative: [State::zeros(); 3],
+            noise_pull: [State::zeros(); 3],
+        };
+        for pair in 0..3 {
+            found.set_derivative(pair, &mut linearised.derivative[pair]);
+            let pull = &mut linearised.noise_pull[pair];
+            found.set_noise_pull(pair, &covariance_m2[pair], pull);
+        }
+        linearised
+    }
+
+    /// The same triplet once the state has moved by a small step.
+    pub fn step(&mut self, step: &State) {
+        for (residual_m, derivative) in self.residual_m.iter_mut().zip(&self.derivative) {
+            *residual_m += derivative.dot(step);
+        }
+    }
+}
+
+/// The distances, and what moves the placed points.
+struct Distances {
+    residuals: Residuals,
     /// How each station's placed point moves with the unknowns of [`places`].
     moves: [[Vector3<f64>; 8]; 3],
     /// Where each station looks (station 1's frame).
@@ -104,7 +151,7 @@ pub fn residuals(
     Residuals::between(&[points_m[0], second.apply(&points_m[1]), third.apply(&points_m[2])], state)
 }
 
-pub fn distances(
+fn distances(
     data: &MovingTriplets<'_>,
     index: usize,
     state: &State,
@@ -133,15 +180,7 @@ pub fn distances(
             tilted_by(Vector3::y()),
         ];
     }
-    let residuals = Residuals::between(&placed, state);
-    let mut result = Distances { residuals, derivative: [State::zeros(); 3], moves, sights };
-    for pair in 0..3 {
-        let mut derivative = State::zeros();
-        result.add_along(pair, &result.residuals.direction[pair], &mut derivative);
-        derivative[DISTANCES + pair] = -1.0;
-        result.derivative[pair] = derivative;
-    }
-    result
+    Distances { residuals: Residuals::between(&placed, state), moves, sights }
 }
 
 impl Residuals {
@@ -163,35 +202,34 @@ impl Residuals {
 }
 
 impl Distances {
-    /// Adds how far a pair's separation moves along a vector with each unknown.
-    fn add_along(&self, pair: usize, vector: &Vector3<f64>, moved: &mut State) {
+    /// How far a pair's separation moves along a vector with each unknown that moves points.
+    fn set_moved_along(&self, pair: usize, vector: &Vector3<f64>, moved: &mut State) {
         let (a, b) = PAIRS[pair];
-        moved[CONSTANT] += vector.dot(&(self.sights[b] - self.sights[a]));
+        moved[CONSTANT] = vector.dot(&(self.sights[b] - self.sights[a]));
         for (station, sign) in [(a, 1.0), (b, -1.0)].into_iter().filter(|(s, _)| *s > 0) {
             for (place, step) in places(station - 1).into_iter().zip(&self.moves[station]) {
-                moved[place] += sign * vector.dot(step);
+                moved[place] = sign * vector.dot(step);
             }
         }
     }
 
-    /// Adds what noise alone makes of derivative × residual, on average, times a weight: with noise n of covariance Σ on a
+    fn set_derivative(&self, pair: usize, derivative: &mut State) {
+        self.set_moved_along(pair, &self.residuals.direction[pair], derivative);
+        derivative[DISTANCES + pair] = -1.0;
+    }
+
+    /// What noise alone makes of derivative × residual, on average: with noise n of covariance Σ on a
     /// separation of length d along u, the residual is u·n + nᵀ(I − uuᵀ)n/2d and u itself turns by (I − uuᵀ)n/d, so that
     /// E[r u] = (I − uuᵀ)Σu/d + u tr((I − uuᵀ)Σ)/2d. Where the data holds a direction weakly, as height against distance on
     /// level ground, a sum that is off by this moves the answer by centimetres.
-    pub fn add_noise_pull(
-        &self,
-        pair: usize,
-        covariance_m2: &Matrix3<f64>,
-        weight: f64,
-        pull: &mut State,
-    ) {
+    fn set_noise_pull(&self, pair: usize, covariance_m2: &Matrix3<f64>, pull: &mut State) {
         let (unit, length_m) = (&self.residuals.direction[pair], self.residuals.length_m[pair]);
         let pulled = covariance_m2 * unit;
         let along = unit.dot(&pulled);
         let longer_m = (covariance_m2.trace() - along) / (2.0 * length_m);
         let turned = (pulled - along * unit) / length_m + longer_m * unit;
-        self.add_along(pair, &(weight * turned), pull);
-        pull[DISTANCES + pair] -= weight * longer_m;
+        self.set_moved_along(pair, &turned, pull);
+        pull[DISTANCES + pair] = -longer_m;
     }
 }
 
@@ -245,8 +283,8 @@ mod tests {
             state[place] = value;
         }
         let at = |state: &State| residuals(&data, 1, state, &transforms(state));
-        let here = distances(&data, 1, &state, &transforms(&state));
-        assert_eq!(here.residuals.residual_m, at(&state).residual_m);
+        let here = Linearised::at(&data, 1, &state, &transforms(&state), &[Matrix3::zeros(); 3]);
+        assert_eq!(here.residual_m, at(&state).residual_m);
         for unknown in 0..UNKNOWNS {
             let step = 1e-6;
             let (mut up, mut down) = (state, state);

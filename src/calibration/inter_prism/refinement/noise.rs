@@ -48,13 +48,19 @@ impl Noise {
     /// Noise that the instruments and the interpolation make.
     pub fn new(triplets: &Triplets, station1_from_station: &[RigidTransform; 3]) -> Self {
         let point = |station: usize, index: usize| {
-            let turn = station1_from_station[station].rotation.matrix();
-            let own = match &triplets.sigma_m {
+            let to_station1 = &station1_from_station[station];
+            match &triplets.sigma_m {
                 // A Gaussian process has weighed the readings already.
-                Some(sigma) => Matrix3::from_diagonal(&sigma[station][index].map(|s| s * s)),
-                None => INSTRUMENT.covariance_m2(&triplets.points_m[station][index]) * CHORD_NOISE,
-            };
-            turn * own * turn.transpose()
+                Some(sigma) => {
+                    let turn = to_station1.rotation.matrix();
+                    let own = Matrix3::from_diagonal(&sigma[station][index].map(|s| s * s));
+                    turn * own * turn.transpose()
+                }
+                None => {
+                    let sight_m = to_station1.rotate(&triplets.points_m[station][index]);
+                    INSTRUMENT.covariance_m2(&sight_m) * CHORD_NOISE
+                }
+            }
         };
         let covariance_m2: Vec<[Matrix3<f64>; 3]> = (0..triplets.len())
             .map(|index| {
@@ -68,10 +74,9 @@ impl Noise {
     }
 }
 
-/// The scale of the loss, in units of the stated noise, from the errors' σ.
+/// The scale of the loss, in units of the stated noise, from the σ of each triplet's errors (m).
 pub fn loss_scale(
-    data: &MovingTriplets<'_>,
-    state: &State,
+    residuals_m: impl Iterator<Item = [f64; 3]>,
     noise: &Noise,
     loss: Loss,
 ) -> Option<f64> {
@@ -80,10 +85,8 @@ pub fn loss_scale(
         Loss::Huber => HUBER_BEND,
         Loss::Cauchy => CAUCHY_SCALE,
     };
-    let placed = transforms(state);
-    let errors = (0..data.triplets.len()).flat_map(|index| {
-        let residual_m = residuals(data, index, state, &placed).residual_m;
-        [0, 1, 2].map(|pair| residual_m[pair] * noise.weights[index][pair].sqrt())
+    let errors = residuals_m.zip(&noise.weights).flat_map(|(residual_m, weights)| {
+        [0, 1, 2].map(|pair| residual_m[pair] * weights[pair].sqrt())
     });
     Some(scale * sigma_of_errors(errors)?.max(LEAST_SIGMA))
 }

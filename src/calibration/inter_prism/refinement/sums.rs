@@ -1,17 +1,26 @@
 //! What the triplets say about the unknowns at a state: sums over each block of time, and steps out of them.
 
+use std::borrow::Borrow;
 use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::model::{Matrix, State, UNKNOWNS, distances, reduced, reduced_vector, transforms};
+use super::model::{Linearised, Matrix, State, UNKNOWNS, reduced, reduced_vector};
 use super::noise::Noise;
 use crate::calibration::Loss;
-use crate::calibration::MovingTriplets;
 use crate::statistics::robust::{self, Influence};
 
-/// Sums over the triplets of a block of time, or of all blocks.
+/// Sums over the triplets of a block of time.
+pub struct Block {
+    /// Σ ψ'(r) J Jᵀ, on and below the diagonal.
+    pub hessian: Matrix,
+    /// Σ ψ(r) J, less what noise alone makes of it.
+    pub gradient: State,
+}
+
+/// Sums over the triplets of each block and of all.
 pub struct Sums {
+    pub blocks: Vec<Block>,
     /// Σ w J Jᵀ with w = ψ(r)/r.
     pub normal: Matrix,
     /// Σ ψ'(r) J Jᵀ.
@@ -23,67 +32,57 @@ pub struct Sums {
 }
 
 impl Sums {
-    fn zeros() -> Self {
-        Self {
+    /// The sums out of each triplet at the state. `scale` is that of the loss, in units of the stated noise.
+    pub fn over<T: Borrow<Linearised>>(
+        blocks: &[Range<usize>],
+        at_state: impl Fn(usize) -> T,
+        noise: &Noise,
+        loss: Loss,
+        scale: Option<f64>,
+    ) -> Self {
+        let mut sums = Self {
+            blocks: Vec::with_capacity(blocks.len()),
             normal: Matrix::zeros(),
             hessian: Matrix::zeros(),
             gradient: State::zeros(),
             by_noise: State::zeros(),
-        }
-    }
-
-    /// Sums over all blocks.
-    pub fn over(blocks: &[Self]) -> Self {
-        let mut all = Self::zeros();
-        for block in blocks {
-            all.normal += block.normal;
-            all.hessian += block.hessian;
-            all.gradient += block.gradient;
-            all.by_noise += block.by_noise;
-        }
-        all
-    }
-}
-
-/// The sums of each block. `scale` is that of the loss, in units of the stated noise.
-pub fn by_block(
-    data: &MovingTriplets<'_>,
-    state: &State,
-    noise: &Noise,
-    loss: Loss,
-    scale: Option<f64>,
-    blocks: &[Range<usize>],
-) -> Vec<Sums> {
-    let placed = transforms(state);
-    let of_block = |block: &Range<usize>| {
-        let mut sums = Sums::zeros();
-        // Most errors are of a size where weight and slope are the same, and have one matrix in common.
-        let mut excess = Matrix::zeros();
-        for index in block.clone() {
-            let found = distances(data, index, state, &placed);
-            for pair in 0..3 {
-                let stated = noise.weights[index][pair];
-                let residual = found.residuals.residual_m[pair];
-                let size = residual.abs() * stated.sqrt();
-                let Influence { weight, slope } = influence(loss, size, scale);
-                let (weight, slope) = (stated * weight, stated * slope);
-                let derivative = &found.derivative[pair];
-                add_square(sums.hessian.as_mut_slice(), derivative.as_slice(), slope);
-                if weight != slope {
-                    add_square(excess.as_mut_slice(), derivative.as_slice(), weight - slope);
+        };
+        for range in blocks {
+            let mut block = Block { hessian: Matrix::zeros(), gradient: State::zeros() };
+            let mut by_noise = State::zeros();
+            for index in range.clone() {
+                let found = at_state(index);
+                let Linearised { residual_m, derivative, noise_pull } = found.borrow();
+                for pair in 0..3 {
+                    let stated = noise.weights[index][pair];
+                    let size = residual_m[pair].abs() * stated.sqrt();
+                    let Influence { weight, slope } = influence(loss, size, scale);
+                    let (weight, slope) = (stated * weight, stated * slope);
+                    let derivative = &derivative[pair];
+                    add_square(block.hessian.as_mut_slice(), derivative.as_slice(), slope);
+                    // Most errors are of a size where weight and slope are the same.
+                    if weight != slope {
+                        add_square(
+                            sums.normal.as_mut_slice(),
+                            derivative.as_slice(),
+                            weight - slope,
+                        );
+                    }
+                    block.gradient.axpy(weight * residual_m[pair], derivative, 1.0);
+                    by_noise.axpy(slope, &noise_pull[pair], 1.0);
                 }
-                sums.gradient.axpy(weight * residual, derivative, 1.0);
-                let covariance_m2 = &noise.covariance_m2[index][pair];
-                found.add_noise_pull(pair, covariance_m2, slope, &mut sums.by_noise);
             }
+            block.gradient -= by_noise;
+            sums.hessian += block.hessian;
+            sums.gradient += block.gradient;
+            sums.by_noise += by_noise;
+            sums.blocks.push(block);
         }
+        sums.normal += sums.hessian;
+        sums.normal.fill_upper_triangle_with_lower_triangle();
         sums.hessian.fill_upper_triangle_with_lower_triangle();
-        excess.fill_upper_triangle_with_lower_triangle();
-        sums.normal = sums.hessian + excess;
-        sums.gradient -= sums.by_noise;
         sums
-    };
-    blocks.iter().map(of_block).collect()
+    }
 }
 
 /// Numbers of a column that are worked on at once.
@@ -99,9 +98,10 @@ fn add_square(matrix: &mut [f64], derivative: &[f64], weight: f64) {
             continue;
         }
         let (column, _) = column.as_chunks_mut::<LANES>();
-        for k in place / LANES..UNKNOWNS / LANES {
-            for l in 0..LANES {
-                column[k][l] += factor * rows[k][l];
+        let first = place / LANES;
+        for (into, row) in column[first..].iter_mut().zip(&rows[first..]) {
+            for (into, row) in into.iter_mut().zip(row) {
+                *into += factor * row;
             }
         }
     }
@@ -119,14 +119,14 @@ fn influence(loss: Loss, size: f64, scale: Option<f64>) -> Influence {
 /// λ of the refinement's documentation; `None` when the transforms are not held by the data. What the answer follows of
 /// each block is missing in it: the prior is for weighing, and its weight need not be exact for σ to be
 /// ([`crate::statistics::sandwich`]).
-pub fn prior_weight(all: &Sums, blocks: &[Sums]) -> Option<f64> {
-    let hessian = all.hessian.fixed_view::<8, 8>(0, 0).into_owned();
+pub fn prior_weight(sums: &Sums) -> Option<f64> {
+    let hessian = sums.hessian.fixed_view::<8, 8>(0, 0).into_owned();
     let inverse = hessian.cholesky()?.inverse();
-    let of_block = |block: &Sums| {
+    let of_block = |block: &Block| {
         let gradient = block.gradient.fixed_rows::<8>(0);
         gradient.dot(&(inverse * gradient))
     };
-    Some((blocks.iter().map(of_block).sum::<f64>() / 8.0).max(f64::MIN_POSITIVE))
+    Some((sums.blocks.iter().map(of_block).sum::<f64>() / 8.0).max(f64::MIN_POSITIVE))
 }
 
 /// The step of the estimated unknowns, zero for the held ones; `None` where the matrix has no minimum.
