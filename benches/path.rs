@@ -70,12 +70,9 @@ fn benchmarks(criterion: &mut Criterion) {
             });
         }
         let (joint, offer) = (CalibrationSettings::default(), Offer::of(&deployment, &triplets));
-        // Two millions take more than a minute, and the least number of samples a quarter of an hour.
-        if size <= 200_000 {
-            group.bench_function(BenchmarkId::new("joint", size), |b| {
-                b.iter(|| calibration::solve(&deployment, black_box(&triplets), &joint, &offer));
-            });
-        }
+        group.bench_function(BenchmarkId::new("joint", size), |b| {
+            b.iter(|| calibration::solve(&deployment, black_box(&triplets), &joint, &offer));
+        });
         // Every stage runs again: the threshold of the first one alternates.
         let mut analyst = Analyst::new(Arc::clone(&deployment));
         let mut odd = false;

@@ -213,7 +213,19 @@ pub fn moves(
         by_constants[(PART_LATENCIES + station, LATENCIES + station)] = 1.0;
         by_constants[(PART_DISTANCES + station, DISTANCES + station)] = 1.0;
         let Some(slot) = station.checked_sub(1) else { continue };
-        let arm = Vector3::z().cross(&(own.turn * outlook.point_m));
+        let point_m = own.turn * outlook.point_m;
+        // What turns all that station 1 sees turns the rig as well, from moment to moment, and not as it stands on average.
+        // Told as a turn of the others where they are, it is the same for the data, and nothing of it is left where yaws and
+        // places make up for it.
+        let first = &stations[0].turn;
+        let apart_m = point_m + own.place_m - first * outlooks[0].point_m;
+        for (column, axis) in
+            [(LEANS, Vector3::x()), (LEANS + 1, Vector3::y()), (COLLIMATIONS, Vector3::z())]
+        {
+            let mut rows = by_constants.fixed_view_mut::<3, 1>(3 * slot, column);
+            rows -= (first * axis).cross(&apart_m);
+        }
+        let arm = Vector3::z().cross(&point_m);
         for axis in 0..3 {
             by_constants[(3 * slot + axis, 4 * slot + axis)] = 1.0;
             by_slow[(3 * slot + axis, 4 * slot + axis)] = 1.0;
@@ -225,4 +237,60 @@ pub fn moves(
         by_slow[(PART_LATE + slot, SLOW_CLOCKS + slot)] = 1.0;
     }
     (by_constants, by_slow)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stations that see a rig which turns: nowhere near level, and the rig's own directions all but averaged out.
+    fn some() -> (Constants, [Station; 3], [Outlook; 3]) {
+        let mut constants = Constants::zeros();
+        for (place, value) in
+            [60.0, -12.0, 1.5, 0.7, 35.0, 48.0, -2.0, -2.1].into_iter().enumerate()
+        {
+            constants[place] = value;
+        }
+        let stations = [0, 1, 2].map(|station| Station::of(&constants, station));
+        let outlooks = [0, 1, 2].map(|k: usize| {
+            let own = &stations[k];
+            let sights = (0..15).map(|i| {
+                let (t, turned) = (0.4 * f64::from(i), 0.3 * f64::from(i) + 2.1 * k as f64);
+                let rig_m = Vector3::new(0.6 * turned.cos(), 0.6 * turned.sin(), 0.2 * k as f64);
+                let prism_m = Vector3::new(30.0 + t, 20.0 - 0.5 * t, 0.8) + rig_m;
+                Sight::at(&own.turn.tr_mul(&(prism_m - own.place_m)))
+            });
+            Outlook::over(sights).expect("sights")
+        });
+        (constants, stations, outlooks)
+    }
+
+    /// What moves if all turns about an axis through station 1, each station by its lean, or by its yaw and station 1 by
+    /// its collimation.
+    fn all_turned(axis: &Vector3<f64>, lean: bool) -> f64 {
+        let (constants, stations, outlooks) = some();
+        let mut turn = Constants::zeros();
+        for slot in 0..2 {
+            let place: Vector3<f64> = constants.fixed_rows::<3>(4 * slot).into();
+            turn.fixed_rows_mut::<3>(4 * slot).copy_from(&axis.cross(&place));
+        }
+        if lean {
+            for station in 0..3 {
+                let own = stations[station].turn.tr_mul(axis);
+                turn.fixed_rows_mut::<2>(LEANS + 2 * station).copy_from(&own.xy());
+            }
+        } else {
+            (turn[3], turn[7], turn[COLLIMATIONS]) = (1.0, 1.0, 1.0);
+        }
+        (moves(&stations, &outlooks, 0.0).0 * turn).amax()
+    }
+
+    #[test]
+    fn what_turns_all_stations_alike_is_nothing_to_the_data() {
+        assert!(all_turned(&Vector3::x(), true) < 1e-9);
+        assert!(all_turned(&Vector3::y(), true) < 1e-9);
+        // A collimation acts on the slope, and a yaw on the distance over ground: they differ where sights are steep.
+        let steep = all_turned(&Vector3::z(), false);
+        assert!(steep > 1e-4 && steep < 0.03, "{steep} m a radian");
+    }
 }
