@@ -6,7 +6,7 @@ use nalgebra::SMatrix;
 
 use super::band_rows::PART;
 use super::drive::Drive;
-use super::unknowns::{CONSTANTS, Constants, SLOW, Station, moves, shifts};
+use super::unknowns::{CONSTANTS, Constants, SLOW, Station, moves, shifts, turns_of_station_1};
 
 /// By the constants, and by the slow states of the part.
 pub type Moved = (SMatrix<f64, PART, CONSTANTS>, SMatrix<f64, PART, SLOW>);
@@ -36,8 +36,20 @@ impl Moves {
         self.drive.tied_to_next[part]
     }
 
-    /// How what station 1 reads during a part moves (m), by the constants and by the slow states.
-    pub fn of_station_1(&self, part: usize) -> (SMatrix<f64, 3, CONSTANTS>, SMatrix<f64, 3, SLOW>) {
-        shifts(&self.stations[0], &self.drive.outlooks[part][0], 0)
+    /// How what station 1 reads during a part is shifted (m) and turned about the station (rad), by the constants and by the
+    /// slow states.
+    pub fn of_station_1(&self, part: usize) -> (SMatrix<f64, 6, CONSTANTS>, SMatrix<f64, 6, SLOW>) {
+        let (own, outlook) = (&self.stations[0], &self.drive.outlooks[part][0]);
+        let (shift_by_constants, shift_by_slow) = shifts(own, outlook, 0);
+        let mut by_constants = SMatrix::<f64, 6, CONSTANTS>::zeros();
+        let mut by_slow = SMatrix::<f64, 6, SLOW>::zeros();
+        by_constants.fixed_rows_mut::<3>(0).copy_from(&shift_by_constants);
+        by_slow.fixed_rows_mut::<3>(0).copy_from(&shift_by_slow);
+        for (column, axis) in turns_of_station_1(own) {
+            let mut shift = by_constants.fixed_view_mut::<3, 1>(0, column);
+            shift -= axis.cross(&(own.turn * outlook.point_m));
+            by_constants.fixed_view_mut::<3, 1>(3, column).copy_from(&axis);
+        }
+        (by_constants, by_slow)
     }
 }

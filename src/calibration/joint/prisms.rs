@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3, Vector4};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3, Vector4};
 use rayon::prelude::*;
 
 use super::band::Band;
@@ -113,7 +113,7 @@ impl Solution {
             let moves = &pass.linear.data.moves;
             let mut open = SMatrix::<f64, OPEN, CONSTANTS>::zeros();
             open.fixed_rows_mut::<PART>(0).copy_from(&moves.of(at.part).0);
-            open.fixed_rows_mut::<3>(PART).copy_from(&moves.of_station_1(at.part).0);
+            open.fixed_rows_mut::<6>(PART).copy_from(&moves.of_station_1(at.part).0);
             let places = by_knots(LOCAL, &at.place.position);
             let read_m = &places * DVector::from_column_slice(&at.knots[..TIED * LOCAL]);
             let open = DMatrix::from_column_slice(OPEN, CONSTANTS, open.as_slice());
@@ -191,6 +191,10 @@ impl Solution {
     fn frames<const LOCAL: usize, const ROW: usize>(&self, pass: &Pass<LOCAL, ROW>) -> Vec<Frame> {
         let drive = &self.drive;
         let (by_slow, left) = station_1_by_slow(&self.sizes, &self.model.start);
+        // It settles along x, y, z and about z.
+        let by_settling = SMatrix::<f64, 6, 4>::from_fn(|row, settles| {
+            f64::from(row == if settles < 3 { settles } else { 5 })
+        });
         let of_constants = pass.factor.of_constants();
         let mut frames = vec![Frame::default(); drive.part_times_s.len()];
         let shares = pass.slow_priors.settled_shares();
@@ -199,19 +203,19 @@ impl Solution {
             let (seen_by_constants, seen_by_slow) = pass.linear.data.moves.of_station_1(part);
             let mut constants = SMatrix::<f64, OPEN, CONSTANTS>::zeros();
             constants.fixed_rows_mut::<PART>(0).copy_from(&part_by_constants);
-            constants.fixed_rows_mut::<3>(PART).copy_from(&seen_by_constants);
+            constants.fixed_rows_mut::<6>(PART).copy_from(&seen_by_constants);
             let mut by_states = SMatrix::<f64, OPEN, SLOW>::zeros();
             by_states.fixed_rows_mut::<PART>(0).copy_from(&part_by_slow);
-            by_states.fixed_rows_mut::<3>(PART).copy_from(&seen_by_slow);
-            let mut settled = by_states.fixed_view_mut::<4, 8>(PART, 0);
-            settled += by_slow;
+            by_states.fixed_rows_mut::<6>(PART).copy_from(&seen_by_slow);
+            let mut settled = by_states.fixed_view_mut::<6, 8>(PART, 0);
+            settled += by_settling * by_slow;
             let across = constants * slow.with_constants.transpose() * by_states.transpose();
             let mut covariance = constants * of_constants * constants.transpose()
                 + by_states * slow.own * by_states.transpose()
                 + across
                 + across.transpose();
-            let mut open = covariance.fixed_view_mut::<4, 4>(PART, PART);
-            open += left * shares[part];
+            let mut open = covariance.fixed_view_mut::<6, 6>(PART, PART);
+            open += by_settling * left * by_settling.transpose() * shares[part];
             let state: &Slow = &self.at.slow[part];
             frames[part] = Frame { moved: by_slow * state.fixed_rows::<8>(0), covariance };
         });
@@ -265,8 +269,8 @@ fn within(time_s: &[f64], is_early: impl Fn(f64) -> bool, is_late: impl Fn(f64) 
     &time_s[from..time_s.partition_point(|t| !is_late(*t)).max(from)]
 }
 
-/// The unknowns of a part, and how station 1 and what it reads are shifted (m) and turned (rad).
-const OPEN: usize = PART + 4;
+/// The unknowns of a part, and how station 1 and what it reads are shifted along x, y, z (m) and turned about them (rad).
+const OPEN: usize = PART + 6;
 
 /// How station 1 stood during a part against its set-up, and what is open about it and the part.
 #[derive(Clone)]
@@ -297,13 +301,16 @@ fn by_open(by_part: &DMatrix<f64>, read_m: &DVector<f64>) -> DMatrix<f64> {
     let mut by_open = DMatrix::zeros(read_m.len(), OPEN);
     by_open.view_mut((0, 0), (read_m.len(), PART)).copy_from(by_part);
     for at in (0..read_m.len()).step_by(3) {
-        let arm = Vector3::z().cross(&Vector3::new(read_m[at], read_m[at + 1], read_m[at + 2]));
-        for axis in 0..3 {
-            by_open[(at + axis, PART + axis)] = 1.0;
-            by_open[(at + axis, PART + 3)] = arm[axis];
-        }
+        let turned = turned(&Vector3::new(read_m[at], read_m[at + 1], read_m[at + 2]));
+        by_open.fixed_view_mut::<3, 3>(at, PART).fill_with_identity();
+        by_open.fixed_view_mut::<3, 3>(at, PART + 3).copy_from(&turned);
     }
     by_open
+}
+
+/// How a vector moves with turns about x, y, z (per rad).
+fn turned(vector: &Vector3<f64>) -> Matrix3<f64> {
+    -vector.cross_matrix()
 }
 
 /// `knots` are the coefficients from the place's first knot on.
@@ -330,8 +337,9 @@ fn instant<const LOCAL: usize>(
         let at = 3 * prism;
         let arm = Vector3::z().cross(&read_m.fixed_rows::<3>(at));
         let turning = Vector3::z().cross(&velocity_m_per_s.fixed_rows::<3>(at));
+        let turned = turned(&velocity_m_per_s.fixed_rows::<3>(at).into_owned());
+        rate_by_open.fixed_view_mut::<3, 3>(at, PART + 3).copy_from(&turned);
         for axis in 0..3 {
-            rate_by_open[(at + axis, PART + 3)] = turning[axis];
             position_m[at + axis] += frame.moved[axis] + frame.moved[3] * arm[axis];
             velocity[at + axis] += frame.moved[3] * turning[axis];
         }

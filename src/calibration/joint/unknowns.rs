@@ -188,6 +188,12 @@ pub fn shifts(
     (by_constants, by_slow)
 }
 
+/// The constants that turn all that station 1 sees about its place, and the axes of that.
+pub fn turns_of_station_1(own: &Station) -> [(usize, Vector3<f64>); 3] {
+    let axes = [(LEANS, Vector3::x()), (LEANS + 1, Vector3::y()), (COLLIMATIONS, Vector3::z())];
+    axes.map(|(column, axis)| (column, own.turn * axis))
+}
+
 /// How the unknowns of a part move with the constants, and with what is slow.
 pub fn moves(
     stations: &[Station; 3],
@@ -217,13 +223,10 @@ pub fn moves(
         // What turns all that station 1 sees turns the rig as well, from moment to moment, and not as it stands on average.
         // Told as a turn of the others where they are, it is the same for the data, and nothing of it is left where yaws and
         // places make up for it.
-        let first = &stations[0].turn;
-        let apart_m = point_m + own.place_m - first * outlooks[0].point_m;
-        for (column, axis) in
-            [(LEANS, Vector3::x()), (LEANS + 1, Vector3::y()), (COLLIMATIONS, Vector3::z())]
-        {
+        let apart_m = point_m + own.place_m - stations[0].turn * outlooks[0].point_m;
+        for (column, axis) in turns_of_station_1(&stations[0]) {
             let mut rows = by_constants.fixed_view_mut::<3, 1>(3 * slot, column);
-            rows -= (first * axis).cross(&apart_m);
+            rows -= axis.cross(&apart_m);
         }
         let arm = Vector3::z().cross(&point_m);
         for axis in 0..3 {
