@@ -9,7 +9,7 @@ use resect::calibration::Method;
 use resect::calibration::joint::prisms::{Instant, Prisms};
 use resect::deployment::{Sample, open};
 use resect::evaluation::vehicle::{
-    Instants, NoTrajectory, VehicleFrame, prism_by, trajectory_by, vehicle_trajectory,
+    Instants, NoTrajectory, VehicleFrame, prism_by, trajectory_by, vehicle_at, vehicle_trajectory,
 };
 use resect::progress::Progress;
 use resect::simulation::{EPOCH_S, Preset, simulate, simulate_scenario};
@@ -305,6 +305,38 @@ fn nothing_tells_where_a_long_stretch_is_cut() {
         let what = format!("{over_usual} {jump_sigmas} {after_s} s after the cut");
         assert!(over_usual < 1.15 && jump_sigmas < 0.5, "{what}");
     }
+}
+
+/// The scene draws the vehicle where the splines put it, in every frame, and says how well that is known once the pass over
+/// the drive has been made that tells it: both are one pose.
+#[test]
+fn where_the_scene_puts_the_vehicle_is_the_pose_that_has_a_sigma() {
+    let deployment = Sample::Warthog.open().expect("built in");
+    let analysis = analyse(&deployment, &by(Method::Joint));
+    let (calibration, triplets) = (&answer(&analysis).calibration, &analysis.pipeline.triplets);
+    let targets = analysis.offer.targets;
+    let rate = Instants::Rate(10.0);
+    let (trajectory, _) =
+        trajectory_by(&deployment, triplets, targets, calibration, rate, f64::INFINITY)
+            .expect("a rig");
+    let mut off_sigmas: Vec<f64> = Vec::new();
+    for pose in &trajectory.poses {
+        let quick = vehicle_at(&deployment, calibration, pose.time_s).expect("in a stretch");
+        let sigma = pose.sigma();
+        let off_m = (quick.translation_m - pose.position_m).norm();
+        let off_rad = pose.orientation.to_rotation_matrix().angle_to(&quick.rotation);
+        off_sigmas.push((off_m / sigma.position_m).max(off_rad / sigma.orientation_rad));
+    }
+    off_sigmas.sort_by(f64::total_cmp);
+    let (middle, most) = (off_sigmas[off_sigmas.len() / 2], off_sigmas[off_sigmas.len() - 1]);
+    assert!(middle < 0.05 && most < 0.6, "{middle} σ, {most} σ at most");
+    for gap in trajectory.poses.windows(2).filter(|two| two[1].time_s - two[0].time_s > 0.5) {
+        let middle_s = 0.5 * (gap[0].time_s + gap[1].time_s);
+        assert_eq!(vehicle_at(&deployment, calibration, middle_s), None, "in a gap");
+    }
+    let by_triplets = analyse(&deployment, &published());
+    let at_s = trajectory.poses[0].time_s;
+    assert_eq!(vehicle_at(&deployment, &answer(&by_triplets).calibration, at_s), None);
 }
 
 #[test]

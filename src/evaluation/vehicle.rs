@@ -190,6 +190,19 @@ pub fn trajectory_by(
     Ok((Trajectory { poses, dropped }, frame))
 }
 
+/// Where the vehicle is at an instant (s) by the motion of the joint estimate, `station1_from_vehicle`, without the σ that
+/// takes a pass over the drive; `None` in a gap, and by other answers.
+pub fn vehicle_at(
+    deployment: &Deployment,
+    calibration: &Calibration,
+    time_s: f64,
+) -> Option<RigidTransform> {
+    calibration.placing_tracks(deployment)?;
+    let joint = calibration.joint()?;
+    let (rig_m, _, _) = rig_by(deployment, joint, &joint.distances_m?).ok()?;
+    align_rigid(&joint.solution.prisms_m(time_s)?, &rig_m)
+}
+
 /// The largest of the distance errors of pairs 12, 13, 23 at the triplets on either side of an instant, or at the instant's own.
 pub fn largest_about(time_s: f64, triplet_s: &[f64], errors: &[Vec<f64>; 3]) -> f64 {
     let after = triplet_s.partition_point(|other| *other < time_s);

@@ -31,3 +31,20 @@ impl Pace {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_calculates_rests_for_as_long_as_it_took() {
+        let mut pace = Pace::default();
+        assert!(pace.begin(3.0) && !pace.is_free(100.0), "busy until it ends");
+        assert!(!pace.begin(4.0), "one at a time");
+        pace.end(5.0);
+        assert!(!pace.is_free(6.9) && pace.is_free(7.0), "two seconds of work, two of rest");
+        // What ends again has begun nothing, and rests no longer.
+        pace.end(7.5);
+        assert!(pace.begin(7.5));
+    }
+}

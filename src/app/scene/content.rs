@@ -7,13 +7,13 @@ use nalgebra::Vector3;
 use super::colouring::{Colours, fate_of};
 use super::ghosts::Ghost;
 use super::grid::Grid;
+use super::overlays::VehicleAt;
 use super::trail::Trail;
 use super::vertices::{Label, Landmark, Layer};
 use crate::analysis::Analysis;
 use crate::app::model::{Colouring, Picked};
 use crate::app::prepared::Clouds;
 use crate::deployment::Deployment;
-use crate::evaluation::trajectory::Pose;
 use crate::geometry::RigidTransform;
 
 /// Everything in the scene.
@@ -35,7 +35,7 @@ pub struct SceneContent {
     /// The selected span in the stations' clock (s).
     pub(super) selected_s: Option<[f64; 2]>,
     /// The vehicle along its way.
-    pub(super) poses: Vec<Pose>,
+    pub(super) poses: Vec<VehicleAt>,
     pub along: Layer,
     /// How well the vehicle's way is known.
     pub tube: Layer,
@@ -77,7 +77,7 @@ pub struct SceneContent {
     /// The middle of the prisms at the cursor, ghosts too (m, in station 1's frame): what the camera goes with.
     pub middle_m: Option<Vector3<f64>>,
     /// The vehicle's pose at the cursor, where the rig is known.
-    pub pose: Option<Pose>,
+    pub pose: Option<VehicleAt>,
     /// Whether ellipsoids of the interpolation are drawn, and of the stations.
     pub track_ellipsoids: bool,
     pub station_ellipsoids: bool,

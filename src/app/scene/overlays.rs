@@ -6,8 +6,9 @@ use super::content::SceneContent;
 use super::vertices::{LineVertex, WORLD, f32s};
 use crate::analysis::Analysis;
 use crate::deployment::Deployment;
-use crate::evaluation::trajectory::Pose;
-use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_trajectory};
+use crate::evaluation::trajectory::{Pose, PoseSigma};
+use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_at, vehicle_trajectory};
+use crate::geometry::RigidTransform;
 use crate::palette::{self, Rgb};
 use crate::pipeline::Triplets;
 
@@ -25,45 +26,90 @@ pub const AXES: [(Vector3<f64>, Rgb); 3] = [
     (Vector3::new(0.0, 0.0, 1.0), [70, 130, 220]),
 ];
 
-/// Poses at some instants; none where there is no rig or no answer.
-fn poses(deployment: &Deployment, analysis: &Analysis, some: &Triplets) -> Vec<Pose> {
-    let Ok(answer) = &analysis.answer else { return Vec::new() };
-    let transforms = answer.calibration.placing_tracks(deployment);
-    vehicle_trajectory(deployment, some, analysis.offer.targets, transforms, LARGEST_POSE_ERROR_M)
-        .map_or(Vec::new(), |(trajectory, _)| trajectory.poses)
+/// The vehicle at an instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VehicleAt {
+    pub time_s: f64,
+    pub station1_from_vehicle: RigidTransform,
+    pub by: PlacedBy,
 }
 
-/// The vehicle's poses at even steps along the way.
-pub fn poses_along(deployment: &Deployment, analysis: &Analysis) -> Vec<Pose> {
+/// What says where the vehicle is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlacedBy {
+    /// The motion of the joint estimate, which rests on the readings around; its σ is made beside the window.
+    Motion,
+    /// One triplet, by three distances.
+    Triplet(PoseSigma),
+}
+
+/// The vehicle at some instants; nowhere where there is no rig or no answer.
+fn vehicles(deployment: &Deployment, analysis: &Analysis, some: &Triplets) -> Vec<VehicleAt> {
+    let Ok(answer) = &analysis.answer else { return Vec::new() };
+    let calibration = &answer.calibration;
+    if calibration.joint().is_some() {
+        let at = |time_s: &f64| {
+            let station1_from_vehicle = vehicle_at(deployment, calibration, *time_s)?;
+            Some(VehicleAt { time_s: *time_s, station1_from_vehicle, by: PlacedBy::Motion })
+        };
+        return some.time_s.iter().filter_map(at).collect();
+    }
+    let (targets, transforms) = (analysis.offer.targets, calibration.placing_tracks(deployment));
+    let found = vehicle_trajectory(deployment, some, targets, transforms, LARGEST_POSE_ERROR_M);
+    let at = |pose: &Pose| VehicleAt {
+        time_s: pose.time_s,
+        station1_from_vehicle: RigidTransform {
+            rotation: pose.orientation.to_rotation_matrix(),
+            translation_m: pose.position_m,
+        },
+        by: PlacedBy::Triplet(pose.sigma()),
+    };
+    found.map_or(Vec::new(), |(trajectory, _)| trajectory.poses.iter().map(at).collect())
+}
+
+/// The vehicle at even steps along the way.
+pub fn poses_along(deployment: &Deployment, analysis: &Analysis) -> Vec<VehicleAt> {
     let count = analysis.triplets().len();
     let instants: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POSES).max(1)).collect();
-    poses(deployment, analysis, &analysis.triplets().select(&instants))
+    vehicles(deployment, analysis, &analysis.triplets().select(&instants))
 }
 
 /// Adds the axes of poses along the way; outside of what is selected they are faint.
-pub fn add_poses(lines: &mut Vec<LineVertex>, poses: &[Pose], selection_s: Option<[f64; 2]>) {
+pub fn add_poses(lines: &mut Vec<LineVertex>, poses: &[VehicleAt], selection_s: Option<[f64; 2]>) {
     for pose in poses {
         let selected = selection_s.is_none_or(|[a, b]| (a..=b).contains(&pose.time_s));
         add_axes(lines, pose, POSE_AXIS_M, 1.2, if selected { 170 } else { 30 });
     }
 }
 
-/// The vehicle's pose by one triplet; `None` where there is no rig, no answer, or a distance that is too far off.
-pub fn pose_of(deployment: &Deployment, analysis: &Analysis, triplet: &Triplets) -> Option<Pose> {
-    poses(deployment, analysis, triplet).pop()
+/// The vehicle at the instant of one triplet; `None` where there is no rig and no answer, and where one triplet alone would
+/// have to say it and contradicts the rig.
+pub fn pose_of(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    triplet: &Triplets,
+) -> Option<VehicleAt> {
+    vehicles(deployment, analysis, triplet).pop()
 }
 
 /// Adds the axes of one pose, larger than those along the way.
-pub fn add_pose(lines: &mut Vec<LineVertex>, pose: &Pose) {
+pub fn add_pose(lines: &mut Vec<LineVertex>, pose: &VehicleAt) {
     add_axes(lines, pose, 2.0 * POSE_AXIS_M, 2.5, 255);
 }
 
-fn add_axes(lines: &mut Vec<LineVertex>, pose: &Pose, length_m: f64, width_points: f32, alpha: u8) {
+fn add_axes(
+    lines: &mut Vec<LineVertex>,
+    pose: &VehicleAt,
+    length_m: f64,
+    width_points: f32,
+    alpha: u8,
+) {
+    let place = &pose.station1_from_vehicle;
     for (axis, [r, g, b]) in AXES {
         lines.push(LineVertex {
-            from_m: f32s(&pose.position_m),
+            from_m: f32s(&place.translation_m),
             from_frame: WORLD,
-            to_m: f32s(&(pose.position_m + length_m * (pose.orientation * axis))),
+            to_m: f32s(&place.apply(&(length_m * axis))),
             to_frame: WORLD,
             colour: [r, g, b, alpha],
             width_points,

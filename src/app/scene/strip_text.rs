@@ -1,15 +1,19 @@
 //! What the strip under the picture says, in words, what matters most first.
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 use super::SceneContent;
 use super::ghosts::Ghost;
 use super::legend_rows;
+use super::overlays::PlacedBy;
 use crate::analysis::Analysis;
 use crate::app::model::{OpenDeployment, Ruler, Units};
 use crate::app::prepared::rig_at::LAST_READ_S;
+use crate::app::prepared::way::Aspect;
 use crate::app::state::State;
-use crate::evaluation::trajectory::Pose;
+use crate::calibration::Targets;
+use crate::evaluation::trajectory::PoseSigma;
+use crate::geometry::RigidTransform;
 
 pub struct Text {
     pub text: String,
@@ -81,21 +85,37 @@ fn cursor(
         return vec![format!("{time}  {why}")];
     };
     let Some(pose) = &content.pose else {
-        return vec![format!("{time}  prism 1 {}", position(&prisms_m[0], units))];
+        let joint = analysis.answer.as_ref().is_ok_and(|a| a.calibration.joint().is_some());
+        let is_rig = analysis.offer.targets != Targets::OnePrism;
+        let why = if joint && is_rig { ", too short a stretch for a motion" } else { "" };
+        return vec![format!("{time}  prism 1 {}{why}", position(&prisms_m[0], units))];
     };
-    // Without a σ of the interpolation, that of one pose is a guess from three distances.
-    let sigma = analysis.triplets().sigma_m.as_ref().map(|_| pose.sigma());
-    let mut lines =
-        vec![format!("{time}  {}", position(&pose.position_m, units)), attitude(pose, units)];
+    let (sigma, by) = match &pose.by {
+        PlacedBy::Motion => (sigma_by_way(open, cursor_s), "by the joint estimate"),
+        // Without a σ of the interpolation, that of one pose is a guess from three distances.
+        PlacedBy::Triplet(sigma) => {
+            (analysis.triplets().sigma_m.as_ref().map(|_| *sigma), "by one triplet")
+        }
+    };
+    let RigidTransform { rotation, translation_m } = &pose.station1_from_vehicle;
+    let place = position(translation_m, units);
+    let mut lines = vec![format!("{time}  {place}"), attitude(rotation, units)];
     if let Some(sigma) = sigma {
         let [position_m, orientation_rad] = [sigma.position_m, sigma.orientation_rad].map(Some);
         lines[0] += &format!("  ± {} mm", units.length_sigma(position_m));
         let small = units.angle.small_name();
         lines[1] += &format!("  ± {} {small}", units.angle_sigma(orientation_rad));
     }
-    // Trajectory has that of the joint estimate, which knows of more than three points.
-    lines[1] += ", by one triplet";
+    lines[1] += &format!(", {by}");
     lines
+}
+
+/// How well the motion of the joint estimate is known at an instant, once that has been made of this answer.
+fn sigma_by_way(open: &OpenDeployment, time_s: f64) -> Option<PoseSigma> {
+    let way = open.way.newest.as_deref().filter(|_| open.way.is_of((open.analysis_run, 0)))?;
+    let at = way.at(time_s)?;
+    let position_m = Aspect::PositionSigma.of(at)?.value;
+    Some(PoseSigma { position_m, orientation_rad: at.turn_sigma_rad? })
 }
 
 /// How old what is drawn is, where there is no triplet.
@@ -120,8 +140,8 @@ fn position(p: &Vector3<f64>, units: Units) -> String {
     format!("x {x}  y {y}  z {z} {}", units.length.name())
 }
 
-fn attitude(pose: &Pose, units: Units) -> String {
-    let (roll, pitch, yaw) = pose.orientation.euler_angles();
+fn attitude(station1_from_vehicle: &Rotation3<f64>, units: Units) -> String {
+    let (roll, pitch, yaw) = station1_from_vehicle.euler_angles();
     let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| units.angle(angle));
     format!("heading {yaw}  roll {roll}  pitch {pitch} {}", units.angle.name())
 }

@@ -17,9 +17,10 @@ use crate::estimates::{Estimate, Judgement, judge, read};
 impl State {
     /// Starts what is to be made anew for those who look at it; to be called in every frame.
     pub(super) fn make_what_is_looked_at(&mut self) {
-        let shows_tube = self.visibility.tube && self.layout.place(Pane::Scene).is_some();
+        let shows_scene = self.layout.place(Pane::Scene).is_some();
+        let shows_tube = self.visibility.tube && shows_scene;
         let shows_way = shows_tube || self.layout.place(Pane::Trajectory).is_some();
-        if self.visibility.runs_beside && self.layout.place(Pane::Scene).is_some() {
+        if self.visibility.runs_beside && shows_scene {
             self.make_beside();
         }
         let Some(open) = self.open.get_mut(self.active).filter(|open| open.analysing.is_none())
@@ -28,7 +29,10 @@ impl State {
         };
         let Some(analysis) = open.analysis.clone() else { return };
         let (id, of) = (open.id, (open.analysis_run, 0));
-        if shows_way && open.way.is_wanted(of) {
+        // The scene says how well the pose at the cursor is known.
+        let is_motion = analysis.answer.as_ref().is_ok_and(|a| a.calibration.joint().is_some());
+        let shows_pose = shows_scene && is_motion && open.timeline.cursor_s.is_some();
+        if (shows_way || shows_pose) && open.way.is_wanted(of) {
             let (deployment, analysis) = (Arc::clone(&open.deployment), Arc::clone(&analysis));
             let number = self.jobs.start(
                 move || Way::of(&deployment, &analysis),

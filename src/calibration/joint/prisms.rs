@@ -177,6 +177,30 @@ impl Solution {
         Ok(all.flatten().flatten().collect())
     }
 
+    /// Where the prisms of a rig are at an instant (s, in the stamps of station 1), in the frame of station 1 as it was set up
+    /// (m); `None` outside of all stretches, and of one prism.
+    ///
+    /// It is read off the splines, without the pass over the drive that covariances take: there is time for it in every frame
+    /// of a window. [`Self::instants`] has the same but about the [`super::cuts`] of long stretches.
+    pub fn prisms_m(&self, time_s: f64) -> Option<[Vector3<f64>; 3]> {
+        let pieces = &self.drive.pieces;
+        let index = pieces.partition_point(|piece| piece.stretch.end_s < time_s);
+        let stretch = &pieces.get(index).filter(|_| self.prisms == 3)?.stretch;
+        if !stretch.has(time_s) {
+            return None;
+        }
+        let first_part: usize = pieces[..index].iter().map(|piece| piece.stretch.parts).sum();
+        let slow = &self.at.slow[first_part + stretch.part(time_s)];
+        let moved = station_1_by_slow(&self.sizes, &self.model.start).0 * slow.fixed_rows::<8>(0);
+        let place = stretch.place(time_s);
+        let knots = &self.at.coefficients_m[index][9 * place.first..];
+        Some([0, 1, 2].map(|prism| {
+            let at_knot = |k: usize| Vector3::from_column_slice(&knots[9 * k + 3 * prism..][..3]);
+            let read_m = (0..TIED).map(|k| place.position[k] * at_knot(k)).sum::<Vector3<f64>>();
+            read_m + moved.fixed_rows::<3>(0) + moved[3] * Vector3::z().cross(&read_m)
+        }))
+    }
+
     /// Start and end of what has a motion (s), each stretch by itself.
     pub fn spans_s(&self) -> impl Iterator<Item = [f64; 2]> {
         self.drive.pieces.iter().map(|piece| [piece.stretch.start_s, piece.stretch.end_s])
