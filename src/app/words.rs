@@ -71,7 +71,7 @@ pub fn mark_text(response: &Response, text: &str) {
 }
 
 /// Reading a text takes longer than drawing it.
-fn is_looked_at(response: &Response) -> bool {
+pub fn is_looked_at(response: &Response) -> bool {
     response.contains_pointer() || response.has_focus()
 }
 

@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use crate::deployment::{Deployment, PAIRS};
-use crate::geometry::align_level;
+use crate::geometry::{RigidTransform, align_level};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
 
@@ -65,15 +65,18 @@ fn median_distance_m(triplets: &Triplets) -> Option<f64> {
 
 /// A track aligned to that of station 1, again and again without what lies furthest off.
 fn aligned(to_m: &[Vector3<f64>], from_m: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
-    let mut aligned = align_level(to_m, from_m)?;
+    let mut aligned = RigidTransform::from(align_level(to_m, from_m)?);
+    let keep = (KEPT * to_m.len() as f64).ceil() as usize;
     for _ in 0..ROUNDS {
-        let off_m = |index: &usize| (to_m[*index] - aligned.apply(&from_m[*index])).norm();
+        let pairs = to_m.iter().zip(from_m);
+        let off_m: Vec<f64> =
+            pairs.map(|(to_m, from_m)| (to_m - aligned.apply(from_m)).norm()).collect();
         let mut kept: Vec<usize> = (0..to_m.len()).collect();
-        kept.sort_by(|a, b| off_m(a).total_cmp(&off_m(b)));
-        kept.truncate((KEPT * to_m.len() as f64).ceil() as usize);
+        kept.sort_by(|a, b| off_m[*a].total_cmp(&off_m[*b]));
+        kept.truncate(keep);
         let [to_m, from_m] = [to_m, from_m]
             .map(|points| kept.iter().map(|index| points[*index]).collect::<Vec<_>>());
-        aligned = align_level(&to_m, &from_m)?;
+        aligned = align_level(&to_m, &from_m)?.into();
     }
     Some(from_m.iter().map(|point_m| aligned.apply(point_m)).collect())
 }

@@ -105,7 +105,8 @@ pub fn paint(
 ) {
     let (stations, points): (Vec<_>, Vec<_>) =
         content.labels.iter().rev().partition(|label| label.rank == Rank::Station);
-    let points = content.estimate_labels.iter().chain(points);
+    let (directions, points): (Vec<_>, Vec<_>) =
+        points.into_iter().partition(|label| label.rank == Rank::Direction);
     for at in stations.iter().filter_map(|label| projection.screen(&label.position_m)) {
         placer.spared.push(Rect::from_center_size(at, STATION));
     }
@@ -122,15 +123,21 @@ pub fn paint(
     for name in names {
         text_at(painter, placer, name.at, name.text, 10.0, colour);
     }
-    for label in points {
-        let before = placer.spared.len();
-        if label.rank == Rank::Direction {
-            // On a ground of their own, they would hide what was driven.
-            let outline = content.outline_m.iter().filter_map(|place_m| projection.screen(place_m));
-            placer.spared.extend(outline.map(|at| Rect::from_center_size(at, STATION)));
-        }
+    for label in &content.estimate_labels {
         beside_its_point(painter, projection, placer, label, 10.5, dark);
+    }
+    // Names of directions have a ground of their own and would hide what was driven, which is projected once for all of them.
+    if !directions.is_empty() {
+        let before = placer.spared.len();
+        let outline = content.outline_m.iter().filter_map(|place_m| projection.screen(place_m));
+        placer.spared.extend(outline.map(|at| Rect::from_center_size(at, STATION)));
+        for label in directions {
+            beside_its_point(painter, projection, placer, label, 10.5, dark);
+        }
         placer.spared.truncate(before);
+    }
+    for label in points {
+        beside_its_point(painter, projection, placer, label, 10.5, dark);
     }
     for number in numbers {
         text_at(painter, placer, number.at, number.text, 10.0, colour);

@@ -182,7 +182,9 @@ fn row(ui: &mut egui::Ui, row: &Row, size: Vec2, commands: &mut Commands) {
             ui.painter().rect_filled(rect, 3.0, fill);
         }
     }
-    words::mark(&response, &terms(&row.name));
+    if words::is_looked_at(&response) {
+        words::mark(&response, &terms(&row.name));
+    }
     if !clickable {
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &row.name));
     }
