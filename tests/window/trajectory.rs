@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Theme};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -177,7 +177,6 @@ fn what_cannot_be_judged_says_why() {
 #[test]
 fn a_tube_tells_how_well_the_way_is_known() {
     let mut harness = window(LARGE, Theme::Dark);
-    assert!(shown(&harness).way.newest.is_none(), "nobody looks at it");
     click(&mut harness, "Show the tube of the vehicle");
     assert!(harness.state().state.visibility.tube);
     assert!(shown(&harness).way.newest.is_some());
@@ -190,6 +189,24 @@ fn a_tube_tells_how_well_the_way_is_known() {
     };
     send(&mut harness, Command::Show(alone));
     snapshot_of(&mut harness, Part::Pane(Pane::Scene), "tube-dark");
+}
+
+/// The pose at the cursor is the joint estimate's and says how well it is known; the paper's is one triplet's, and nobody makes
+/// a way for it.
+#[test]
+fn the_pose_in_the_scene_says_what_it_is_from_and_how_well_it_is_known() {
+    let mut harness = window(LARGE, Theme::Light);
+    assert!(shown(&harness).timeline.cursor_s.is_some() && shown(&harness).way.newest.is_some());
+    let said = |harness: &Window, by: &str| {
+        harness.get_by_label_contains(by).accesskit_node().label().expect("the strip")
+    };
+    let strip = said(&harness, "pose by the joint estimate");
+    let of = |what: &str| strip.split(" · ").find(|part| part.contains(what)).expect("told");
+    assert!(of(" x ").contains("± ") && of("heading").contains("± "), "{strip}");
+
+    set(&mut harness, |settings| settings.calibration.method = Some(Method::InterPrism));
+    let strip = said(&harness, "pose by one triplet");
+    assert!(!strip.contains('±'), "{strip}");
 }
 
 /// A verdict on others is worth no more than the one on the ground truth, which stands above it.

@@ -105,7 +105,7 @@ mod tests {
     use crate::analysis::{Analyst, Settings};
     use crate::app::prepared::placing::placed_tracks;
     use crate::app::prepared::rig_at::LAST_READ_S;
-    use crate::app::scene::overlays::PlacedBy;
+    use crate::app::scene::overlays::PoseBy;
     use crate::deployment::Sample;
     use crate::geometry::RigidTransform;
 
@@ -150,7 +150,7 @@ mod tests {
         let middle_m = drawn.content.middle_m.expect("placed");
         assert!((middle_m - (prisms_m[0] + prisms_m[1] + prisms_m[2]) / 3.0).norm() < 1e-12);
         let pose = drawn.content.pose.as_ref().expect("placed");
-        assert_eq!((pose.time_s, &pose.by), (between_s, &PlacedBy::Motion));
+        assert_eq!((pose.time_s, &pose.by), (between_s, &PoseBy::Motion));
     }
 
     #[test]

@@ -31,12 +31,12 @@ pub const AXES: [(Vector3<f64>, Rgb); 3] = [
 pub struct VehicleAt {
     pub time_s: f64,
     pub station1_from_vehicle: RigidTransform,
-    pub by: PlacedBy,
+    pub by: PoseBy,
 }
 
 /// What says where the vehicle is.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PlacedBy {
+pub enum PoseBy {
     /// The motion of the joint estimate, which rests on the readings around; its σ is made beside the window.
     Motion,
     /// One triplet, by three distances.
@@ -50,7 +50,7 @@ fn vehicles(deployment: &Deployment, analysis: &Analysis, some: &Triplets) -> Ve
     if calibration.joint().is_some() {
         let at = |time_s: &f64| {
             let station1_from_vehicle = vehicle_at(deployment, calibration, *time_s)?;
-            Some(VehicleAt { time_s: *time_s, station1_from_vehicle, by: PlacedBy::Motion })
+            Some(VehicleAt { time_s: *time_s, station1_from_vehicle, by: PoseBy::Motion })
         };
         return some.time_s.iter().filter_map(at).collect();
     }
@@ -62,7 +62,7 @@ fn vehicles(deployment: &Deployment, analysis: &Analysis, some: &Triplets) -> Ve
             rotation: pose.orientation.to_rotation_matrix(),
             translation_m: pose.position_m,
         },
-        by: PlacedBy::Triplet(pose.sigma()),
+        by: PoseBy::Triplet(pose.sigma()),
     };
     found.map_or(Vec::new(), |(trajectory, _)| trajectory.poses.iter().map(at).collect())
 }

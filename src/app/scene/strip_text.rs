@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, Vector3};
 use super::SceneContent;
 use super::ghosts::Ghost;
 use super::legend_rows;
-use super::overlays::PlacedBy;
+use super::overlays::PoseBy;
 use crate::analysis::Analysis;
 use crate::app::model::{OpenDeployment, Ruler, Units};
 use crate::app::prepared::rig_at::LAST_READ_S;
@@ -66,7 +66,7 @@ fn ruler(open: &OpenDeployment, state: &State, content: &SceneContent) -> Vec<St
     }
 }
 
-/// Time and position at the cursor, then the attitude.
+/// Time and position at the cursor, then the attitude, then what both are from.
 fn cursor(
     open: &OpenDeployment,
     analysis: &Analysis,
@@ -91,9 +91,9 @@ fn cursor(
         return vec![format!("{time}  prism 1 {}{why}", position(&prisms_m[0], units))];
     };
     let (sigma, by) = match &pose.by {
-        PlacedBy::Motion => (sigma_by_way(open, cursor_s), "by the joint estimate"),
+        PoseBy::Motion => (sigma_by_way(open, cursor_s), "by the joint estimate"),
         // Without a σ of the interpolation, that of one pose is a guess from three distances.
-        PlacedBy::Triplet(sigma) => {
+        PoseBy::Triplet(sigma) => {
             (analysis.triplets().sigma_m.as_ref().map(|_| *sigma), "by one triplet")
         }
     };
@@ -106,7 +106,7 @@ fn cursor(
         let small = units.angle.small_name();
         lines[1] += &format!("  ± {} {small}", units.angle_sigma(orientation_rad));
     }
-    lines[1] += &format!(", {by}");
+    lines.push(format!("pose {by}"));
     lines
 }
 
