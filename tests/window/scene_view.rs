@@ -133,7 +133,7 @@ fn under_the_pointer_the_strip_says_what_has_no_room_and_nothing_else() {
 #[test]
 fn control_points_are_named_by_their_set_and_listed_with_what_is_left_at_them() {
     let mut harness = window(LARGE, Theme::Dark);
-    assert!(strip(&harness).contains("residuals at control points ×1000"));
+    assert!(strip(&harness).contains("residuals ×1000"));
     let sets = &shown(&harness).deployment.control_points;
     assert!(sets.len() > 1, "the sample has several");
     let (file, marker) = (sets[0].file.clone(), sets[0].points[0].marker);

@@ -155,7 +155,7 @@ impl AspectPlot<'_> {
     /// What it is at the cursor.
     fn words(&self, ui: &mut egui::Ui, strip: &Strip, way: Option<&Way>) {
         let cursor_s = self.open.timeline.cursor_s;
-        let at = cursor_s.and_then(|cursor_s| self.aspect.of(way?.at(cursor_s)?));
+        let at = cursor_s.and_then(|cursor_s| self.aspect.of(&way?.at(cursor_s)?));
         let (factor, unit) = shown_in(self.aspect, self.units);
         let text = match at {
             None => "not known at the cursor".to_owned(),

@@ -7,6 +7,7 @@ use crate::calibration::{Estimate, Targets};
 use crate::deployment::Deployment;
 use crate::evaluation::trajectory::{Attitude, Pose, speed_of};
 use crate::evaluation::vehicle::{Instants, prism_by, trajectory_by};
+use crate::geometry::wrap_to_pi;
 
 /// So many instants a second, and so many in all at most.
 const RATE_HZ: f64 = 10.0;
@@ -167,13 +168,20 @@ impl Way {
         Self { why_not: Some(why), ..Self::default() }
     }
 
-    /// The instant nearest to a time, unless that is in a gap.
-    pub fn at(&self, time_s: f64) -> Option<&Instant> {
+    /// The vehicle at a time, on a line between two neighbours; at the end of a piece as it was there, and `None` in a gap.
+    pub fn at(&self, time_s: f64) -> Option<Instant> {
         let after = self.instants.partition_point(|at| at.time_s < time_s);
         let around = &self.instants[after.saturating_sub(1)..self.instants.len().min(after + 1)];
+        let most_s = GAP_STEPS * self.step_s;
+        if let [before, after] = around
+            && after.time_s - before.time_s <= most_s
+        {
+            let share = (time_s - before.time_s) / (after.time_s - before.time_s);
+            return Some(before.towards(after, share));
+        }
         let distance = |at: &&Instant| (at.time_s - time_s).abs();
         let nearest = around.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        (distance(&nearest) <= GAP_STEPS * self.step_s).then_some(nearest)
+        (distance(&nearest) <= most_s).then_some(*nearest)
     }
 
     /// Pieces without a gap that reach into a span, each with the instants beside it.
@@ -187,6 +195,36 @@ impl Way {
 }
 
 impl Instant {
+    /// So far on the line to a neighbour: 0 here, 1 there.
+    fn towards(&self, other: &Self, share: f64) -> Self {
+        let between = |from: f64, to: f64| from + share * (to - from);
+        let number = |from: Estimate, to: Estimate| Estimate {
+            value: between(from.value, to.value),
+            sigma: between(from.sigma, to.sigma),
+        };
+        let angle = |from: Estimate, to: Estimate| Estimate {
+            value: wrap_to_pi(from.value + share * wrap_to_pi(to.value - from.value)),
+            sigma: between(from.sigma, to.sigma),
+        };
+        let covariance_m2 = other.position_covariance_m2 - self.position_covariance_m2;
+        let attitudes = self.attitude.zip(other.attitude);
+        Self {
+            time_s: between(self.time_s, other.time_s),
+            position_m: self.position_m.lerp(&other.position_m, share),
+            position_covariance_m2: self.position_covariance_m2 + share * covariance_m2,
+            speed_m_per_s: self.speed_m_per_s.zip(other.speed_m_per_s).map(|(a, b)| number(a, b)),
+            attitude: attitudes.map(|(a, b)| Attitude {
+                yaw_rad: angle(a.yaw_rad, b.yaw_rad),
+                pitch_rad: angle(a.pitch_rad, b.pitch_rad),
+                roll_rad: angle(a.roll_rad, b.roll_rad),
+            }),
+            turn_sigma_rad: self
+                .turn_sigma_rad
+                .zip(other.turn_sigma_rad)
+                .map(|(a, b)| between(a, b)),
+        }
+    }
+
     fn of(pose: &Pose) -> Self {
         Self {
             time_s: pose.time_s,
@@ -205,6 +243,7 @@ mod tests {
     use crate::analysis::{Analyst, Settings};
     use crate::calibration::Method;
     use crate::deployment::Sample;
+    use crate::evaluation::vehicle::vehicle_at;
 
     #[test]
     fn the_way_of_the_sample_is_even_with_gaps_and_its_sigma_grows_towards_them() {
@@ -218,7 +257,7 @@ mod tests {
             pieces.len() > 5 && pieces.iter().map(|p| p.len()).sum::<usize>() == way.instants.len()
         );
         let middle = way.instants[way.instants.len() / 2];
-        assert_eq!(way.at(middle.time_s + 0.01).expect("there").time_s, middle.time_s);
+        assert_eq!(way.at(middle.time_s), Some(middle));
         assert!(way.at(way.instants[0].time_s - 60.0).is_none());
         for aspect in Aspect::ALL {
             let value = aspect.of(&middle).expect("there");
@@ -227,6 +266,29 @@ mod tests {
         // A few of a long drive see what is around their window too.
         let some = way.pieces([middle.time_s, middle.time_s + 1.0]).map(<[_]>::len).sum::<usize>();
         assert!((10..=13).contains(&some), "{some}");
+    }
+
+    /// The scene reads the vehicle off the motion at the very time of the cursor, Trajectory off its way.
+    #[test]
+    fn at_the_cursor_the_way_is_where_the_scene_has_the_vehicle() {
+        let deployment = Sample::Warthog.open().expect("built in");
+        let analysis = Analyst::new(deployment.clone().into()).run(&Settings::default());
+        let calibration = &analysis.answer.as_ref().expect("an answer").calibration;
+        let way = Way::of(&deployment, &analysis);
+        let steps = (way.instants.windows(2)).filter(|two| two[1].time_s - two[0].time_s < 0.15);
+        let mut off_sigmas: Vec<f64> = Vec::new();
+        for two in steps.step_by(7) {
+            let time_s = two[0].time_s + 0.04;
+            let at = way.at(time_s).expect("between two");
+            assert!((at.time_s - time_s).abs() < 1e-6);
+            let heading = at.attitude.expect("a rig").yaw_rad;
+            let vehicle = vehicle_at(&deployment, calibration, time_s).expect("in a stretch");
+            off_sigmas.push(wrap_to_pi(vehicle.yaw_rad() - heading.value).abs() / heading.sigma);
+        }
+        off_sigmas.sort_by(f64::total_cmp);
+        // Where it begins to turn, a line of a tenth of a second is up to 0.9 σ off.
+        let share = |percent: usize| off_sigmas[off_sigmas.len() * percent / 100];
+        assert!(share(50) < 0.05 && share(98) < 0.5, "{} σ, {} σ", share(50), share(98));
     }
 
     #[test]

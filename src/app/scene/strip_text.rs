@@ -40,7 +40,7 @@ pub fn texts(
     plain.extend(ellipsoids(state, content));
     if let Some(cut) = content.residuals {
         let cut = if cut > 0 { format!(", {cut} cut short") } else { String::new() };
-        plain.push(format!("residuals at control points ×{}{cut}", state.scene.residual_scale));
+        plain.push(format!("residuals ×{}{cut}", state.scene.residual_scale));
     }
     plain.extend(cursor);
     let grid = content.grid.as_ref().map(|grid| format!("grid {}", grid.spacing()));
@@ -114,7 +114,7 @@ fn cursor(
 fn sigma_by_way(open: &OpenDeployment, time_s: f64) -> Option<PoseSigma> {
     let way = open.way.newest.as_deref().filter(|_| open.way.is_of((open.analysis_run, 0)))?;
     let at = way.at(time_s)?;
-    let position_m = Aspect::PositionSigma.of(at)?.value;
+    let position_m = Aspect::PositionSigma.of(&at)?.value;
     Some(PoseSigma { position_m, orientation_rad: at.turn_sigma_rad? })
 }
 
