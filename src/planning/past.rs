@@ -18,6 +18,10 @@ const APART_M: f64 = 2.0;
 /// A vehicle's place is looked at so often (s).
 const STEP_S: f64 = 0.2;
 
+/// An answer that half of the distances are off by more from (mm) is one of readings that contradict each other, wherever it
+/// ended.
+const MOST_MISFIT_MM: f64 = 100.0;
+
 /// Why a deployment is no plan.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{deployment}: {why}; a plan is made of a deployment that `calibrate` has an answer for")]
@@ -77,6 +81,13 @@ impl Plan {
             let verdict = verdict.name();
             return Err(lacking(format!(
                 "its answer is {verdict}: where its stations stand is not known"
+            )));
+        }
+        let misfit_mm = answer.evaluation.inter_prism_mm.map_or(0.0, |spread| spread.median);
+        if misfit_mm > MOST_MISFIT_MM {
+            return Err(lacking(format!(
+                "the distances between its prisms are off by {misfit_mm:.0} mm (median): where its stations stand is not \
+                 known"
             )));
         }
         let transforms =

@@ -29,9 +29,10 @@ impl State {
         };
         let Some(analysis) = open.analysis.clone() else { return };
         let (id, of) = (open.id, (open.analysis_run, 0));
-        // The scene says how well the pose at the cursor is known.
+        // The scene says how well the pose at the cursor is known; while a drive grows, the next answer is there before anybody asks.
         let is_motion = analysis.answer.as_ref().is_ok_and(|a| a.calibration.joint().is_some());
-        let shows_pose = shows_scene && is_motion && open.timeline.cursor_s.is_some();
+        let grows = self.live.id == Some(open.id) && self.live.is_running();
+        let shows_pose = shows_scene && is_motion && !grows && open.timeline.cursor_s.is_some();
         if (shows_way || shows_pose) && open.way.is_wanted(of) {
             let (deployment, analysis) = (Arc::clone(&open.deployment), Arc::clone(&analysis));
             let number = self.jobs.start(
