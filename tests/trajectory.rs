@@ -308,7 +308,8 @@ fn nothing_tells_where_a_long_stretch_is_cut() {
 }
 
 /// The scene draws the vehicle where the splines put it, in every frame, and says how well that is known once the pass over
-/// the drive has been made that tells it: both are one pose.
+/// the drive has been made that tells it. Both are one pose; only where one prism is known far worse than the others, as at the end
+/// of its readings, does it count for less with the latter.
 #[test]
 fn where_the_scene_puts_the_vehicle_is_the_pose_that_has_a_sigma() {
     let deployment = Sample::Warthog.open().expect("built in");
@@ -328,8 +329,9 @@ fn where_the_scene_puts_the_vehicle_is_the_pose_that_has_a_sigma() {
         off_sigmas.push((off_m / sigma.position_m).max(off_rad / sigma.orientation_rad));
     }
     off_sigmas.sort_by(f64::total_cmp);
-    let (middle, most) = (off_sigmas[off_sigmas.len() / 2], off_sigmas[off_sigmas.len() - 1]);
-    assert!(middle < 0.05 && most < 0.6, "{middle} σ, {most} σ at most");
+    let share = |percent: usize| off_sigmas[(off_sigmas.len() - 1) * percent / 100];
+    let told = [50, 95, 100].map(share);
+    assert!(told[0] < 0.1 && told[1] < 0.5 && told[2] < 2.0, "{told:?} σ");
     for gap in trajectory.poses.windows(2).filter(|two| two[1].time_s - two[0].time_s > 0.5) {
         let middle_s = 0.5 * (gap[0].time_s + gap[1].time_s);
         assert_eq!(vehicle_at(&deployment, calibration, middle_s), None, "in a gap");

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::content::SceneContent;
 use super::vertices::{LineVertex, PointVertex, f32s};
-use super::{ghosts, overlays};
+use super::{ghosts, overlays, vehicle};
 use crate::analysis::Analysis;
 use crate::app::prepared::rig_at::{RigAt, rig_at};
 use crate::deployment::{Deployment, PAIRS};
@@ -29,7 +29,7 @@ impl SceneContent {
                 let placed_m = [0, 1, 2].map(|k| Some(transforms[k]?.apply(&corners_m[k])));
                 if let [Some(a), Some(b), Some(c)] = placed_m {
                     self.prisms_m = Some([a, b, c]);
-                    self.pose = overlays::pose_of(deployment, analysis, &triplet);
+                    self.pose = vehicle::pose_of(deployment, analysis, &triplet);
                 }
                 if let Some(pose) = &self.pose {
                     overlays::add_pose(&mut self.cursor.lines, pose);
@@ -105,7 +105,7 @@ mod tests {
     use crate::analysis::{Analyst, Settings};
     use crate::app::prepared::placing::placed_tracks;
     use crate::app::prepared::rig_at::LAST_READ_S;
-    use crate::app::scene::overlays::PoseBy;
+    use crate::app::scene::vehicle::PoseBy;
     use crate::deployment::Sample;
     use crate::geometry::RigidTransform;
 

@@ -3,7 +3,7 @@
 //! [`view`] is the pane. What it shows comes in two kinds:
 //! - readings and tracks, by the million: [`cloud`] puts them on the GPU once (in the worker, before the frame that
 //!   shows them), [`colouring`] gives them colours, and [`pick`] finds the one under the pointer;
-//! - everything else, by the hundred: [`content`] with [`overlays`], [`station_uncertainty`], [`control_points`],
+//! - everything else, by the hundred: [`content`] with [`overlays`], [`vehicle`], [`station_uncertainty`], [`control_points`],
 //!   [`cursor`] (with [`ghosts`] where there is no triplet) and [`grid`],
 //!   made by [`refresh`] and [`rebuild`] when the state changes; [`extent`] says how far all of it reaches.
 //!
@@ -47,6 +47,7 @@ mod strip_text;
 mod trail;
 mod tube;
 mod under_pointer;
+mod vehicle;
 mod vertices;
 mod view;
 

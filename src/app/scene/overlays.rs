@@ -3,17 +3,12 @@
 use nalgebra::Vector3;
 
 use super::content::SceneContent;
+use super::vehicle::VehicleAt;
 use super::vertices::{LineVertex, WORLD, f32s};
 use crate::analysis::Analysis;
-use crate::deployment::Deployment;
-use crate::evaluation::trajectory::{Pose, PoseSigma};
-use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_at, vehicle_trajectory};
-use crate::geometry::RigidTransform;
 use crate::palette::{self, Rgb};
-use crate::pipeline::Triplets;
 
-/// The vehicle's frame is drawn so many times along the way, with axes of this length (m).
-const MOST_POSES: usize = 150;
+/// Length of the axes of the vehicle's frame along the way (m).
 const POSE_AXIS_M: f64 = 0.8;
 /// Ellipsoids a station, and corners of each of their ellipses.
 const MOST_ELLIPSOIDS: usize = 240;
@@ -26,70 +21,12 @@ pub const AXES: [(Vector3<f64>, Rgb); 3] = [
     (Vector3::new(0.0, 0.0, 1.0), [70, 130, 220]),
 ];
 
-/// The vehicle at an instant.
-#[derive(Clone, Debug, PartialEq)]
-pub struct VehicleAt {
-    pub time_s: f64,
-    pub station1_from_vehicle: RigidTransform,
-    pub by: PoseBy,
-}
-
-/// What says where the vehicle is.
-#[derive(Clone, Debug, PartialEq)]
-pub enum PoseBy {
-    /// The motion of the joint estimate, which rests on the readings around; its σ is made beside the window.
-    Motion,
-    /// One triplet, by three distances.
-    Triplet(PoseSigma),
-}
-
-/// The vehicle at some instants; nowhere where there is no rig or no answer.
-fn vehicles(deployment: &Deployment, analysis: &Analysis, some: &Triplets) -> Vec<VehicleAt> {
-    let Ok(answer) = &analysis.answer else { return Vec::new() };
-    let calibration = &answer.calibration;
-    if calibration.joint().is_some() {
-        let at = |time_s: &f64| {
-            let station1_from_vehicle = vehicle_at(deployment, calibration, *time_s)?;
-            Some(VehicleAt { time_s: *time_s, station1_from_vehicle, by: PoseBy::Motion })
-        };
-        return some.time_s.iter().filter_map(at).collect();
-    }
-    let (targets, transforms) = (analysis.offer.targets, calibration.placing_tracks(deployment));
-    let found = vehicle_trajectory(deployment, some, targets, transforms, LARGEST_POSE_ERROR_M);
-    let at = |pose: &Pose| VehicleAt {
-        time_s: pose.time_s,
-        station1_from_vehicle: RigidTransform {
-            rotation: pose.orientation.to_rotation_matrix(),
-            translation_m: pose.position_m,
-        },
-        by: PoseBy::Triplet(pose.sigma()),
-    };
-    found.map_or(Vec::new(), |(trajectory, _)| trajectory.poses.iter().map(at).collect())
-}
-
-/// The vehicle at even steps along the way.
-pub fn poses_along(deployment: &Deployment, analysis: &Analysis) -> Vec<VehicleAt> {
-    let count = analysis.triplets().len();
-    let instants: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POSES).max(1)).collect();
-    vehicles(deployment, analysis, &analysis.triplets().select(&instants))
-}
-
 /// Adds the axes of poses along the way; outside of what is selected they are faint.
 pub fn add_poses(lines: &mut Vec<LineVertex>, poses: &[VehicleAt], selection_s: Option<[f64; 2]>) {
     for pose in poses {
         let selected = selection_s.is_none_or(|[a, b]| (a..=b).contains(&pose.time_s));
         add_axes(lines, pose, POSE_AXIS_M, 1.2, if selected { 170 } else { 30 });
     }
-}
-
-/// The vehicle at the instant of one triplet; `None` where there is no rig and no answer, and where one triplet alone would
-/// have to say it and contradicts the rig.
-pub fn pose_of(
-    deployment: &Deployment,
-    analysis: &Analysis,
-    triplet: &Triplets,
-) -> Option<VehicleAt> {
-    vehicles(deployment, analysis, triplet).pop()
 }
 
 /// Adds the axes of one pose, larger than those along the way.

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::content::SceneContent;
 use super::grid::Grid;
 use super::vertices::{Label, Landmark, LineVertex, PointVertex, Rank, WORLD, opaque};
-use super::{overlays, station_uncertainty};
+use super::{overlays, station_uncertainty, vehicle};
 use crate::analysis::Analysis;
 use crate::app::model::{Camera, SceneOptions, Visibility};
 use crate::app::prepared::placing::{placed, placed_tracks};
@@ -77,7 +77,7 @@ impl SceneContent {
             self.residuals = self.add_residuals(deployment, analysis, &shown, scale);
         }
         self.poses =
-            if visibility.poses { overlays::poses_along(deployment, analysis) } else { Vec::new() };
+            if visibility.poses { vehicle::poses_along(deployment, analysis) } else { Vec::new() };
         self.along.clear();
         overlays::add_poses(&mut self.along.lines, &self.poses, self.selected_s);
         self.find_outline(analysis, visibility);

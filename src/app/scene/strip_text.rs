@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, Vector3};
 use super::SceneContent;
 use super::ghosts::Ghost;
 use super::legend_rows;
-use super::overlays::PoseBy;
+use super::vehicle::PoseBy;
 use crate::analysis::Analysis;
 use crate::app::model::{OpenDeployment, Ruler, Units};
 use crate::app::prepared::rig_at::LAST_READ_S;

@@ -1,0 +1,69 @@
+//! Where the vehicle is: along its way, and at the cursor.
+
+use crate::analysis::Analysis;
+use crate::deployment::Deployment;
+use crate::evaluation::trajectory::{Pose, PoseSigma};
+use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_at, vehicle_trajectory};
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+/// The vehicle's frame is drawn so many times along the way.
+const MOST_POSES: usize = 150;
+
+/// The vehicle at an instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VehicleAt {
+    pub time_s: f64,
+    pub station1_from_vehicle: RigidTransform,
+    pub by: PoseBy,
+}
+
+/// What says where the vehicle is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PoseBy {
+    /// The motion of the joint estimate, which rests on the readings around; its σ is made beside the window.
+    Motion,
+    /// One triplet, by three distances.
+    Triplet(PoseSigma),
+}
+
+/// The vehicle at some instants; nowhere where there is no rig or no answer.
+fn vehicles(deployment: &Deployment, analysis: &Analysis, some: &Triplets) -> Vec<VehicleAt> {
+    let Ok(answer) = &analysis.answer else { return Vec::new() };
+    let calibration = &answer.calibration;
+    if calibration.joint().is_some() {
+        let at = |time_s: &f64| {
+            let station1_from_vehicle = vehicle_at(deployment, calibration, *time_s)?;
+            Some(VehicleAt { time_s: *time_s, station1_from_vehicle, by: PoseBy::Motion })
+        };
+        return some.time_s.iter().filter_map(at).collect();
+    }
+    let (targets, transforms) = (analysis.offer.targets, calibration.placing_tracks(deployment));
+    let found = vehicle_trajectory(deployment, some, targets, transforms, LARGEST_POSE_ERROR_M);
+    let at = |pose: &Pose| VehicleAt {
+        time_s: pose.time_s,
+        station1_from_vehicle: RigidTransform {
+            rotation: pose.orientation.to_rotation_matrix(),
+            translation_m: pose.position_m,
+        },
+        by: PoseBy::Triplet(pose.sigma()),
+    };
+    found.map_or(Vec::new(), |(trajectory, _)| trajectory.poses.iter().map(at).collect())
+}
+
+/// The vehicle at even steps along the way.
+pub fn poses_along(deployment: &Deployment, analysis: &Analysis) -> Vec<VehicleAt> {
+    let count = analysis.triplets().len();
+    let instants: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POSES).max(1)).collect();
+    vehicles(deployment, analysis, &analysis.triplets().select(&instants))
+}
+
+/// The vehicle at the instant of one triplet; `None` where there is no rig and no answer, and where one triplet alone would
+/// have to say it and contradicts the rig.
+pub fn pose_of(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    triplet: &Triplets,
+) -> Option<VehicleAt> {
+    vehicles(deployment, analysis, triplet).pop()
+}
