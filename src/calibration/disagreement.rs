@@ -74,7 +74,7 @@ pub fn disagreements(
     (1..3).filter_map(at).filter(|d| d.moved_m > NOTABLE_M).collect()
 }
 
-/// What two answers disagree about for station 2 (1) or 3.
+/// What two answers disagree about for a station (0 to 2); `None` where they agree, or where one has no σ.
 fn difference(
     deployment: &Deployment,
     answers: [&Calibration; 2],

@@ -197,7 +197,7 @@ impl Solution {
         Some([0, 1, 2].map(|prism| {
             let at_knot = |k: usize| Vector3::from_column_slice(&knots[9 * k + 3 * prism..][..3]);
             let read_m = (0..TIED).map(|k| place.position[k] * at_knot(k)).sum::<Vector3<f64>>();
-            read_m + moved.fixed_rows::<3>(0) + moved[3] * Vector3::z().cross(&read_m)
+            settled(&read_m, &moved)
         }))
     }
 
@@ -332,6 +332,11 @@ fn by_open(by_part: &DMatrix<f64>, read_m: &DVector<f64>) -> DMatrix<f64> {
     by_open
 }
 
+/// Where a prism is that was read there (m), once station 1 has moved along x, y, z (m) and turned about z (rad).
+fn settled(read_m: &Vector3<f64>, moved: &Vector4<f64>) -> Vector3<f64> {
+    read_m + moved.fixed_rows::<3>(0) + moved[3] * Vector3::z().cross(read_m)
+}
+
 /// How a vector moves with turns about x, y, z (per rad).
 fn turned(vector: &Vector3<f64>) -> Matrix3<f64> {
     -vector.cross_matrix()
@@ -359,12 +364,12 @@ fn instant<const LOCAL: usize>(
     let (mut position_m, mut velocity) = (read_m, velocity_m_per_s);
     for prism in 0..LOCAL / 3 {
         let at = 3 * prism;
-        let arm = Vector3::z().cross(&read_m.fixed_rows::<3>(at));
+        let prism_m = settled(&read_m.fixed_rows::<3>(at).into_owned(), &frame.moved);
+        position_m.fixed_rows_mut::<3>(at).copy_from(&prism_m);
         let turning = Vector3::z().cross(&velocity_m_per_s.fixed_rows::<3>(at));
         let turned = turned(&velocity_m_per_s.fixed_rows::<3>(at).into_owned());
         rate_by_open.fixed_view_mut::<3, 3>(at, PART + 3).copy_from(&turned);
         for axis in 0..3 {
-            position_m[at + axis] += frame.moved[axis] + frame.moved[3] * arm[axis];
             velocity[at + axis] += frame.moved[3] * turning[axis];
         }
     }
