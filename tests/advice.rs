@@ -5,7 +5,7 @@
 mod common;
 
 use common::{analyse, by};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 use resect::analysis::{Analysis, Settings};
 use resect::calibration::inter_prism::observability::Hold;
@@ -14,7 +14,7 @@ use resect::calibration::{ErrorSizes, Method};
 use resect::evaluation::far_end::far_end;
 use resect::geometry::{LevelTransform, RigidTransform};
 use resect::pipeline::Thresholds;
-use resect::planning::{Known, NextMove, Plan, SoFar, known, what_next};
+use resect::planning::{Known, NextMove, Plan, SoFar, known, opening_m, what_next};
 use resect::progress::Progress;
 use resect::simulation::{
     EPOCH_S, ErrorKind, Motion, Path, Preset, Scenario, Simulated, Waypoint, simulate_scenario,
@@ -23,6 +23,9 @@ use resect::simulation::{
 /// How often it is asked whether it is enough (s).
 const EVERY_S: f64 = 20.0;
 const TURN_RADIUS_M: f64 = 3.5;
+/// The vehicle stands this long at the start, as it does by itself, and at least so long where it is to turn on the spot.
+const STAND_S: f64 = 8.0;
+const STOP_S: f64 = 0.01;
 /// Places where the vehicle is to be known.
 const PLACES: u32 = 42;
 
@@ -85,6 +88,23 @@ impl Site {
     fn along(&self, waypoints: &[Waypoint]) -> Simulated {
         let path = Path::Waypoints { waypoints: waypoints.to_vec(), turn_radius_m: TURN_RADIUS_M };
         simulate_scenario(&Scenario { path, ..self.scenario.clone() }, self.seed)
+    }
+
+    fn waypoint(&self, at: &Vector2<f64>) -> Waypoint {
+        let speed_m_per_s = self.scenario.cruise_m_per_s;
+        Waypoint { x_m: at.x, y_m: at.y, speed_m_per_s, stand_s: 0.0 }
+    }
+
+    /// What the coach says before there is an answer, from where the preset begins and as the vehicle heads there.
+    fn opening(&self, preset: Preset) -> Vec<Waypoint> {
+        let own = Plan::from_preset(preset, self.seed).waypoints();
+        let (at_m, heading) = (own[0].place_m(), own[1].place_m() - own[0].place_m());
+        let stations_m =
+            self.scenario.stations_m.iter().map(Vector3::xy).sum::<Vector2<f64>>() / 3.0;
+        let places_m = opening_m(at_m, heading.normalize(), stations_m);
+        let mut waypoints: Vec<Waypoint> = places_m.iter().map(|at| self.waypoint(at)).collect();
+        waypoints[0].stand_s = STAND_S;
+        waypoints
     }
 
     /// The joint estimate of what is read by a time of the drive (s).
@@ -182,13 +202,10 @@ fn followed(
         let before = site.analysis(&drive, now_s);
         let best = site.ask(&before, advised).flatten().expect("something helps");
         println!("    {now_s:>4.0} s: {}", best.sentence);
-        // It is at the first of them already.
-        waypoints.extend(best.waypoints_m.iter().skip(1).map(|at| Waypoint {
-            x_m: at.x,
-            y_m: at.y,
-            speed_m_per_s: site.scenario.cruise_m_per_s,
-            stand_s: 0.0,
-        }));
+        // It is at the first of them already, where it stops to turn on the spot.
+        let last = waypoints.len() - 1;
+        waypoints[last].stand_s += STOP_S;
+        waypoints.extend(best.waypoints_m.iter().skip(1).map(|at| site.waypoint(at)));
         let mut then_s = Motion::arrival_s(&waypoints, TURN_RADIUS_M, site.scenario.duration_s);
         if then_s < now_s + 5.0 {
             // Where a lock is lost, the vehicle is told to go where it is already: it waits until it is seen again.
@@ -316,11 +333,10 @@ fn an_advised_drive_is_as_good_in_less_time() {
     assert!(reached.len() >= 17 && mean < 0.78, "{} of 20 after {mean:.2}", reached.len());
 }
 
-/// When drives of the presets that wind at random meet 2 mm at their places, and when drives do that begin in the same way and
-/// follow the advice from the first answer on (s).
+/// When drives of the presets that wind at random meet 2 mm at their places, and when drives do that begin as the coach says and
+/// follow the advice from then on (s).
 fn until_enough(seeds: std::ops::Range<u64>) -> Vec<[f64; 2]> {
     const TARGET_M: f64 = 0.002;
-    const BEGINNING_S: f64 = 20.0;
     const FROM_S: f64 = 16.0;
     let presets = [Preset::Warthog, Preset::FlatFloor, Preset::UnevenGround];
     let one = |seed: u64| {
@@ -329,30 +345,23 @@ fn until_enough(seeds: std::ops::Range<u64>) -> Vec<[f64; 2]> {
         let whole_s = site.scenario.duration_s;
         let own = simulate_scenario(&site.scenario, seed);
         let own_s = site.reaches_s(&own, FROM_S, whole_s).expect("its own drive reaches it");
-        // Before there is an answer there is no advice.
-        let (mut for_s, mut waypoints) = (BEGINNING_S, Vec::new());
-        while waypoints.is_empty() {
-            let begun = beginning(&site, preset, for_s);
-            let now_s = Motion::arrival_s(&begun, TURN_RADIUS_M, whole_s);
-            let analysis = site.analysis(&site.along(&begun), now_s);
-            if site.ask(&analysis, |so_far| advised(so_far).is_some()) == Some(true) {
-                waypoints = begun;
-            }
-            for_s += 5.0;
-        }
+        let mut waypoints = site.opening(preset);
         let mut drive = site.along(&waypoints);
         let mut end_s = Motion::arrival_s(&waypoints, TURN_RADIUS_M, whole_s);
-        let begun_s = end_s;
         while end_s < whole_s && site.enough(&drive, end_s).is_none() {
             (_, drive, end_s) = followed(&site, waypoints, 1);
             let Path::Waypoints { waypoints: driven, .. } = &drive.scenario.path else { break };
             waypoints = driven.clone();
         }
         let advised_s = site.reaches_s(&drive, FROM_S, end_s).unwrap_or(end_s);
+        let analysis = site.analysis(&drive, advised_s);
+        let off_m = site.known(&analysis).and_then(|known| site.off_m(&drive, &analysis, &known));
         println!(
-            "{:<13} seed {seed}: by itself after {own_s:.0} s, advised from {begun_s:.0} s on after {advised_s:.0} s",
-            preset.name()
+            "{:<13} seed {seed}: by itself after {own_s:.0} s, advised after {advised_s:.0} s, off by {:.1} mm",
+            preset.name(),
+            off_m.map_or(f64::NAN, |off_m| off_m * 1e3)
         );
+        assert!(off_m.is_some_and(|off_m| off_m < 3.0 * TARGET_M), "seed {seed}: {off_m:?}");
         [own_s, advised_s]
     };
     seeds.into_par_iter().map(one).collect()
@@ -373,7 +382,7 @@ fn share(times_s: &[[f64; 2]]) -> f64 {
 /// Three drives tell a share to about a fifth; the twenty below are what it is measured by.
 #[test]
 fn who_follows_the_advice_reaches_two_millimetres_sooner() {
-    assert!(share(&until_enough(12..15)) < 0.9);
+    assert!(share(&until_enough(12..15)) < 0.75);
 }
 
 /// Advised drives take 71 s on average and the presets' own 95 s: 74 %, from 45 to 109 % each. 60 % is not had: both begin with the

@@ -43,6 +43,15 @@ impl CalibrationError {
         Self::Lacking { deployment: deployment.name.clone(), method, lack }
     }
 
+    /// Whether nothing but more readings is wanting.
+    pub fn wants_readings(&self) -> bool {
+        match self {
+            Self::NoTriplets { .. } | Self::TooFewTriplets { .. } => true,
+            Self::NoJointEstimate { why, .. } => why.wants_readings(),
+            _ => false,
+        }
+    }
+
     /// The error as a finding, with what can be done about it.
     pub fn finding(&self) -> Finding {
         match self {

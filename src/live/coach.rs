@@ -3,7 +3,7 @@
 //! "Enough" is said late rather than early: the answer has to be good, with every direction held, its σ at the target or below, for
 //! several answers and seconds of the drive in a row, and nothing may be amiss in the field meanwhile.
 
-use super::judged::{Judged, Outcome};
+use super::judged::{Judged, NoAnswer, Outcome};
 use super::next;
 use crate::calibration::Verdict;
 use crate::planning::NextMove;
@@ -135,7 +135,9 @@ impl Coach {
             None => {
                 return "no answer yet: drive where all three stations see their prisms".to_owned();
             }
-            Some(Err(why)) => return format!("no answer yet: {why}"),
+            Some(Err(NoAnswer { why, drive })) => {
+                return format!("no answer yet: {}", drive.unwrap_or(why));
+            }
             Some(Ok(judged)) => judged,
         };
         let next = next::sentence(moves, judged).map_or(String::new(), |next| format!("; {next}"));
@@ -273,6 +275,13 @@ mod tests {
         let large = said(&outcome(1.0, 9.0, |_| ()));
         assert!(large.starts_with("not yet: 9.0 mm") && large.ends_with("turn more"), "{large}");
         assert!(coach.sentence(None, &[]).starts_with("no answer yet"));
+        // Where it only began, what to drive is worth more than why there is no answer.
+        let none = |drive| Outcome {
+            judged: Err(NoAnswer { why: "no triplets".to_owned(), drive }),
+            ..outcome(1.0, 9.0, |_| ())
+        };
+        assert_eq!(said(&none(Some("turn around"))), "no answer yet: turn around");
+        assert_eq!(said(&none(None)), "no answer yet: no triplets");
     }
 
     #[test]

@@ -6,12 +6,15 @@ use crate::analysis::{Analysis, Answer};
 use crate::calibration::inter_prism::drive_shape::Plan;
 use crate::calibration::inter_prism::observability::{Hold, Observability};
 use crate::calibration::joint::Stepped;
-use crate::calibration::{Method, TransformSigma, Verdict, distance_errors_m};
+use crate::calibration::{Method, Targets, TransformSigma, Verdict, distance_errors_m};
 use crate::deployment::{Deployment, PAIRS, doubts};
 use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::geometry::RigidTransform;
+use crate::planning::OPENING;
 use crate::statistics::median;
 
+/// Readings that tell nothing for so long (s) need another remedy than more of them.
+const BEGINNING_S: f64 = 30.0;
 /// The last readings that tell whether the right prisms are followed (s).
 const LATEST_S: f64 = 4.0;
 /// Fewer triplets than this tell nothing of them.
@@ -68,12 +71,19 @@ impl Judged {
     }
 }
 
+/// Why an analysis has no answer, and what to drive where it only began too early.
+#[derive(Clone, Debug)]
+pub struct NoAnswer {
+    pub why: String,
+    pub drive: Option<&'static str>,
+}
+
 /// What came of one analysis: an answer, or in one line why there is none.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Whether it was the paper's answer, which is there first, and not that of the settings.
     pub is_first: bool,
-    pub judged: Result<Arc<Judged>, String>,
+    pub judged: Result<Arc<Judged>, NoAnswer>,
     /// How far the distances of the last triplets are off (m), by pair.
     pub lately_off_m: Option<[f64; 3]>,
 }
@@ -94,12 +104,21 @@ pub fn judge(
 ) -> Outcome {
     let judged = match &analysis.answer {
         Ok(answer) => Ok(Arc::new(judge_answer(deployment, analysis, answer))),
-        Err(error) => Err(error.finding().message),
+        Err(error) => Err(NoAnswer {
+            why: error.finding().message,
+            drive: opening(deployment, analysis).filter(|_| error.wants_readings()),
+        }),
     };
     let known = known.filter(|known| known.is_sure());
     let lately_off_m =
         known.and_then(|known| lately_off_m(deployment, analysis, &known.station1_from_station));
     Outcome { is_first, judged, lately_off_m }
+}
+
+/// What to drive first; `None` where that is past, or all stations follow one prism, which turns to no use.
+fn opening(deployment: &Deployment, analysis: &Analysis) -> Option<&'static str> {
+    let read_s = deployment.end_s()? - deployment.start_s()?;
+    (read_s < BEGINNING_S && analysis.offer.targets != Targets::OnePrism).then_some(OPENING)
 }
 
 fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Judged {

@@ -190,6 +190,7 @@ impl Told {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::live::judged::NoAnswer;
 
     fn seen<'a>(stations: &'a [StationStatus; 3]) -> Seen<'a> {
         Seen {
@@ -249,7 +250,7 @@ mod tests {
         let stations = locked();
         let off = |off_m| Outcome {
             is_first: true,
-            judged: Err("no answer".to_owned()),
+            judged: Err(NoAnswer { why: "no answer".to_owned(), drive: None }),
             lately_off_m: Some(off_m),
         };
         let right = off([0.002, 0.04, 0.001]);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::{Rotation2, Vector2, Vector3};
 
 use super::drive::drive_with;
-use super::manoeuvres::{FigureEight, Loop, slalom_m};
+use super::manoeuvres::{FigureEight, Loop, once_around_m, slalom_m};
 use super::past::AsDriven;
 use super::plan::{Ground, Instrument, Plan, Rig};
 use super::so_far::SoFar;
@@ -32,6 +32,8 @@ const WHERE_TO: [&str; 8] = [
     "to the right",
     "45° to the right",
 ];
+/// A vehicle turns on the spot to where the cosine between its heading and its way is less than this.
+const ON_THE_SPOT: f64 = 0.5;
 /// A pass near the stations leads this near to their middle (m).
 const NEAR_M: f64 = 15.0;
 /// Places that are nearer than this are no way to go (m).
@@ -97,12 +99,21 @@ impl Here {
                 all.push((what, one.places_m()));
             }
         }
+        let around_m = |at_m, along| once_around_m(at_m, along).into_iter();
+        let once_here = std::iter::once(self.place_m).chain(around_m(self.place_m, self.along));
+        all.push(("turn once around on the spot".to_owned(), once_here.collect()));
         let mut to = |to_m: Vector2<f64>, where_to: &str| {
-            all.push((format!("drive straight {where_to}"), vec![self.place_m, to_m]));
-            all.push((
-                format!("drive a slalom {where_to}"),
-                slalom_m(self.place_m, to_m, &self.along),
-            ));
+            let along = (to_m - self.place_m).normalize();
+            // What turns the vehicle by so much is no bend: it is foreseen to turn where it stands.
+            let first =
+                if along.dot(&self.along) < ON_THE_SPOT { "turn on the spot, " } else { "" };
+            let straight_m = vec![self.place_m, to_m];
+            let turned_m = straight_m.iter().copied().chain(around_m(to_m, along)).collect();
+            let slalom_m = slalom_m(self.place_m, to_m, &self.along);
+            let straight = format!("{first}drive straight {where_to}");
+            all.push((format!("{straight} and turn once around there"), turned_m));
+            all.push((straight, straight_m));
+            all.push((format!("{first}drive a slalom {where_to}"), slalom_m));
         };
         for (eighth, way) in (0..).zip(WHERE_TO) {
             let along = self.turned(f64::from(eighth) * FRAC_PI_4);

@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 /// Places on a bend are this far apart at most (rad of it).
 const STEP_RAD: f64 = TAU / 24.0;
 
+/// A turn on the spot is laid out as a step of this length (m), which is turned back from.
+pub const TURN_STEP_M: f64 = 0.3;
+
 /// Two circles, one to each side, that touch in the middle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -65,6 +68,12 @@ pub fn slalom_m(
         from_m + way_m * share + across * (ASIDE_M * (PI * swerves * share).sin())
     };
     (0..=steps).map(place).collect()
+}
+
+/// Places that are driven through after one where the vehicle arrives along a direction, to turn once around on the spot there: a
+/// step back, and ahead again.
+pub fn once_around_m(at_m: Vector2<f64>, along: Vector2<f64>) -> [Vector2<f64>; 2] {
+    [at_m - along * TURN_STEP_M, at_m]
 }
 
 impl FigureEight {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Plan ──drive──▶ readings without noise ──joint::foresee──▶ Prediction ──improvements──▶ better plans, ranked
-//!                          readings so far of a drive in progress ──what_next──▶ manoeuvres, ranked
+//!         before there are any: opening_m; readings so far of a drive in progress ──what_next──▶ manoeuvres, ranked
 //! ```
 //! A [`Plan`] is a file ([`plan_file`]) or made from a preset or a past deployment ([`past`]); [`way`] lays out its way, which [`way_file`] can read, and
 //! [`drive`] drives and reads it by the simulation. [`predict()`] asks the joint estimate what such readings leave open, with
@@ -14,6 +14,7 @@ mod improvements;
 mod in_words;
 pub mod locks;
 mod manoeuvres;
+mod opening;
 pub mod past;
 pub mod plan;
 pub mod plan_file;
@@ -26,6 +27,7 @@ mod what_next;
 
 pub use improvements::{Improvement, ImprovementKind, improvements};
 pub use manoeuvres::{FigureEight, Loop};
+pub use opening::{OPENING, opening_m};
 pub use plan::{Ground, Instrument, Plan, Ramp, Rig};
 pub use predict::predict;
 pub use prediction::{Held, OnTheWay, PlanError, Prediction};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use resect::deployment::format::bag::messages::{Coords, encode_coords};
 use resect::deployment::{Extras, Growing};
 use resect::live::event::{Event, Sent};
-use resect::live::judged::Outcome;
+use resect::live::judged::{NoAnswer, Outcome};
 use resect::live::{Engine, bonn};
 use resect::progress::Progress;
 
@@ -71,7 +71,7 @@ fn nobody_works_for_more_than_half_of_a_day() {
         }
         for (worker, is_first) in [(&mut first, true), (&mut second, false)] {
             if worker.has_finished(now_s) {
-                let judged = Err("nothing moves".to_owned());
+                let judged = Err(NoAnswer { why: "nothing moves".to_owned(), drive: None });
                 engine.judged(Outcome { is_first, judged, lately_off_m: None }, now_s);
                 if !is_first && engine.begins_to_advise(now_s) {
                     next.begin(readings, now_s);
