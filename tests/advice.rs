@@ -1,4 +1,4 @@
-//! What to drive next, followed while readings come in with all errors of the field.
+//! What to drive first and next, followed while readings come in with all errors of the field.
 
 #![allow(clippy::print_stdout, reason = "the tables are the point")]
 
@@ -291,9 +291,8 @@ fn enough_is_never_said_too_early_in_forty_drives() {
 
 /// How long drives take to what the preset's own is worth at its end: advised ones over the preset's own time.
 ///
-/// Random winding is hard to beat: noise averages out with time, whatever is driven. 19 of 20 reach it, after 69 % of the time on
-/// average: an L after 58 to 71 %, eights after 52 to 79 %, winding on flat ground after 48 to 81 %, the warthog's after 71 to 97 % and
-/// once not at all.
+/// Noise averages out with time, whatever is driven; turns on the spot tell more in that time. All of 20 reach it, after 58 % of the time
+/// on average: winding on flat ground after 45 to 59 %, eights after 37 to 49 %, an L after 64 to 74 %, the warthog's after 63 to 86 %.
 #[test]
 #[ignore = "minutes; prints the table"]
 fn an_advised_drive_is_as_good_in_less_time() {
@@ -330,7 +329,7 @@ fn an_advised_drive_is_as_good_in_less_time() {
     let reached: Vec<f64> = ratios.iter().copied().flatten().collect();
     let mean = reached.iter().sum::<f64>() / reached.len() as f64;
     println!("{} of 20 reach it, after {:.0} % of the time on average", reached.len(), 1e2 * mean);
-    assert!(reached.len() >= 17 && mean < 0.78, "{} of 20 after {mean:.2}", reached.len());
+    assert!(reached.len() >= 19 && mean < 0.66, "{} of 20 after {mean:.2}", reached.len());
 }
 
 /// When drives of the presets that wind at random meet 2 mm at their places, and when drives do that begin as the coach says and
@@ -379,21 +378,21 @@ fn share(times_s: &[[f64; 2]]) -> f64 {
     sum(1) / sum(0)
 }
 
-/// Three drives tell a share to about a fifth; the twenty below are what it is measured by.
+/// Three drives tell a share to about a fifth; the twenty below, of which 60 % are asked, are what it is measured by.
 #[test]
 fn who_follows_the_advice_reaches_two_millimetres_sooner() {
     assert!(share(&until_enough(12..15)) < 0.75);
 }
 
-/// Advised drives take 71 s on average and the presets' own 95 s: 74 %, from 45 to 109 % each. 60 % is not had: both begin with the
-/// same 20 s, of which the vehicle stands for 8, and the manoeuvre that has every direction held takes about 40 s. On top of these 60 s
-/// often comes another one, because less was read than foreseen: what was to leave 1.9 mm leaves 2.3 where a lock is lost.
+/// Advised drives take 51 s on average and the presets' own 95 s: 53 %, and 57 % over sixty drives. Both stand for the first 8 s. Most
+/// meet it in the second turn on the spot, at 44 s, before any advice; the rest, where a lock is lost, in a manoeuvre or two.
 ///
-/// Twenty drives tell the share to 4 %: over sixty it is 80 %. Of these 77 % are left where manoeuvres are foreseen with locks lost
-/// at random, thrice each, and as many where τ_l is 2 to 3 s; an earlier or later first advice, another speed (0.75 to 1.6 times) or
-/// another order of manoeuvres (what reaches the target soonest, open directions weighed against seconds) gain nothing.
+/// The opening makes it: of ways of one kind after the other for twenty drives, eights of 14 to 32 m take 92 to 96 s, legs of 12 m
+/// there and back with turns on the spot 79 s, growing ones along the sight 60 s, and turns once around where they begin and 12 to
+/// 15 m further along it 51 s. Advice alone, from the first answer at 19 s on, takes 65 s, and 71 s where turns on the spot
+/// are foreseen and bends are driven.
 #[test]
 #[ignore = "a minute; prints the table"]
 fn who_follows_the_advice_reaches_two_millimetres_sooner_over_twenty_drives() {
-    assert!(share(&until_enough(0..20)) < 0.8);
+    assert!(share(&until_enough(0..20)) <= 0.6);
 }

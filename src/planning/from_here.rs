@@ -32,6 +32,8 @@ const WHERE_TO: [&str; 8] = [
     "to the right",
     "45° to the right",
 ];
+/// What an early answer has wrong tilts the vehicle as slopes do, without end: no ground that is driven is steeper (root mean square).
+const STEEPEST_RAD: f64 = 0.15;
 /// A vehicle turns on the spot to where the cosine between its heading and its way is less than this.
 const ON_THE_SPOT: f64 = 0.5;
 /// A pass near the stations leads this near to their middle (m).
@@ -161,7 +163,7 @@ impl Here {
             stations_m: so_far.station1_from_station.map(|at| at.translation_m),
             ground: Ground {
                 height_m: self.ground_m,
-                slope_rms_rad: self.as_driven.slope_rms_rad,
+                slope_rms_rad: self.as_driven.slope_rms_rad.min(STEEPEST_RAD),
                 ..Ground::default()
             },
             rig,
