@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use resect::analysis::{Analysis, Settings};
 use resect::calibration::inter_prism::observability::Hold;
 use resect::calibration::joint::Expected;
-use resect::calibration::{ErrorSizes, Method};
+use resect::calibration::{ErrorSizes, Method, Targets};
 use resect::evaluation::far_end::far_end;
 use resect::geometry::{LevelTransform, RigidTransform};
 use resect::pipeline::Thresholds;
@@ -246,6 +246,23 @@ fn advice_makes_a_drive_of_one_that_holds_too_little() {
     });
 }
 
+/// Tracks of a straight leg coincide like those of one prism, which would put stations a metre off: the first turn is not yet a way that
+/// tells, as prisms go every way in it and hardly anywhere.
+#[test]
+fn a_turn_on_the_spot_after_a_straight_leg_makes_no_one_prism_of_three() {
+    let site = Site::new(Preset::LShape, 2, 0.001);
+    let (_, drive, end_s) = followed(&site, beginning(&site, Preset::LShape, 45.0), 1);
+    let truth = drive.truth.station1_from_station;
+    for until_s in [48.0, 51.0, end_s] {
+        let analysis = site.analysis(&drive, until_s);
+        assert_eq!(analysis.offer.targets, Targets::ThreePrisms, "{until_s} s");
+    }
+    let analysis = site.analysis(&drive, end_s);
+    let found = &analysis.answer.as_ref().expect("an answer").calibration.station1_from_station;
+    let off_m = (1..3).map(|k| (found[k].translation_m - truth[k].translation_m).norm());
+    assert!(off_m.fold(0.0, f64::max) < 0.03);
+}
+
 /// When it is first said to be enough (s), and how far off the far end is then (m).
 fn first_enough(site: &Site, drive: &Simulated) -> Option<(f64, f64)> {
     let steps = (site.scenario.duration_s / EVERY_S) as u32;
@@ -381,7 +398,7 @@ fn share(times_s: &[[f64; 2]]) -> f64 {
 /// Three drives tell a share to about a fifth; the twenty below, of which 60 % are asked, are what it is measured by.
 #[test]
 fn who_follows_the_advice_reaches_two_millimetres_sooner() {
-    assert!(share(&until_enough(12..15)) < 0.75);
+    assert!(share(&until_enough(12..15)) <= 0.6);
 }
 
 /// Advised drives take 51 s on average and the presets' own 95 s: 53 %, and 57 % over sixty drives. Both stand for the first 8 s. Most

@@ -29,7 +29,7 @@ const MOST_TRIPLETS: usize = 2000;
 const FEWEST_TRIPLETS: usize = 10;
 /// Slower than this a direction of travel is noise (m/s).
 const MOVING_M_PER_S: f64 = 0.1;
-/// Mean of the doubled directions of travel: 1 on a line, driven either way.
+/// Mean of the doubled directions of travel, by the metre: 1 on a line, driven either way.
 const STRAIGHT: f64 = 0.9;
 
 /// What `deployment.toml` says; failing that, what the tracks show; failing that, three where a rig is described.
@@ -81,20 +81,21 @@ fn aligned(to_m: &[Vector3<f64>], from_m: &[Vector3<f64>]) -> Option<Vec<Vector3
     Some(from_m.iter().map(|point_m| aligned.apply(point_m)).collect())
 }
 
-/// Whether the direction of travel varies; there and back along a line does not count.
+/// Whether the direction of travel varies along the way; there and back along a line does not count, nor does a turn on the spot after
+/// a long line, in which prisms go every way and hardly anywhere.
 fn turns(triplets: &Triplets) -> bool {
     let points = &triplets.points_m[0];
-    let (mut cos, mut sin, mut count) = (0.0, 0.0, 0);
+    let (mut cos, mut sin, mut way_m) = (0.0, 0.0, 0.0);
     for i in 1..triplets.len() {
         if triplets.interval[i] == triplets.interval[i - 1]
             && triplets.speed_m_per_s[i] > MOVING_M_PER_S
         {
             let way = points[i] - points[i - 1];
             let doubled = 2.0 * way.y.atan2(way.x);
-            cos += doubled.cos();
-            sin += doubled.sin();
-            count += 1;
+            cos += way.norm() * doubled.cos();
+            sin += way.norm() * doubled.sin();
+            way_m += way.norm();
         }
     }
-    count > 0 && f64::hypot(cos, sin) < STRAIGHT * f64::from(count)
+    f64::hypot(cos, sin) < STRAIGHT * way_m
 }
