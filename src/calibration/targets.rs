@@ -29,7 +29,7 @@ const MOST_TRIPLETS: usize = 2000;
 const FEWEST_TRIPLETS: usize = 10;
 /// Slower than this a direction of travel is noise (m/s).
 const MOVING_M_PER_S: f64 = 0.1;
-/// Mean of the doubled directions of travel, by the metre: 1 on a line, driven either way.
+/// Mean of the doubled directions of travel, by how fast it goes: 1 on a line, driven either way.
 const STRAIGHT: f64 = 0.9;
 
 /// What `deployment.toml` says; failing that, what the tracks show; failing that, three where a rig is described.
@@ -82,20 +82,24 @@ fn aligned(to_m: &[Vector3<f64>], from_m: &[Vector3<f64>]) -> Option<Vec<Vector3
 }
 
 /// Whether the direction of travel varies along the way; there and back along a line does not count, nor does a turn on the spot after
-/// a long line, in which prisms go every way and hardly anywhere.
+/// a long line, in which prisms go every way and hardly anywhere. A reading that is metres off counts no more than others.
 fn turns(triplets: &Triplets) -> bool {
     let points = &triplets.points_m[0];
-    let (mut cos, mut sin, mut way_m) = (0.0, 0.0, 0.0);
-    for i in 1..triplets.len() {
-        if triplets.interval[i] == triplets.interval[i - 1]
-            && triplets.speed_m_per_s[i] > MOVING_M_PER_S
-        {
-            let way = points[i] - points[i - 1];
-            let doubled = 2.0 * way.y.atan2(way.x);
-            cos += way.norm() * doubled.cos();
-            sin += way.norm() * doubled.sin();
-            way_m += way.norm();
-        }
+    let moves = (1..triplets.len()).filter(|i| {
+        triplets.interval[*i] == triplets.interval[i - 1]
+            && triplets.speed_m_per_s[*i] > MOVING_M_PER_S
+    });
+    let moves: Vec<usize> = moves.collect();
+    let speeds = moves.iter().map(|i| triplets.speed_m_per_s[*i]);
+    let Some(usual_m_per_s) = median(speeds) else { return false };
+    let (mut cos, mut sin, mut all) = (0.0, 0.0, 0.0);
+    for i in moves {
+        let way = points[i] - points[i - 1];
+        let doubled = 2.0 * way.y.atan2(way.x);
+        let weight = triplets.speed_m_per_s[i].min(usual_m_per_s);
+        cos += weight * doubled.cos();
+        sin += weight * doubled.sin();
+        all += weight;
     }
-    f64::hypot(cos, sin) < STRAIGHT * way_m
+    f64::hypot(cos, sin) < STRAIGHT * all
 }
