@@ -263,6 +263,26 @@ fn a_turn_on_the_spot_after_a_straight_leg_makes_no_one_prism_of_three() {
     assert!(off_m.fold(0.0, f64::max) < 0.03);
 }
 
+/// Prisms that stand evenly about the middle of a vehicle go around one circle where it turns on the spot, as one prism would, and an
+/// answer of that puts stations a hundred metres off.
+#[test]
+fn prisms_that_turn_on_the_spot_are_no_one_prism() {
+    let mut site = Site::new(Preset::Warthog, 3, 0.002);
+    let of_three = |prism: f64, z_m: f64| {
+        let (sin, cos) = (prism / 3.0 * std::f64::consts::TAU).sin_cos();
+        Vector3::new(0.5 * cos, 0.5 * sin, z_m)
+    };
+    site.scenario.prisms_m = [of_three(0.0, 1.55), of_three(1.0, 1.2), of_three(2.0, 1.38)];
+    let there_and_back = (0..=6).map(|step| Vector2::new(60.0 + 0.05 * f64::from(step % 2), 8.0));
+    let mut waypoints: Vec<Waypoint> = there_and_back.map(|at| site.waypoint(&at)).collect();
+    waypoints.push(site.waypoint(&Vector2::new(45.0, 6.0)));
+    let drive = site.along(&waypoints);
+    for until_s in [16.0, 24.0, 36.0, 48.0, 56.0, 64.0] {
+        let analysis = site.analysis(&drive, until_s);
+        assert_eq!(analysis.offer.targets, Targets::ThreePrisms, "{until_s} s");
+    }
+}
+
 /// When it is first said to be enough (s), and how far off the far end is then (m).
 fn first_enough(site: &Site, drive: &Simulated) -> Option<(f64, f64)> {
     let steps = (site.scenario.duration_s / EVERY_S) as u32;

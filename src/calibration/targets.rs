@@ -32,6 +32,9 @@ const MOVING_M_PER_S: f64 = 0.1;
 /// Mean of the doubled directions of travel, by how fast it goes: 1 on a line, driven either way.
 const STRAIGHT: f64 = 0.9;
 
+/// A track is about one place where half of it is within this of that place (m), further than prisms stand from the middle of a vehicle.
+const AROUND_M: f64 = 3.0;
+
 /// What `deployment.toml` says; failing that, what the tracks show; failing that, three where a rig is described.
 pub fn targets(deployment: &Deployment, triplets: &Triplets) -> Targets {
     match deployment.prisms {
@@ -45,7 +48,7 @@ pub fn targets(deployment: &Deployment, triplets: &Triplets) -> Targets {
     }
     if median_distance_m(triplets).is_none_or(|median_m| median_m > COINCIDE_M) {
         Targets::ThreePrisms
-    } else if turns(triplets) {
+    } else if turns(triplets) && !stays(triplets) {
         Targets::OnePrism
     } else {
         by_rig
@@ -102,4 +105,13 @@ fn turns(triplets: &Triplets) -> bool {
         all += weight;
     }
     f64::hypot(cos, sin) < STRAIGHT * all
+}
+
+/// Whether the vehicle stays about one place: prisms that it turns around on the spot go around the same circle, and an alignment
+/// makes one of them the other.
+fn stays(triplets: &Triplets) -> bool {
+    let points = &triplets.points_m[0];
+    let middle = |axis: usize| median(points.iter().map(|point| point[axis])).unwrap_or(0.0);
+    let middle_m = Vector3::new(middle(0), middle(1), middle(2));
+    median(points.iter().map(|point| (point - middle_m).norm())).is_none_or(|m| m < AROUND_M)
 }

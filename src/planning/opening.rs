@@ -7,15 +7,15 @@ use super::manoeuvres::{TURN_STEP_M, once_around_m};
 /// How far apart the two places are at which the vehicle turns (m).
 const LEG_M: f64 = 15.0;
 
-/// The opening in words, for whoever drives.
+/// These are the words that tell the opening to whoever drives.
 ///
-/// Distances of the rig along the sight hold the transforms worst, because ranges are noisier than angles; they need every
-/// heading, near readings of each other in time and place. A vehicle that turns on the spot shows them all within seconds, slowly enough for every lock,
-/// and a second time further along the sight tells yaws from positions. `tests/advice.rs` has what it is worth.
+/// Distances of the rig along the sight hold the transforms worst, because ranges are noisier than angles, and they need every heading.
+/// A vehicle that turns on the spot shows them all within seconds, slowly enough for every lock; `tests/advice.rs` has what this is
+/// worth, and what other ways are.
 pub const OPENING: &str =
     "turn around on the spot, drive 15 m straight towards the stations, and turn once around there";
 
-/// The opening as places to drive through (m), from a place and a heading there, with the middle of the stations ahead in the end.
+/// Lays the opening out as places to drive through (m), from a place and a heading there towards the middle of the stations.
 pub fn opening_m(
     at_m: Vector2<f64>,
     heading: Vector2<f64>,
