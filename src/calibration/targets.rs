@@ -48,7 +48,7 @@ pub fn targets(deployment: &Deployment, triplets: &Triplets) -> Targets {
     }
     if median_distance_m(triplets).is_none_or(|median_m| median_m > COINCIDE_M) {
         Targets::ThreePrisms
-    } else if turns(triplets) && !stays(triplets) {
+    } else if turns(triplets) {
         Targets::OnePrism
     } else {
         by_rig
@@ -96,22 +96,22 @@ fn turns(triplets: &Triplets) -> bool {
     let speeds = moves.iter().map(|i| triplets.speed_m_per_s[*i]);
     let Some(usual_m_per_s) = median(speeds) else { return false };
     let (mut cos, mut sin, mut all) = (0.0, 0.0, 0.0);
-    for i in moves {
-        let way = points[i] - points[i - 1];
+    for i in &moves {
+        let way = points[*i] - points[i - 1];
         let doubled = 2.0 * way.y.atan2(way.x);
-        let weight = triplets.speed_m_per_s[i].min(usual_m_per_s);
+        let weight = triplets.speed_m_per_s[*i].min(usual_m_per_s);
         cos += weight * doubled.cos();
         sin += weight * doubled.sin();
         all += weight;
     }
-    f64::hypot(cos, sin) < STRAIGHT * all
+    let places_m: Vec<&Vector3<f64>> = moves.iter().map(|i| &points[*i]).collect();
+    f64::hypot(cos, sin) < STRAIGHT * all && !stays(&places_m)
 }
 
-/// Whether the vehicle stays about one place: prisms that it turns around on the spot go around the same circle, and an alignment
-/// makes one of them the other.
-fn stays(triplets: &Triplets) -> bool {
-    let points = &triplets.points_m[0];
-    let middle = |axis: usize| median(points.iter().map(|point| point[axis])).unwrap_or(0.0);
+/// Whether a vehicle stays about one place while it moves: prisms that it turns around on the spot go around the same circle, and an
+/// alignment makes one of them the other.
+fn stays(places_m: &[&Vector3<f64>]) -> bool {
+    let middle = |axis: usize| median(places_m.iter().map(|at| at[axis])).unwrap_or(0.0);
     let middle_m = Vector3::new(middle(0), middle(1), middle(2));
-    median(points.iter().map(|point| (point - middle_m).norm())).is_none_or(|m| m < AROUND_M)
+    median(places_m.iter().map(|at| (*at - middle_m).norm())).is_none_or(|m| m < AROUND_M)
 }

@@ -215,6 +215,34 @@ pub fn station_in_common(is_off: [bool; 3]) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::{Analyst, Settings};
+    use crate::simulation::{EPOCH_S, Preset, simulate_scenario};
+
+    /// What is to be driven where so much of a drive (s) has no answer.
+    fn to_drive(
+        until_s: f64,
+        change: impl FnOnce(&mut Deployment, &mut Settings),
+    ) -> Option<&'static str> {
+        let mut simulated = simulate_scenario(&Preset::FlatFloor.scenario(), 1);
+        simulated.records.retain(|record| record.measurement.time_s < EPOCH_S + until_s);
+        let mut deployment = simulated.deployment().expect("valid");
+        let mut settings = Settings::default();
+        change(&mut deployment, &mut settings);
+        let analysis = Analyst::new(deployment.clone().into()).run(&settings);
+        judge(&deployment, &analysis, true, None).judged.expect_err("too little").drive
+    }
+
+    #[test]
+    fn the_opening_is_said_where_a_drive_only_began() {
+        assert_eq!(to_drive(5.0, |_, _| ()), Some(OPENING));
+        // Who read for long wants another remedy, one prism turns to no use, and no drive makes up for a rig.
+        let no_interval = |_: &mut Deployment, settings: &mut Settings| {
+            settings.pipeline.thresholds.tau_l_seconds = 1e3;
+        };
+        assert_eq!(to_drive(60.0, no_interval), None);
+        assert_eq!(to_drive(5.0, |deployment, _| deployment.prisms = Some(1)), None);
+        assert_eq!(to_drive(25.0, |deployment, _| deployment.rig = None), None);
+    }
 
     #[test]
     fn the_station_of_two_bad_pairs_is_named() {
