@@ -14,17 +14,20 @@ use criterion::{BenchmarkGroup, Criterion, SamplingMode, criterion_group, criter
 use eframe::App;
 use eframe::egui_wgpu::{RenderState, WgpuSetup};
 use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect};
-use resect::analysis::Settings;
 use resect::app::{Colouring, Command, Pane, ResectWindow, SceneView, Start, State};
-use resect::deployment::Deployment;
-use resect::simulation::{Preset, simulate_scenario};
+use resect_core::analysis::Settings;
+use resect_core::deployment::Deployment;
+use resect_core::simulation::{Preset, simulate_scenario};
 
 /// A drive so long that the three stations read a million times.
 fn deployment() -> Arc<Deployment> {
     let mut scenario = Preset::Warthog.scenario();
-    let short = simulate_scenario(&scenario, 1).deployment().expect("simulated");
+    let short =
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, 1)).expect("simulated");
     scenario.duration_s *= 1e6 / readings(&short) as f64;
-    Arc::new(simulate_scenario(&scenario, 1).deployment().expect("simulated"))
+    Arc::new(
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, 1)).expect("simulated"),
+    )
 }
 
 fn readings(deployment: &Deployment) -> usize {

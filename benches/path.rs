@@ -13,13 +13,15 @@ use std::sync::Arc;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
 use nalgebra_peer::{DVector, Dyn, Matrix, OMatrix, OVector, Owned, U8, Vector3};
-use resect::analysis::{Analysis, Analyst, Settings};
-use resect::calibration::{self, CalibrationSettings, Method, Offer, PriorMethod};
-use resect::deployment::{Deployment, PAIRS, open};
-use resect::export;
-use resect::geometry::RigidTransform;
-use resect::pipeline::{self, Interpolation, PipelineSettings, Triplets};
-use resect::simulation::{Preset, simulate_scenario};
+use resect_core::analysis::{Analysis, Analyst, Settings};
+use resect_core::calibration;
+use resect_core::calibration::{CalibrationSettings, Method, Offer, PriorMethod};
+use resect_core::deployment::{Deployment, PAIRS};
+use resect_core::geometry::RigidTransform;
+use resect_core::pipeline;
+use resect_core::pipeline::{Interpolation, PipelineSettings, Triplets};
+use resect_core::simulation::{Preset, simulate_scenario};
+use resect_io::open::open;
 
 type Vector8 = OVector<f64, U8>;
 
@@ -28,7 +30,9 @@ fn deployment(triplets: usize) -> Arc<Deployment> {
     let mut scenario = Preset::Warthog.scenario();
     // Outliers and lost locks cost about a third of the time.
     scenario.duration_s = triplets as f64 / 10.0 * 1.38;
-    Arc::new(simulate_scenario(&scenario, 1).deployment().expect("simulated"))
+    Arc::new(
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, 1)).expect("simulated"),
+    )
 }
 
 fn benchmarks(criterion: &mut Criterion) {
@@ -125,7 +129,7 @@ fn good_prior(analysis: &Analysis) -> Vector8 {
 /// The triplets, and as three lines distances, good prior and our answer, for other programs.
 fn write_for_peers(deployment: &Deployment, analysis: &Analysis, folder: &std::path::Path) {
     std::fs::create_dir_all(folder).expect("target can be written");
-    export::csv::write_triplets(analysis, &folder.join("triplets.csv"))
+    resect_report::csv::write_triplets(analysis, &folder.join("triplets.csv"))
         .expect("target can be written");
     let answer = analysis.answer.as_ref().expect("simulated");
     let [_, t2, t3] = &answer.calibration.station1_from_station;

@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use resect::deployment::format::polar_csv;
-use resect::deployment::{Measurement, Recording};
-use resect::progress::Progress;
-use resect::simulation::{Preset, simulate};
+use resect_core::deployment::Measurement;
+use resect_core::progress::Progress;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::format::polar_csv;
+use resect_io::recording::Recording;
 
 /// Reads a file, and gives how many readings are in it.
 type Reader = fn(&Path) -> usize;

@@ -11,9 +11,11 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
-use resect::analysis::{Analyst, Settings};
-use resect::deployment::format::OpenError;
-use resect::deployment::{Deployment, Measurement, RawRecord, Recording, Sample, Track};
+use resect_core::analysis::{Analyst, Settings};
+use resect_core::deployment::{Deployment, Measurement, RawRecord, Track};
+use resect_io::error::OpenError;
+use resect_io::recording::Recording;
+use resect_io::sample::Sample;
 
 const GON_RAD: f64 = PI / 200.0;
 

@@ -2,10 +2,11 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use resect::analysis::{Analyst, Settings};
-use resect::calibration::Method;
-use resect::deployment::{Sample, Source};
-use resect::progress::Progress;
+use resect_core::analysis::{Analyst, Settings};
+use resect_core::calibration::Method;
+use resect_core::progress::Progress;
+use resect_io::sample::Sample;
+use resect_io::source::Source;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let deployment = match std::env::args().nth(1) {

@@ -8,10 +8,11 @@
 use std::sync::Arc;
 
 use egui_kittest::Harness;
-use resect::analysis::Settings;
 use resect::app::{Command, Pane, ResectWindow, Start, offscreen_renderer};
-use resect::deployment::{Sample, Source};
-use resect::progress::Progress;
+use resect_core::analysis::Settings;
+use resect_core::progress::Progress;
+use resect_io::sample::Sample;
+use resect_io::source::Source;
 
 const SIZE: [f32; 2] = [1600.0, 1000.0];
 

@@ -7,16 +7,16 @@ mod common;
 use common::{analyse, by};
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
-use resect::analysis::{Analysis, Settings};
-use resect::calibration::inter_prism::observability::Hold;
-use resect::calibration::joint::Expected;
-use resect::calibration::{ErrorSizes, Method, Targets};
-use resect::evaluation::far_end::far_end;
-use resect::geometry::{LevelTransform, RigidTransform};
-use resect::pipeline::Thresholds;
-use resect::planning::{Known, NextMove, Plan, SoFar, known, opening_m, what_next};
-use resect::progress::Progress;
-use resect::simulation::{
+use resect_core::analysis::{Analysis, Settings};
+use resect_core::calibration::inter_prism::observability::Hold;
+use resect_core::calibration::joint::Expected;
+use resect_core::calibration::{ErrorSizes, Method, Targets};
+use resect_core::evaluation::far_end::far_end;
+use resect_core::geometry::{LevelTransform, RigidTransform};
+use resect_core::pipeline::Thresholds;
+use resect_core::planning::{Known, NextMove, Plan, SoFar, known, opening_m, what_next};
+use resect_core::progress::Progress;
+use resect_core::simulation::{
     EPOCH_S, ErrorKind, Motion, Path, Preset, Scenario, Simulated, Waypoint, simulate_scenario,
 };
 
@@ -111,7 +111,7 @@ impl Site {
     fn analysis(&self, drive: &Simulated, until_s: f64) -> Analysis {
         let mut so_far = drive.clone();
         so_far.records.retain(|record| record.measurement.time_s < EPOCH_S + until_s);
-        analyse(&so_far.deployment().expect("valid"), &self.settings)
+        analyse(&resect_io::simulation_files::open(&so_far).expect("valid"), &self.settings)
     }
 
     /// Asks about what is read so far; `None` without an answer.

@@ -8,11 +8,13 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use common::{analyse, answer, assert_close, sample_folder};
-use resect::analysis::Settings;
-use resect::deployment::{
-    Deployment, Extras, OneOrMany, OpenError, Overrides, Question, Sample, Source, open,
-};
-use resect::progress::Progress;
+use resect_core::analysis::Settings;
+use resect_core::deployment::{Deployment, OneOrMany, Overrides};
+use resect_core::progress::Progress;
+use resect_io::error::{OpenError, Question};
+use resect_io::open::open;
+use resect_io::sample::Sample;
+use resect_io::source::{Extras, Source};
 
 const READINGS: usize = 30;
 /// Numbers of seconds since 1970 as floating point, and microseconds in the text: this close is the same (s).

@@ -3,11 +3,13 @@
 mod common;
 
 use common::{analyse, answer, by, field_data, published};
-use resect::analysis::{Analyst, Settings};
-use resect::calibration::{Calibration, Estimated, Loss, Method};
-use resect::deployment::{Deployment, Sample, open};
-use resect::progress::Progress;
-use resect::simulation::{Preset, simulate};
+use resect_core::analysis::{Analyst, Settings};
+use resect_core::calibration::{Calibration, Estimated, Loss, Method};
+use resect_core::deployment::Deployment;
+use resect_core::progress::Progress;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::open::open;
+use resect_io::sample::Sample;
 
 fn calibration(deployment: &Deployment, settings: &Settings) -> Calibration {
     answer(&analyse(deployment, settings)).calibration.clone()
@@ -54,7 +56,8 @@ fn the_papers_answer_stands_beside_it_to_the_last_bit() {
 
 #[test]
 fn of_one_prism_the_joint_estimate_has_the_clocks_and_c_beside_it() {
-    let deployment = simulate(Preset::SinglePrism, 5).deployment().expect("valid");
+    let deployment =
+        resect_io::simulation_files::open(&simulate(Preset::SinglePrism, 5)).expect("valid");
     let joint = calibration(&deployment, &Settings::default());
     assert_eq!(joint.method, Method::Joint);
     assert!(joint.clocks().is_some());
@@ -108,7 +111,7 @@ fn settings_of_older_versions_say_what_became_of_them() {
     let file = tempfile::NamedTempFile::new().expect("a file");
     let read = |text: &str| {
         std::fs::write(file.path(), text).expect("writable");
-        let (settings, findings) = Settings::read(file.path()).expect("opens");
+        let (settings, findings) = resect_io::settings_file::read(file.path()).expect("opens");
         (settings, findings.into_iter().map(|f| f.message).collect::<Vec<_>>().join("; "))
     };
     let (settings, said) = read(

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use common::{knock, of_field, sample_folder, two_runs};
-use resect::simulation::{Preset, write_folder};
+use resect_core::simulation::Preset;
+use resect_io::simulation_files::write_folder;
 use serde_json::Value;
 
 /// Runs resect without a display.
@@ -749,7 +750,7 @@ fn a_word_is_explained_and_all_are_listed() {
         |text: &str| text.lines().filter(|line| !line.starts_with(' ') && !line.is_empty()).count();
     assert_eq!(heads(&text), 1, "{text}");
     let all = stdout(&["explain"]);
-    assert_eq!(heads(&all), resect::glossary::ALL.len());
+    assert_eq!(heads(&all), resect_report::glossary::ALL.len());
     assert!(all.lines().all(|line| line.chars().count() <= 96), "{all}");
     let line = complaint(&["explain", "no", "such", "word"], 2);
     assert!(line.contains("\"no such word\"") && line.contains("resect explain"), "{line}");

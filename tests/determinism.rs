@@ -77,12 +77,12 @@ fn assert_always_the_same(arguments: &[&str], files: usize) {
 /// A short drive with all errors of the field, so that nothing is left out.
 fn drive() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    let scenario = resect::simulation::Scenario {
+    let scenario = resect_core::simulation::Scenario {
         duration_s: 120.0,
-        ..resect::simulation::Preset::FieldErrors.scenario()
+        ..resect_core::simulation::Preset::FieldErrors.scenario()
     };
-    let simulated = resect::simulation::simulate_scenario(&scenario, 3);
-    resect::simulation::write_folder(&simulated, folder.path()).expect("written");
+    let simulated = resect_core::simulation::simulate_scenario(&scenario, 3);
+    resect_io::simulation_files::write_folder(&simulated, folder.path()).expect("written");
     folder
 }
 

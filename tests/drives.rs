@@ -3,13 +3,15 @@
 mod common;
 
 use common::{analyse, answer, by, knock, two_runs};
-use resect::analysis::Analysis;
-use resect::calibration::joint::{DriveClocks, JointEstimate, Stepped};
-use resect::calibration::{Calibration, Details, Method, Verdict};
-use resect::deployment::{Deployment, Extras, Source};
-use resect::geometry::wrap_to_pi;
-use resect::progress::Progress;
-use resect::simulation::{Preset, Settling, Simulated, simulate, write_folder};
+use resect_core::analysis::Analysis;
+use resect_core::calibration::joint::{DriveClocks, JointEstimate, Stepped};
+use resect_core::calibration::{Calibration, Details, Method, Verdict};
+use resect_core::deployment::Deployment;
+use resect_core::geometry::wrap_to_pi;
+use resect_core::progress::Progress;
+use resect_core::simulation::{Preset, Settling, Simulated, simulate};
+use resect_io::simulation_files::write_folder;
+use resect_io::source::{Extras, Source};
 
 /// The second drive's stamps of stations 2 and 3 are later by this than the first's.
 const RESTARTED_S: [f64; 2] = [0.15, -0.08];
@@ -26,7 +28,8 @@ fn drives(preset: Preset, seed: u64, between: &[Settling]) -> [Simulated; 2] {
 }
 
 fn together(drives: &[Simulated; 2]) -> Deployment {
-    let [mut first, second] = drives.each_ref().map(|drive| drive.deployment().expect("valid"));
+    let [mut first, second] =
+        drives.each_ref().map(|drive| resect_io::simulation_files::open(drive).expect("valid"));
     first.take_in(vec![second]).expect("one set-up");
     first
 }
@@ -80,7 +83,7 @@ fn two_drives_are_one_answer_that_is_surer_and_each_has_its_clocks() {
             );
         }
         let alone = drives.each_ref().map(|drive| {
-            let analysis = jointly(&drive.deployment().expect("valid"));
+            let analysis = jointly(&resect_io::simulation_files::open(drive).expect("valid"));
             answer(&analysis).calibration.covariance.expect("σ").trace()
         });
         let together = calibration.covariance.expect("σ").trace();
@@ -108,8 +111,9 @@ fn a_station_that_moved_between_drives_is_named() {
 
 #[test]
 fn drives_whose_stamps_overlap_follow_each_other_and_other_rigs_do_not() {
-    let [first, second] =
-        [3, 4].map(|seed| simulate(Preset::Warthog, seed).deployment().expect("valid"));
+    let [first, second] = [3, 4].map(|seed| {
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, seed)).expect("valid")
+    });
     let mut both = first.clone();
     both.take_in(vec![second]).expect("the same rig");
     assert_eq!(both.restarts_s.len(), 1);
@@ -120,11 +124,12 @@ fn drives_whose_stamps_overlap_follow_each_other_and_other_rigs_do_not() {
     assert!(both.findings.iter().any(|finding| finding.message.contains("it is put behind that")));
     let twice = both.take_in(vec![first.clone()]).expect_err("nothing new").to_string();
     assert!(twice.contains("give each drive once"), "{twice}");
-    let mut lacking = simulate(Preset::Warthog, 3).deployment().expect("valid");
+    let mut lacking =
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, 3)).expect("valid");
     lacking.tracks[2].measurements.clear();
     let complaint = both.take_in(vec![lacking]).expect_err("two stations").to_string();
     assert!(complaint.contains("station 3 has no measurement"), "{complaint}");
-    let other = simulate(Preset::Hd2Tunnel, 3).deployment().expect("valid");
+    let other = resect_io::simulation_files::open(&simulate(Preset::Hd2Tunnel, 3)).expect("valid");
     let complaint = both.take_in(vec![other]).expect_err("another rig").to_string();
     assert!(complaint.contains("it has other inter-prism distances than"), "{complaint}");
 }

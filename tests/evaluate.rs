@@ -9,14 +9,15 @@ use std::process::Command;
 
 use common::{analyse, by, sample_folder};
 use nalgebra::{UnitQuaternion, Vector3};
-use resect::analysis::Analysis;
-use resect::calibration::Method;
-use resect::deployment::Deployment;
-use resect::estimates::odd::{OddOne, OddSpan};
-use resect::estimates::{Alignment, Body, Estimate, Judgement, Options, judge, read};
-use resect::simulation::{
+use resect_core::analysis::Analysis;
+use resect_core::calibration::Method;
+use resect_core::deployment::Deployment;
+use resect_core::estimates::odd::{OddOne, OddSpan};
+use resect_core::estimates::{Alignment, Body, Estimate, Judgement, Options, judge};
+use resect_core::simulation::{
     EPOCH_S, ErrorKind, Preset, Scenario, Simulated, simulate, simulate_scenario,
 };
+use resect_io::estimate_file;
 use slam::{SLAM, Slam, driven, with_frame, write_tum};
 
 fn judged(deployment: &Deployment, estimates: Vec<Estimate>, options: &Options) -> Judgement {
@@ -100,7 +101,7 @@ fn one_prism(seed: u64, kinds: &[ErrorKind]) -> (Simulated, Deployment) {
     let drawn_errors = kinds.to_vec();
     let scenario = Scenario { drawn_errors, ..Preset::SinglePrism.scenario() };
     let simulated = simulate_scenario(&scenario, seed);
-    let deployment = simulated.deployment().expect("valid");
+    let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     (simulated, deployment)
 }
 
@@ -221,7 +222,8 @@ fn clock_and_lever_over_sigma(drives: u64, noise_m: f64, kinds: &[ErrorKind]) ->
         let drawn_errors = kinds.to_vec();
         let scenario = Scenario { drawn_errors, ..Preset::Warthog.scenario() };
         let simulated = simulate_scenario(&scenario, 100 + seed);
-        let deployment = with_frame(&simulated, simulated.deployment().expect("valid"));
+        let deployment =
+            with_frame(&simulated, resect_io::simulation_files::open(&simulated).expect("valid"));
         let estimates = (0..ESTIMATES).map(|other| {
             let seed = ESTIMATES * seed + other;
             Slam { seed, lever_m, noise_m, drift_m: 0.0, ..SLAM }.drive(&simulated)
@@ -385,7 +387,7 @@ fn the_command_says_who_is_better_and_what_it_cannot_judge() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
     let (simulated, _) = driven(8);
-    resect::simulation::write_folder(&simulated, &at("drive")).expect("written");
+    resect_io::simulation_files::write_folder(&simulated, &at("drive")).expect("written");
     write_tum(&Slam { noise_m: 0.01, ..SLAM }.drive(&simulated), &at("lio.tum"));
     write_tum(&Slam { noise_m: 0.04, seed: 2, ..SLAM }.drive(&simulated), &at("vio.tum"));
     let evaluate = |estimates: &[&str], more: &[&str]| {
@@ -456,7 +458,7 @@ fn a_report_judges_as_it_is_told_to() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
     let (simulated, _) = driven(8);
-    resect::simulation::write_folder(&simulated, &at("drive")).expect("written");
+    resect_io::simulation_files::write_folder(&simulated, &at("drive")).expect("written");
     write_tum(&SLAM.drive(&simulated), &at("lio.tum"));
     let page = |more: &[&str]| {
         let mut command = resect();
@@ -494,7 +496,7 @@ fn odometry_of_bags_is_an_estimate() {
         said(command.arg(&file));
         file
     };
-    let read = |path: &Path| read::read(path).expect("read").remove(0);
+    let read = |path: &Path| estimate_file::read(path).expect("read").remove(0);
     let tum = read(&write("drive.tum"));
     let mcap = write("drive.mcap");
     std::fs::create_dir(folder.path().join("recorded")).expect("made");
@@ -529,7 +531,7 @@ fn the_command_agrees_with_evo() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
     let simulated = simulate(Preset::Warthog, 7);
-    resect::simulation::write_folder(&simulated, &at("drive")).expect("written");
+    resect_io::simulation_files::write_folder(&simulated, &at("drive")).expect("written");
     write_tum(&Slam { noise_m: 0.02, ..SLAM }.drive(&simulated), &at("slam.tum"));
     // The reference as a file: at the estimate's times, nothing left out.
     said(

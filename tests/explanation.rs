@@ -4,9 +4,12 @@
 mod common;
 
 use common::of_field;
-use resect::deployment::{Deployment, Sample, open};
-use resect::pipeline::explanation::{Place, Rate, explain};
-use resect::pipeline::{self, Interval, PipelineSettings, SampleFate};
+use resect_core::deployment::Deployment;
+use resect_core::pipeline;
+use resect_core::pipeline::explanation::{Place, Rate, explain};
+use resect_core::pipeline::{Interval, PipelineSettings, SampleFate};
+use resect_io::open::open;
+use resect_io::sample::Sample;
 
 /// How many readings were rejected, are in no interval, in one too short, and kept.
 fn explain_all(deployment: &Deployment, settings: &PipelineSettings) -> [usize; 4] {

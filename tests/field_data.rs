@@ -5,11 +5,15 @@ mod common;
 
 use common::{analyse, answer, assert_close, by, field_data, of_field, published};
 use nalgebra::Vector3;
-use resect::analysis::Settings;
-use resect::calibration::{Alignment, Details, Method, PriorMethod, ResolvedBy, Targets, Verdict};
-use resect::deployment::{Extras, Finding, Source, open};
-use resect::geometry::{LevelTransform, RigidTransform};
-use resect::progress::Progress;
+use resect_core::analysis::Settings;
+use resect_core::calibration::{
+    Alignment, Details, Method, PriorMethod, ResolvedBy, Targets, Verdict,
+};
+use resect_core::deployment::Finding;
+use resect_core::geometry::{LevelTransform, RigidTransform};
+use resect_core::progress::Progress;
+use resect_io::open::open;
+use resect_io::source::{Extras, Source};
 
 const NEAR: [f64; 3] = [0.003, 0.003, 0.010];
 const NEAR_RAD: f64 = 1e-4;

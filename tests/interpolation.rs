@@ -5,12 +5,14 @@ mod common;
 use std::sync::Arc;
 
 use common::{analyse, answer, of_field, published};
-use resect::analysis::Settings;
-use resect::deployment::{Deployment, Sample, open};
-use resect::experiment::ablate;
-use resect::pipeline::Interpolation;
-use resect::progress::Progress;
-use resect::simulation::{Path, Preset, simulate, simulate_scenario};
+use resect_core::analysis::Settings;
+use resect_core::deployment::Deployment;
+use resect_core::experiment::ablate;
+use resect_core::pipeline::Interpolation;
+use resect_core::progress::Progress;
+use resect_core::simulation::{Path, Preset, simulate, simulate_scenario};
+use resect_io::open::open;
+use resect_io::sample::Sample;
 
 /// Median of the inter-prism metric of method D (mm).
 fn metric_mm(deployment: &Deployment, interpolation: Interpolation) -> f64 {
@@ -24,7 +26,7 @@ fn metric_mm(deployment: &Deployment, interpolation: Interpolation) -> f64 {
 fn ratio(preset: Preset, interpolation: Interpolation) -> f64 {
     const SEEDS: u64 = 4;
     let ratios = (0..SEEDS).map(|seed| {
-        let deployment = simulate(preset, seed).deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulate(preset, seed)).expect("valid");
         metric_mm(&deployment, interpolation) / metric_mm(&deployment, Interpolation::Linear)
     });
     ratios.sum::<f64>() / SEEDS as f64
@@ -77,21 +79,24 @@ fn the_stated_sigma_is_about_as_large_as_the_errors() {
         scenario.path = Path::Wander { centre_m: [40.0, 5.0], radius_m: 15.0 };
         scenario.noise.outlier_share = 0.0;
         let simulated = simulate_scenario(&scenario, 9);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let mut settings = published();
         settings.pipeline.interpolation = interpolation;
         let analysis = analyse(&deployment, &settings);
         let transforms = simulated.truth.station1_from_station.map(Into::into);
         let triplets = &analysis.pipeline.triplets;
-        let errors_m = resect::calibration::distance_errors_m(
+        let errors_m = resect_core::calibration::distance_errors_m(
             triplets,
             &transforms,
             &simulated.truth.inter_prism_m,
         );
         let mut ratios: Vec<f64> = (0..triplets.len())
             .flat_map(|index| {
-                let sigma =
-                    resect::evaluation::vehicle::distance_sigma_m(triplets, index, &transforms);
+                let sigma = resect_core::evaluation::vehicle::distance_sigma_m(
+                    triplets,
+                    index,
+                    &transforms,
+                );
                 let sigma = sigma.expect("stated");
                 [0, 1, 2].map(|pair| errors_m[pair][index].abs() / sigma[pair])
             })

@@ -1,12 +1,13 @@
 //! How much memory a day of a live deployment takes: in a binary of its own, whose allocator counts.
 
 use peak_alloc::PeakAlloc;
-use resect::deployment::format::bag::messages::{Coords, encode_coords};
-use resect::deployment::{Extras, Growing};
-use resect::live::event::{Event, LeftOut, Sent};
-use resect::live::recorder::Recorder;
-use resect::live::{Engine, bonn};
-use resect::progress::Progress;
+use resect_core::progress::Progress;
+use resect_io::format::bag::messages::{Coords, encode_coords};
+use resect_io::growing::Growing;
+use resect_io::source::Extras;
+use resect_live::event::{Event, LeftOut, Sent};
+use resect_live::recorder::Recorder;
+use resect_live::{Engine, bonn};
 
 #[global_allocator]
 static ALLOCATED: PeakAlloc = PeakAlloc;

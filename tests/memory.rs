@@ -1,9 +1,10 @@
 //! How much memory a long drive takes: in a binary of its own, whose allocator counts.
 
 use peak_alloc::PeakAlloc;
-use resect::calibration::{CalibrationSettings, Offer, solve};
-use resect::pipeline::{self, PipelineSettings};
-use resect::simulation::{Preset, simulate_scenario};
+use resect_core::calibration::{CalibrationSettings, Offer, solve};
+use resect_core::pipeline;
+use resect_core::pipeline::PipelineSettings;
+use resect_core::simulation::{Preset, simulate_scenario};
 
 #[global_allocator]
 static ALLOCATED: PeakAlloc = PeakAlloc;
@@ -16,7 +17,8 @@ const KEPT_BYTES: f64 = 45e6;
 fn the_joint_estimate_of_a_long_drive_takes_less_than_200_bytes_a_reading() {
     let mut scenario = Preset::Warthog.scenario();
     scenario.duration_s = 36_000.0;
-    let deployment = simulate_scenario(&scenario, 1).deployment().expect("valid");
+    let deployment =
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, 1)).expect("valid");
     let readings: usize = deployment.tracks.iter().map(|track| track.measurements.len()).sum();
     let triplets = pipeline::run(&deployment, &PipelineSettings::default()).triplets;
     let offer = Offer::of(&deployment, &triplets);

@@ -3,10 +3,10 @@
 mod common;
 
 use common::{analyse, answer, by, normalised, rms_by_component};
-use resect::analysis::Settings;
-use resect::calibration::{Alignment, Method, Targets, Verdict};
-use resect::geometry::LevelTransform;
-use resect::simulation::{Preset, simulate};
+use resect_core::analysis::Settings;
+use resect_core::calibration::{Alignment, Method, Targets, Verdict};
+use resect_core::geometry::LevelTransform;
+use resect_core::simulation::{Preset, simulate};
 
 fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
@@ -18,7 +18,7 @@ fn c_recovers_the_truth_within_its_stated_uncertainty() {
         let mut all = Vec::new();
         for seed in 0..8 {
             let simulated = simulate(Preset::SinglePrism, seed);
-            let deployment = simulated.deployment().expect("valid");
+            let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
             let mut settings = by(Method::DynamicGcp);
             settings.calibration.alignment = alignment;
             let analysis = analyse(&deployment, &settings);
@@ -37,7 +37,7 @@ fn b_recovers_the_truth_within_its_stated_uncertainty() {
     let mut all = Vec::new();
     for seed in 0..12 {
         let simulated = simulate(Preset::Warthog, seed);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::StaticGcp));
         all.extend(normalised(&analysis, &simulated.truth.station1_from_station));
     }
@@ -48,7 +48,7 @@ fn b_recovers_the_truth_within_its_stated_uncertainty() {
 #[test]
 fn known_coordinates_give_the_same_relative_answer_and_the_global_one() {
     let simulated = simulate(Preset::Warthog, 3);
-    let mut deployment = simulated.deployment().expect("valid");
+    let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     let relative = analyse(&deployment, &by(Method::StaticGcp));
     // A map frame, turned and far away, in which the points' true positions are known.
     let map_from_station1 = LevelTransform::new([5000.0, -2000.0, 90.0].into(), 2.1);
@@ -72,7 +72,7 @@ fn known_coordinates_give_the_same_relative_answer_and_the_global_one() {
             1e-4,
         );
     }
-    let resect::calibration::Details::StaticGcp(details) = &global.details else {
+    let resect_core::calibration::Details::StaticGcp(details) = &global.details else {
         panic!("method B")
     };
     let world = details.world_from_station1.expect("coordinates are known");
@@ -94,7 +94,7 @@ fn one_prism_is_recognised_and_three_are_not_mistaken_for_it() {
         (Preset::Hd2Tunnel, Targets::ThreePrisms),
         (Preset::StraightLine, Targets::ThreePrisms),
     ] {
-        let deployment = simulate(preset, 5).deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulate(preset, 5)).expect("valid");
         let analysis = analyse(&deployment, &Settings::default());
         assert_eq!(analysis.offer.targets, expected, "{preset:?}");
         let by_paper = analysis.offer.published_method();
@@ -105,7 +105,8 @@ fn one_prism_is_recognised_and_three_are_not_mistaken_for_it() {
 #[test]
 fn a_straight_drive_without_a_rig_does_not_pass_for_one_prism() {
     // Level and straight: a translation makes the three prisms' tracks coincide.
-    let mut deployment = simulate(Preset::StraightLine, 5).deployment().expect("valid");
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::StraightLine, 5)).expect("valid");
     deployment.rig = None;
     let analysis = analyse(&deployment, &by(Method::DynamicGcp));
     assert_eq!(analysis.offer.targets, Targets::Undecided);
@@ -120,7 +121,7 @@ fn a_lacking_method_says_what_it_needs() {
         (Preset::Hd2Tunnel, Method::DynamicGcp, "one prism"),
         (Preset::SinglePrism, Method::InterPrism, "three prisms"),
     ] {
-        let deployment = simulate(preset, 1).deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
         let analysis = analyse(&deployment, &by(method));
         let error = analysis.answer.map(|_| ()).expect_err("not for this data").to_string();
         assert!(error.contains(word), "{error}");
@@ -133,7 +134,7 @@ fn a_recovers_the_truth_within_its_stated_uncertainty() {
     let mut all = Vec::new();
     for seed in 0..12 {
         let simulated = simulate(Preset::Warthog, seed);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::TwoPoint));
         all.extend(normalised(&analysis, &simulated.truth.station1_from_station));
     }
@@ -149,7 +150,7 @@ fn the_sigmas_of_b_hold_for_every_component() {
     let mut runs = Vec::new();
     for seed in 100..100 + SEEDS {
         let simulated = simulate(Preset::Warthog, seed);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::StaticGcp));
         runs.push(normalised(&analysis, &simulated.truth.station1_from_station));
     }
@@ -159,7 +160,8 @@ fn the_sigmas_of_b_hold_for_every_component() {
 
 #[test]
 fn a_blunder_is_named_and_lowers_the_verdict() {
-    let mut deployment = simulate(Preset::Warthog, 7).deployment().expect("valid");
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, 7)).expect("valid");
     let point = &mut deployment.control_points[1].points[3];
     let marker = point.marker;
     point.readings[2].as_mut().expect("read").range_m += 0.05;
@@ -169,7 +171,8 @@ fn a_blunder_is_named_and_lowers_the_verdict() {
     let name = format!("marker {marker} of GCP_raw_2.txt is off by");
     assert!(calibration.findings.iter().any(|f| f.message.contains(&name)));
 
-    let mut deployment = simulate(Preset::Warthog, 7).deployment().expect("valid");
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, 7)).expect("valid");
     let pillars = deployment.control_points.iter_mut().find(|set| set.pillars).expect("pillars");
     pillars.points[2].known_m.as_mut().expect("surveyed").x += 0.1;
     let analysis = analyse(&deployment, &by(Method::TwoPoint));
@@ -184,7 +187,8 @@ fn a_blunder_is_named_and_lowers_the_verdict() {
 
 #[test]
 fn stations_that_share_few_points_with_each_other_still_have_their_sigma() {
-    let mut deployment = simulate(Preset::Warthog, 7).deployment().expect("valid");
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, 7)).expect("valid");
     deployment.control_points.truncate(1);
     // Station 2 sees the first five, station 3 the others.
     for (index, point) in deployment.control_points[0].points.iter_mut().enumerate() {

@@ -3,10 +3,11 @@
 mod common;
 
 use common::{analyse, answer, of_field, published};
-use resect::calibration::inter_prism::{SAME_TRANSLATION_M, SAME_YAW_RAD};
-use resect::deployment::{Deployment, open};
-use resect::geometry::wrap_to_pi;
-use resect::simulation::{Preset, simulate};
+use resect_core::calibration::inter_prism::{SAME_TRANSLATION_M, SAME_YAW_RAD};
+use resect_core::deployment::Deployment;
+use resect_core::geometry::wrap_to_pi;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::open::open;
 
 /// Roles and cost ratios, in order of cost.
 fn minima(deployment: &Deployment) -> Vec<(&'static str, f64)> {
@@ -20,7 +21,7 @@ fn the_lowest_is_the_truth_or_its_twin() {
     for preset in [Preset::Warthog, Preset::Hd2Tunnel, Preset::FigureEight, Preset::LShape] {
         for seed in 20..26 {
             let simulated = simulate(preset, seed);
-            let deployment = simulated.deployment().expect("valid");
+            let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
             let analysis = analyse(&deployment, &published());
             let details = answer(&analysis).calibration.inter_prism().expect("method D");
             let (lowest, truth) = (&details.basins[0], &simulated.truth);
@@ -53,7 +54,7 @@ fn every_list_names_one_answer_and_is_in_order() {
         (Preset::Circle, 6),
         (Preset::StraightLine, 4),
     ] {
-        let list = minima(&simulate(preset, 1).deployment().expect("valid"));
+        let list = minima(&resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid"));
         assert!((2..=most).contains(&list.len()), "{preset:?}: {list:?}");
         for role in ["answer", "mirror twin"] {
             let count = list.iter().filter(|(is, _)| *is == role).count();
@@ -68,7 +69,8 @@ fn every_list_names_one_answer_and_is_in_order() {
 /// A turned rig fits an L-shaped drive to centimetres.
 #[test]
 fn an_l_shape_lists_the_turned_rig() {
-    let list = minima(&simulate(Preset::LShape, 1).deployment().expect("valid"));
+    let list =
+        minima(&resect_io::simulation_files::open(&simulate(Preset::LShape, 1)).expect("valid"));
     assert!(list.iter().any(|(is, ratio)| *is == "other" && *ratio < 1000.0), "{list:?}");
 }
 

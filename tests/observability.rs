@@ -3,10 +3,12 @@
 mod common;
 
 use common::{analyse, answer, of_field, published};
-use resect::analysis::Settings;
-use resect::calibration::inter_prism::observability::{Hold, Observability};
-use resect::deployment::{Deployment, Sample, open};
-use resect::simulation::{Preset, simulate};
+use resect_core::analysis::Settings;
+use resect_core::calibration::inter_prism::observability::{Hold, Observability};
+use resect_core::deployment::Deployment;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::open::open;
+use resect_io::sample::Sample;
 
 fn words(observed: &Observability, hold: Hold) -> Vec<String> {
     observed.words(hold).split("; ").map(str::to_owned).collect()
@@ -24,7 +26,7 @@ fn observed(deployment: &Deployment) -> Observability {
 }
 
 fn simulated(preset: Preset, seed: u64) -> Deployment {
-    simulate(preset, seed).deployment().expect("valid")
+    resect_io::simulation_files::open(&simulate(preset, seed)).expect("valid")
 }
 
 /// The bends of a figure-eight hold everything; its floor is what remains to be said of it.

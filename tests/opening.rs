@@ -5,10 +5,13 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use common::{field_data, sample_folder};
-use resect::deployment::{Extras, OpenError, Sample, Source, open};
-use resect::progress::Progress;
+use resect_core::progress::Progress;
+use resect_io::error::OpenError;
+use resect_io::open::open;
+use resect_io::sample::Sample;
+use resect_io::source::{Extras, Source};
 
-fn used(deployment: &resect::deployment::Deployment, end: &str) -> Vec<bool> {
+fn used(deployment: &resect_core::deployment::Deployment, end: &str) -> Vec<bool> {
     let ends = deployment.ingredients.iter().filter(|i| Path::new(&i.file).ends_with(end));
     ends.map(|i| i.used).collect()
 }

@@ -4,10 +4,12 @@ mod common;
 
 use common::{analyse, answer, by, of_field};
 use nalgebra::{Rotation3, Vector3};
-use resect::calibration::{Calibration, ErrorSizes, Method, Verdict};
-use resect::deployment::{Deployment, Sample, open};
-use resect::geometry::Polar;
-use resect::simulation::{Preset, Scenario, Settling, simulate_scenario};
+use resect_core::calibration::{Calibration, ErrorSizes, Method, Verdict};
+use resect_core::deployment::Deployment;
+use resect_core::geometry::Polar;
+use resect_core::simulation::{Preset, Scenario, Settling, simulate_scenario};
+use resect_io::open::open;
+use resect_io::sample::Sample;
 
 const FOOT_M: f64 = 0.3048;
 
@@ -162,7 +164,8 @@ fn a_station_that_turns_within_an_hour_is_told_when() {
         move_m: Vector3::zeros(),
         lean_rad: [0.0; 2],
     }];
-    let deployment = simulate_scenario(&hour, 5).deployment().expect("valid");
+    let deployment =
+        resect_io::simulation_files::open(&simulate_scenario(&hour, 5)).expect("valid");
     let calibration = solved(&deployment, Method::Joint);
     let told = calibration.findings.iter().map(ToString::to_string);
     let told: Vec<String> = told.filter(|line| line.contains("station 2 turned by")).collect();
@@ -191,7 +194,8 @@ fn a_size_that_the_data_contradicts_is_told() {
     let told = |scenario: &Scenario, set: fn(&mut ErrorSizes)| {
         let mut settings = by(Method::Joint);
         set(&mut settings.calibration.errors);
-        let deployment = simulate_scenario(scenario, 3).deployment().expect("valid");
+        let deployment =
+            resect_io::simulation_files::open(&simulate_scenario(scenario, 3)).expect("valid");
         answer(&analyse(&deployment, &settings)).calibration.clone()
     };
     let right = Preset::Warthog.scenario();

@@ -9,15 +9,16 @@ use std::path::Path;
 use common::{analyse, by};
 use nalgebra::{Matrix3, Rotation2, SVector, Vector2, Vector3};
 use rayon::prelude::*;
-use resect::calibration::inter_prism::observability::Hold;
-use resect::calibration::{ErrorSizes, Method, Verdict};
-use resect::geometry::{RigidTransform, wrap_to_pi};
-use resect::planning::locks::WhyNotRead;
-use resect::planning::{
+use resect_core::calibration::inter_prism::observability::Hold;
+use resect_core::calibration::{ErrorSizes, Method, Verdict};
+use resect_core::geometry::{RigidTransform, wrap_to_pi};
+use resect_core::planning::locks::WhyNotRead;
+use resect_core::planning::{
     FigureEight, ImprovementKind, Loop, Piece, Plan, Prediction, Ramp, Waypoint, improvements,
-    plan_file, predict,
+    predict,
 };
-use resect::simulation::{ARCSECOND_RAD, ErrorKind, Preset, Scenario, simulate_scenario};
+use resect_core::simulation::{ARCSECOND_RAD, ErrorKind, Preset, Scenario, simulate_scenario};
+use resect_io::plan_file;
 
 /// Presets whose drives hold all eight numbers well.
 const WELL_POSED: [Preset; 6] = [
@@ -73,7 +74,8 @@ fn realised(plan: &Plan, prediction: &Prediction, seed: u64) -> Option<Realised>
     let mut settings = by(Method::Joint);
     settings.calibration.errors = plan.errors;
     settings.calibration.inter_prism_sigma_m = plan.rig.inter_prism_sigma_m;
-    let analysis = analyse(&simulated.deployment().expect("valid"), &settings);
+    let analysis =
+        analyse(&resect_io::simulation_files::open(&simulated).expect("valid"), &settings);
     let calibration = &analysis.answer.as_ref().ok()?.calibration;
     // Tripods that gave way by more than anyone expects are told, and widen σ: that is no part of a plan.
     if calibration.verdict != Verdict::Good {
@@ -223,7 +225,7 @@ fn the_mirror_twin_costs_what_is_predicted() {
         let plan = as_drawn(preset);
         let predicted = predict(&plan).expect("a prediction").mirror_cost_ratio.expect("a twin");
         let simulated = simulate_scenario(&plan.scenario().expect("a plan"), 3);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::InterPrism));
         let calibration = &analysis.answer.as_ref().expect("an answer").calibration;
         let mirror = calibration.inter_prism().expect("method D").mirror;
@@ -424,7 +426,7 @@ fn a_line_is_improved_by_leaving_it() {
 #[test]
 fn a_plan_is_made_of_no_answer_that_does_not_know_where_stations_stand() {
     let simulated = simulate_scenario(&Preset::Warthog.scenario(), 2);
-    let sound = simulated.deployment().expect("valid");
+    let sound = resect_io::simulation_files::open(&simulated).expect("valid");
     let of = |deployment| Plan::from_analysis(deployment, &analyse(deployment, &by(Method::Joint)));
     assert_eq!(of(&sound).expect("a plan").name, sound.name);
     let mut reversed = sound.clone();

@@ -7,11 +7,13 @@ use std::path::{Path, PathBuf};
 
 use common::{analyse, answer, assert_close, field_data, of_field};
 use nalgebra::{Rotation3, Vector3};
-use resect::analysis::Settings;
-use resect::calibration::{Alignment, Calibration, Method};
-use resect::deployment::{Deployment, Severity, TrackFrame, open};
-use resect::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
-use resect::simulation::{Preset, simulate, write_folder};
+use resect_core::analysis::Settings;
+use resect_core::calibration::{Alignment, Calibration, Method};
+use resect_core::deployment::{Deployment, Severity, TrackFrame};
+use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
+use resect_core::simulation::{Preset, simulate};
+use resect_io::open::open;
+use resect_io::simulation_files::write_folder;
 
 /// Our x is their y, our y their −x.
 fn to_theirs(p: &Vector3<f64>) -> Vector3<f64> {

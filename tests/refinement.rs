@@ -8,18 +8,19 @@ use std::time::Instant;
 use common::{
     analyse, answer, by, normalised, of_field, off_in_sigmas, published, rms_by_component,
 };
-use resect::analysis::{Analysis, Analyst, Settings};
-use resect::calibration::inter_prism::Refinement;
-use resect::calibration::joint::Stepped;
-use resect::calibration::{
+use resect_core::analysis::{Analysis, Analyst, Settings};
+use resect_core::calibration::inter_prism::Refinement;
+use resect_core::calibration::joint::Stepped;
+use resect_core::calibration::{
     CalibrationSettings, Estimated, Loss, Method, Offer, Verdict, solve, time_blocks,
 };
-use resect::deployment::open;
-use resect::pipeline::{self, PipelineSettings};
-use resect::progress::{Cancelled, Progress};
-use resect::simulation::{
+use resect_core::pipeline;
+use resect_core::pipeline::PipelineSettings;
+use resect_core::progress::{Cancelled, Progress};
+use resect_core::simulation::{
     ARCSECOND_RAD, ClockStep, ErrorKind, Preset, SystematicErrors, simulate, simulate_scenario,
 };
+use resect_io::open::open;
 
 fn settings(loss: Loss, estimate: Estimated) -> Settings {
     let mut settings = published();
@@ -35,7 +36,7 @@ fn refinement(analysis: &Analysis) -> &Refinement {
     details.refinement.as_ref().expect("it was asked for")
 }
 
-fn with_errors(errors: SystematicErrors, seed: u64) -> resect::simulation::Simulated {
+fn with_errors(errors: SystematicErrors, seed: u64) -> resect_core::simulation::Simulated {
     let mut scenario = Preset::Warthog.scenario();
     scenario.errors = errors;
     simulate_scenario(&scenario, seed)
@@ -48,7 +49,7 @@ fn clock_offsets_of_10_ms_are_recovered_within_1_ms_and_bias_nothing() {
     {
         let errors = SystematicErrors { clock_offset_s: offsets_s, ..Default::default() };
         let simulated = with_errors(errors, seed);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let truth = &simulated.truth.station1_from_station;
         let analysis = analyse(&deployment, &by(Method::Joint));
         let clocks = refinement(&analysis).clock_offsets_s.expect("estimated");
@@ -72,7 +73,7 @@ fn clock_offsets_of_10_ms_are_recovered_within_1_ms_and_bias_nothing() {
 fn a_wrong_distance_is_found_as_far_as_the_prior_lets_it() {
     let errors = SystematicErrors { inter_prism_m: [0.003, 0.0, 0.0], ..Default::default() };
     let simulated = with_errors(errors, 4);
-    let deployment = simulated.deployment().expect("valid");
+    let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     let estimate = Estimated { clocks: false, distances: true, tilt: false };
     let mut all = settings(Loss::Squared, estimate);
     all.calibration.inter_prism_sigma_m = 0.003;
@@ -100,7 +101,7 @@ fn stated_sigmas_hold_for_the_joint_estimate() {
         let mut scenario = Preset::Warthog.scenario().with_field_errors(seed);
         scenario.drawn_errors.retain(|kind| *kind != ErrorKind::ClockJumps);
         let simulated = simulate_scenario(&scenario, seed);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
         assert!(refinement(&analysis).converged, "seed {seed}");
         runs.push(normalised(&analysis, &simulated.truth.station1_from_station));
@@ -119,7 +120,7 @@ fn stated_sigmas_of_a_refinement_hold_where_stretches_of_time_are_few() {
         let (mut squares, mut clock_squares) = (0.0, 0.0);
         for seed in SEEDS {
             let simulated = simulate(Preset::Warthog, seed);
-            let deployment = simulated.deployment().expect("valid");
+            let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
             let triplets = pipeline::run(&deployment, &PipelineSettings::default()).triplets;
             let end = time_blocks::of(&triplets.time_s, &triplets.interval)[blocks - 1].end;
             let triplets = triplets.select(&(0..end).collect::<Vec<_>>());
@@ -165,7 +166,7 @@ fn a_clock_that_jumps_is_said_with_when_and_by_how_much() {
         let clock_steps = vec![ClockStep { station: 2, at_s: 210.0, by_s }];
         let errors = SystematicErrors { clock_steps, ..Default::default() };
         let simulated = with_errors(errors, seed);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
         let steps = &answer(&analysis).calibration.joint().expect("joint").stepped;
         let [step] = &steps[..] else { panic!("seed {seed}: {steps:?}") };
@@ -187,7 +188,7 @@ fn a_station_that_follows_another_prism_for_a_while_does_not_lead_the_joint_esti
         let mut scenario = Preset::Warthog.scenario();
         scenario.noise.wrong_targets_per_minute = 0.3;
         let simulated = simulate_scenario(&scenario, seed);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let truth = &simulated.truth.station1_from_station;
         let analysis = analyse(&deployment, &by(Method::Joint));
         let calibration = &answer(&analysis).calibration;
@@ -198,7 +199,8 @@ fn a_station_that_follows_another_prism_for_a_while_does_not_lead_the_joint_esti
         let plain = analyse(&deployment, &published());
         let calibration = &answer(&plain).calibration;
         assert!(calibration.verdict >= Verdict::Weak, "seed {seed}");
-        let pulled = |f: &resect::deployment::Finding| f.message.contains("pull this answer by");
+        let pulled =
+            |f: &resect_core::deployment::Finding| f.message.contains("pull this answer by");
         assert!(calibration.findings.iter().any(pulled), "seed {seed}: {:?}", calibration.findings);
     }
 }
@@ -212,7 +214,7 @@ fn the_noise_of_ranges_and_angles_is_learned() {
         scenario.noise.range_sigma_m = range_sigma_m;
         scenario.noise.angle_sigma_rad = angle_arcseconds * ARCSECOND_RAD;
         let simulated = simulate_scenario(&scenario, 31);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
         let noise = answer(&analysis).calibration.joint().expect("joint").levels;
         // Ranges have 2 ppm more than ranges of no length, and weights of Cauchy's loss take some per cent off.
@@ -230,7 +232,7 @@ fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
         let mut scenario = Preset::SinglePrism.scenario();
         scenario.errors.clock_offset_s = [0.0, 0.010, -0.005];
         let simulated = simulate_scenario(&scenario, seed);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let plain = analyse(&deployment, &by(Method::DynamicGcp));
         assert!(answer(&plain).calibration.verdict >= Verdict::Weak, "seed {seed}");
         let analysis = analyse(&deployment, &by(Method::Joint));
@@ -250,7 +252,7 @@ fn method_c_estimates_clocks_and_is_no_surer_than_it_may_be() {
 #[test]
 #[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
 fn on_intervals_left_out_of_the_fit_the_joint_estimate_is_better_too() {
-    use resect::evaluation::evaluate_answer;
+    use resect_core::evaluation::evaluate_answer;
     let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
     let triplets = pipeline::run(&deployment, &Settings::default().pipeline).triplets;
@@ -278,7 +280,8 @@ fn on_intervals_left_out_of_the_fit_the_joint_estimate_is_better_too() {
 
 #[test]
 fn an_analysis_that_nobody_wants_any_more_stops() {
-    let deployment = Arc::new(simulate(Preset::Warthog, 1).deployment().expect("valid"));
+    let deployment =
+        Arc::new(resect_io::simulation_files::open(&simulate(Preset::Warthog, 1)).expect("valid"));
     let settings = by(Method::Joint);
     let mut analyst = Analyst::new(Arc::clone(&deployment));
     // The pipeline's stages are remembered, so that what is stopped below is the refinement.

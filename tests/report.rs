@@ -6,13 +6,14 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use common::{of_field, sample_folder};
-use resect::analysis::{Analysis, Settings};
-use resect::deployment::file_mark::FileMark;
-use resect::deployment::{Deployment, Finding, Sample};
-use resect::estimates::{Estimate, EstimatedPose, Judgement, Options, judge};
-use resect::evaluation::trajectory::Pose;
-use resect::evaluation::vehicle::{Instants, trajectory_by};
-use resect::export::report::{Chapter, page};
+use resect_core::analysis::{Analysis, Settings};
+use resect_core::deployment::{Deployment, Finding};
+use resect_core::estimates::{Estimate, EstimatedPose, Judgement, Options, judge};
+use resect_core::evaluation::trajectory::Pose;
+use resect_core::evaluation::vehicle::{Instants, trajectory_by};
+use resect_io::file_mark::FileMark;
+use resect_io::sample::Sample;
+use resect_report::report::{Chapter, page};
 use resvg::usvg::roxmltree::{Document, Node};
 use sha2::Digest;
 

@@ -3,10 +3,11 @@
 mod common;
 
 use common::{analyse, answer, normalised, published, sample_folder};
-use resect::calibration::{PriorMethod, Verdict};
-use resect::deployment::{Sample, open};
-use resect::geometry::LevelTransform;
-use resect::simulation::{Preset, simulate};
+use resect_core::calibration::{PriorMethod, Verdict};
+use resect_core::geometry::LevelTransform;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::open::open;
+use resect_io::sample::Sample;
 
 #[derive(serde::Deserialize)]
 struct Truth {
@@ -59,8 +60,9 @@ fn the_built_in_samples_are_the_files_in_assets() {
 
 #[test]
 fn the_same_seed_gives_the_same_deployment() {
-    let [a, b, other] =
-        [3, 3, 4].map(|seed| simulate(Preset::Warthog, seed).deployment().expect("valid"));
+    let [a, b, other] = [3, 3, 4].map(|seed| {
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, seed)).expect("valid")
+    });
     assert_eq!(a.tracks, b.tracks);
     assert_ne!(a.tracks, other.tracks);
 }
@@ -72,7 +74,10 @@ fn stated_uncertainty_covers_the_truth_over_seeds() {
         let mut all = Vec::new();
         for seed in 101..=125 {
             let simulated = simulate(preset, seed);
-            let analysis = analyse(&simulated.deployment().expect("valid"), &published());
+            let analysis = analyse(
+                &resect_io::simulation_files::open(&simulated).expect("valid"),
+                &published(),
+            );
             all.extend(normalised(&analysis, &simulated.truth.station1_from_station));
         }
         let rms = (all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64).sqrt();

@@ -4,10 +4,12 @@ mod common;
 
 use common::{analyse, answer, by, of_field, published};
 use rayon::prelude::*;
-use resect::analysis::Settings;
-use resect::calibration::{Calibration, Method, Verdict, Witness};
-use resect::deployment::{Deployment, Finding, Sample, open};
-use resect::simulation::{Preset, simulate};
+use resect_core::analysis::Settings;
+use resect_core::calibration::{Calibration, Method, Verdict, Witness};
+use resect_core::deployment::{Deployment, Finding};
+use resect_core::simulation::{Preset, simulate};
+use resect_io::open::open;
+use resect_io::sample::Sample;
 
 const FOOT_M: f64 = 0.3048;
 
@@ -144,7 +146,10 @@ fn simulated(presets: &[Preset], seeds: std::ops::Range<u64>) -> Vec<(String, De
         .iter()
         .flat_map(|preset| seeds.clone().map(move |seed| (*preset, seed)))
         .map(|(preset, seed)| {
-            (format!("{preset:?} {seed}"), simulate(preset, seed).deployment().expect("valid"))
+            (
+                format!("{preset:?} {seed}"),
+                resect_io::simulation_files::open(&simulate(preset, seed)).expect("valid"),
+            )
         })
         .collect()
 }
@@ -335,7 +340,10 @@ fn a_doubt_of_the_reader_caps_every_answer() {
 fn feet_that_no_filter_lets_through_are_named_in_the_error() {
     let mut scenario = Preset::Warthog.scenario();
     scenario.cruise_m_per_s = 1.5;
-    let right = resect::simulation::simulate_scenario(&scenario, 1).deployment().expect("valid");
+    let right = resect_io::simulation_files::open(&resect_core::simulation::simulate_scenario(
+        &scenario, 1,
+    ))
+    .expect("valid");
     let (verdict, said) = said(&Mistake::Feet(None).make(&right), &published());
     assert!(verdict.as_deref() != Some("good") && Mistake::Feet(None).is_named_in(&said), "{said}");
 }

@@ -5,13 +5,15 @@ mod common;
 use std::sync::Arc;
 
 use common::of_field;
-use resect::analysis::Settings;
-use resect::calibration::Method;
-use resect::deployment::{Deployment, Sample, open};
-use resect::experiment::{Parameter, Splits, StudyError, Sweep, ablate, compare, sweep};
-use resect::export::study;
-use resect::progress::Progress;
-use resect::simulation::{Preset, simulate};
+use resect_core::analysis::Settings;
+use resect_core::calibration::Method;
+use resect_core::deployment::Deployment;
+use resect_core::experiment::{Parameter, Splits, StudyError, Sweep, ablate, compare, sweep};
+use resect_core::progress::Progress;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::open::open;
+use resect_io::sample::Sample;
+use resect_report::study;
 
 fn sample() -> Vec<Arc<Deployment>> {
     vec![Arc::new(Sample::Warthog.open().expect("built in"))]
@@ -104,7 +106,7 @@ fn splits_are_seeded_and_judge_unseen_data() {
     let whole = compare(&sample(), &Settings::default(), None, &Progress::default())
         .expect("compares")
         .study;
-    let n = |study: &resect::experiment::Study, group: usize, metric: usize| {
+    let n = |study: &resect_core::experiment::Study, group: usize, metric: usize| {
         study.groups[group].boxes[metric].as_ref().expect("a box").n as f64
     };
     // Four times a quarter.
@@ -150,7 +152,9 @@ fn ten_deployments_are_compared_as_one() {
     ]
     .into_iter()
     .zip(1..)
-    .map(|(preset, seed)| Arc::new(simulate(preset, seed).deployment().expect("valid")))
+    .map(|(preset, seed)| {
+        Arc::new(resect_io::simulation_files::open(&simulate(preset, seed)).expect("valid"))
+    })
     .collect();
     let progress = Progress::default();
     let result = compare(&deployments, &Settings::default(), None, &progress).expect("compares");

@@ -1,8 +1,10 @@
 //! Surveyors' files: control points, their coordinates and the rig out of GSI and JobXML.
 
-use resect::deployment::{Deployment, OpenError, open_files};
-use resect::geometry::{Polar, RigidTransform};
-use resect::simulation::{Preset, simulate};
+use resect_core::deployment::Deployment;
+use resect_core::geometry::{Polar, RigidTransform};
+use resect_core::simulation::{Preset, simulate};
+use resect_io::error::OpenError;
+use resect_io::open::open_files;
 
 const TRACKS: &str =
     "timestamp,id,distance,ha,va\n0.0,1,10,0.1,1.5\n0.1,2,11,0.1,1.5\n0.2,3,12,0.1,1.5\n";

@@ -6,11 +6,11 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use common::{field_data, sample_folder};
-use resect::deployment::{
-    ColumnMapping, Deployment, Extras, Finding, OneOrMany, OpenError, Overrides, Question, Source,
-    open,
-};
-use resect::progress::Progress;
+use resect_core::deployment::{ColumnMapping, Deployment, Finding, OneOrMany, Overrides};
+use resect_core::progress::Progress;
+use resect_io::error::{OpenError, Question};
+use resect_io::open::open;
+use resect_io::source::{Extras, Source};
 
 /// A reading as the polar CSV writes it: time, station, range, azimuth, zenith angle.
 type Reading = [f64; 5];

@@ -5,14 +5,15 @@ mod common;
 use std::process::Command;
 
 use common::{analyse, answer, by, of_field, published, sample_folder};
-use resect::calibration::Method;
-use resect::calibration::joint::prisms::{Instant, Prisms};
-use resect::deployment::{Sample, open};
-use resect::evaluation::vehicle::{
+use resect_core::calibration::Method;
+use resect_core::calibration::joint::prisms::{Instant, Prisms};
+use resect_core::evaluation::vehicle::{
     Instants, NoTrajectory, VehicleFrame, prism_by, trajectory_by, vehicle_at, vehicle_trajectory,
 };
-use resect::progress::Progress;
-use resect::simulation::{EPOCH_S, Preset, simulate, simulate_scenario};
+use resect_core::progress::Progress;
+use resect_core::simulation::{EPOCH_S, Preset, simulate, simulate_scenario};
+use resect_io::open::open;
+use resect_io::sample::Sample;
 
 const LIMIT_M: f64 = 0.020;
 
@@ -60,7 +61,7 @@ fn a_tighter_limit_drops_more_and_counts_them() {
 #[test]
 fn the_frame_of_deployment_toml_is_taken_over() {
     let simulated = simulate(Preset::Warthog, 4);
-    let mut deployment = simulated.deployment().expect("valid");
+    let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     let analysis = analyse(&deployment, &published());
     deployment.rig.as_mut().expect("a rig").in_vehicle_m = Some(simulated.truth.prisms_m);
     let transforms = simulated.truth.station1_from_station.map(Into::into);
@@ -95,7 +96,8 @@ fn the_frame_of_deployment_toml_is_taken_over() {
 
 #[test]
 fn one_prism_has_no_orientation() {
-    let deployment = simulate(Preset::SinglePrism, 1).deployment().expect("valid");
+    let deployment =
+        resect_io::simulation_files::open(&simulate(Preset::SinglePrism, 1)).expect("valid");
     let analysis = analyse(&deployment, &by(Method::DynamicGcp));
     let transforms = answer(&analysis).calibration.placing_tracks(&deployment);
     let triplets = &analysis.pipeline.triplets;
@@ -269,7 +271,8 @@ fn nothing_tells_where_a_long_stretch_is_cut() {
         scenario.noise.outlier_share = 0.0;
         scenario.noise.lost_locks_per_minute = 0.0;
         scenario.noise.wrong_targets_per_minute = 0.0;
-        let deployment = simulate_scenario(&scenario, seed).deployment().expect("valid");
+        let deployment =
+            resect_io::simulation_files::open(&simulate_scenario(&scenario, seed)).expect("valid");
         let mut settings = by(Method::Joint);
         settings.pipeline.outlier_filter = false;
         let analysis = analyse(&deployment, &settings);
@@ -372,7 +375,7 @@ fn one_prism_has_positions_that_are_as_certain_as_they_say() {
     let (mut covered, mut all) = (0, 0);
     for seed in 0..4 {
         let simulated = simulate(Preset::SinglePrism, seed);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
         let calibration = &answer(&analysis).calibration;
         let triplets = analysis.triplets();

@@ -7,16 +7,18 @@ use std::sync::{Arc, LazyLock};
 use common::{analyse, answer, by, field_data, knock, of_field, two_runs};
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use resect::analysis::{Analysis, Settings};
-use resect::calibration::distance_errors_m;
-use resect::calibration::{Method, Verdict};
-use resect::deployment::{Deployment, TrackFrame, open};
-use resect::simulation::{Preset, Settling, simulate};
-use resect::validation::{Cause, Earlier, Outcome, Validation, drive_alone, validate};
+use resect_core::analysis::{Analysis, Settings};
+use resect_core::calibration::distance_errors_m;
+use resect_core::calibration::{Method, Verdict};
+use resect_core::deployment::{Deployment, TrackFrame};
+use resect_core::simulation::{Preset, Settling, simulate};
+use resect_core::validation::{Cause, Earlier, Outcome, Validation, drive_alone, validate};
+use resect_io::open::open;
 
 /// Two runs of one set-up, as they are opened.
 fn runs(preset: Preset, seed: u64, between: &[Settling]) -> [Deployment; 2] {
-    two_runs(preset.scenario(), seed, between).map(|run| run.deployment().expect("valid"))
+    two_runs(preset.scenario(), seed, between)
+        .map(|run| resect_io::simulation_files::open(&run).expect("valid"))
 }
 
 fn earlier(deployment: &Deployment, settings: &Settings) -> Earlier {
@@ -163,7 +165,7 @@ fn assert_untold(found: &Validation, why: &str) {
 fn a_run_that_cannot_see_says_so() {
     let ([_, second], before, own) = &*SAMPLE;
     // A run with a weak answer, one without any, and an earlier answer that is none.
-    let line = simulate(Preset::LShape, 1).deployment().expect("valid");
+    let line = resect_io::simulation_files::open(&simulate(Preset::LShape, 1)).expect("valid");
     let weak = analyse(&line, &Settings::default());
     assert_untold(&validate(before, &line, &weak), "the run's own answer is");
     let mut unknown = second.clone();

@@ -3,10 +3,11 @@
 
 use std::path::Path;
 
-use resect::analysis::Settings;
 use resect::app::persist::session::{Files, SavedDeployment, Session};
-use resect::deployment::Source;
-use resect::simulation::{Preset, simulate, write_folder};
+use resect_core::analysis::Settings;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::simulation_files::write_folder;
+use resect_io::source::Source;
 
 /// Longer seeds make the fuzzer slow and find nothing more.
 const LONGEST_SEED_BYTES: usize = 8 << 10;
@@ -75,6 +76,7 @@ fn main() {
         window_s: None,
         selection_s: Some([10.0, 20.0]),
         files: Files::marked(Vec::new()),
+        estimates: Vec::new(),
     }];
     let session = Session { deployments, ..Session::default() };
     let text = session.text(&corpus, &Default::default()).expect("text");

@@ -7,6 +7,6 @@ const MAPPING: &[u8] = b"stations = [1, 2, 3]\n[columns]\ntime = \"t\"\nstation 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     resect_fuzz::open(&[("foreign.csv", bytes), ("deployment.toml", MAPPING)]);
     let head = String::from_utf8_lossy(bytes);
-    let mapping = resect::deployment::format::mapped_csv::suggest(&head);
-    _ = resect::deployment::format::mapped_csv::preview(&head, &mapping);
+    let mapping = resect_io::format::mapped_csv::suggest(&head);
+    _ = resect_io::format::mapped_csv::preview(&head, &mapping);
 });

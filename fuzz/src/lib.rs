@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use resect::deployment::Source;
-use resect::progress::Progress;
+use resect_core::progress::Progress;
+use resect_io::source::Source;
 
 /// A drive that is read without complaint, beside which a damaged file of another kind lies.
 pub const TRACKS: &str = "timestamp,id,distance,ha,va\n\

@@ -14,7 +14,7 @@ use crate::app::layout::Layout;
 use crate::app::model::ago::ago;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::deployment::Finding;
+use resect_core::deployment::Finding;
 
 /// How often the window is looked at for changes.
 const EVERY: Duration = Duration::from_secs(3);

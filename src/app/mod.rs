@@ -18,7 +18,7 @@
 //!       │                     that calibrates while a slider moves (`analyser.rs`)
 //!       ├─ jobs               other work beside the window, whose outcome is a function applied to the state
 //!       └─ file_dialog, theme, words, short   asking for a path; colours and sizes of the window itself, dark and light (those
-//!                             that mean something are in `crate::palette`); words explained on hover, where a label asks; names
+//!                             that mean something are in `resect_core::palette`); words explained on hover, where a label asks; names
 //!                             made short
 //! ```
 //!
@@ -35,7 +35,7 @@
 //! | work that takes long | `self.jobs.start(work, take)` in `state/`: `take` gets what `work` returned, and the state; work with news before its end puts functions into `jobs.outbox()` |
 //! | something that a session remembers | a field of `persist/session.rs`, with what an older file without it means; filled and restored in `state/sessions.rs`; how deployments and pins lie in the file: `persist/stored.rs` |
 //! | a handle of a plan, or a number of it | a variant of `Handle` in `model/planning.rs`, drawn in `plots/plan_map.rs`; a field in `panels/plan/numbers.rs` |
-//! | something told of a live drive that is no warning | a field of `crate::live::View`, a line in `panels/live.rs`, and in `crate::export::live` for robots |
+//! | something told of a live drive that is no warning | a field of `resect_live::View`, a line in `panels/live.rs`, and in `resect_report::live` for robots |
 //! | a button for what a finding advises | a variant of `deployment::Remedy`, an arm in `actions/remedies.rs` |
 
 pub mod actions;

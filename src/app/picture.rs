@@ -6,8 +6,9 @@ use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSet
 use egui_kittest::wgpu::WgpuTestRenderer;
 
 use super::window::{ResectWindow, Start};
-use crate::analysis::Settings;
-use crate::deployment::{Deployment, Source};
+use resect_core::analysis::Settings;
+use resect_core::deployment::Deployment;
+use resect_io::source::Source;
 
 /// The harness gives up on a frame after ten seconds, which software takes for some 40 million pixels.
 const MOST_PIXELS_WITHOUT_GPU: u64 = 5120 * 2880;

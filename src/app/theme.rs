@@ -2,8 +2,8 @@
 
 use egui::{Color32, FontFamily, FontId, TextStyle};
 
-use crate::deployment::Severity;
-use crate::palette::Rgb;
+use resect_core::deployment::Severity;
+use resect_core::palette::Rgb;
 
 const TEXT_LIGHT: Color32 = Color32::from_gray(40);
 const TEXT_DARK: Color32 = Color32::from_gray(205);
@@ -12,11 +12,11 @@ const TEXT_DARK: Color32 = Color32::from_gray(205);
 pub fn apply(ctx: &egui::Context) {
     // Inter has the arrows and Greek letters that egui's own font lacks, and reads better at 13 points.
     let mut fonts = egui::FontDefinitions::default();
-    let inter = egui::FontData::from_static(crate::font::INTER);
+    let inter = egui::FontData::from_static(resect_report::font::INTER);
     fonts.font_data.insert("Inter".to_owned(), std::sync::Arc::new(inter));
     fonts.families.entry(FontFamily::Proportional).or_default().insert(0, "Inter".to_owned());
     // In tables the slashed zero of egui's own monospaced font smears.
-    let figures = egui::FontData::from_static(crate::font::FIGURES);
+    let figures = egui::FontData::from_static(resect_report::font::FIGURES);
     fonts.font_data.insert("Figures".to_owned(), std::sync::Arc::new(figures));
     fonts.families.entry(FontFamily::Monospace).or_default().insert(0, "Figures".to_owned());
     ctx.set_fonts(fonts);

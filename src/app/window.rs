@@ -17,9 +17,11 @@ use super::persist::Folders;
 use super::scene::SceneView;
 use super::state::State;
 use super::theme;
-use crate::analysis::Settings;
 use crate::app::model::{Command, Commands, Overlay, Pane};
-use crate::deployment::{Deployment, Sample, Source};
+use resect_core::analysis::Settings;
+use resect_core::deployment::Deployment;
+use resect_io::sample::Sample;
+use resect_io::source::Source;
 
 /// How often it is looked what came in of a live deployment.
 const LIVE_EVERY: std::time::Duration = std::time::Duration::from_millis(200);

@@ -2,8 +2,9 @@
 
 use egui::{CursorIcon, Id, Response, RichText, Sense};
 
-use crate::calibration::Method;
-use crate::glossary::{self, Term};
+use resect_core::calibration::Method;
+use resect_report::glossary;
+use resect_report::glossary::Term;
 
 const WIDTH: f32 = 340.0;
 /// The most words of a sentence that are explained on hover.

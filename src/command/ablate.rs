@@ -2,12 +2,13 @@
 
 use clap::Args;
 
+use super::choice::{METHODS, choice};
 use super::study_args::StudyArguments;
 use super::{Failure, print};
-use crate::calibration::Method;
-use crate::experiment::ablate;
-use crate::export::study;
-use crate::progress::Progress;
+use resect_core::calibration::Method;
+use resect_core::experiment::ablate;
+use resect_core::progress::Progress;
+use resect_report::study;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -15,7 +16,7 @@ pub struct Arguments {
     study: StudyArguments,
     /// Whose transforms judge. As in the paper static-gcp where there are control points, else inter-prism, or
     /// dynamic-gcp for one prism; the joint estimate only where it is named here
-    #[arg(long, value_enum, value_name = "METHOD")]
+    #[arg(long, value_parser = choice(METHODS), value_name = "METHOD")]
     reference: Option<Method>,
 }
 

@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
-use crate::analysis::Analyst;
-use crate::export::{json, text};
+use resect_core::analysis::Analyst;
+use resect_report::{json, text};
 
 #[derive(Args)]
 pub struct Arguments {

@@ -6,11 +6,12 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Failure, load, print};
-use crate::analysis::{Analysis, Analyst, Settings};
-use crate::calibration::{CalibrationError, Method};
-use crate::deployment::{Deployment, Extras, Finding, Severity, Track, pair_label};
-use crate::export::of_run;
-use crate::statistics::median;
+use resect_core::analysis::{Analysis, Analyst, Settings};
+use resect_core::calibration::{CalibrationError, Method};
+use resect_core::deployment::{Deployment, Finding, Severity, Track, pair_label};
+use resect_core::statistics::median;
+use resect_io::source::Extras;
+use resect_report::of_run;
 
 #[derive(Args)]
 pub struct Arguments {

@@ -4,9 +4,9 @@ use clap::Args;
 
 use super::study_args::StudyArguments;
 use super::{Failure, print};
-use crate::experiment::compare;
-use crate::export::study;
-use crate::progress::Progress;
+use resect_core::experiment::compare;
+use resect_core::progress::Progress;
+use resect_report::study;
 
 #[derive(Args)]
 pub struct Arguments {

@@ -7,7 +7,7 @@ use anyhow::{Context, anyhow};
 use clap::Args;
 
 use super::{Failure, print};
-use crate::atomic;
+use resect_io::atomic;
 
 #[derive(Args)]
 pub struct Arguments {

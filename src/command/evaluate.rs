@@ -8,11 +8,12 @@ use super::judging_args::JudgingArguments;
 use super::output::{advised, spare};
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
-use crate::analysis::Analyst;
-use crate::atomic;
-use crate::deployment::file_mark::used_files;
-use crate::estimates::{judge, read};
-use crate::export::{estimates, svg};
+use resect_core::analysis::Analyst;
+use resect_core::estimates::judge;
+use resect_io::atomic;
+use resect_io::estimate_file;
+use resect_io::file_mark::used_files;
+use resect_report::{estimates, svg};
 
 #[derive(Args)]
 pub struct Arguments {
@@ -46,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut read_estimates = Vec::new();
     let options = arguments.judging.options_of_each(arguments.trajectory.len())?;
     for (path, options) in arguments.trajectory.iter().zip(options) {
-        read_estimates.extend(read::read(path)?.into_iter().map(|one| (one, options)));
+        read_estimates.extend(estimate_file::read(path)?.into_iter().map(|one| (one, options)));
     }
     let (deployment, _) = load(&arguments.against, arguments.settings.extras())?;
     let analysis = Analyst::new(deployment.clone()).run(&settings);

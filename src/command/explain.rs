@@ -3,7 +3,8 @@
 use clap::Args;
 
 use super::{Failure, print};
-use crate::glossary::{self, Term};
+use resect_report::glossary;
+use resect_report::glossary::Term;
 
 /// Letters in a line.
 const WIDTH: usize = 96;

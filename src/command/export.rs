@@ -7,10 +7,9 @@ use clap::Args;
 use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, complain, load, print};
-use crate::analysis::Analyst;
-use crate::deployment::file_mark::used_files;
-use crate::export;
-use crate::export::csv::TABLES;
+use resect_core::analysis::Analyst;
+use resect_io::file_mark::used_files;
+use resect_report::csv::TABLES;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("target").required(true).args(["rrd", "csv"])))]
@@ -39,12 +38,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         complain(&format!("without an answer, stations are drawn in their own frames: {error}"));
     }
     if let Some(folder) = &arguments.csv {
-        for file in export::csv::write_folder(&deployment, &analysis, folder)? {
+        for file in resect_report::csv::write_folder(&deployment, &analysis, folder)? {
             print(&format!("{}\n", file.display()))?;
         }
     }
     if let Some(file) = &arguments.rrd {
-        export::rerun::save(&deployment, &analysis, file)?;
+        resect_report::rerun::save(&deployment, &analysis, file)?;
         print(&format!("{}: open it with `rerun {}`\n", file.display(), file.display()))?;
     }
     Ok(())

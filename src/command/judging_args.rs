@@ -1,16 +1,17 @@
 //! How trajectories of other systems are judged: the flags that `resect evaluate` and `resect report --judge` share.
 
+use super::choice::{ESTIMATE_ALIGNMENTS, choice};
 use clap::Args;
 
 use super::Failure;
 use super::settings_args::metres;
-use crate::estimates::{Alignment, Body, Options};
+use resect_core::estimates::{Alignment, Body, Options};
 
 #[derive(Args)]
 pub struct JudgingArguments {
     /// What an estimate's frame may be turned, moved and stretched by; with none it is in station 1's. This flag and the next
     /// two are given once for all estimates, or once for each in their order
-    #[arg(long, value_enum, default_values_t = [Alignment::Rigid])]
+    #[arg(long, value_parser = choice(ESTIMATE_ALIGNMENTS), default_values = ["rigid"])]
     align: Vec<Alignment>,
     /// What is added to an estimate's times (s), or found
     #[arg(long, value_name = "SECONDS|found", default_value = "found", allow_negative_numbers = true, value_parser = offset)]

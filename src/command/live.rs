@@ -13,11 +13,11 @@ use signal_hook::flag;
 
 use super::settings_args::AnswerArguments;
 use super::{Failure, complain, print};
-use crate::analysis::{Analyst, Settings};
-use crate::atomic::WriteError;
-use crate::deployment::{Extras, Source};
-use crate::export::{json, live as told, text};
-use crate::live::{Feed, Finished, Link, LiveError, Session, View, Wanted};
+use resect_core::analysis::{Analyst, Settings};
+use resect_io::atomic::WriteError;
+use resect_io::source::{Extras, Source};
+use resect_live::{Feed, Finished, Link, LiveError, Session, View, Wanted};
+use resect_report::{json, live as told, text};
 
 /// How often a line is written.
 const EVERY: Duration = Duration::from_secs(1);

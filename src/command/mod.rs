@@ -3,6 +3,7 @@
 mod ablate;
 mod calibrate;
 mod check;
+mod choice;
 mod compare;
 mod desktop;
 mod evaluate;
@@ -31,11 +32,13 @@ use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 
-use crate::atomic::WriteError;
-use crate::deployment::names::told_apart;
-use crate::deployment::printable::printable;
-use crate::deployment::{Deployment, Extras, OpenError, Source};
-use crate::progress::Progress;
+use resect_core::deployment::Deployment;
+use resect_core::deployment::names::told_apart;
+use resect_core::deployment::printable::printable;
+use resect_core::progress::Progress;
+use resect_io::atomic::WriteError;
+use resect_io::error::OpenError;
+use resect_io::source::{Extras, Source};
 
 /// Inspect a deployment of three robotic total stations, tune its filters, and calibrate it.
 #[derive(Parser)]

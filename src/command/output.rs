@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::Failure;
-use crate::export::trajectory::FileKind;
+use resect_report::trajectory::FileKind;
 
 /// Refuses to write over any of the files that were read, and a dash, which elsewhere means standard output.
 pub fn spare<'a>(out: &Path, read: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {

@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::choice::{PRESETS, choice};
 use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
-use crate::analysis::Analyst;
-use crate::atomic;
-use crate::deployment::file_mark::used_files;
-use crate::export::planning;
-use crate::planning::{Plan, improvements, plan_file, predict, way_file};
-use crate::simulation::Preset;
+use resect_core::analysis::Analyst;
+use resect_core::planning::{Plan, improvements, predict};
+use resect_core::simulation::Preset;
+use resect_io::atomic;
+use resect_io::file_mark::used_files;
+use resect_io::{plan_file, way_file};
+use resect_report::planning;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -20,7 +22,7 @@ pub struct Arguments {
     #[arg(required_unless_present = "preset")]
     path: Option<PathBuf>,
     /// The stations, rig and way of a preset of `simulate`, instead of a path
-    #[arg(long, value_enum, conflicts_with = "path")]
+    #[arg(long, value_parser = choice(PRESETS), conflicts_with = "path")]
     preset: Option<Preset>,
     /// What a preset drives by this seed
     #[arg(long, default_value_t = 1, conflicts_with = "path")]

@@ -10,13 +10,16 @@ use super::judging_args::JudgingArguments;
 use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load_each, print};
-use crate::analysis::{Analyst, Settings};
-use crate::atomic;
-use crate::deployment::file_mark::marks_of;
-use crate::deployment::{Deployment, OpenError};
-use crate::estimates::{Estimate, Options, judge, read};
-use crate::export::of_run;
-use crate::export::report::{self, Chapter};
+use resect_core::analysis::{Analyst, Settings};
+use resect_core::deployment::Deployment;
+use resect_core::estimates::{Estimate, Options, judge};
+use resect_io::atomic;
+use resect_io::error::OpenError;
+use resect_io::estimate_file;
+use resect_io::file_mark::marks_of;
+use resect_report::of_run;
+use resect_report::report;
+use resect_report::report::Chapter;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -50,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut estimates = Vec::new();
     let options = arguments.judging.options_of_each(arguments.judge.len())?;
     for (path, options) in arguments.judge.iter().zip(options) {
-        estimates.extend(read::read(path)?.into_iter().map(|one| (one, options)));
+        estimates.extend(estimate_file::read(path)?.into_iter().map(|one| (one, options)));
     }
     let opened = load_each(&arguments.path, &arguments.settings.extras());
     let chapters: Vec<Chapter> = zip(&arguments.path, opened)

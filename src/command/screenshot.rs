@@ -9,10 +9,11 @@ use super::output::spare;
 use super::settings_args::AnswerArguments;
 use super::{Failure, print};
 use crate::app;
-use crate::atomic;
-use crate::deployment::file_mark::used_files;
-use crate::deployment::{Sample, Source};
-use crate::progress::Progress;
+use resect_core::progress::Progress;
+use resect_io::atomic;
+use resect_io::file_mark::used_files;
+use resect_io::sample::Sample;
+use resect_io::source::Source;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Theme {

@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use nalgebra::Vector3;
 
+use super::choice::{ALIGNMENTS, INTERPOLATIONS, LOSSES, METHODS, PRIORS, choice};
 use super::{Failure, complain};
-use crate::analysis::Settings;
-use crate::calibration::{Alignment, Loss, Method, PriorMethod};
-use crate::deployment::{Extras, OpenError};
-use crate::pipeline::Interpolation;
+use resect_core::analysis::Settings;
+use resect_core::calibration::{Alignment, Loss, Method, PriorMethod};
+use resect_core::pipeline::Interpolation;
+use resect_io::error::OpenError;
+use resect_io::source::Extras;
 
 #[derive(Clone, Copy, ValueEnum)]
 enum EstimateName {
@@ -22,7 +24,7 @@ enum EstimateName {
 #[derive(Args)]
 pub struct AnswerArguments {
     /// Calibration method, joint if none; calibrate takes several
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(METHODS))]
     method: Vec<Method>,
     /// The same as --method joint
     #[arg(long)]
@@ -101,19 +103,19 @@ pub struct SettingsArguments {
     #[arg(long)]
     no_interval_filter: bool,
     /// Module 4, what is between readings [default: linear]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(INTERPOLATIONS))]
     interpolation: Option<Interpolation>,
     /// Where method D starts from, and the joint estimate with it [default: closed-form]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(PRIORS))]
     prior: Option<PriorMethod>,
     /// What a large error costs methods C and D [default: squared]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(LOSSES))]
     loss: Option<Loss>,
     /// What methods C (clocks alone) and D estimate beside the transforms: clocks, distances, tilt
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     estimate: Vec<EstimateName>,
     /// What methods B and C may turn: yaw, or roll and pitch as well [default: level]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(ALIGNMENTS))]
     alignment: Option<Alignment>,
     /// Control-point files to use instead of those beside the tracks
     #[arg(long, value_name = "FILE", num_args = 1..)]
@@ -135,10 +137,11 @@ impl SettingsArguments {
         let mut settings = match &self.config {
             None => Settings::default(),
             Some(path) => {
-                let (settings, findings) = Settings::read(path).map_err(|error| match error {
-                    OpenError::Io { .. } => Failure::from(error),
-                    error => Failure::Usage(error.to_string()),
-                })?;
+                let (settings, findings) =
+                    resect_io::settings_file::read(path).map_err(|error| match error {
+                        OpenError::Io { .. } => Failure::from(error),
+                        error => Failure::Usage(error.to_string()),
+                    })?;
                 for finding in findings {
                     complain(&format!("{}: {finding}", path.display()));
                 }
@@ -222,7 +225,6 @@ mod tests {
     fn the_help_names_the_defaults_that_are_used() {
         let settings = Settings::default();
         let (pipeline, calibration) = (settings.pipeline, settings.calibration);
-        let name = |value: &dyn ValueName| value.name();
         let defaults = [
             ("tau_r", pipeline.thresholds.tau_r_m_per_s.to_string()),
             ("tau_a", pipeline.thresholds.tau_a_deg_per_s.to_string()),
@@ -230,10 +232,10 @@ mod tests {
             ("tau_s", pipeline.thresholds.tau_s_seconds.to_string()),
             ("tau_l", pipeline.thresholds.tau_l_seconds.to_string()),
             ("rate", pipeline.rate_hz.to_string()),
-            ("interpolation", name(&pipeline.interpolation)),
-            ("prior", name(&calibration.prior)),
-            ("loss", name(&calibration.loss)),
-            ("alignment", name(&calibration.alignment)),
+            ("interpolation", word(INTERPOLATIONS, pipeline.interpolation)),
+            ("prior", word(PRIORS, calibration.prior)),
+            ("loss", word(LOSSES, calibration.loss)),
+            ("alignment", word(ALIGNMENTS, calibration.alignment)),
         ];
         let command = SettingsArguments::augment_args(clap::Command::new("resect"));
         for (flag, default) in defaults {
@@ -243,14 +245,8 @@ mod tests {
         }
     }
 
-    /// The name of a value on the command line.
-    trait ValueName {
-        fn name(&self) -> String;
-    }
-
-    impl<T: ValueEnum> ValueName for T {
-        fn name(&self) -> String {
-            self.to_possible_value().expect("a value").get_name().to_owned()
-        }
+    fn word<T: PartialEq>(choices: &[(T, &str, &str)], value: T) -> String {
+        let choice = choices.iter().find(|(own, ..)| *own == value);
+        choice.expect("a word for each value").1.to_owned()
     }
 }

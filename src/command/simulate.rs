@@ -11,21 +11,24 @@ use nalgebra::{Matrix6, Rotation3};
 
 use self::error_args::ErrorArguments;
 use self::limits::{Limits, replace};
+use super::choice::{PRESETS, choice};
 use super::output::{kind_of, spare};
 use super::{Failure, print};
-use crate::atomic;
-use crate::evaluation::trajectory::{Pose, Trajectory};
-use crate::export::trajectory::{self as trajectory_file, FileKind};
-use crate::simulation::{
-    ARCSECOND_RAD, EPOCH_S, Preset, Scenario, Simulated, simulate_scenario, write_folder,
+use resect_core::evaluation::trajectory::{Pose, Trajectory};
+use resect_core::simulation::{
+    ARCSECOND_RAD, EPOCH_S, Preset, Scenario, Simulated, simulate_scenario,
 };
+use resect_io::atomic;
+use resect_io::simulation_files::write_folder;
+use resect_report::trajectory as trajectory_file;
+use resect_report::trajectory::FileKind;
 
 const TRUE_POSES_APART_S: f64 = 0.1;
 
 #[derive(Args)]
 pub struct Arguments {
     /// What is driven, and where
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(PRESETS))]
     preset: Preset,
     /// The same seed gives the same files
     #[arg(long, default_value_t = 1)]

@@ -7,9 +7,9 @@ use clap::Args;
 
 use super::settings_args::SettingsArguments;
 use super::{Failure, load_each, print};
-use crate::deployment::Deployment;
-use crate::experiment::{Splits, Study};
-use crate::export::study;
+use resect_core::deployment::Deployment;
+use resect_core::experiment::{Splits, Study};
+use resect_report::study;
 
 #[derive(Args)]
 pub struct StudyArguments {

@@ -2,19 +2,20 @@
 
 use clap::Args;
 
+use super::choice::{METHODS, PARAMETERS, choice};
 use super::study_args::StudyArguments;
 use super::{Failure, print};
-use crate::calibration::Method;
-use crate::experiment::{Parameter, Sweep, sweep};
-use crate::export::study;
-use crate::progress::Progress;
+use resect_core::calibration::Method;
+use resect_core::experiment::{Parameter, Sweep, sweep};
+use resect_core::progress::Progress;
+use resect_report::study;
 
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
     study: StudyArguments,
     /// What to vary
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(PARAMETERS))]
     parameter: Parameter,
     /// First value, in the unit of the setting
     #[arg(long, allow_negative_numbers = true)]
@@ -27,7 +28,7 @@ pub struct Arguments {
     steps: usize,
     /// Whose transforms judge. As in the paper static-gcp where there are control points, else inter-prism, or
     /// dynamic-gcp for one prism; the joint estimate only where it is named here
-    #[arg(long, value_enum, value_name = "METHOD")]
+    #[arg(long, value_parser = choice(METHODS), value_name = "METHOD")]
     reference: Option<Method>,
 }
 

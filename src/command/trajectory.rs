@@ -8,18 +8,18 @@ use nalgebra::Vector3;
 use super::output::{advised, kind_of, spare};
 use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
-use crate::analysis::{Analysis, Analyst};
-use crate::atomic;
-use crate::calibration::joint::prisms::Instant;
-use crate::calibration::{Calibration, Targets};
-use crate::deployment::Deployment;
-use crate::deployment::file_mark::used_files;
-use crate::evaluation::site::SiteFrame;
-use crate::evaluation::vehicle::{
+use resect_core::analysis::{Analysis, Analyst};
+use resect_core::calibration::joint::prisms::Instant;
+use resect_core::calibration::{Calibration, Targets};
+use resect_core::deployment::Deployment;
+use resect_core::evaluation::site::SiteFrame;
+use resect_core::evaluation::vehicle::{
     Instants, LARGEST_POSE_ERROR_M, NoTrajectory, prism_by, trajectory_by,
 };
-use crate::export::trajectory::{self as trajectory_file};
-use crate::pipeline::Triplets;
+use resect_core::pipeline::Triplets;
+use resect_io::atomic;
+use resect_io::file_mark::used_files;
+use resect_report::trajectory as trajectory_file;
 
 #[derive(Args)]
 pub struct Arguments {

@@ -7,10 +7,10 @@ use serde_json::Value;
 
 use super::settings_args::AnswerArguments;
 use super::{Failure, load_each, print};
-use crate::analysis::Analyst;
-use crate::export::json::read_earlier;
-use crate::export::validation;
-use crate::validation::{drive_alone, validate};
+use resect_core::analysis::Analyst;
+use resect_core::validation::{drive_alone, validate};
+use resect_report::json::read_earlier;
+use resect_report::validation;
 
 #[derive(Args)]
 pub struct Arguments {

@@ -5,12 +5,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{Failure, complain, load, print};
-use crate::analysis::{Analyst, Settings};
 use crate::app;
 use crate::app::persist::{hashes::HashCache, session_file};
-use crate::deployment::{Deployment, Dropped, Extras, Sample, Source, what_is};
-use crate::export::text;
-use crate::progress::Progress;
+use resect_core::analysis::{Analyst, Settings};
+use resect_core::deployment::Deployment;
+use resect_core::progress::Progress;
+use resect_io::sample::Sample;
+use resect_io::source::{Extras, Source};
+use resect_io::what_is::{Dropped, what_is};
+use resect_report::text;
 
 pub fn run(paths: &[PathBuf]) -> Result<(), Failure> {
     // A session is opened by the window, which can leave out what is missing.

@@ -6,10 +6,10 @@
 //! the estimator.
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
-use resect::analysis::Analysis;
-use resect::deployment::PAIRS;
-use resect::geometry::Polar;
-use resect::simulation::{EPOCH_S, Simulated};
+use resect_core::analysis::Analysis;
+use resect_core::deployment::PAIRS;
+use resect_core::geometry::Polar;
+use resect_core::simulation::{EPOCH_S, Simulated};
 
 /// (x, y, z, yaw) of stations 2 and 3, their clocks, tilts of all stations, distances, prism constant, drifts.
 const UNKNOWNS: usize = 22;

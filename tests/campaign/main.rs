@@ -19,11 +19,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use resect::analysis::{Analysis, Settings};
-use resect::calibration::ErrorSizes;
-use resect::calibration::{Method, Verdict};
-use resect::geometry::wrap_to_pi;
-use resect::simulation::{
+use resect_core::analysis::{Analysis, Settings};
+use resect_core::calibration::ErrorSizes;
+use resect_core::calibration::{Method, Verdict};
+use resect_core::geometry::wrap_to_pi;
+use resect_core::simulation::{
     ARCSECOND_RAD, ErrorKind, Preset, Scenario, Simulated, simulate_scenario,
 };
 
@@ -196,7 +196,7 @@ fn run(
         .map(|seed| {
             let which = (seed % presets.len() as u64) as usize;
             let simulated = simulate_scenario(&scenario(presets[which], seed), seed);
-            let deployment = simulated.deployment().expect("valid");
+            let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
             let outcome = |settings| Outcome::new(&analyse(&deployment, settings), &simulated);
             (which, settings.iter().map(outcome).collect())
         })
@@ -292,7 +292,10 @@ fn over_bound_in_order(count: u64) -> SVector<f64, 8> {
         .filter_map(|seed| {
             let preset = PRESETS[(seed % WELL_POSED as u64) as usize];
             let simulated = simulate_scenario(&scenario_in_order(preset, seed), seed);
-            let analysis = analyse(&simulated.deployment().expect("valid"), &told_in_order());
+            let analysis = analyse(
+                &resect_io::simulation_files::open(&simulated).expect("valid"),
+                &told_in_order(),
+            );
             let bound = cramer_rao::bound(&simulated, &analysis, &DRAWN)?;
             Some((Outcome::new(&analysis, &simulated).error, bound))
         })

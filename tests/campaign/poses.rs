@@ -6,11 +6,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use resect::analysis::Analysis;
-use resect::calibration::Method;
-use resect::evaluation::trajectory::{ObservedRig, Pose, align_rig};
-use resect::evaluation::vehicle::{Instants, trajectory_by, vehicle_trajectory};
-use resect::simulation::{EPOCH_S, ErrorKind, Preset, Simulated, simulate_scenario};
+use resect_core::analysis::Analysis;
+use resect_core::calibration::Method;
+use resect_core::evaluation::trajectory::{ObservedRig, Pose, align_rig};
+use resect_core::evaluation::vehicle::{Instants, trajectory_by, vehicle_trajectory};
+use resect_core::simulation::{EPOCH_S, ErrorKind, Preset, Simulated, simulate_scenario};
 
 use super::common::{analyse, by};
 use super::{PRESETS, WELL_POSED};
@@ -47,7 +47,7 @@ fn seen(preset: Preset, seed: u64, rig_sigma_m: f64) -> Vec<Seen> {
     scenario.drawn_errors =
         ErrorKind::ALL.into_iter().filter(|kind| *kind != ErrorKind::ClockJumps).collect();
     let simulated = simulate_scenario(&scenario, seed);
-    let mut deployment = simulated.deployment().expect("valid");
+    let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     // The vehicle's frame is that of the truth, in which prisms are measured as well as the distances between them are.
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x0719);
     let given_m = simulated.truth.prisms_m.map(|prism_m| {

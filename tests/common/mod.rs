@@ -5,11 +5,11 @@
 use std::path::PathBuf;
 
 use nalgebra::Vector3;
-use resect::analysis::{Analysis, Analyst, Answer, Settings};
-use resect::calibration::{Calibration, Method};
-use resect::deployment::Deployment;
-use resect::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
-use resect::simulation::{EPOCH_S, Scenario, Settling, Simulated, simulate_scenario};
+use resect_core::analysis::{Analysis, Analyst, Answer, Settings};
+use resect_core::calibration::{Calibration, Method};
+use resect_core::deployment::Deployment;
+use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
+use resect_core::simulation::{EPOCH_S, Scenario, Settling, Simulated, simulate_scenario};
 
 /// A folder or file of the field data, which is never part of the repository; `None` (said aloud) where it is not there.
 ///

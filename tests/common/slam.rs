@@ -9,10 +9,10 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use resect::deployment::{Deployment, Track};
-use resect::estimates::{Estimate, EstimatedPose};
-use resect::evaluation::trajectory::{ObservedRig, align_rig};
-use resect::simulation::{EPOCH_S, Preset, Simulated, simulate};
+use resect_core::deployment::{Deployment, Track};
+use resect_core::estimates::{Estimate, EstimatedPose};
+use resect_core::evaluation::trajectory::{ObservedRig, align_rig};
+use resect_core::simulation::{EPOCH_S, Preset, Simulated, simulate};
 
 /// What a SLAM system does to the truth.
 pub struct Slam {
@@ -77,7 +77,7 @@ impl Slam {
 
 pub fn span_s(simulated: &Simulated) -> f64 {
     let last = |track: &Track| track.measurements.last().map(|m| m.time_s);
-    let deployment = simulated.deployment().expect("valid");
+    let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     deployment.tracks.iter().filter_map(last).fold(0.0, f64::max) - EPOCH_S
 }
 
@@ -93,7 +93,8 @@ pub fn true_pose(simulated: &Simulated, time_s: f64) -> (Vector3<f64>, UnitQuate
 /// A simulated drive, whose vehicle's frame is the truth's.
 pub fn driven(seed: u64) -> (Simulated, Deployment) {
     let simulated = simulate(Preset::Warthog, seed);
-    let deployment = with_frame(&simulated, simulated.deployment().expect("valid"));
+    let deployment =
+        with_frame(&simulated, resect_io::simulation_files::open(&simulated).expect("valid"));
     (simulated, deployment)
 }
 

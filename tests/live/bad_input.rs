@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::net::TcpListener;
 
-use resect::deployment::Sample;
-use resect::live::event::Sent;
-use resect::live::{Feed, Link, Session, View, replay};
+use resect_io::sample::Sample;
+use resect_live::event::Sent;
+use resect_live::{Feed, Link, Session, View, replay};
 use serde_json::json;
 
 use crate::server::{Server, Step};

@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use resect::deployment::{Extras, Sample};
-use resect::live::{Feed, Session, Wanted};
+use resect_io::sample::Sample;
+use resect_io::source::Extras;
+use resect_live::{Feed, Session, Wanted};
 use serde_json::json;
 
 use crate::common::sample_folder;

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use resect::analysis::{Analyst, Settings};
-use resect::deployment::{Deployment, Growing, Overrides};
-use resect::live::event::Event;
-use resect::live::judged::judge;
-use resect::live::{Engine, View, bonn, replay};
-use resect::simulation::{Preset, Scenario, Settling, Simulated, simulate_scenario};
+use resect_core::analysis::{Analyst, Settings};
+use resect_core::deployment::{Deployment, Overrides};
+use resect_core::simulation::{Preset, Scenario, Settling, Simulated, simulate_scenario};
+use resect_io::growing::Growing;
+use resect_live::event::Event;
+use resect_live::judged::judge;
+use resect_live::{Engine, View, bonn, replay};
 
 use crate::common::knock;
 
@@ -65,7 +66,7 @@ fn enough_is_not_said_before_the_error_is_within_three_sigma_of_the_target() {
     for seed in 0..6 {
         let scenario = Scenario { duration_s: 400.0, ..Preset::FieldErrors.scenario() };
         let simulated = simulate_scenario(&scenario, seed);
-        let deployment = simulated.deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         drive(&deployment, 40.0, |view| {
             if view.enough {
                 let realised_m = realised_m(view, &simulated);
@@ -91,7 +92,8 @@ fn enough_is_not_said_before_the_error_is_within_three_sigma_of_the_target() {
 #[test]
 fn a_straight_line_is_said_and_is_never_enough() {
     let scenario = Scenario { duration_s: 120.0, ..Preset::StraightLine.scenario() };
-    let deployment = simulate_scenario(&scenario, 1).deployment().expect("valid");
+    let deployment =
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, 1)).expect("valid");
     let mut last = View::default();
     drive(&deployment, 40.0, |view| {
         assert!(!view.enough, "{}", view.sentence);
@@ -107,7 +109,8 @@ fn a_station_that_was_knocked_is_said_and_ends_what_was_enough() {
     let mut scenario = warthog(360.0);
     let knocked = Settling { from_s: 200.0, ..knock(1, 2e-3, [0.03, 0.0, 0.0]) };
     scenario.errors.settling.push(knocked);
-    let deployment = simulate_scenario(&scenario, 2).deployment().expect("valid");
+    let deployment =
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, 2)).expect("valid");
     let mut last = View::default();
     drive(&deployment, 60.0, |view| {
         last = view.clone();
@@ -121,7 +124,7 @@ fn a_station_that_was_knocked_is_said_and_ends_what_was_enough() {
 #[test]
 fn a_prism_of_another_station_is_said_while_it_is_followed() {
     let simulated = simulate_scenario(&warthog(200.0), 3);
-    let mut deployment = simulated.deployment().expect("valid");
+    let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
     // From 150 s on, station 3 follows what is two metres beside its prism.
     let from_s = deployment.start_s().expect("readings") + 150.0;
     for reading in &mut deployment.tracks[2].measurements {

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use resect::deployment::format::bag::messages::{Coords, encode_coords};
-use resect::deployment::{Extras, Growing};
-use resect::live::event::{Event, Sent};
-use resect::live::judged::{NoAnswer, Outcome};
-use resect::live::{Engine, bonn};
-use resect::progress::Progress;
+use resect_core::progress::Progress;
+use resect_io::format::bag::messages::{Coords, encode_coords};
+use resect_io::growing::Growing;
+use resect_io::source::Extras;
+use resect_live::event::{Event, Sent};
+use resect_live::judged::{NoAnswer, Outcome};
+use resect_live::{Engine, bonn};
 
 const DAY_S: u32 = 86_400;
 const START_S: f64 = 1_760_000_000.0;

@@ -4,10 +4,10 @@ use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-use resect::analysis::Settings;
-use resect::deployment::{Extras, Source};
-use resect::live::{Feed, Session, Wanted};
-use resect::progress::Progress;
+use resect_core::analysis::Settings;
+use resect_core::progress::Progress;
+use resect_io::source::{Extras, Source};
+use resect_live::{Feed, Session, Wanted};
 
 use crate::common::{analyse, answer, field_data, sample_folder};
 use crate::stream::wait_until;

@@ -1,9 +1,11 @@
 //! What is put right while a deployment comes in is said of what came already, and of what comes.
 
-use resect::deployment::{AzimuthSense, Deployment, Extras, Growing, Overrides, PrismConstants};
-use resect::live::event::{Event, Sent};
-use resect::live::{Engine, bonn, replay};
-use resect::progress::Progress;
+use resect_core::deployment::{AzimuthSense, Deployment, Overrides, PrismConstants};
+use resect_core::progress::Progress;
+use resect_io::growing::Growing;
+use resect_io::source::Extras;
+use resect_live::event::{Event, Sent};
+use resect_live::{Engine, bonn, replay};
 
 use crate::common::sample_folder;
 
@@ -34,7 +36,7 @@ fn heard(sent: &[Sent], first: &Overrides, then: Option<(usize, &Overrides)>) ->
 
 #[test]
 fn it_is_as_if_it_had_been_said_in_the_beginning() {
-    let deployment = resect::deployment::open(&sample_folder("hd2-tunnel")).expect("a sample");
+    let deployment = resect_io::open::open(&sample_folder("hd2-tunnel")).expect("a sample");
     let sent: Vec<Sent> = replay::messages(&deployment, [0.01; 3]).collect();
     let nothing = Overrides::default();
     let last_s = deployment.end_s().expect("readings");

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::net::{TcpListener, TcpStream};
 use std::thread::JoinHandle;
 
-use resect::live::bonn::Protocol;
-use resect::live::event::Sent;
+use resect_live::bonn::Protocol;
+use resect_live::event::Sent;
 use serde_json::{Value, json};
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use tungstenite::http::HeaderValue;

@@ -4,12 +4,16 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
-use resect::analysis::{Answer, Settings};
-use resect::deployment::{Deployment, Extras, Growing, Sample, Source, open};
-use resect::live::event::{Event, Sent};
-use resect::live::recorder::Recorder;
-use resect::live::{Engine, Feed, Finished, Session, View, Wanted, bonn, replay};
-use resect::progress::Progress;
+use resect_core::analysis::{Answer, Settings};
+use resect_core::deployment::Deployment;
+use resect_core::progress::Progress;
+use resect_io::growing::Growing;
+use resect_io::open::open;
+use resect_io::sample::Sample;
+use resect_io::source::{Extras, Source};
+use resect_live::event::{Event, Sent};
+use resect_live::recorder::Recorder;
+use resect_live::{Engine, Feed, Finished, Session, View, Wanted, bonn, replay};
 
 use crate::common::{analyse, answer, sample_folder};
 use crate::server::{Server, Step};

@@ -9,7 +9,7 @@ use std::time::Duration;
 use eframe::egui_wgpu::RenderState;
 use resect::app::Command;
 use resect::app::persist::session_file;
-use resect::deployment::Sample;
+use resect_io::sample::Sample;
 
 use crate::act::Act;
 use crate::dice::Dice;

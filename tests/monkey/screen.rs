@@ -9,12 +9,12 @@ use eframe::egui_wgpu::{RenderState, Renderer, RendererOptions};
 use egui::{
     Event, HoveredFile, Modifiers, Pos2, RawInput, Rect, Theme, Vec2, ViewportCommand, ViewportId,
 };
-use resect::analysis::Settings;
 use resect::app::file_dialog::PromptCommand;
 use resect::app::keeping::Keeping;
 use resect::app::persist::Folders;
 use resect::app::{Command, ResectWindow, Start, State};
-use resect::deployment::Sample;
+use resect_core::analysis::Settings;
+use resect_io::sample::Sample;
 
 use crate::process::thread_time;
 

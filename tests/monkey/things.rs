@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use resect::analysis::Settings;
-use resect::simulation::{Preset, simulate, write_folder};
+use resect_core::analysis::Settings;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::simulation_files::write_folder;
 
 /// Writes it all; gives what can be dropped, dialled up from folders to single files.
 pub fn lay_out(folder: &Path) -> Vec<PathBuf> {

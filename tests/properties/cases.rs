@@ -1,8 +1,8 @@
 //! Short deployments of every kind, so that every verdict occurs.
 
-use resect::calibration::Method;
-use resect::deployment::Deployment;
-use resect::simulation::{Preset, Scenario, simulate_scenario};
+use resect_core::calibration::Method;
+use resect_core::deployment::Deployment;
+use resect_core::simulation::{Preset, Scenario, simulate_scenario};
 
 use crate::told::{Answered, tell};
 use Method::{DynamicGcp, InterPrism, Joint, StaticGcp, TwoPoint};
@@ -17,7 +17,8 @@ pub struct Case {
 /// A drive of a preset that is cut short.
 fn short(preset: Preset, duration_s: f64, seed: u64) -> Deployment {
     let scenario = Scenario { duration_s, ..preset.scenario() };
-    let mut deployment = simulate_scenario(&scenario, seed).deployment().expect("valid");
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, seed)).expect("valid");
     // Stamps that a shift by 1.6e9 s does not round.
     let grid = 2.0_f64.powi(20);
     for track in &mut deployment.tracks {

@@ -9,9 +9,10 @@ mod told;
 mod written;
 
 use common::{analyse, answer, published};
-use resect::calibration::{PriorMethod, ResolvedBy, Verdict};
-use resect::deployment::{Deployment, Sample};
-use resect::simulation::{Preset, simulate};
+use resect_core::calibration::{PriorMethod, ResolvedBy, Verdict};
+use resect_core::deployment::Deployment;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::sample::Sample;
 
 fn sample() -> Deployment {
     Sample::Warthog.open().expect("built in")
@@ -55,7 +56,7 @@ fn the_shape_of_the_drive_shows_in_the_verdict() {
         (Preset::FlatFloor, Verdict::Good, "the rig decides"),
     ];
     for (preset, verdict, reason) in expected {
-        let deployment = simulate(preset, 1).deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
         for prior in [PriorMethod::ClosedForm, PriorMethod::Search] {
             let mut settings = published();
             settings.calibration.prior = prior;
@@ -69,7 +70,8 @@ fn the_shape_of_the_drive_shows_in_the_verdict() {
 
 #[test]
 fn on_flat_ground_without_a_witness_the_mirror_stays_undecided() {
-    let mut deployment = simulate(Preset::FlatFloor, 1).deployment().expect("valid");
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::FlatFloor, 1)).expect("valid");
     deployment.control_points.clear();
     deployment.rig.as_mut().expect("a rig").prisms_m = None;
     let analysis = analyse(&deployment, &published());

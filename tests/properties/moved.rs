@@ -1,9 +1,9 @@
 //! Stations that are turned about their verticals, and clocks that begin elsewhere.
 
 use nalgebra::{SMatrix, Vector3};
-use resect::deployment::Deployment;
-use resect::geometry::{LevelTransform, RigidTransform};
-use resect::simulation::EPOCH_S;
+use resect_core::deployment::Deployment;
+use resect_core::geometry::{LevelTransform, RigidTransform};
+use resect_core::simulation::EPOCH_S;
 
 use crate::cases::complaints;
 use crate::told::{OF_STAMPS, in_another_frame};

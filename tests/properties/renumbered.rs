@@ -1,8 +1,8 @@
 //! Stations that have other numbers, their prisms with them.
 
 use nalgebra::SMatrix;
-use resect::calibration::Method;
-use resect::deployment::{Deployment, PAIRS};
+use resect_core::calibration::Method;
+use resect_core::deployment::{Deployment, PAIRS};
 
 use crate::cases::complaints;
 use crate::told::{OF_PROBES, ROUNDING, Within, in_another_frame};

@@ -1,10 +1,10 @@
 //! What the program tells of a deployment by each method, and how two tellings are held against each other.
 
 use nalgebra::SMatrix;
-use resect::analysis::Analyst;
-use resect::calibration::{Calibration, Method, Verdict, Witness};
-use resect::deployment::{Deployment, Severity};
-use resect::geometry::{RigidTransform, wrap_to_pi};
+use resect_core::analysis::Analyst;
+use resect_core::calibration::{Calibration, Method, Verdict, Witness};
+use resect_core::deployment::{Deployment, Severity};
+use resect_core::geometry::{RigidTransform, wrap_to_pi};
 
 use crate::common::by;
 

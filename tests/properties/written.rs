@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
-use resect::calibration::Method;
-use resect::deployment::{Deployment, open_files};
-use resect::simulation::{Preset, Scenario, Simulated, simulate_scenario, write_folder};
+use resect_core::calibration::Method;
+use resect_core::deployment::Deployment;
+use resect_core::simulation::{Preset, Scenario, Simulated, simulate_scenario};
+use resect_io::open::open_files;
+use resect_io::simulation_files::write_folder;
 
 use crate::told::{Answered, OF_STAMPS, ROUNDING, Within, tell};
 

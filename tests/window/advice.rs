@@ -4,9 +4,10 @@ use egui::Theme;
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{AngleUnit, Command, Pane, Units};
-use resect::calibration::Method;
-use resect::deployment::Source;
-use resect::simulation::{Preset, simulate, simulate_scenario, write_folder};
+use resect_core::calibration::Method;
+use resect_core::simulation::{Preset, simulate, simulate_scenario};
+use resect_io::simulation_files::write_folder;
+use resect_io::source::Source;
 
 use crate::harness::{LARGE, SMALL, Window, open, send, set, settle, shown, window};
 
@@ -31,7 +32,10 @@ fn pulled() -> Window {
     let mut harness = window(LARGE, Theme::Dark);
     let mut scenario = Preset::Warthog.scenario();
     scenario.noise.wrong_targets_per_minute = 0.3;
-    open(&mut harness, simulate_scenario(&scenario, 21).deployment().expect("valid"));
+    open(
+        &mut harness,
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, 21)).expect("valid"),
+    );
     set(&mut harness, |s| s.calibration.method = Some(Method::InterPrism));
     harness
 }
@@ -66,7 +70,8 @@ fn no_finding_shows_a_flag_and_the_copied_text_names_it() {
     assert!(findings.iter().any(|one| one.to_string().ends_with("; use --method joint")));
 
     // Nor does what is missing.
-    let mut deployment = simulate(Preset::FigureEight, 1).deployment().expect("valid");
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::FigureEight, 1)).expect("valid");
     deployment.rig = None;
     open(&mut harness, deployment);
     for pane in [Pane::Result, Pane::Findings, Pane::Runs] {
@@ -106,7 +111,8 @@ fn exchanged_stations_are_exchanged_back_by_the_finding_that_sees_it() {
 #[test]
 fn a_point_and_a_time_that_a_finding_names_are_shown() {
     let mut harness = window(LARGE, Theme::Dark);
-    let mut deployment = simulate(Preset::Warthog, 1).deployment().expect("valid");
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, 1)).expect("valid");
     let point = &mut deployment.control_points[0].points[2];
     let name = format!("Show point {}", point.marker);
     point.readings[1].as_mut().expect("measured").range_m += 0.3;
@@ -137,7 +143,10 @@ fn what_can_be_put_right_unfolds_on_request() {
 #[test]
 fn findings_tell_angles_in_the_users_unit() {
     let mut harness = window(SMALL, Theme::Light);
-    open(&mut harness, simulate(Preset::LShape, 1).deployment().expect("valid"));
+    open(
+        &mut harness,
+        resect_io::simulation_files::open(&simulate(Preset::LShape, 1)).expect("valid"),
+    );
     send(&mut harness, Command::ShowPane(Pane::Findings));
     assert!(is_said(&harness, "one corner of 90°"));
     let units = Units { angle: AngleUnit::Gon, ..Units::default() };

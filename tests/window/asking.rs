@@ -7,8 +7,11 @@ use egui::Theme;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use resect::app::{Asked, Command, Pane, ResectWindow, Units};
-use resect::deployment::{ColumnMapping, OneOrMany, Overrides, Question, Source, Topic};
-use resect::simulation::{Preset, simulate, write_folder};
+use resect_core::deployment::{ColumnMapping, OneOrMany, Overrides};
+use resect_core::simulation::{Preset, simulate};
+use resect_io::error::{Question, Topic};
+use resect_io::simulation_files::write_folder;
+use resect_io::source::Source;
 
 use crate::common::sample_folder;
 use crate::harness::{LARGE, Part, SMALL, Window, click, send, settle, shown, snapshot_of, window};

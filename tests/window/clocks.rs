@@ -3,15 +3,16 @@
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane};
-use resect::calibration::Method;
-use resect::deployment::TimeCorrection;
-use resect::simulation::{Preset, simulate};
+use resect_core::calibration::Method;
+use resect_core::deployment::TimeCorrection;
+use resect_core::simulation::{Preset, simulate};
 
 use crate::harness::{LARGE, Part, SMALL, Window, open, send, set, shown, snapshot_of, window};
 
 /// A drive whose stations have clocks of their own, as bags tell them.
-fn with_clocks() -> resect::deployment::Deployment {
-    let mut deployment = simulate(Preset::UnevenGround, 1).deployment().expect("readable");
+fn with_clocks() -> resect_core::deployment::Deployment {
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::UnevenGround, 1)).expect("readable");
     let start_s = deployment.start_s().expect("readings");
     for (station, track) in deployment.tracks.iter_mut().enumerate() {
         let own = |time_s: f64| {

@@ -2,9 +2,10 @@
 
 use egui::{Key, Modifiers, Theme};
 use resect::app::Command;
-use resect::calibration::Verdict;
-use resect::deployment::Source;
-use resect::simulation::{Preset, write_folder};
+use resect_core::calibration::Verdict;
+use resect_core::simulation::Preset;
+use resect_io::simulation_files::write_folder;
+use resect_io::source::Source;
 
 use crate::common::{answer, two_runs};
 use crate::harness::{LARGE, Window, press, send, shown, type_and_enter_at_once, window};

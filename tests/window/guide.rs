@@ -4,8 +4,9 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, OutputCommand, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Overlay, Pane};
-use resect::glossary::{self, Term};
-use resect::simulation::{Preset, simulate};
+use resect_core::simulation::{Preset, simulate};
+use resect_report::glossary;
+use resect_report::glossary::Term;
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, click, open, press, send, settle, shown, snapshot_of, window,
@@ -154,7 +155,8 @@ fn the_guide_explains_the_doubts_that_there_are() {
         [(LARGE, Theme::Dark, "guide-dark"), (SMALL, Theme::Light, "guide-small-light")]
     {
         let mut harness = window(size, theme);
-        let straight = simulate(Preset::StraightLine, 1).deployment().expect("valid");
+        let straight =
+            resect_io::simulation_files::open(&simulate(Preset::StraightLine, 1)).expect("valid");
         open(&mut harness, straight);
         send(&mut harness, Command::ShowPane(Pane::Guide));
         click(&mut harness, "4  Trust it?");

@@ -6,9 +6,10 @@
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, image_snapshot_options};
-use resect::analysis::Settings;
 use resect::app::{Command, OpenDeployment, Pane, ResectWindow, Start, offscreen_renderer};
-use resect::deployment::{Deployment, Sample};
+use resect_core::analysis::Settings;
+use resect_core::deployment::Deployment;
+use resect_io::sample::Sample;
 
 pub const LARGE: Vec2 = Vec2::new(1600.0, 1000.0);
 pub const SMALL: Vec2 = Vec2::new(1100.0, 700.0);

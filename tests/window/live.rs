@@ -3,7 +3,7 @@
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, LiveCommand, LiveForm, Pane};
-use resect::calibration::Method;
+use resect_core::calibration::Method;
 
 use crate::common::sample_folder;
 use crate::harness::{LARGE, SMALL, Window, click, send, settle, shown, window};
@@ -136,7 +136,7 @@ fn a_replay_that_ends_by_itself_is_the_whole_deployment() {
         !live.is_running() && !live.is_changing
     });
     settle(&mut harness);
-    let whole = resect::deployment::Sample::Hd2Tunnel.open().expect("built in");
+    let whole = resect_io::sample::Sample::Hd2Tunnel.open().expect("built in");
     assert_eq!(shown(&harness).deployment.tracks, whole.tracks);
 }
 
@@ -188,7 +188,7 @@ fn who_closes_what_grows_ends_it_and_keeps_what_was_recorded() {
     });
     settle(&mut harness);
     assert_eq!(harness.state().state.open.len(), others);
-    assert!(resect::deployment::open(&file).is_ok());
+    assert!(resect_io::open::open(&file).is_ok());
 }
 
 /// What every MCAP file that was ended ends with.
@@ -215,7 +215,7 @@ fn a_window_that_is_closed_leaves_a_whole_recording() {
         eframe::App::on_exit(harness.state_mut());
         assert!(is_whole(&file), "stopped first: {stops_first}");
         assert!(!harness.state().state.live.is_running());
-        let tracks = resect::deployment::open(&file).expect("opens").tracks;
+        let tracks = resect_io::open::open(&file).expect("opens").tracks;
         assert!(tracks.iter().all(|track| !track.measurements.is_empty()));
     }
 }

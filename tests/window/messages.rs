@@ -3,8 +3,9 @@
 use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane};
-use resect::deployment::Source;
-use resect::simulation::{Preset, simulate, write_folder};
+use resect_core::simulation::{Preset, simulate};
+use resect_io::simulation_files::write_folder;
+use resect_io::source::Source;
 
 use crate::harness::{LARGE, SMALL, Window, send, set, shown, window};
 

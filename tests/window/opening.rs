@@ -5,7 +5,7 @@ use egui::{Event, HoveredFile, Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::Command;
 use resect::app::file_dialog::PromptCommand;
-use resect::deployment::Source;
+use resect_io::source::Source;
 
 use crate::common::sample_folder;
 use crate::harness::{

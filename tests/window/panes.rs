@@ -4,7 +4,7 @@ use egui::{Event, Key, Modifiers, Theme, Vec2};
 use resect::app::{
     Colouring, Command, LayoutPreset, Pane, Picked, PictureTo, Ruler, RulerEnd, ViewPreset,
 };
-use resect::pipeline::{OutlierReason, SampleFate};
+use resect_core::pipeline::{OutlierReason, SampleFate};
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, press, send, set, settle, snapshot, snapshot_of, window,

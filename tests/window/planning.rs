@@ -4,8 +4,9 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{Command, LayoutPreset, Pane, PlanCommand};
-use resect::planning::{Plan, Prediction, plan_file};
-use resect::simulation::Preset;
+use resect_core::planning::{Plan, Prediction};
+use resect_core::simulation::Preset;
+use resect_io::plan_file;
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, click, press, send, settle, snapshot_of, type_and_enter_at_once,
@@ -171,7 +172,7 @@ fn a_straight_line_is_said_to_leave_directions_free() {
     settle(&mut harness);
     assert!(
         foreseen(&harness).held.is_none()
-            || foreseen(&harness).verdict > resect::calibration::Verdict::Weak
+            || foreseen(&harness).verdict > resect_core::calibration::Verdict::Weak
     );
     harness.get_by_label_contains("leaves free");
 }

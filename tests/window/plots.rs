@@ -5,9 +5,9 @@ use egui::{
 };
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane, TimeUnit, Units};
-use resect::calibration::Method;
-use resect::pipeline::{OutlierReason, SampleFate, Thresholds};
-use resect::simulation::{Preset, simulate_scenario};
+use resect_core::calibration::Method;
+use resect_core::pipeline::{OutlierReason, SampleFate, Thresholds};
+use resect_core::simulation::{Preset, simulate_scenario};
 
 use crate::harness::{LARGE, Window, double_click, open, send, set, settle, shown, triplets};
 
@@ -423,7 +423,10 @@ fn a_long_drive_is_hardly_more_shapes_than_a_short_one() {
     let short = shapes_by_pane(&mut harness);
     let mut scenario = Preset::Warthog.scenario();
     scenario.duration_s *= 24.0;
-    open(&mut harness, simulate_scenario(&scenario, 1).deployment().expect("simulated"));
+    open(
+        &mut harness,
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, 1)).expect("simulated"),
+    );
     set(&mut harness, |settings| {
         settings.calibration = settings.calibration.plain(Method::InterPrism);
         settings.pipeline.interval_filter = false;

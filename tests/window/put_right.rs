@@ -9,8 +9,10 @@ use egui_kittest::kittest::Queryable;
 use resect::app::persist::hashes::HashCache;
 use resect::app::persist::session_file;
 use resect::app::{Command, LayoutPreset, Pane, Picked, Units};
-use resect::deployment::{AzimuthSense, Extras, Overrides, PrismConstants, Source};
-use resect::simulation::{Preset, simulate, write_folder};
+use resect_core::deployment::{AzimuthSense, Overrides, PrismConstants};
+use resect_core::simulation::{Preset, simulate};
+use resect_io::simulation_files::write_folder;
+use resect_io::source::{Extras, Source};
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, press, send, settle, shown, snapshot_of, triplets, window,

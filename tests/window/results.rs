@@ -4,9 +4,9 @@
 use egui::{OutputCommand, Theme, accesskit::Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{AngleUnit, Command, LengthUnit, Pane, Picked, Units};
-use resect::calibration::{Loss, Method};
-use resect::pipeline::{Interpolation, OutlierReason, SampleFate};
-use resect::simulation::{Preset, simulate};
+use resect_core::calibration::{Loss, Method};
+use resect_core::pipeline::{Interpolation, OutlierReason, SampleFate};
+use resect_core::simulation::{Preset, simulate};
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, click, open, send, set, settings, settle, shown, snapshot_of,
@@ -204,7 +204,8 @@ fn another_deployment_and_a_doubtful_answer_are_named_as_such() {
     // A change makes the sample the user's own; untouched it would give way.
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
     click(&mut harness, "Pin");
-    let deployment = simulate(Preset::StraightLine, 1).deployment().expect("valid");
+    let deployment =
+        resect_io::simulation_files::open(&simulate(Preset::StraightLine, 1)).expect("valid");
     open(&mut harness, deployment);
     assert!(harness.query_by_label_contains("is other data").is_some());
     assert!(harness.query_by_label("verdict good → degenerate").is_some());

@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui::{Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{Command, LayoutPreset, SceneOptions, ViewPreset, Visibility};
-use resect::pipeline::SampleFate;
+use resect_core::pipeline::SampleFate;
 
 use crate::harness::{LARGE, SMALL, Window, click, send, set, window};
 

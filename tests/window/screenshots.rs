@@ -2,11 +2,11 @@
 
 use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::analysis::Settings;
 use resect::app::{Command, Pane, StudyKind};
-use resect::calibration::Method;
-use resect::deployment::Sample;
-use resect::simulation::{Preset, simulate};
+use resect_core::analysis::Settings;
+use resect_core::calibration::Method;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::sample::Sample;
 
 use crate::common;
 use crate::harness::{
@@ -336,7 +336,8 @@ fn only_the_methods_that_the_data_allows_can_be_chosen() {
     for (theme, name) in [(Theme::Dark, "single-prism-dark"), (Theme::Light, "two-point-light")] {
         let mut harness = window(LARGE, theme);
         if theme == Theme::Dark {
-            let deployment = simulate(Preset::SinglePrism, 1).deployment().expect("valid");
+            let deployment = resect_io::simulation_files::open(&simulate(Preset::SinglePrism, 1))
+                .expect("valid");
             harness.state_mut().state.add(deployment.into(), None);
             settle(&mut harness);
         } else {
@@ -370,7 +371,7 @@ fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
         (Preset::StraightLine, Theme::Light, SMALL, "straight-line-small-light"),
     ] {
         let mut harness = window(size, theme);
-        let deployment = simulate(preset, 1).deployment().expect("valid");
+        let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
         harness.state_mut().state.add(deployment.into(), None);
         settle(&mut harness);
         if preset == Preset::LShape {

@@ -6,15 +6,17 @@ use std::sync::Arc;
 use egui::Vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use resect::analysis::Settings;
 use resect::app::keeping::Keeping;
 use resect::app::persist::hashes::HashCache;
 use resect::app::persist::{Folders, session_file};
 use resect::app::{
     Colouring, Command, LayoutPreset, Pane, ResectWindow, Start, offscreen_renderer,
 };
-use resect::deployment::{Sample, Source};
-use resect::simulation::{Preset, simulate, write_folder};
+use resect_core::analysis::Settings;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::sample::Sample;
+use resect_io::simulation_files::write_folder;
+use resect_io::source::Source;
 
 /// A window that keeps what it has in this folder, or keeps nothing.
 fn window(start: &Start, kept_in: Option<&Path>) -> Harness<'static, ResectWindow> {

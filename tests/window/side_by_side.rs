@@ -4,9 +4,9 @@ use egui::Theme;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Pane};
-use resect::calibration::Method;
-use resect::deployment::Sample;
-use resect::simulation::{Preset, simulate};
+use resect_core::calibration::Method;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::sample::Sample;
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, click, open, send, set, settings, snapshot_of, window,
@@ -47,7 +47,7 @@ fn the_settings_of_a_pinned_result_are_taken_and_given_back() {
         harness.get_all_by_role_and_label(Role::Button, "Use the settings of E").collect();
     buttons[0].click_accesskit();
     crate::harness::settle(&mut harness);
-    assert_eq!(settings(&harness), resect::analysis::Settings::default());
+    assert_eq!(settings(&harness), resect_core::analysis::Settings::default());
     send(&mut harness, Command::Undo);
     assert_eq!(settings(&harness), changed);
 }
@@ -62,7 +62,8 @@ fn points_that_are_not_the_same_stand_in_rows_of_their_own() {
     let rows = |harness: &Window| harness.query_all_by_label("GCP_raw_1.txt").count();
     let only = rows(&harness);
     // Another set-up with files of the same names.
-    let mut other = simulate(Preset::Warthog, 7).deployment().expect("valid");
+    let mut other =
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, 7)).expect("valid");
     let here = Sample::Warthog.open().expect("built in").control_points;
     assert_ne!(other.control_points, here);
     for (set, known) in other.control_points.iter_mut().zip(&here) {

@@ -11,13 +11,14 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use resect::app::{Aspect, Command, Pane, Visibility, WayPlots};
-use resect::calibration::Method;
-use resect::deployment::Sample;
-use resect::estimates::{Alignment, Body, Options};
-use resect::evaluation::trajectory::Trajectory;
-use resect::evaluation::vehicle::{Instants, trajectory_by};
-use resect::simulation::{Preset, simulate, write_folder};
-use resect::validation::one_frame::PlacedBy;
+use resect_core::calibration::Method;
+use resect_core::estimates::{Alignment, Body, Options};
+use resect_core::evaluation::trajectory::Trajectory;
+use resect_core::evaluation::vehicle::{Instants, trajectory_by};
+use resect_core::simulation::{Preset, simulate};
+use resect_core::validation::one_frame::PlacedBy;
+use resect_io::sample::Sample;
+use resect_io::simulation_files::write_folder;
 
 use crate::common::{knock, two_runs};
 use crate::harness::{
@@ -381,7 +382,7 @@ fn one_prism_judges_positions_and_claims_no_heading() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = window(LARGE, Theme::Dark);
     let simulated = simulate(Preset::SinglePrism, 2);
-    open(&mut harness, simulated.deployment().expect("valid"));
+    open(&mut harness, resect_io::simulation_files::open(&simulated).expect("valid"));
     let [lio, vio] = ["lio.tum", "vio.tum"].map(|name| folder.path().join(name));
     write_tum(&Slam { drift_m: 0.0, ..SLAM }.drive(&simulated), &lio);
     write_tum(&Slam { noise_m: 0.04, drift_m: 0.0, seed: 2, ..SLAM }.drive(&simulated), &vio);
@@ -467,10 +468,10 @@ fn the_paper_s_answer_has_no_motion_and_leads_to_one_that_has() {
 fn other_open_runs_are_drawn_in_the_frame_of_this_one() {
     let mut harness = window(LARGE, Theme::Dark);
     let turned = knock(1, 1e-3, [0.0; 3]);
-    let [first, second] =
-        two_runs(Preset::Warthog.scenario(), 3, &[]).map(|run| run.deployment().expect("valid"));
+    let [first, second] = two_runs(Preset::Warthog.scenario(), 3, &[])
+        .map(|run| resect_io::simulation_files::open(&run).expect("valid"));
     let [_, knocked] = two_runs(Preset::Warthog.scenario(), 3, &[turned])
-        .map(|run| run.deployment().expect("valid"));
+        .map(|run| resect_io::simulation_files::open(&run).expect("valid"));
     let mut without_points = knocked.clone();
     without_points.control_points.clear();
     for deployment in [knocked, without_points, second, first] {

@@ -3,8 +3,8 @@
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
 use resect::app::{AngleUnit, Command, Pane, Units};
-use resect::simulation::Preset;
-use resect::validation::{Cause, Outcome};
+use resect_core::simulation::Preset;
+use resect_core::validation::{Cause, Outcome};
 
 use crate::common::{knock, two_runs};
 use crate::harness::{LARGE, Window, click, open, send, set, settle, window};
@@ -21,7 +21,7 @@ fn a_calibration_is_applied_to_the_other_open_deployments() {
     let mut harness = window(LARGE, Theme::Dark);
     let turned = knock(1, 1e-3, [0.0; 3]);
     for run in two_runs(Preset::Warthog.scenario(), 3, &[turned]) {
-        open(&mut harness, run.deployment().expect("valid"));
+        open(&mut harness, resect_io::simulation_files::open(&run).expect("valid"));
     }
     send(&mut harness, Command::ShowPane(Pane::SideBySide));
     assert_eq!(outcomes(&harness), []);
@@ -60,7 +60,7 @@ fn a_calibration_is_applied_to_the_other_open_deployments() {
 fn it_can_be_cancelled_and_asked_again() {
     let mut harness = window(LARGE, Theme::Light);
     for run in two_runs(Preset::Warthog.scenario(), 3, &[]) {
-        open(&mut harness, run.deployment().expect("valid"));
+        open(&mut harness, resect_io::simulation_files::open(&run).expect("valid"));
     }
     let ctx = harness.ctx.clone();
     harness.state_mut().send(Command::ValidateOthers, &ctx);

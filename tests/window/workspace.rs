@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{Command, Overlay, Pane, Ruler, RulerEnd, StudyResult, Units};
-use resect::simulation::{Preset, simulate};
+use resect_core::simulation::{Preset, simulate};
 
 use crate::harness::{
     LARGE, SMALL, Window, click, open, press, send, set, settings, settle, shown,
@@ -71,7 +71,7 @@ fn the_palette_does_what_is_typed() {
     assert_eq!(harness.state().state.overlay, Overlay::None);
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     let method = analysis.answer.as_ref().expect("an answer").calibration.method;
-    assert_eq!(method, resect::calibration::Method::StaticGcp);
+    assert_eq!(method, resect_core::calibration::Method::StaticGcp);
     // Escape closes it and does nothing.
     let before = settings(&harness);
     press(&mut harness, Modifiers::COMMAND, Key::P);
@@ -130,7 +130,10 @@ fn the_tab_of_a_pane_that_comes_to_the_front_is_in_sight() {
 fn a_study_of_deployments_of_one_name_tells_them_apart() {
     let mut harness = window(SMALL, Theme::Dark);
     for seed in [1, 2] {
-        open(&mut harness, simulate(Preset::FigureEight, seed).deployment().expect("valid"));
+        open(
+            &mut harness,
+            resect_io::simulation_files::open(&simulate(Preset::FigureEight, seed)).expect("valid"),
+        );
     }
     send(&mut harness, Command::RunStudy);
     let Some(result) = &harness.state().state.studies.result else { panic!("it ran") };
@@ -144,7 +147,7 @@ fn a_study_of_deployments_of_one_name_tells_them_apart() {
 fn undo_shows_what_it_acts_on_and_the_menu_says_which() {
     let mut harness = window(LARGE, Theme::Dark);
     set(&mut harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 12.0);
-    send(&mut harness, Command::OpenSample(resect::deployment::Sample::Hd2Tunnel));
+    send(&mut harness, Command::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
     harness.get_by_label("Edit").click();
     harness.run_steps(3);
     harness.get_by_label_contains("Undo τ_l 6 → 12 s in warthog (simulated)").click();
@@ -321,7 +324,7 @@ fn what_was_measured_in_one_deployment_is_not_shown_in_another() {
     let kept: Vec<_> = harness.state().state.ruler.ends.iter().map(|end| end.prism).collect();
     assert_eq!(kept, [Some(0)]);
     measure(&mut harness);
-    send(&mut harness, Command::OpenSample(resect::deployment::Sample::Hd2Tunnel));
+    send(&mut harness, Command::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
     assert!(harness.state().state.ruler.ends.is_empty());
 }
 
@@ -331,7 +334,7 @@ fn settings_without_a_deployment_are_those_of_the_next() {
     let id = harness.state().state.open[0].id;
     send(&mut harness, Command::Close(id));
     set(&mut harness, |settings| settings.pipeline.thresholds.tau_s_seconds = 1.7);
-    send(&mut harness, Command::OpenSample(resect::deployment::Sample::Hd2Tunnel));
+    send(&mut harness, Command::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     assert_eq!(analysis.settings.pipeline.thresholds.tau_s_seconds, 1.7);
 }
@@ -352,7 +355,7 @@ fn the_palette_heeds_what_is_typed_in_the_same_frame_as_enter() {
     press(&mut harness, Modifiers::COMMAND, Key::P);
     type_and_enter_at_once(&mut harness, "method b");
     let method = settings(&harness).calibration.method;
-    assert_eq!(method, Some(resect::calibration::Method::StaticGcp));
+    assert_eq!(method, Some(resect_core::calibration::Method::StaticGcp));
 }
 
 /// egui keeps a tooltip for as long as the pointer rests: it lay over the dialog that a key had opened.

@@ -3,13 +3,13 @@
 use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
-use crate::analysis::Settings;
 use crate::app::model::Command;
 use crate::app::model::undo::Step;
 use crate::app::state::{State, put_right};
-use crate::calibration::Method;
-use crate::deployment::Extras;
-use crate::pipeline::Interpolation;
+use resect_core::analysis::Settings;
+use resect_core::calibration::Method;
+use resect_core::pipeline::Interpolation;
+use resect_io::source::Extras;
 
 pub fn actions(state: &State) -> Vec<Action> {
     let open = state.active().is_some();

@@ -5,8 +5,9 @@ use egui::{Key, Modifiers};
 use super::{Action, Menu};
 use crate::app::model::{Command, LiveCommand, PictureTo, PlanCommand};
 use crate::app::state::State;
-use crate::deployment::{Extras, Sample, Source};
-use crate::export::copy::{CopyFormat, Part};
+use resect_io::sample::Sample;
+use resect_io::source::{Extras, Source};
+use resect_report::copy::{CopyFormat, Part};
 
 pub fn actions(state: &State) -> Vec<Action> {
     let file = |section, name: &str, command| Action::new(Menu::File, section, name, command);

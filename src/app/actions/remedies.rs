@@ -1,11 +1,13 @@
 //! What findings advise, as commands with names.
 
 use super::{Action, Menu};
-use crate::analysis::Settings;
 use crate::app::model::{Command, Pane};
 use crate::app::state::{State, put_right};
-use crate::calibration::{Alignment, Method, PriorMethod};
-use crate::deployment::{AS_NUMBERED, Extras, Finding, Overrides, Remedy, extras_changes};
+use resect_core::analysis::Settings;
+use resect_core::calibration::{Alignment, Method, PriorMethod};
+use resect_core::deployment::{AS_NUMBERED, Finding, Overrides, Remedy};
+use resect_io::override_changes::extras_changes;
+use resect_io::source::Extras;
 
 /// A remedy as the window offers it.
 pub struct Offer {

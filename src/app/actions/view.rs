@@ -11,7 +11,7 @@ use crate::app::model::{
 };
 use crate::app::prepared::channels::Channel;
 use crate::app::state::State;
-use crate::pipeline::SampleFate;
+use resect_core::pipeline::SampleFate;
 
 pub fn actions(state: &State) -> Vec<Action> {
     let view = |section, name: &str, command| Action::new(Menu::View, section, name, command);

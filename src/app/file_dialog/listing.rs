@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::deployment::what_is;
+use resect_io::what_is::what_is;
 
 /// Looking into files ends after this long; those left are shown without a word on what they are.
 const LONGEST_LOOK: Duration = Duration::from_secs(2);

@@ -9,7 +9,7 @@ use egui_tiles::{
 
 use crate::app::model::pane::Pane;
 use crate::app::words;
-use crate::glossary;
+use resect_report::glossary;
 
 /// Side of the cross that closes a tab, and its distance from the title (points).
 const CROSS_POINTS: f32 = 12.0;

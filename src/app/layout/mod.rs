@@ -16,8 +16,8 @@ use egui_tiles::{Tile, TileId, Tree};
 
 use crate::app::model::layout_description::Node;
 use crate::app::model::{LayoutDescription, LayoutPreset, Pane, layout_presets};
-use crate::deployment::Finding;
 use behaviour::{Edits, PaneBehaviour};
+use resect_core::deployment::Finding;
 
 /// The tree of panes.
 pub struct Layout {

@@ -4,8 +4,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::deployment::format::mapped_csv::{self, Preview};
-use crate::deployment::{AzimuthSense, ColumnMapping, Extras};
+use resect_core::deployment::{AzimuthSense, ColumnMapping};
+use resect_io::format::mapped_csv;
+use resect_io::format::mapped_csv::Preview;
+use resect_io::source::Extras;
 
 /// What is asked, and what of the answer is chosen so far.
 #[derive(Clone, Debug)]

@@ -7,10 +7,11 @@ use super::studies::StudyOptions;
 use super::{Added, Asked, AskedAnswer, Lookup, Palette, Picked, Plotted, Visibility};
 use super::{Colouring, Ruler, SceneOptions, ViewPreset};
 use super::{LayoutPreset, LiveCommand, Pane, PlanCommand, WayPlots};
-use crate::analysis::Settings;
 use crate::app::file_dialog::PromptCommand;
-use crate::deployment::{Extras, Sample, Source};
-use crate::export::copy::{CopyFormat, Part};
+use resect_core::analysis::Settings;
+use resect_io::sample::Sample;
+use resect_io::source::{Extras, Source};
+use resect_report::copy::{CopyFormat, Part};
 
 /// What a pane asks for.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Numbers with their σ, in one unit and to the same decimals, of which σ has two significant digits.
 
 use super::units::{AngleUnit, Units, without_negative_zero};
-use crate::calibration::{Estimate, Quantity};
-use crate::deployment::{Finding, ToldAngle, ToldIn};
+use resect_core::calibration::{Estimate, Quantity};
+use resect_core::deployment::{Finding, ToldAngle, ToldIn};
 
 /// A number as it is shown.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::made::Made;
-use crate::estimates::{Estimate, Judged, Judgement, Options, names};
+use resect_core::estimates::{Estimate, Judged, Judgement, Options, names};
 
 /// A trajectory that was added, and what is asked of it.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::pane::Pane;
-use crate::deployment::Finding;
+use resect_core::deployment::Finding;
 
 /// Version of the format that this program writes.
 const VERSION: u32 = 1;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::live::{Closing, Pace, Session, View, Wanted};
+use resect_live::{Closing, Pace, Session, View, Wanted};
 
 /// What the user fills in before it is connected.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::{Judging, Made, Timeline};
-use crate::analysis::{Analysis, Settings};
 use crate::app::prepared::analyser::Answered;
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
 use crate::app::prepared::{Clouds, PreparedPlots};
-use crate::deployment::{Deployment, Source};
-use crate::export::summary::ResultSummary;
+use resect_core::analysis::{Analysis, Settings};
+use resect_core::deployment::Deployment;
+use resect_io::source::Source;
+use resect_report::summary::ResultSummary;
 
 /// Prisms that were seen together no longer ago than this are seen now (s).
 const LATELY_S: f64 = 3.0;

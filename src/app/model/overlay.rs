@@ -1,6 +1,6 @@
 //! What lies over the panes.
 
-use crate::glossary::Term;
+use resect_report::glossary::Term;
 
 /// What lies over the panes and has the keyboard.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

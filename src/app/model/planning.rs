@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use nalgebra::{Rotation2, Vector2};
 
 use super::made::Made;
-use crate::planning::{
+use resect_core::planning::{
     FigureEight, Improvement, Loop, Piece, Plan, PlanError, Prediction, Ramp, Waypoint,
 };
-use crate::simulation::Preset;
+use resect_core::simulation::Preset;
 
 /// A plan, and what is made of it beside the window.
 pub struct Planning {

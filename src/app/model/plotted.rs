@@ -6,7 +6,7 @@ use super::Visibility;
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::channels::{Channel, Of};
 use crate::app::prepared::series::Series;
-use crate::deployment::pair_label;
+use resect_core::deployment::pair_label;
 
 /// A channel, and what it is plotted against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::analysis::Settings;
 use crate::app::prepared::PreparedPlots;
-use crate::export::summary::ResultSummary;
+use resect_core::analysis::Settings;
+use resect_report::summary::ResultSummary;
 
 /// A result that later ones are seen against.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::units::Units;
-use crate::deployment::{PAIRS, pair_label};
+use resect_core::deployment::{PAIRS, pair_label};
 
 /// A distance that is measured in the scene.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::analysis::Settings;
-use crate::deployment::Deployment;
-use crate::experiment::{
+use resect_core::analysis::Settings;
+use resect_core::deployment::Deployment;
+use resect_core::experiment::{
     Comparison, Parameter, Reference, Splits, Study, StudyError, Sweep, ablate, compare, sweep,
 };
-use crate::progress::Progress;
+use resect_core::progress::Progress;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -4,9 +4,9 @@
 
 use nalgebra::Vector3;
 
-use crate::analysis::Analysis;
 use crate::app::prepared::placing::placed_tracks;
-use crate::deployment::Deployment;
+use resect_core::analysis::Analysis;
+use resect_core::deployment::Deployment;
 
 /// A raw reading of a deployment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

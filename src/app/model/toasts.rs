@@ -6,7 +6,8 @@ use super::Command;
 use super::Pane;
 use super::Units;
 use super::told::{self, new_findings};
-use crate::deployment::{Finding, Place, Severity};
+use resect_core::deployment::{Finding, Severity};
+use resect_io::source::Place;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToastLevel {

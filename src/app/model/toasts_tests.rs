@@ -45,7 +45,7 @@ fn what_no_longer_holds_is_taken_away() {
 #[test]
 fn angles_are_told_in_the_unit_that_is_chosen_while_they_are_shown() {
     use super::super::AngleUnit;
-    use crate::deployment::{ToldAngle, ToldIn};
+    use resect_core::deployment::{ToldAngle, ToldIn};
     let turned = ToldAngle::signed(1e-3, ToldIn::Milliradians, 2);
     let finding = Finding::warning(format!("station 2 turned by {turned}")).telling([turned]);
     let mut toasts = Toasts::default();

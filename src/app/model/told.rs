@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::deployment::{Finding, Severity};
+use resect_core::deployment::{Finding, Severity};
 
 /// Problems and warnings that were not told before; from now on they were.
 pub fn new_findings<'a>(

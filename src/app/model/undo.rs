@@ -5,9 +5,9 @@
 
 use super::Units;
 use super::judging::Added;
-use crate::analysis::{Settings, setting_changes};
-use crate::deployment::Extras;
-use crate::planning::Plan;
+use resect_core::analysis::{Settings, setting_changes};
+use resect_core::planning::Plan;
+use resect_io::source::Extras;
 
 /// Changes of the same setting that come this soon after each other (s) are one step: a key held down.
 const SAME_STEP_S: f64 = 0.5;

@@ -5,8 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::analysis::{SettingChange, Settings, changes_in_words, setting_changes};
-use crate::export::text::sigma_text;
+use resect_core::analysis::{SettingChange, Settings, changes_in_words, setting_changes};
+use resect_report::text::sigma_text;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::progress::Progress;
-use crate::validation::Validation;
+use resect_core::progress::Progress;
+use resect_core::validation::Validation;
 
 /// An open deployment's answer: its id, and which of its answers it is.
 pub type AnswerOf = (u64, u64);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::pipeline::SampleFate;
+use resect_core::pipeline::SampleFate;
 
 /// What the scene and the plots show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -9,7 +9,7 @@ use crate::app::model::{
     StationsAre,
 };
 use crate::app::theme;
-use crate::deployment::Severity;
+use resect_core::deployment::Severity;
 
 const WIDTH: f32 = 560.0;
 /// Width of the dialog with a table in it.

@@ -2,7 +2,8 @@
 
 use egui::{Event, Key};
 
-use crate::app::actions::{self, Action};
+use crate::app::actions;
+use crate::app::actions::Action;
 use crate::app::model::{Command, Commands, Palette};
 use crate::app::state::State;
 

@@ -6,7 +6,7 @@ use crate::app::model::{Command, Commands, Pane};
 use crate::app::prepared::control_points::{PointResidual, residuals};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::palette;
+use resect_core::palette;
 
 /// Width of a column with room for a name or a number (points).
 const COLUMN: f32 = 50.0;

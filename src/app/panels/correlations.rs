@@ -5,8 +5,8 @@ use nalgebra::SMatrix;
 
 use crate::app::theme;
 use crate::app::words;
-use crate::glossary;
-use crate::palette;
+use resect_core::palette;
+use resect_report::glossary;
 
 const NAMES: [&str; 8] = ["x2", "y2", "z2", "ψ2", "x3", "y3", "z3", "ψ3"];
 const HEAD: f32 = 26.0;

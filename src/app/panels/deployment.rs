@@ -6,11 +6,11 @@ use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use crate::calibration::Calibration;
-use crate::calibration::inter_prism::observability::Hold;
-use crate::deployment::{Severity, pair_label};
-use crate::glossary;
-use crate::palette;
+use resect_core::calibration::Calibration;
+use resect_core::calibration::inter_prism::observability::Hold;
+use resect_core::deployment::{Severity, pair_label};
+use resect_core::palette;
+use resect_report::glossary;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {

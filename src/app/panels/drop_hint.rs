@@ -6,7 +6,7 @@ use egui::{Align2, Color32, FontId};
 
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
-use crate::deployment::Sorted;
+use resect_io::what_is::Sorted;
 
 pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let paths: Vec<PathBuf> = ui.input(|input| {
@@ -99,7 +99,7 @@ fn in_words(sorted: &Sorted, active: Option<&str>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deployment::Extras;
+    use resect_io::source::Extras;
 
     #[test]
     fn each_file_has_its_line() {

@@ -4,7 +4,7 @@ use egui::RichText;
 
 use crate::app::model::{Command, Commands, Pane};
 use crate::app::state::SessionState;
-use crate::deployment::Sample;
+use resect_io::sample::Sample;
 
 const WIDTH: f32 = 460.0;
 const MOST_RECENT: usize = 5;

@@ -9,11 +9,11 @@ use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use crate::calibration::Verdict;
-use crate::estimates::odd::{OddOne, OddSpan};
-use crate::estimates::{Judged, Judgement, Unjudged};
-use crate::export::estimates::{Angles, compared, contradiction, rows};
-use crate::palette;
+use resect_core::calibration::Verdict;
+use resect_core::estimates::odd::{OddOne, OddSpan};
+use resect_core::estimates::{Judged, Judgement, Unjudged};
+use resect_core::palette;
+use resect_report::estimates::{Angles, compared, contradiction, rows};
 
 /// Widest that a sentence gets (points).
 const SENTENCE: f32 = 620.0;

@@ -3,7 +3,7 @@
 use crate::app::model::{Command, Commands, Lookup};
 use crate::app::theme;
 use crate::app::words;
-use crate::glossary;
+use resect_report::glossary;
 
 const SIZE: egui::Vec2 = egui::Vec2::new(560.0, 620.0);
 

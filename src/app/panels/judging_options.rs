@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::number;
 use crate::app::model::{Added, Command, Commands};
 use crate::app::short;
-use crate::estimates::{Alignment, Body, Options};
+use resect_core::estimates::{Alignment, Body, Options};
 
 /// Lever arms on vehicles are shorter (m), and clocks that somebody knows are nearer than since 1970 (s).
 const LONGEST_LEVER_M: f64 = 100.0;

@@ -12,12 +12,12 @@ use crate::app::model::{Command, Commands};
 use crate::app::plots::live_sigma;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::calibration::Verdict;
-use crate::calibration::inter_prism::observability::Hold;
-use crate::deployment::Severity;
-use crate::live::status::StationStatus;
-use crate::live::{Link, View};
-use crate::palette;
+use resect_core::calibration::Verdict;
+use resect_core::calibration::inter_prism::observability::Hold;
+use resect_core::deployment::Severity;
+use resect_core::palette;
+use resect_live::status::StationStatus;
+use resect_live::{Link, View};
 
 const LARGE: f32 = 34.0;
 const MIDDLE: f32 = 18.0;

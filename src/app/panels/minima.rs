@@ -3,8 +3,8 @@
 use crate::app::model::Units;
 use crate::app::panels::number_head;
 use crate::app::words;
-use crate::calibration::inter_prism::InterPrismDetails;
-use crate::glossary;
+use resect_core::calibration::inter_prism::InterPrismDetails;
+use resect_report::glossary;
 
 pub fn ui(ui: &mut egui::Ui, details: &InterPrismDetails, units: Units) {
     let title = format!("minima ({})", details.basins.len());

@@ -38,7 +38,7 @@ use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use crate::deployment::Finding;
+use resect_core::deployment::Finding;
 
 /// What takes less is not worth a word.
 const SHORTEST_WAIT: std::time::Duration = std::time::Duration::from_millis(250);

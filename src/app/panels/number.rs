@@ -7,7 +7,7 @@ use egui::response::Flags;
 use egui::{Align2, Key, Margin, Sense, TextStyle, Vec2, emath::Numeric, vec2};
 
 use crate::app::theme;
-use crate::deployment::Severity;
+use resect_core::deployment::Severity;
 
 /// A number with a decimal point or comma, with or without the field's unit after it: `2.5`, `2,5`, `3 s`, `−0,5 mm`.
 ///

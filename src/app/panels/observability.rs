@@ -4,11 +4,11 @@ use egui::{Color32, Rect, RichText, Sense, Vec2};
 
 use crate::app::theme;
 use crate::app::words;
-use crate::calibration::inter_prism::drive_shape::{DriveShape, Plan};
-use crate::calibration::inter_prism::observability::{Direction, Hold, Observability};
-use crate::export::text::sigma_text;
-use crate::glossary;
-use crate::palette;
+use resect_core::calibration::inter_prism::drive_shape::{DriveShape, Plan};
+use resect_core::calibration::inter_prism::observability::{Direction, Hold, Observability};
+use resect_core::palette;
+use resect_report::glossary;
+use resect_report::text::sigma_text;
 
 const BAR: Vec2 = Vec2::new(84.0, 12.0);
 /// The left end of a bar: what noise alone makes of a free direction.

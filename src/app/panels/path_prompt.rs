@@ -220,7 +220,7 @@ fn row(
 fn complaint(ui: &mut egui::Ui, prompt: &PathPrompt) {
     if let Some(complaint) = &prompt.complaint {
         let (colour, sign) =
-            theme::severity(crate::deployment::Severity::Problem, ui.visuals().dark_mode);
+            theme::severity(resect_core::deployment::Severity::Problem, ui.visuals().dark_mode);
         ui.label(RichText::new(format!("{sign} {complaint}")).color(colour));
     }
 }

@@ -6,16 +6,17 @@ use std::ops::RangeInclusive;
 use egui::{Shape, Stroke};
 
 use super::scrolled;
-use crate::analysis::{Analysis, Settings};
 use crate::app::model::{AngleUnit, Command, Commands};
 use crate::app::state::State;
 use crate::app::words;
-use crate::calibration::{
+use resect_core::analysis::{Analysis, Settings};
+use resect_core::calibration::{
     Alignment, CalibrationSettings, Loss, Method, Offer, PriorMethod, Targets,
 };
-use crate::deployment::Deployment;
-use crate::glossary::{self, Term};
-use crate::pipeline::{Interpolation, Interval, PipelineSettings, SampleFate, Thresholds};
+use resect_core::deployment::Deployment;
+use resect_core::pipeline::{Interpolation, Interval, PipelineSettings, SampleFate, Thresholds};
+use resect_report::glossary;
+use resect_report::glossary::Term;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
-use crate::progress::Progress;
+use resect_core::progress::Progress;
 
 const BAR_WIDTH: f32 = 110.0;
 /// An answer that takes less needs no bar: a slider that is dragged would make it flicker.

@@ -11,10 +11,11 @@ use crate::app::state::State;
 use crate::app::state::put_right::{effective, exchanged, take_unfold};
 use crate::app::theme;
 use crate::app::words;
-use crate::deployment::{
-    AS_NUMBERED, AzimuthSense, Deployment, Extras, Overrides, PrismConstants, Severity,
-    extras_changes, pair_label,
+use resect_core::deployment::{
+    AS_NUMBERED, AzimuthSense, Deployment, Overrides, PrismConstants, Severity, pair_label,
 };
+use resect_io::override_changes::extras_changes;
+use resect_io::source::Extras;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
     let Some(extras) = state.extras() else { return };

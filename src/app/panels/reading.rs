@@ -3,17 +3,17 @@
 use egui::RichText;
 
 use super::{heading, scrolled};
-use crate::analysis::{Analysis, Settings};
 use crate::app::model::units::without_negative_zero;
 use crate::app::model::{Command, Commands, OpenDeployment, Picked, Units};
 use crate::app::state::{State, put_right};
 use crate::app::theme;
 use crate::app::words;
-use crate::deployment::{Severity, pair_label};
-use crate::glossary;
-use crate::palette;
-use crate::pipeline::SampleFate;
-use crate::pipeline::explanation::{Explanation, Rate, Step, explain};
+use resect_core::analysis::{Analysis, Settings};
+use resect_core::deployment::{Severity, pair_label};
+use resect_core::palette;
+use resect_core::pipeline::SampleFate;
+use resect_core::pipeline::explanation::{Explanation, Rate, Step, explain};
+use resect_report::glossary;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     scrolled(ui, |ui| {

@@ -4,12 +4,12 @@ use egui::{RichText, WidgetInfo};
 
 use super::result::badge;
 use super::{heading, scrolled, use_pinned};
-use crate::analysis::Settings;
 use crate::app::model::ago::ago;
 use crate::app::model::{Command, Commands, Pin, Run};
 use crate::app::short;
 use crate::app::state::State;
-use crate::export::summary::ResultSummary;
+use resect_core::analysis::Settings;
+use resect_report::summary::ResultSummary;
 
 /// Size of the verdicts' letters in a list.
 const BADGE: f32 = 10.0;

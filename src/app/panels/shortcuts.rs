@@ -2,7 +2,8 @@
 
 use egui::RichText;
 
-use crate::app::actions::{self, Menu};
+use crate::app::actions;
+use crate::app::actions::Menu;
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 

@@ -6,9 +6,9 @@ use crate::app::model::{Command, Commands};
 use crate::app::plots::{chart, in_the_middle};
 use crate::app::state::State;
 use crate::app::words;
-use crate::calibration::Method;
-use crate::experiment::{Parameter, Sweep};
-use crate::export::box_chart;
+use resect_core::calibration::Method;
+use resect_core::experiment::{Parameter, Sweep};
+use resect_report::box_chart;
 
 const OPTIONS_WIDTH: f32 = 256.0;
 const NARROW_WIDTH: f32 = 600.0;

@@ -7,7 +7,8 @@ use crate::app::model::{
     Command, Commands, OpenDeployment, Playback, SceneOptions, TimeScale, Timeline,
 };
 use crate::app::plots::quads::Quads;
-use crate::app::prepared::gaps::{self, Seen};
+use crate::app::prepared::gaps;
+use crate::app::prepared::gaps::Seen;
 use crate::app::state::State;
 use crate::app::theme;
 

@@ -5,8 +5,8 @@ use egui::{Color32, RichText, accesskit};
 use crate::app::model::toasts::{Toast, ToastLevel, Toasts};
 use crate::app::model::{Command, Commands, Units};
 use crate::app::theme;
-use crate::deployment::Severity;
-use crate::palette;
+use resect_core::deployment::Severity;
+use resect_core::palette;
 
 /// More lines than this are scrolled to.
 const MOST_LINES: f32 = 5.0;

@@ -2,7 +2,8 @@
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 
-use crate::app::actions::{self, Action, Menu};
+use crate::app::actions;
+use crate::app::actions::{Action, Menu};
 use crate::app::model::Commands;
 use crate::app::state::State;
 

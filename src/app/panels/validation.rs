@@ -7,10 +7,10 @@ use crate::app::model::{Command, Commands, Units};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use crate::glossary;
-use crate::palette;
-use crate::validation::in_words::chance;
-use crate::validation::{Difference, Validation};
+use resect_core::palette;
+use resect_core::validation::in_words::chance;
+use resect_core::validation::{Difference, Validation};
+use resect_report::glossary;
 
 /// Shows the validations; nothing where no other deployment is open. Sentences wrap at this width (points).
 pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands) {

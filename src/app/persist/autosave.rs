@@ -14,8 +14,8 @@ use super::keep_aside;
 use super::session::{Session, SessionError};
 use super::session_file;
 use super::writer::Writer;
-use crate::atomic;
-use crate::deployment::Finding;
+use resect_core::deployment::Finding;
+use resect_io::atomic;
 
 /// Keeps the session of this window in a file of its own.
 pub struct Autosave {

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use super::*;
 use crate::app::persist::session::SavedDeployment;
-use crate::deployment::Sample;
-use crate::deployment::Source;
+use resect_io::sample::Sample;
+use resect_io::source::Source;
 
 /// Set in a process that this file's tests start, to the folder where it saves until it is killed.
 const CHILD_FOLDER: &str = "RESECT_TEST_SAVING_CHILD";

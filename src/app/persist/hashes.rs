@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
-pub use crate::deployment::file_mark::{FileMark, used_files};
+pub use resect_io::file_mark::{FileMark, used_files};
 
-use crate::deployment::Finding;
-use crate::deployment::file_mark::sha256;
+use resect_core::deployment::Finding;
+use resect_io::file_mark::sha256;
 
 /// Hashes that were computed already; a file is read again only when its size or its time of change is another.
 #[derive(Debug, Default)]

@@ -15,7 +15,7 @@ mod writer;
 
 use std::path::{Path, PathBuf};
 
-use crate::deployment::Finding;
+use resect_core::deployment::Finding;
 
 /// Says where everything is kept instead of in the user's own folders.
 const FOLDER_VARIABLE: &str = "RESECT_CONFIG_DIR";

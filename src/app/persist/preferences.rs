@@ -10,8 +10,9 @@ use super::stored::Lenient;
 use super::writer::Writer;
 use super::{keep_aside, line_of};
 use crate::app::model::{LayoutDescription, Units};
-use crate::atomic;
-use crate::deployment::{Finding, Source};
+use resect_core::deployment::Finding;
+use resect_io::atomic;
+use resect_io::source::Source;
 
 /// Version of the format that this program writes.
 const VERSION: u32 = 1;
@@ -233,7 +234,7 @@ mod tests {
     use crate::app::layout::Layout;
     use crate::app::model::LayoutPreset;
     use crate::app::model::{LengthUnit, TimeUnit};
-    use crate::deployment::Sample;
+    use resect_io::sample::Sample;
 
     fn changed() -> Preferences {
         let mut preferences = Preferences {

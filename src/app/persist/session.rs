@@ -6,16 +6,18 @@ use std::sync::{Arc, OnceLock};
 use serde::{Deserialize, Serialize};
 
 use super::hashes::{FileMark, HashCache, used_files};
-use crate::analysis::Settings;
 use crate::app::model::{
     Colouring, LayoutDescription, Plotted, SavedEstimate, SceneOptions, StudyOptions, Units,
     Visibility, WayPlots,
 };
-use crate::atomic::WriteError;
-use crate::deployment::{Deployment, OpenError, Source};
-use crate::export::summary::ResultSummary;
-use crate::planning::Plan;
-use crate::progress::Progress;
+use resect_core::analysis::Settings;
+use resect_core::deployment::Deployment;
+use resect_core::planning::Plan;
+use resect_core::progress::Progress;
+use resect_io::atomic::WriteError;
+use resect_io::error::OpenError;
+use resect_io::source::Source;
+use resect_report::summary::ResultSummary;
 
 /// Ending of a session's file name.
 pub const EXTENSION: &str = "resect.toml";

@@ -7,8 +7,8 @@ use serde::Deserialize;
 use super::hashes::{FileMark, HashCache};
 use super::session::{Files, Session, SessionError};
 use super::{line_of, stored};
-use crate::atomic;
-use crate::deployment::Finding;
+use resect_core::deployment::Finding;
+use resect_io::atomic;
 
 impl Session {
     /// The text of a session file in this folder: paths below it are relative, so that both can be moved together.

@@ -3,8 +3,6 @@ use proptest::prelude::*;
 use std::sync::{Arc, OnceLock};
 
 use super::*;
-use crate::analysis::Analyst;
-use crate::analysis::Settings;
 use crate::app::layout::Layout;
 use crate::app::model::Colouring;
 use crate::app::model::LayoutPreset;
@@ -15,12 +13,15 @@ use crate::app::model::{Planning, StudyKind, StudyOptions};
 use crate::app::persist::hashes::used_files;
 use crate::app::persist::session::{SavedDeployment, SavedPin, SavedView};
 use crate::app::prepared::channels::Channel;
-use crate::calibration::Method;
-use crate::deployment::Source;
-use crate::deployment::{Extras, Sample};
-use crate::estimates::{Alignment, Body, Options};
-use crate::export::summary::ResultSummary;
-use crate::progress::Progress;
+use resect_core::analysis::Analyst;
+use resect_core::analysis::Settings;
+use resect_core::calibration::Method;
+use resect_core::estimates::{Alignment, Body, Options};
+use resect_core::progress::Progress;
+use resect_io::sample::Sample;
+use resect_io::source::Extras;
+use resect_io::source::Source;
+use resect_report::summary::ResultSummary;
 
 fn session(folder: &Path) -> Session {
     let deployment = Sample::Hd2Tunnel.open().expect("built in");
@@ -98,7 +99,7 @@ fn a_session_comes_back_as_it_was_and_moves_with_its_data() {
     let saved = session(old.path());
     saved.save(&path, &HashCache::default()).expect("saved");
     let text = std::fs::read_to_string(&path).expect("written");
-    assert!(text.starts_with(crate::deployment::SESSION_KEY), "known by its first word: {text}");
+    assert!(text.starts_with(resect_io::format::SESSION_KEY), "known by its first word: {text}");
     assert!(
         text.contains("path = \"data\"") && text.contains("path = \"data/tracks.csv\""),
         "{text}"
@@ -258,7 +259,7 @@ fn what_an_older_session_asked_of_all_trajectories_it_asks_of_each() {
 /// Version 1 before the joint estimate: its switches are read, and what became of them is said.
 #[test]
 fn switches_that_are_gone_are_said_and_refuse_nothing() {
-    use crate::calibration::Method;
+    use resect_core::calibration::Method;
     let folder = with_data();
     let path = folder.path().join("a.resect.toml");
     let mut saved = session(folder.path());

@@ -7,12 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use super::hashes::FileMark;
 use super::session::{Files, SavedDeployment, SavedPin, SavedView, Session, yes};
-use crate::analysis::Settings;
 use crate::app::model::{LayoutDescription, SavedEstimate};
-use crate::calibration::Method;
-use crate::deployment::{Extras, Finding, Place, Source};
-use crate::estimates::Options;
-use crate::planning::Plan;
+use resect_core::analysis::Settings;
+use resect_core::calibration::Method;
+use resect_core::deployment::Finding;
+use resect_core::estimates::Options;
+use resect_core::planning::Plan;
+use resect_io::source::{Extras, Place, Source};
 
 /// Version of the format that this program writes.
 pub const VERSION: u32 = 1;
@@ -28,7 +29,7 @@ pub struct Version {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StoredSession {
-    /// The format's version; [`crate::deployment::SESSION_KEY`], by which a session is known.
+    /// The format's version; [`resect_io::format::SESSION_KEY`], by which a session is known.
     resect_session: u32,
     /// The version of the program that wrote the file.
     #[serde(default)]

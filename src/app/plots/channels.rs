@@ -16,7 +16,8 @@ use crate::app::model::{Command, Commands, OpenDeployment, Plotted, Units};
 use crate::app::prepared::channels::{Channel, Of};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::palette::{self, Rgb};
+use resect_core::palette;
+use resect_core::palette::Rgb;
 
 /// What stands beside the two boxes of what is plotted (points).
 const BESIDE_BOXES: f32 = 90.0;

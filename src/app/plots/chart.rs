@@ -3,7 +3,7 @@
 use egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, Vec2};
 
 use crate::app::theme;
-use crate::export::drawing::{Anchor, Drawing, Ink, Mark};
+use resect_report::drawing::{Anchor, Drawing, Ink, Mark};
 
 /// Paints with the drawing's origin at the top left of the rectangle.
 pub fn paint(painter: &egui::Painter, rect: Rect, drawing: &Drawing, dark: bool) {

@@ -10,12 +10,12 @@ use super::strips::strips;
 use super::time_plot::{self, TimePlot};
 use super::times::Times;
 use super::{close_marks, in_the_middle, station_switches};
-use crate::analysis::Analysis;
 use crate::app::model::{Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::calibration::Estimate;
-use crate::palette;
+use resect_core::analysis::Analysis;
+use resect_core::calibration::Estimate;
+use resect_core::palette;
 
 /// The least height of the plot (ms): less is noise of the drawing.
 const LEAST_MS: f64 = 1.0;

@@ -13,11 +13,11 @@ use super::{close_marks, round_marks};
 use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::estimates::Judged;
-use crate::estimates::errors::{EpochError, driven_m};
-use crate::estimates::odd::OddOne;
-use crate::palette;
-use crate::pipeline::Interval;
+use resect_core::estimates::Judged;
+use resect_core::estimates::errors::{EpochError, driven_m};
+use resect_core::estimates::odd::OddOne;
+use resect_core::palette;
+use resect_core::pipeline::Interval;
 
 /// Half the width of a 95 % region along an axis (σ).
 pub const HALF_95: f64 = 1.96;

@@ -12,9 +12,9 @@ use crate::app::model::OpenDeployment;
 use crate::app::prepared::plots::Distributions;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::deployment::pair_label;
-use crate::evaluation::Spread;
-use crate::palette;
+use resect_core::deployment::pair_label;
+use resect_core::evaluation::Spread;
+use resect_core::palette;
 
 /// Height of the axis at the bottom, and of its numbers alone (points).
 const AXIS: f32 = 34.0;

@@ -5,10 +5,10 @@ use egui_plot::{AxisHints, HLine, Line, Plot, PlotPoints};
 
 use super::{GRID, log_axis};
 use crate::app::theme;
-use crate::calibration::Verdict;
-use crate::live::View;
-use crate::live::coach::Curve;
-use crate::palette;
+use resect_core::calibration::Verdict;
+use resect_core::palette;
+use resect_live::View;
+use resect_live::coach::Curve;
 
 const MM: f64 = 1e3;
 /// The first answers may be off by metres: of those the curve is cut, so that the target stays in sight.

@@ -30,12 +30,12 @@ use egui_plot::{GridInput, GridMark};
 pub use strips::{axis_below, bare_axis};
 pub use time_plot::still;
 
-use crate::analysis::{Analysis, Answer};
 use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::deployment::pair_label;
-use crate::palette;
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::deployment::pair_label;
+use resect_core::palette;
 
 /// Shows a faint sentence where there is nothing else to show; its lines are not stretched, however narrow the pane is.
 pub fn in_the_middle(ui: &mut egui::Ui, text: &str) {

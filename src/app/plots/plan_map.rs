@@ -10,10 +10,10 @@ use crate::app::model::planning::{Addition, Handle, Planning};
 use crate::app::model::{Command, Commands, PlanCommand};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::calibration::inter_prism::observability::Hold;
-use crate::deployment::Severity;
-use crate::palette;
-use crate::planning::{OnTheWay, Plan, Prediction};
+use resect_core::calibration::inter_prism::observability::Hold;
+use resect_core::deployment::Severity;
+use resect_core::palette;
+use resect_core::planning::{OnTheWay, Plan, Prediction};
 
 /// Half the side of the square in which a handle is caught (points).
 const REACH: f32 = 9.0;

@@ -7,9 +7,9 @@ use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use crate::calibration::PriorMethod;
-use crate::calibration::inter_prism::{PriorSearch, SearchRun};
-use crate::palette;
+use resect_core::calibration::PriorMethod;
+use resect_core::calibration::inter_prism::{PriorSearch, SearchRun};
+use resect_core::palette;
 
 /// Names of the two steps of the search.
 const STEPS: [&str; 2] = ["step 1", "step 2"];

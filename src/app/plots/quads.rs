@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use egui::{Color32, Mesh, Rect, Shape, Ui, Vec2};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, PlotTransform};
 
-use crate::pipeline::Interval;
+use resect_core::pipeline::Interval;
 
 /// Rectangles to be painted in one go; their edges are sharp.
 #[derive(Default)]

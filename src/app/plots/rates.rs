@@ -16,9 +16,9 @@ use crate::app::model::{Command, Commands, OpenDeployment, Picked};
 use crate::app::prepared::{Quantity, RawReadings, StationReadings};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::palette;
-use crate::pipeline::outlier_filter::too_fast;
-use crate::pipeline::{OutlierReason, PipelineSettings, SampleFate, Thresholds};
+use resect_core::palette;
+use resect_core::pipeline::outlier_filter::too_fast;
+use resect_core::pipeline::{OutlierReason, PipelineSettings, SampleFate, Thresholds};
 
 /// A click this near to a dot is meant for it (points).
 const NEAR: f32 = 8.0;

@@ -13,7 +13,6 @@ use super::strips::{Strip, strips};
 use super::time_plot::{self, Shown, TimePlot};
 use super::times::Times;
 use super::{answer_with_errors, close_marks, histogram, pair_name, pair_switches};
-use crate::analysis::{Analysis, Answer};
 use crate::app::model::{Commands, OpenDeployment, Pin};
 use crate::app::prepared::plots::{Band, Distributions};
 use crate::app::prepared::rig_at::are_together_at;
@@ -21,9 +20,10 @@ use crate::app::prepared::{Piece, gaps};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use crate::deployment::pair_label;
-use crate::glossary;
-use crate::palette;
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::deployment::pair_label;
+use resect_core::palette;
+use resect_report::glossary;
 
 /// Width of what one corner of the running median sums up (points).
 const CORNER: f32 = 7.0;

@@ -15,8 +15,8 @@ use crate::app::model::{Command, Commands, OpenDeployment, Units, WayPlots};
 use crate::app::prepared::way::{Aspect, Instant, Way};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::estimates::Judged;
-use crate::palette;
+use resect_core::estimates::Judged;
+use resect_core::palette;
 
 /// The switches stand in a line where there is more room than this (points), more with those of errors, and in a menu otherwise.
 const WIDE: f32 = 550.0;

@@ -12,9 +12,9 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::{CloudMaker, Clouds, PreparedPlots, RawReadings};
-use crate::analysis::{Analysis, Analyst, Settings};
-use crate::deployment::Deployment;
-use crate::progress::Progress;
+use resect_core::analysis::{Analysis, Analyst, Settings};
+use resect_core::deployment::Deployment;
+use resect_core::progress::Progress;
 
 #[expect(clippy::large_enum_variant, reason = "a handful wait at any time")]
 enum Request {
@@ -217,8 +217,8 @@ fn answer(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibration::Method;
-    use crate::deployment::Sample;
+    use resect_core::calibration::Method;
+    use resect_io::sample::Sample;
 
     fn settings(tau_l_seconds: f64) -> Settings {
         let mut settings = Settings::default();

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::way::Way;
-use crate::analysis::{Analysis, Answer};
-use crate::deployment::Deployment;
-use crate::validation::in_words::Tell;
-use crate::validation::one_frame::{NotPlaced, Placed, PlacedBy, place};
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::deployment::Deployment;
+use resect_core::validation::in_words::Tell;
+use resect_core::validation::one_frame::{NotPlaced, Placed, PlacedBy, place};
 
 /// Another open run: its name, and where it went.
 #[derive(Clone, Debug)]

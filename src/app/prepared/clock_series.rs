@@ -3,10 +3,10 @@
 use egui_plot::PlotPoint;
 
 use super::pyramid::Pyramid;
-use crate::deployment::station_clocks;
-use crate::deployment::station_clocks::ClockComparison;
-use crate::deployment::{TimeCorrection, Track};
-use crate::statistics::median;
+use resect_core::deployment::station_clocks;
+use resect_core::deployment::station_clocks::ClockComparison;
+use resect_core::deployment::{TimeCorrection, Track};
+use resect_core::statistics::median;
 
 /// A station's own clock minus the synchronised time.
 #[derive(Clone, Debug, Default)]
@@ -86,7 +86,7 @@ fn median_offset_s(offsets: &[[f64; 2]]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deployment::Measurement;
+    use resect_core::deployment::Measurement;
 
     #[test]
     fn the_median_is_taken_off_and_holes_are_left_out() {

@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::pick::{PointTree, TimedPoint};
-use crate::analysis::Analysis;
-use crate::deployment::{Deployment, Track};
-use crate::pipeline::Triplets;
+use resect_core::analysis::Analysis;
+use resect_core::deployment::{Deployment, Track};
+use resect_core::pipeline::Triplets;
 
 /// What the GPU counts time from (s, in the stations' clock): a reading in the middle of the drive. Its numbers are short;
 /// counted from the first reading, one stray stamp years before the drive would leave them minutes wide.
@@ -131,8 +131,8 @@ const NEAR_S: f64 = 0.5;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{Analyst, Settings};
-    use crate::deployment::Sample;
+    use resect_core::analysis::{Analyst, Settings};
+    use resect_io::sample::Sample;
 
     #[test]
     fn the_walk_finds_what_the_search_finds() {

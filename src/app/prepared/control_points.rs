@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::analysis::Analysis;
-use crate::calibration::{Calibration, Details, Method};
-use crate::deployment::{ControlPoint, ControlPointSet, Deployment};
+use resect_core::analysis::Analysis;
+use resect_core::calibration::{Calibration, Details, Method};
+use resect_core::deployment::{ControlPoint, ControlPointSet, Deployment};
 
 /// A control point by an answer: where each station sees it, against the mean of them all.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,9 +82,10 @@ fn rests_on(calibration: &Calibration, set: &ControlPointSet, point: &ControlPoi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{Analyst, Settings};
-    use crate::deployment::{PAIRS, Sample};
-    use crate::statistics::median;
+    use resect_core::analysis::{Analyst, Settings};
+    use resect_core::deployment::PAIRS;
+    use resect_core::statistics::median;
+    use resect_io::sample::Sample;
 
     fn with(method: Option<Method>) -> (Deployment, Vec<PointResidual>, Analysis) {
         let deployment = Sample::Warthog.open().expect("built in");

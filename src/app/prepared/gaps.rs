@@ -1,8 +1,8 @@
 //! When the stations were silent, and what is left between: made once for each answer by the worker.
 
 use super::raw_readings::RawReadings;
-use crate::analysis::Analysis;
-use crate::pipeline::{FilteredTrack, Interval};
+use resect_core::analysis::Analysis;
+use resect_core::pipeline::{FilteredTrack, Interval};
 
 /// Times are seconds since the first measurement of any station.
 #[derive(Clone, Debug, Default)]
@@ -145,8 +145,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::analysis::{Analyst, Settings};
-    use crate::deployment::Sample;
+    use resect_core::analysis::{Analyst, Settings};
+    use resect_io::sample::Sample;
 
     #[test]
     fn every_moment_in_no_interval_has_a_silent_station() {

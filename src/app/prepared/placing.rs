@@ -1,8 +1,8 @@
 //! Where the stations and what they measured stand by an answer.
 
-use crate::analysis::Analysis;
-use crate::deployment::Deployment;
-use crate::geometry::RigidTransform;
+use resect_core::analysis::Analysis;
+use resect_core::deployment::Deployment;
+use resect_core::geometry::RigidTransform;
 
 /// Where the stations' frames stand in station 1's. Without an answer only station 1, whose frame is the world, has
 /// a place.

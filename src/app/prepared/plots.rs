@@ -10,11 +10,11 @@ use super::pyramid::Pyramid;
 use super::raw_readings::RawReadings;
 use super::running::Running;
 use super::track_series::TrackSeries;
-use crate::analysis::{Analysis, Answer};
-use crate::deployment::Deployment;
-use crate::evaluation::Spread;
-use crate::evaluation::vehicle::distance_sigma_m;
-use crate::export::residual_chart::{histogram, range_mm};
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::deployment::Deployment;
+use resect_core::evaluation::Spread;
+use resect_core::evaluation::vehicle::distance_sigma_m;
+use resect_report::residual_chart::{histogram, range_mm};
 
 const BINS: usize = 40;
 
@@ -215,9 +215,9 @@ fn outline(counts: &[usize], percent: f64, low: f64, width: f64) -> Vec<PlotPoin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{Analyst, Settings};
-    use crate::calibration::Method;
-    use crate::deployment::Sample;
+    use resect_core::analysis::{Analyst, Settings};
+    use resect_core::calibration::Method;
+    use resect_io::sample::Sample;
 
     #[test]
     fn errors_outside_a_range_are_counted_as_by_brute_force() {

@@ -2,10 +2,10 @@
 
 use super::clock_series::ClockSeries;
 use super::pyramid::Values;
-use crate::deployment::{Deployment, Measurement, Track};
-use crate::pipeline::outlier_filter::{Rates, rates};
-use crate::pipeline::{OutlierReason, Thresholds};
-use crate::statistics::quantile_of_sorted;
+use resect_core::deployment::{Deployment, Measurement, Track};
+use resect_core::pipeline::outlier_filter::{Rates, rates};
+use resect_core::pipeline::{OutlierReason, Thresholds};
+use resect_core::statistics::quantile_of_sorted;
 
 /// What is measured, each with its rate and its threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -194,9 +194,10 @@ impl RateSeries {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deployment::Sample;
-    use crate::pipeline::outlier_filter::too_fast;
-    use crate::pipeline::{self, PipelineSettings, SampleFate};
+    use resect_core::pipeline;
+    use resect_core::pipeline::outlier_filter::too_fast;
+    use resect_core::pipeline::{PipelineSettings, SampleFate};
+    use resect_io::sample::Sample;
 
     /// What the plots mark and count is what the pipeline rejects.
     #[test]

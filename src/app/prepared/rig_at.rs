@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::analysis::Analysis;
-use crate::deployment::{Deployment, Track};
-use crate::pipeline::{SampleFate, Triplets};
+use resect_core::analysis::Analysis;
+use resect_core::deployment::{Deployment, Track};
+use resect_core::pipeline::{SampleFate, Triplets};
 
 /// How long a reading stands for its prism (s): after a few seconds the vehicle is elsewhere.
 pub const LAST_READ_S: f64 = 3.0;
@@ -65,9 +65,9 @@ fn last_read(track: &Track, fates: &[SampleFate], time_s: f64) -> Option<LastRea
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{Analyst, Settings};
-    use crate::deployment::Sample;
-    use crate::pipeline::OutlierReason;
+    use resect_core::analysis::{Analyst, Settings};
+    use resect_core::pipeline::OutlierReason;
+    use resect_io::sample::Sample;
 
     fn analysed() -> (Deployment, Analysis) {
         let deployment = Sample::Warthog.open().expect("built in");

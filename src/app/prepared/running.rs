@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::statistics::quantiles;
+use resect_core::statistics::quantiles;
 
 /// Values of a run of the lowest level; each level's runs are twice as long as those of the one below.
 const SHORTEST_RUN: usize = 16;

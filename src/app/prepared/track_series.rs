@@ -2,8 +2,8 @@
 
 use super::placing::placed_tracks;
 use super::pyramid::Values;
-use crate::analysis::Analysis;
-use crate::deployment::Deployment;
+use resect_core::analysis::Analysis;
+use resect_core::deployment::Deployment;
 
 /// Where the prisms were at each triplet, and how fast; lists are empty where nothing tells.
 #[derive(Clone, Debug, Default)]

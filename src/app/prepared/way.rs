@@ -2,12 +2,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::analysis::Analysis;
-use crate::calibration::{Estimate, Targets};
-use crate::deployment::Deployment;
-use crate::evaluation::trajectory::{Attitude, Pose, speed_of};
-use crate::evaluation::vehicle::{Instants, prism_by, trajectory_by};
-use crate::geometry::wrap_to_pi;
+use resect_core::analysis::Analysis;
+use resect_core::calibration::{Estimate, Targets};
+use resect_core::deployment::Deployment;
+use resect_core::evaluation::trajectory::{Attitude, Pose, speed_of};
+use resect_core::evaluation::vehicle::{Instants, prism_by, trajectory_by};
+use resect_core::geometry::wrap_to_pi;
 
 /// So many instants a second, and so many in all at most.
 const RATE_HZ: f64 = 10.0;
@@ -240,10 +240,10 @@ impl Instant {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{Analyst, Settings};
-    use crate::calibration::Method;
-    use crate::deployment::Sample;
-    use crate::evaluation::vehicle::vehicle_at;
+    use resect_core::analysis::{Analyst, Settings};
+    use resect_core::calibration::Method;
+    use resect_core::evaluation::vehicle::vehicle_at;
+    use resect_io::sample::Sample;
 
     #[test]
     fn the_way_of_the_sample_is_even_with_gaps_and_its_sigma_grows_towards_them() {

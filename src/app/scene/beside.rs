@@ -3,7 +3,7 @@
 use super::SceneContent;
 use super::vertices::{LineVertex, WORLD, f32s, opaque};
 use crate::app::prepared::beside::RunBeside;
-use crate::palette;
+use resect_core::palette;
 
 /// So many lines of one run at most.
 const MOST_LINES: usize = 20_000;

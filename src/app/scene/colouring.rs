@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::analysis::Analysis;
 use crate::app::model::Colouring;
 use crate::app::prepared::nearest_triplets;
-use crate::deployment::{Deployment, Measurement, PAIRS};
-use crate::palette::{self, Rgb};
-use crate::pipeline::SampleFate;
+use resect_core::analysis::Analysis;
+use resect_core::deployment::{Deployment, Measurement, PAIRS};
+use resect_core::palette;
+use resect_core::palette::Rgb;
+use resect_core::pipeline::SampleFate;
 
 /// The colours of a continuous scale, from `low` to `high`.
 #[derive(Clone, Debug, PartialEq)]
@@ -238,7 +239,7 @@ fn scale_of(title: &'static str, values: &[&Vec<f64>; 3]) -> Scale {
     let step = count.div_ceil(MOST_LOOKED_AT).max(1);
     let mut some: Vec<f64> = values.iter().flat_map(|v| v.iter().step_by(step)).copied().collect();
     some.sort_by(f64::total_cmp);
-    let high = crate::statistics::quantile_of_sorted(&some, SPANNED).unwrap_or(1.0);
+    let high = resect_core::statistics::quantile_of_sorted(&some, SPANNED).unwrap_or(1.0);
     let high = round_up(high);
     Scale { title, low: 0.0, high, exceeded: some.last().is_some_and(|most| *most > high) }
 }
@@ -252,9 +253,9 @@ fn round_up(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{Analyst, Settings};
     use crate::app::prepared::Cloud;
-    use crate::deployment::Sample;
+    use resect_core::analysis::{Analyst, Settings};
+    use resect_io::sample::Sample;
 
     fn warthog() -> (Deployment, Analysis) {
         let deployment = Sample::Warthog.open().expect("built in");

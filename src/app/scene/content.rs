@@ -10,11 +10,11 @@ use super::grid::Grid;
 use super::trail::Trail;
 use super::vehicle::VehicleAt;
 use super::vertices::{Label, Landmark, Layer};
-use crate::analysis::Analysis;
 use crate::app::model::{Colouring, Picked};
 use crate::app::prepared::Clouds;
-use crate::deployment::Deployment;
-use crate::geometry::RigidTransform;
+use resect_core::analysis::Analysis;
+use resect_core::deployment::Deployment;
+use resect_core::geometry::RigidTransform;
 
 /// Everything in the scene.
 #[derive(Clone, Debug, Default)]

@@ -4,12 +4,13 @@ use nalgebra::Vector3;
 
 use super::content::SceneContent;
 use super::vertices::{Label, Landmark, LineVertex, Rank, WORLD, opaque};
-use crate::analysis::Analysis;
 use crate::app::prepared::control_points::{PointResidual, point_name, residuals};
-use crate::deployment::Deployment;
-use crate::geometry::RigidTransform;
-use crate::palette::{self, Rgb};
-use crate::pipeline::SampleFate;
+use resect_core::analysis::Analysis;
+use resect_core::deployment::Deployment;
+use resect_core::geometry::RigidTransform;
+use resect_core::palette;
+use resect_core::palette::Rgb;
+use resect_core::pipeline::SampleFate;
 
 /// Half the length of a cross (m), of one size so that the stations' versions of a point can be told apart.
 const ARM_M: f32 = 0.35;

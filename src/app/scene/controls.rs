@@ -5,7 +5,7 @@ use egui::{Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
 use crate::app::model::{Colouring, Command, Commands, Ruler, SceneOptions, ViewPreset};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::palette;
+use resect_core::palette;
 
 /// Wide enough for all in one row beside the legend; narrower pictures have two.
 const ONE_ROW_POINTS: f32 = 860.0;

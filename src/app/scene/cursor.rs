@@ -5,10 +5,11 @@ use nalgebra::Vector3;
 use super::content::SceneContent;
 use super::vertices::{LineVertex, PointVertex, f32s};
 use super::{ghosts, overlays, vehicle};
-use crate::analysis::Analysis;
 use crate::app::prepared::rig_at::{RigAt, rig_at};
-use crate::deployment::{Deployment, PAIRS};
-use crate::palette::{self, Rgb};
+use resect_core::analysis::Analysis;
+use resect_core::deployment::{Deployment, PAIRS};
+use resect_core::palette;
+use resect_core::palette::Rgb;
 
 impl SceneContent {
     /// Puts the rig at a time (s, in the stations' clock), or takes it away.
@@ -102,12 +103,12 @@ impl SceneContent {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{Analyst, Settings};
     use crate::app::prepared::placing::placed_tracks;
     use crate::app::prepared::rig_at::LAST_READ_S;
     use crate::app::scene::vehicle::PoseBy;
-    use crate::deployment::Sample;
-    use crate::geometry::RigidTransform;
+    use resect_core::analysis::{Analyst, Settings};
+    use resect_core::geometry::RigidTransform;
+    use resect_io::sample::Sample;
 
     struct Drawn {
         deployment: Deployment,

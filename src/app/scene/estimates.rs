@@ -2,10 +2,10 @@
 
 use super::SceneContent;
 use super::vertices::{Label, LineVertex, Rank, WORLD, f32s, opaque};
-use crate::estimates::Judged;
-use crate::estimates::errors::EpochError;
-use crate::palette;
-use crate::statistics::quantiles;
+use resect_core::estimates::Judged;
+use resect_core::estimates::errors::EpochError;
+use resect_core::palette;
+use resect_core::statistics::quantiles;
 
 /// The colours end at this share of all errors: one outlier must not make the rest one colour.
 const SHOWN: f64 = 0.98;

@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 
 use super::content::SceneContent;
-use crate::analysis::Analysis;
 use crate::app::model::{Picked, Visibility};
-use crate::pipeline::SampleFate;
+use resect_core::analysis::Analysis;
+use resect_core::pipeline::SampleFate;
 
 /// How many points the camera looks at to fit everything, and how many of a station are asked for where it is.
 const OUTLINE_POINTS: usize = 2000;

@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use super::projection::Projection;
 use crate::app::prepared::rig_at::{LAST_READ_S, LastRead};
 use crate::app::theme;
-use crate::geometry::RigidTransform;
-use crate::palette;
+use resect_core::geometry::RigidTransform;
+use resect_core::palette;
 
 /// A prism where it was last read.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,13 +4,14 @@ use egui::{Color32, Rect, RichText, Role, Sense, Vec2, WidgetInfo};
 
 use super::legend_rows::{self, Row, Swatch};
 use super::{SceneContent, labels};
-use crate::analysis::Analysis;
 use crate::app::model::{Added, Command, Commands, OpenDeployment, SceneOptions};
 use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use crate::glossary::{self, Term};
+use resect_core::analysis::Analysis;
+use resect_report::glossary;
+use resect_report::glossary::Term;
 
 /// In a smaller picture the legend starts folded.
 const ROOM: Vec2 = Vec2::new(700.0, 420.0);

@@ -3,15 +3,15 @@
 use egui::Color32;
 
 use super::SceneContent;
-use crate::analysis::Analysis;
 use crate::app::model::{Added, Colouring, Command, OpenDeployment, Visibility};
 use crate::app::prepared::control_points::set_letter;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::calibration::inter_prism::observability::Hold;
-use crate::deployment::ControlPointSet;
-use crate::palette;
-use crate::pipeline::SampleFate;
+use resect_core::analysis::Analysis;
+use resect_core::calibration::inter_prism::observability::Hold;
+use resect_core::deployment::ControlPointSet;
+use resect_core::palette;
+use resect_core::pipeline::SampleFate;
 
 /// A line of the legend, or one of a few in a line.
 pub struct Row {

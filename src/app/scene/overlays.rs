@@ -5,8 +5,9 @@ use nalgebra::Vector3;
 use super::content::SceneContent;
 use super::vehicle::VehicleAt;
 use super::vertices::{LineVertex, WORLD, f32s};
-use crate::analysis::Analysis;
-use crate::palette::{self, Rgb};
+use resect_core::analysis::Analysis;
+use resect_core::palette;
+use resect_core::palette::Rgb;
 
 /// Length of the axes of the vehicle's frame along the way (m).
 const POSE_AXIS_M: f64 = 0.8;

@@ -5,7 +5,7 @@ use nalgebra::{Matrix4, Vector3, Vector4};
 
 use crate::app::model::Camera;
 use crate::app::prepared::pick::PickView;
-use crate::geometry::RigidTransform;
+use resect_core::geometry::RigidTransform;
 
 /// What the camera sees in a rectangle of the window.
 #[derive(Clone, Copy, Debug)]

@@ -6,13 +6,14 @@ use super::content::SceneContent;
 use super::grid::Grid;
 use super::vertices::{Label, Landmark, LineVertex, PointVertex, Rank, WORLD, opaque};
 use super::{overlays, station_uncertainty, vehicle};
-use crate::analysis::Analysis;
 use crate::app::model::{Camera, SceneOptions, Visibility};
 use crate::app::prepared::placing::{placed, placed_tracks};
-use crate::deployment::Deployment;
-use crate::geometry::RigidTransform;
-use crate::palette::{self, Rgb};
-use crate::pipeline::SampleFate;
+use resect_core::analysis::Analysis;
+use resect_core::deployment::Deployment;
+use resect_core::geometry::RigidTransform;
+use resect_core::palette;
+use resect_core::palette::Rgb;
+use resect_core::pipeline::SampleFate;
 
 /// Length of the axes at a station (m).
 const AXIS_M: f32 = 1.5;

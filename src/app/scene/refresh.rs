@@ -10,7 +10,7 @@ use crate::app::prepared::time_origin_s;
 use crate::app::prepared::way::Way;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::estimates::Judgement;
+use resect_core::estimates::Judgement;
 
 impl SceneView {
     /// Rebuilds what the state has changed.

@@ -15,7 +15,7 @@ use super::pipelines::{COLOUR, DEPTH, Pipelines, SAMPLES};
 use super::trail::Trail;
 use super::vertices::Layer;
 use crate::app::model::Camera;
-use crate::geometry::RigidTransform;
+use resect_core::geometry::RigidTransform;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]

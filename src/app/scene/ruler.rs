@@ -4,8 +4,8 @@ use super::content::SceneContent;
 use super::projection::Projection;
 use super::vertices::{LineVertex, PointVertex, WORLD, f32s, opaque};
 use crate::app::model::{Ruler, RulerEnd};
-use crate::palette::Rgb;
 use egui::Pos2;
+use resect_core::palette::Rgb;
 
 /// A click this near (points) to a prism, a station or a control point means it, even where readings are nearer.
 const SNAP_POINTS: f32 = 11.0;

@@ -5,9 +5,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::content::SceneContent;
 use super::vertices::{Label, LineVertex, Rank, WORLD, opaque};
-use crate::calibration::Calibration;
-use crate::calibration::inter_prism::observability::{Hold, Observability, StationMotion};
-use crate::palette::{self, Rgb};
+use resect_core::calibration::Calibration;
+use resect_core::calibration::inter_prism::observability::{Hold, Observability, StationMotion};
+use resect_core::palette;
+use resect_core::palette::Rgb;
 
 /// Semi-axes of the ellipsoid that holds 95 % of a normal distribution in space, over its standard deviations: the root
 /// of χ² with three degrees of freedom.

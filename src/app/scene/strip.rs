@@ -13,7 +13,7 @@ use super::projection::Projection;
 use super::strip_text;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::palette;
+use resect_core::palette;
 
 const ROW: f32 = 17.0;
 const MARGIN: Vec2 = Vec2::new(8.0, 3.0);

@@ -6,14 +6,14 @@ use super::SceneContent;
 use super::ghosts::Ghost;
 use super::legend_rows;
 use super::vehicle::PoseBy;
-use crate::analysis::Analysis;
 use crate::app::model::{OpenDeployment, Ruler, Units};
 use crate::app::prepared::rig_at::LAST_READ_S;
 use crate::app::prepared::way::Aspect;
 use crate::app::state::State;
-use crate::calibration::Targets;
-use crate::evaluation::trajectory::PoseSigma;
-use crate::geometry::RigidTransform;
+use resect_core::analysis::Analysis;
+use resect_core::calibration::Targets;
+use resect_core::evaluation::trajectory::PoseSigma;
+use resect_core::geometry::RigidTransform;
 
 pub struct Text {
     pub text: String,
@@ -164,7 +164,7 @@ fn ellipsoids(state: &State, content: &SceneContent) -> Option<String> {
 
 /// How much of the readings and tracks is drawn.
 fn counts(analysis: &Analysis, content: &SceneContent) -> String {
-    use crate::pipeline::SampleFate;
+    use resect_core::pipeline::SampleFate;
     let stations = |shown: &[bool; 3]| (0..3).filter(|station| shown[*station]).collect::<Vec<_>>();
     let fates = SampleFate::ALL.into_iter().enumerate();
     let fates = fates.filter(|(place, _)| content.shown_fates >> place & 1 == 1);

@@ -26,8 +26,8 @@ impl Trail {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::Triplets;
     use nalgebra::Vector3;
+    use resect_core::pipeline::Triplets;
 
     /// A minute of triplets, two a second, and another after a gap of a minute.
     fn tracks() -> Cloud {

@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use super::SceneContent;
 use super::vertices::{LineVertex, WORLD, f32s};
 use crate::app::prepared::way::{Instant, Way};
-use crate::palette;
+use resect_core::palette;
 
 /// Radius of the circle that holds 95 % of a normal distribution in a plane, over its σ: the root of χ² with two degrees of
 /// freedom.

@@ -6,11 +6,11 @@ use nalgebra::Vector3;
 use super::SceneContent;
 use super::labels;
 use super::projection::Projection;
-use crate::analysis::Analysis;
 use crate::app::model::{OpenDeployment, Picked, RulerEnd, Units};
 use crate::app::prepared::Cloud;
 use crate::app::prepared::pick::Hit;
 use crate::app::theme;
+use resect_core::analysis::Analysis;
 
 /// The pointer is on a reading within so many points on the screen, and on a track within more.
 const READING_REACH: f32 = 7.0;

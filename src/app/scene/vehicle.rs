@@ -1,11 +1,11 @@
 //! Where the vehicle is: along its way, and at the cursor.
 
-use crate::analysis::Analysis;
-use crate::deployment::Deployment;
-use crate::evaluation::trajectory::{Pose, PoseSigma};
-use crate::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_at, vehicle_trajectory};
-use crate::geometry::RigidTransform;
-use crate::pipeline::Triplets;
+use resect_core::analysis::Analysis;
+use resect_core::deployment::Deployment;
+use resect_core::evaluation::trajectory::{Pose, PoseSigma};
+use resect_core::evaluation::vehicle::{LARGEST_POSE_ERROR_M, vehicle_at, vehicle_trajectory};
+use resect_core::geometry::RigidTransform;
+use resect_core::pipeline::Triplets;
 
 /// The vehicle's frame is drawn so many times along the way.
 const MOST_POSES: usize = 150;

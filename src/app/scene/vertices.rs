@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::palette::Rgb;
+use resect_core::palette::Rgb;
 
 /// Index of the frame in which a vertex stands: stations 1–3 are 0–2, the world (station 1) is 3.
 pub const WORLD: u32 = 3;

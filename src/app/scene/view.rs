@@ -11,7 +11,6 @@ use super::labels::{self, Placer};
 use super::projection::Projection;
 use super::under_pointer::{self, UnderPointer};
 use super::{SceneContent, SceneRenderer, controls, free_part, ghosts, legend, strip};
-use crate::analysis::Analysis;
 use crate::app::model::follow::Follow;
 use crate::app::model::{
     Camera, Colouring, Command, Commands, Frame, Look, OpenDeployment, Picked, SceneOptions, View,
@@ -21,7 +20,8 @@ use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::estimates::Judgement;
+use resect_core::analysis::Analysis;
+use resect_core::estimates::Judgement;
 
 /// What the folded legend takes of a picture's width, with the margins of both (points).
 const LEGEND_FOLDED: f32 = 116.0;

@@ -10,8 +10,10 @@ use crate::app::model::{
     Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedTracks, StationsAre,
     TableHead,
 };
-use crate::deployment::format::mapped_csv::{self};
-use crate::deployment::{AzimuthSense, ColumnMapping, Extras, Overrides, Question, Source, Topic};
+use resect_core::deployment::{AzimuthSense, ColumnMapping, Overrides};
+use resect_io::error::{Question, Topic};
+use resect_io::format::mapped_csv;
+use resect_io::source::{Extras, Source};
 
 /// What is asked, and the reading that goes on with the answer.
 pub(super) struct Waiting {

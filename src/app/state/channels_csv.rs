@@ -7,8 +7,8 @@ use crate::app::file_dialog::Question;
 use crate::app::model::{Plotted, Visibility};
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::channels::Channel;
-use crate::atomic;
-use crate::export::csv::io_error;
+use resect_io::atomic;
+use resect_report::csv::io_error;
 
 /// What is written.
 struct Shown {
@@ -53,7 +53,7 @@ fn write(path: &Path, plots: &PreparedPlots, shown: &Shown, start_s: f64) -> Res
     let Plotted { channel, against } = shown.plotted;
     let mut rows = 0;
     let written = atomic::write_with(path, |file| {
-        let mut table = ::csv::Writer::from_writer(file);
+        let mut table = csv::Writer::from_writer(file);
         let mut header = vec!["series", "time_s"];
         header.extend(against.map(Channel::column));
         header.push(channel.column());

@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use super::State;
 use crate::app::model::{Asked, AskedToml};
-use crate::atomic;
-use crate::deployment::format::deployment_toml;
-use crate::deployment::{Deployment, Extras, OneOrMany, Overrides, Source, override_changes};
+use resect_core::deployment::{Deployment, OneOrMany, Overrides};
+use resect_io::atomic;
+use resect_io::format::deployment_toml;
+use resect_io::override_changes::override_changes;
+use resect_io::source::{Extras, Source};
 
 impl State {
     /// Finds out what would be written, beside the window.

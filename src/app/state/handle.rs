@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use super::State;
 use super::put_right::{self, Extra};
-use crate::analysis::Settings;
 use crate::app::layout::Layout;
 use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{Command, Lookup, Overlay, Palette, Pane, Picked, Timeline, studies};
 use crate::app::{theme, words};
-use crate::deployment::{Deployment, Source};
-use crate::export;
-use crate::progress::Progress;
+use resect_core::analysis::Settings;
+use resect_core::deployment::Deployment;
+use resect_core::progress::Progress;
+use resect_io::source::Source;
 
 impl State {
     /// Carries out a command.
@@ -174,12 +174,12 @@ impl State {
             }
             Command::CopyTransforms(format, part) => {
                 if let Some(summary) = self.active().and_then(|open| open.summary.as_ref()) {
-                    ctx.copy_text(export::copy::text(format, summary, part));
+                    ctx.copy_text(resect_report::copy::text(format, summary, part));
                     self.toasts.done(format!("copied as {}", format.title()));
                 }
             }
             Command::OpenInRerun => self.with_analysis(|deployment, analysis| {
-                let result = export::rerun::open_viewer(&deployment, &analysis)
+                let result = resect_report::rerun::open_viewer(&deployment, &analysis)
                     .map(|()| "shown in the Rerun viewer".to_owned())
                     .map_err(|error| error.to_string());
                 Some(result)

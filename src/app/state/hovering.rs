@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::State;
-use crate::deployment::Sorted;
+use resect_io::what_is::Sorted;
 
 /// What hovered last.
 #[derive(Debug, Default)]

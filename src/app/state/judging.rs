@@ -12,7 +12,8 @@ use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{Added, OpenDeployment, Pane, SavedEstimate};
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
-use crate::estimates::{Estimate, Judgement, judge, read};
+use resect_core::estimates::{Estimate, Judgement, judge};
+use resect_io::estimate_file;
 
 impl State {
     /// Starts what is to be made anew for those who look at it; to be called in every frame.
@@ -165,7 +166,7 @@ impl State {
     ) {
         let number = self.jobs.start(
             move || {
-                let read = paths.into_iter().map(|path| (read::read(&path), path));
+                let read = paths.into_iter().map(|path| (estimate_file::read(&path), path));
                 read.collect::<Vec<_>>()
             },
             move |state: &mut Self, number, found| {

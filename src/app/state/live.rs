@@ -5,14 +5,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::State;
-use crate::analysis::{Analysis, Settings};
 use crate::app::file_dialog::{Question, Wanted as WantedPath};
 use crate::app::layout::Layout;
 use crate::app::model::live::{LiveCommand, LiveForm};
 use crate::app::model::{Analysing, LayoutPreset, Pane};
 use crate::app::persist::session::Files;
-use crate::deployment::{Deployment, Extras, Growing, Source};
-use crate::live::{self, Feed, Finished, Pace, Session, Wanted};
+use resect_core::analysis::{Analysis, Settings};
+use resect_core::deployment::Deployment;
+use resect_io::growing::Growing;
+use resect_io::source::{Extras, Source};
+use resect_live::{Feed, Finished, Pace, Session, Wanted};
 
 impl State {
     pub(super) fn handle_live(&mut self, command: LiveCommand) {
@@ -204,7 +206,7 @@ impl State {
         let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
         let before = open.source.replace(source.clone());
         self.jobs.start_unnumbered(
-            move || Some(live::around(&wanted, &extras).map_err(|error| error.to_string())),
+            move || Some(resect_live::around(&wanted, &extras).map_err(|error| error.to_string())),
             move |state: &mut Self, read| {
                 state.take_put_right(id, [before, Some(source)], step, read);
             },

@@ -39,7 +39,6 @@ use super::jobs::Jobs;
 use super::layout::Layout;
 use super::model::View;
 use super::prepared::analyser::Analyser;
-use crate::analysis::{Analysis, Settings};
 use crate::app::model::live::Live;
 use crate::app::model::studies::Studies;
 use crate::app::model::toasts::Toasts;
@@ -47,8 +46,9 @@ use crate::app::model::{
     Analysing, Asked, Colouring, OpenDeployment, Overlay, PictureTo, Planning, Playback, Plotted,
     Results, Ruler, SceneOptions, UndoStack, Units, Validations, Visibility, WayPlots,
 };
-use crate::export::of_run;
-use crate::progress::Progress;
+use resect_core::analysis::{Analysis, Settings};
+use resect_core::progress::Progress;
+use resect_report::of_run;
 
 /// How long an answer may be late before it is dimmed: a slider that is answered at once must not flicker.
 const DIM_AFTER: Duration = Duration::from_millis(80);

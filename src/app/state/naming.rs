@@ -2,10 +2,10 @@
 
 use super::State;
 use super::sessions::title_of_each;
-use crate::analysis::Settings;
 use crate::app::persist::session::SavedDeployment;
-use crate::deployment::Source;
-use crate::deployment::names::told_apart;
+use resect_core::analysis::Settings;
+use resect_core::deployment::names::told_apart;
+use resect_io::source::Source;
 
 impl State {
     /// The names of the open deployments, which tell them apart.

@@ -6,13 +6,17 @@ use std::time::Instant;
 
 use super::State;
 use super::put_right::use_rig;
-use crate::analysis::Settings;
 use crate::app::model::OpenDeployment;
 use crate::app::model::undo::Moment;
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::session::{Files, SavedDeployment};
-use crate::deployment::{Deployment, Extras, Finding, OpenError, Sample, Sorted, Source, sort};
-use crate::progress::Progress;
+use resect_core::analysis::Settings;
+use resect_core::deployment::{Deployment, Finding};
+use resect_core::progress::Progress;
+use resect_io::error::OpenError;
+use resect_io::sample::Sample;
+use resect_io::source::{Extras, Source};
+use resect_io::what_is::{Sorted, sort};
 
 /// A deployment that is being read.
 pub struct Opening {
@@ -306,7 +310,8 @@ impl State {
 
 /// Settings as `--config` reads them, or why not.
 fn read_settings(path: &Path) -> Result<(Settings, Vec<Finding>), String> {
-    let (settings, findings) = Settings::read(path).map_err(|error| error.to_string())?;
+    let (settings, findings) =
+        resect_io::settings_file::read(path).map_err(|error| error.to_string())?;
     settings.check().map_err(|what| format!("{}: {what}", path.display()))?;
     Ok((settings, findings))
 }

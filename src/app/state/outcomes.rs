@@ -7,8 +7,8 @@ use crate::app::model::StudyResult;
 use crate::app::model::told::{forget_past, new_findings};
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::analyser::Answered;
-use crate::experiment::StudyError;
-use crate::export::summary::ResultSummary;
+use resect_core::experiment::StudyError;
+use resect_report::summary::ResultSummary;
 
 impl State {
     /// Takes in what was done since the last frame.
@@ -137,8 +137,8 @@ impl State {
 mod tests {
 
     use super::*;
-    use crate::calibration::Method;
-    use crate::deployment::Sample;
+    use resect_core::calibration::Method;
+    use resect_io::sample::Sample;
 
     /// Takes what comes next.
     fn take_next(state: &mut State) {

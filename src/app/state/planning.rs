@@ -7,8 +7,9 @@ use crate::app::file_dialog::{Question, Wanted};
 use crate::app::layout::Layout;
 use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{LayoutPreset, Pane, PlanCommand};
-use crate::atomic;
-use crate::planning::{Plan, improvements, plan_file, predict};
+use resect_core::planning::{Plan, improvements, predict};
+use resect_io::atomic;
+use resect_io::plan_file;
 
 /// The plan is nobody's deployment, and no deployment has this id.
 const NO_DEPLOYMENT: u64 = 0;

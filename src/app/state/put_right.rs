@@ -7,9 +7,9 @@ use super::State;
 use crate::app::file_dialog::{Question, Wanted};
 use crate::app::model::undo::{Change, Changed, Moment};
 use crate::app::model::{OpenDeployment, Picked};
-use crate::deployment::{
-    AS_NUMBERED, Deployment, Extras, MaskedReading, OneOrMany, Overrides, Source, extras_changes,
-};
+use resect_core::deployment::{AS_NUMBERED, Deployment, MaskedReading, OneOrMany, Overrides};
+use resect_io::override_changes::extras_changes;
+use resect_io::source::{Extras, Source};
 
 /// A file that the user names beside the tracks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

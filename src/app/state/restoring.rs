@@ -6,7 +6,8 @@ use super::State;
 use super::sessions::{Missing, Waiting, title_of_each};
 use crate::app::model::Command;
 use crate::app::persist::session::Session;
-use crate::deployment::{Deployment, Source};
+use resect_core::deployment::Deployment;
+use resect_io::source::Source;
 
 impl State {
     /// Restores what was open when the program stopped, `when`, and offers to discard it.

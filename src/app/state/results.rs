@@ -4,12 +4,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::State;
-use crate::analysis::{Analysis, Analyst, Settings};
 use crate::app::model::undo::Moment;
 use crate::app::model::{Pin, Run};
 use crate::app::prepared::{PreparedPlots, RawReadings};
-use crate::calibration::Method;
-use crate::export::summary::ResultSummary;
+use resect_core::analysis::{Analysis, Analyst, Settings};
+use resect_core::calibration::Method;
+use resect_report::summary::ResultSummary;
 
 /// Most runs that are kept: more are not looked at again; the oldest go.
 const MOST_RUNS: usize = 200;

@@ -4,17 +4,17 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::State;
-use crate::analysis::Analysis;
 use crate::app::file_dialog::{Answer, Question, Wanted};
-use crate::atomic;
-use crate::calibration::Targets;
-use crate::deployment::Deployment;
-use crate::deployment::file_mark::marks_of;
-use crate::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, prism_by, trajectory_by};
-use crate::export;
-use crate::export::of_run;
-use crate::export::report::{self, Chapter};
-use crate::export::trajectory::{FileKind, STATION1};
+use resect_core::analysis::Analysis;
+use resect_core::calibration::Targets;
+use resect_core::deployment::Deployment;
+use resect_core::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, prism_by, trajectory_by};
+use resect_io::atomic;
+use resect_io::file_mark::marks_of;
+use resect_report::of_run;
+use resect_report::report;
+use resect_report::report::Chapter;
+use resect_report::trajectory::{FileKind, STATION1};
 
 /// A line for the user, or why it failed; `None` where the user thought better of it.
 type Told = Option<Result<String, String>>;
@@ -52,7 +52,8 @@ impl State {
 
     pub(super) fn save_recording(&mut self) {
         self.save_of_analysis("Save a recording for Rerun", "rrd", |path, deployment, analysis| {
-            export::rerun::save(&deployment, &analysis, path).map_err(|error| error.to_string())
+            resect_report::rerun::save(&deployment, &analysis, path)
+                .map_err(|error| error.to_string())
         });
     }
 
@@ -120,7 +121,7 @@ impl State {
         let answer = self.ask(question);
         self.tell_when_done(move || {
             let folder = answer.wait()?;
-            let written = export::study::write(result.study(), &folder);
+            let written = resect_report::study::write(result.study(), &folder);
             Some(
                 written
                     .map(|files| format!("{} files written to {}", files.len(), folder.display()))
@@ -166,11 +167,12 @@ fn trajectory_file(
     if targets == Targets::OnePrism {
         let positions = prism_by(deployment, triplets, calibration, wanted);
         let positions = positions.map_err(|why| why.to_string())?;
-        return export::trajectory::prism_file(kind, &positions, &header)
+        return resect_report::trajectory::prism_file(kind, &positions, &header)
             .map_err(|why| why.to_string());
     }
     let (trajectory, _) =
         trajectory_by(deployment, triplets, targets, calibration, wanted, LARGEST_POSE_ERROR_M)
             .map_err(|why| why.to_string())?;
-    export::trajectory::file(kind, &trajectory, &header, STATION1).map_err(|why| why.to_string())
+    resect_report::trajectory::file(kind, &trajectory, &header, STATION1)
+        .map_err(|why| why.to_string())
 }

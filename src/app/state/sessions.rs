@@ -14,8 +14,9 @@ use crate::app::persist::session::{
     EXTENSION, Files, SavedDeployment, SavedPin, SavedView, Session, SessionError,
 };
 use crate::app::persist::session_file;
-use crate::deployment::names::told_apart;
-use crate::deployment::{Finding, Source};
+use resect_core::deployment::Finding;
+use resect_core::deployment::names::told_apart;
+use resect_io::source::Source;
 
 /// What belongs to the session beside what is open.
 #[derive(Default)]

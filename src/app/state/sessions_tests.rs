@@ -1,7 +1,7 @@
 use super::*;
-use crate::analysis::Settings;
 use crate::app::model::Command;
-use crate::deployment::Sample;
+use resect_core::analysis::Settings;
+use resect_io::sample::Sample;
 
 fn state() -> State {
     State::new(Default::default())
@@ -64,7 +64,7 @@ fn a_cancelled_deployment_stays_in_the_session_and_that_is_said() {
     let mut state = state();
     state.restore(session());
     let number = state.opening[0].number;
-    state.take_opened(number, Err(crate::deployment::OpenError::Cancelled));
+    state.take_opened(number, Err(resect_io::error::OpenError::Cancelled));
     state.settle();
     let again = state.session();
     assert_eq!(sources(&again), sources(&session()));

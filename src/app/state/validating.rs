@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::State;
-use crate::analysis::{Analyst, Settings};
 use crate::app::model::{AnswerOf, OpenDeployment, Validated};
-use crate::calibration::Method;
-use crate::deployment::Deployment;
-use crate::progress::{Cancelled, Progress};
-use crate::validation::{Earlier, Validation, drive_alone, validate};
+use resect_core::analysis::{Analyst, Settings};
+use resect_core::calibration::Method;
+use resect_core::deployment::Deployment;
+use resect_core::progress::{Cancelled, Progress};
+use resect_core::validation::{Earlier, Validation, drive_alone, validate};
 
 impl State {
     /// What was found of the active deployment's calibration, as long as neither answer has changed since.

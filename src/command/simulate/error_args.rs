@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::super::Failure;
 use super::limits::{Limits, List, replace, replace_row, station};
-use crate::simulation::{ARCSECOND_RAD, ClockStep, Curvature, Scenario, Settling, Wander};
+use resect_core::simulation::{ARCSECOND_RAD, ClockStep, Curvature, Scenario, Settling, Wander};
 
 #[derive(Args)]
 #[command(next_help_heading = "Errors of instruments")]
@@ -214,7 +214,7 @@ mod tests {
     use clap::Parser;
 
     use super::*;
-    use crate::simulation::{Preset, SystematicErrors};
+    use resect_core::simulation::{Preset, SystematicErrors};
 
     #[derive(Parser)]
     struct Line {

@@ -6,10 +6,8 @@ use super::trouble;
 use crate::app::model::{Asked, AskedColumns, Command, Commands, TableHead};
 use crate::app::panels::number;
 use crate::app::theme;
-use crate::deployment::format::column_mapping::{
-    TableAngle, TableLength, TimeFormat, VerticalAngle,
-};
-use crate::deployment::{AzimuthSense, ColumnMapping, RawRecord};
+use resect_core::deployment::{AzimuthSense, ColumnMapping, RawRecord};
+use resect_core::deployment::{TableAngle, TableLength, TimeFormat, VerticalAngle};
 
 /// Number of rows in sight.
 const ROWS: usize = 8;
@@ -244,7 +242,7 @@ fn preview(ui: &mut egui::Ui, asked: &AskedColumns) {
                 }
                 Err(why) => {
                     let (colour, sign) =
-                        theme::severity(crate::deployment::Severity::Problem, dark);
+                        theme::severity(resect_core::deployment::Severity::Problem, dark);
                     ui.label(RichText::new(format!("{sign} {why}")).small().color(colour));
                 }
             }

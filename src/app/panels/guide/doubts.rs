@@ -77,16 +77,17 @@ pub const DOUBTS: [Doubt; 8] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{Analyst, Settings};
-    use crate::calibration::Verdict;
-    use crate::deployment::Severity;
-    use crate::simulation::{Preset, simulate};
+    use resect_core::analysis::{Analyst, Settings};
+    use resect_core::calibration::Verdict;
+    use resect_core::deployment::Severity;
+    use resect_core::simulation::{Preset, simulate};
 
     /// What is said of drives that cannot be good is explained.
     #[test]
     fn the_doubts_of_drives_that_hold_little_are_of_a_known_kind() {
         for preset in [Preset::StraightLine, Preset::Circle, Preset::LShape] {
-            let deployment = simulate(preset, 1).deployment().expect("valid");
+            let deployment =
+                resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
             let analysis = Analyst::new(deployment.into()).run(&Settings::default());
             let answer = analysis.answer.expect("an answer");
             assert!(answer.calibration.verdict > Verdict::Good, "{preset:?}");

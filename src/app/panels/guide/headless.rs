@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::analysis::Settings;
-use crate::deployment::Source;
+use resect_core::analysis::Settings;
+use resect_io::source::Source;
 
 /// Where the settings lie that the command reads.
 pub const SETTINGS_FILE: &str = "settings.toml";
@@ -33,7 +33,8 @@ fn quoted(path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deployment::{Extras, Sample};
+    use resect_io::sample::Sample;
+    use resect_io::source::Extras;
 
     #[test]
     fn the_command_names_path_drives_and_settings_that_differ() {
@@ -62,10 +63,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let mut settings = Settings::default();
         settings.pipeline.thresholds.tau_s_seconds = 1.7;
-        settings.calibration.method = Some(crate::calibration::Method::InterPrism);
+        settings.calibration.method = Some(resect_core::calibration::Method::InterPrism);
         let path = folder.path().join(SETTINGS_FILE);
         std::fs::write(&path, toml::to_string(&settings).expect("TOML")).expect("writable");
-        let (read, findings) = Settings::read(&path).expect("settings");
+        let (read, findings) = resect_io::settings_file::read(&path).expect("settings");
         assert_eq!((read, findings.len()), (settings, 0));
     }
 }

@@ -9,13 +9,14 @@ use egui::RichText;
 use self::doubts::{DOUBTS, Doubt};
 use self::steps::{Part, STEPS, Step};
 use super::{finding, result, scrolled};
-use crate::app::actions::{self, Action, Menu};
+use crate::app::actions;
+use crate::app::actions::{Action, Menu};
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
 use crate::app::{theme, words};
-use crate::calibration::Verdict;
-use crate::deployment::{Finding, Severity, doubts};
-use crate::glossary;
+use resect_core::calibration::Verdict;
+use resect_core::deployment::{Finding, Severity, doubts};
+use resect_report::glossary;
 
 /// The most words shown below the steps, of those that have what is sought.
 const MOST_WORDS: usize = 6;

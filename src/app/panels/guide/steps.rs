@@ -1,6 +1,7 @@
 //! What the guide says, step by step: plain data. Buttons are entries of the menus, by their names there.
 
-use crate::app::actions::Menu::{self, Edit, Export, File, View};
+use crate::app::actions::Menu;
+use crate::app::actions::Menu::{Edit, Export, File, View};
 
 /// A step on the way from readings to an answer that is trusted.
 pub struct Step {

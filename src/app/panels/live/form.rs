@@ -9,7 +9,8 @@ use crate::app::model::{Command, Commands};
 use crate::app::panels::number;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::deployment::{Severity, Source};
+use resect_core::deployment::Severity;
+use resect_io::source::Source;
 
 const FIELD: f32 = 260.0;
 

@@ -12,10 +12,10 @@ use crate::app::plots::{axis_below, bare_axis, close_marks, round_marks, still};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use crate::deployment::Severity;
-use crate::glossary;
-use crate::palette;
-use crate::planning::{Held, Prediction};
+use resect_core::deployment::Severity;
+use resect_core::palette;
+use resect_core::planning::{Held, Prediction};
+use resect_report::glossary;
 
 /// Height of the plot of σ along the way (points).
 const PLOT: f32 = 110.0;

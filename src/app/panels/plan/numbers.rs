@@ -9,9 +9,9 @@ use crate::app::model::{Command, Commands, PlanCommand};
 use crate::app::panels::{heading, number, scrolled};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::palette;
-use crate::planning::{Piece, Plan};
-use crate::simulation::Preset;
+use resect_core::palette;
+use resect_core::planning::{Piece, Plan};
+use resect_core::simulation::Preset;
 
 /// A number of a plan: what it is called, its unit and bounds, and how much a point of dragging changes it.
 struct Field {
@@ -75,9 +75,9 @@ fn from_where(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             send(PlanCommand::FromDeployment);
         }
         ui.menu_button("Preset…", |ui| {
-            for preset in <Preset as clap::ValueEnum>::value_variants() {
+            for preset in Preset::ALL {
                 if ui.button(preset.name()).clicked() {
-                    send(PlanCommand::FromPreset(*preset));
+                    send(PlanCommand::FromPreset(preset));
                 }
             }
         });

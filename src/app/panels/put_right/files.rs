@@ -5,7 +5,7 @@ use egui::RichText;
 use super::{Shown, name};
 use crate::app::model::{Command, Commands};
 use crate::app::state::put_right::without_control_points;
-use crate::deployment::Extras;
+use resect_io::source::Extras;
 
 impl Shown<'_> {
     pub(super) fn files(&self, ui: &mut egui::Ui, changed: &mut Extras, commands: &mut Commands) {

@@ -2,7 +2,7 @@
 
 use super::{Shown, name};
 use crate::app::state::put_right::{masked, with_span, within};
-use crate::deployment::Extras;
+use resect_io::source::Extras;
 
 impl Shown<'_> {
     pub(super) fn times(&self, ui: &mut egui::Ui, changed: &mut Extras) {

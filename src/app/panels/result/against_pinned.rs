@@ -7,11 +7,11 @@ use crate::app::model::{Command, Commands, OpenDeployment, Pin, Units};
 use crate::app::panels::{heading, number_head, use_pinned};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::calibration::moved_m;
-use crate::deployment::{Deployment, Severity};
-use crate::evaluation::Spread;
-use crate::export::difference::{Compared, Deviation, ResultDifference, StationDifference};
-use crate::export::summary::ResultSummary;
+use resect_core::calibration::moved_m;
+use resect_core::deployment::{Deployment, Severity};
+use resect_core::evaluation::Spread;
+use resect_report::difference::{Compared, Deviation, ResultDifference, StationDifference};
+use resect_report::summary::ResultSummary;
 
 /// Shows how the answer differs from the pinned one; nothing where nothing is pinned.
 pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {

@@ -3,9 +3,9 @@
 use egui::{PopupCloseBehavior, containers::menu};
 
 use crate::app::model::{Command, Commands};
-use crate::calibration::Verdict;
-use crate::export::copy::{CopyFormat, Part};
-use crate::export::summary::ResultSummary;
+use resect_core::calibration::Verdict;
+use resect_report::copy::{CopyFormat, Part};
+use resect_report::summary::ResultSummary;
 
 pub fn ui(ui: &mut egui::Ui, summary: &ResultSummary, commands: &mut Commands) {
     // Choosing which transforms must not close the menu: the form is chosen next.

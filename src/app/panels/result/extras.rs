@@ -2,13 +2,13 @@
 
 use egui::RichText;
 
-use crate::analysis::Analysis;
 use crate::app::model::estimates::column;
 use crate::app::model::{OpenDeployment, Units};
 use crate::app::words;
-use crate::calibration::joint::{Dominant, JointEstimate};
-use crate::calibration::{Calibration, Extra, Quantity};
-use crate::glossary;
+use resect_core::analysis::Analysis;
+use resect_core::calibration::joint::{Dominant, JointEstimate};
+use resect_core::calibration::{Calibration, Extra, Quantity};
+use resect_report::glossary;
 
 /// Shows the tables, folded; nothing where nothing was estimated.
 pub fn ui(

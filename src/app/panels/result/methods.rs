@@ -3,11 +3,11 @@
 use crate::app::model::Units;
 use crate::app::panels::{heading, minima, number_head, observability};
 use crate::app::words;
-use crate::calibration::inter_prism::InterPrismDetails;
-use crate::calibration::static_gcp::StaticGcpDetails;
-use crate::calibration::two_point::TwoPointDetails;
-use crate::calibration::{Details, Mirror, ResolvedBy};
-use crate::glossary;
+use resect_core::calibration::inter_prism::InterPrismDetails;
+use resect_core::calibration::static_gcp::StaticGcpDetails;
+use resect_core::calibration::two_point::TwoPointDetails;
+use resect_core::calibration::{Details, Mirror, ResolvedBy};
+use resect_report::glossary;
 
 pub fn ui(ui: &mut egui::Ui, details: &Details, units: Units) {
     match details {

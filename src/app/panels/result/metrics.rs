@@ -4,10 +4,10 @@ use egui::RichText;
 
 use crate::app::panels::{heading, number_head};
 use crate::app::words;
-use crate::calibration::Targets;
-use crate::deployment::{ControlPointSet, pair_label};
-use crate::evaluation::{Evaluation, Spread};
-use crate::glossary;
+use resect_core::calibration::Targets;
+use resect_core::deployment::{ControlPointSet, pair_label};
+use resect_core::evaluation::{Evaluation, Spread};
+use resect_report::glossary;
 
 /// What the first metric is of: where all stations follow one prism, the distances compare their versions of it.
 pub fn name(targets: Targets) -> &'static str {

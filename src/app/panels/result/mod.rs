@@ -13,18 +13,18 @@ use egui::RichText;
 
 use super::put_right::distance_fields;
 use super::{correlations, finding, heading, scrolled};
-use crate::analysis::{Analysis, Answer};
 use crate::app::model::{Command, Commands, OpenDeployment};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use crate::calibration::{Calibration, Targets, Verdict};
-use crate::deployment::{Finding, Severity, doubts};
-use crate::export::difference::Deviation;
-use crate::export::summary::ResultSummary;
-use crate::export::text;
-use crate::glossary;
-use crate::palette;
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::calibration::{Calibration, Targets, Verdict};
+use resect_core::deployment::{Finding, Severity, doubts};
+use resect_core::palette;
+use resect_report::difference::Deviation;
+use resect_report::glossary;
+use resect_report::summary::ResultSummary;
+use resect_report::text;
 
 /// Beyond this many σ a choice moves the answer more than it should.
 pub const NOTABLE_SIGMAS: f64 = 3.0;

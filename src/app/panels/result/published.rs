@@ -5,9 +5,9 @@ use crate::app::model::{Command, Commands};
 use crate::app::panels::{heading, number_head};
 use crate::app::state::State;
 use crate::app::words;
-use crate::calibration::Calibration;
-use crate::export::difference::moved_from_published;
-use crate::glossary;
+use resect_core::calibration::Calibration;
+use resect_report::difference::moved_from_published;
+use resect_report::glossary;
 
 /// Shows the paper's answer beside a joint estimate; nothing beside any other answer.
 pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut Commands) {

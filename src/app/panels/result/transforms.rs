@@ -5,9 +5,9 @@ use egui::RichText;
 use crate::app::model::estimates::{Shown, column};
 use crate::app::model::{AngleUnit, Units};
 use crate::app::words;
-use crate::calibration::Calibration;
-use crate::export::text;
-use crate::glossary;
+use resect_core::calibration::Calibration;
+use resect_report::glossary;
+use resect_report::text;
 
 /// The rows of both transforms, each number with its σ in the same unit.
 pub fn table(ui: &mut egui::Ui, calibration: &Calibration, units: Units) {

@@ -4,10 +4,10 @@ use crate::app::model::estimates::column;
 use crate::app::model::units::with_sign;
 use crate::app::model::{OpenDeployment, Pin, Units};
 use crate::app::state::State;
-use crate::deployment::ControlPointSet;
-use crate::evaluation::Spread;
-use crate::export::difference::{Deviation, ResultDifference};
-use crate::export::summary::ResultSummary;
+use resect_core::deployment::ControlPointSet;
+use resect_core::evaluation::Spread;
+use resect_report::difference::{Deviation, ResultDifference};
+use resect_report::summary::ResultSummary;
 
 /// Stations of other readings that stand farther apart in plan than this were set up elsewhere (m).
 const ELSEWHERE_M: f64 = 1.0;

@@ -8,15 +8,15 @@ use egui::RichText;
 use self::columns::{Cell, Column, Whose, columns};
 use super::result::{NOTABLE_SIGMAS, badge};
 use super::validation;
-use crate::analysis::Settings;
 use crate::app::model::{Command, Commands};
 use crate::app::plots::in_the_middle;
 use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
-use crate::deployment::Severity;
-use crate::export::summary::ResultSummary;
+use resect_core::analysis::Settings;
+use resect_core::deployment::Severity;
+use resect_report::summary::ResultSummary;
 
 /// Widths below which differences stand under their numbers instead of beside them (points).
 const NAMES: f32 = 110.0;

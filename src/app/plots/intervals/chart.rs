@@ -7,13 +7,13 @@ use super::super::quads::Quads;
 use super::super::strips::{Strip, bare_axis};
 use super::super::time_plot::{Shown, TimePlot};
 use super::super::times::Times;
-use crate::analysis::Analysis;
 use crate::app::model::{Command, Commands, OpenDeployment, Picked};
 use crate::app::prepared::gaps::{Seen, first_from, visible};
 use crate::app::state::State;
 use crate::app::theme;
-use crate::palette;
-use crate::pipeline::{FilteredTrack, Interval, OutlierReason, SampleFate};
+use resect_core::analysis::Analysis;
+use resect_core::palette;
+use resect_core::pipeline::{FilteredTrack, Interval, OutlierReason, SampleFate};
 
 /// Rows from the top: stations 1 to 3, and all three.
 const ROWS: usize = 4;

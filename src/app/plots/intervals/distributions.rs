@@ -10,8 +10,8 @@ use crate::app::model::OpenDeployment;
 use crate::app::prepared::gaps::LogHistogram;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::palette;
-use crate::pipeline::SampleFate;
+use resect_core::palette;
+use resect_core::pipeline::SampleFate;
 
 /// Height of the line above each, and of its text: below that are handles (points).
 const TITLE: f32 = 21.0;

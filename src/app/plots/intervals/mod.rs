@@ -10,10 +10,10 @@ use super::threshold::Threshold;
 use super::time_plot;
 use super::times::Times;
 use super::{in_the_middle, station_switches, strips};
-use crate::analysis::Settings;
 use crate::app::model::{Command, Commands};
 use crate::app::state::State;
-use crate::pipeline::{Interval, Thresholds};
+use resect_core::analysis::Settings;
+use resect_core::pipeline::{Interval, Thresholds};
 
 /// The distributions' part of the width of a pane that has no room beside its plots.
 const SHARE: f32 = 0.4;

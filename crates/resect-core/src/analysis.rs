@@ -1,0 +1,149 @@
+//! The one path: deployment → pipeline → calibration → evaluation.
+//!
+//! The window, the commands and the tests come through [`Analyst::run`].
+
+mod setting_change;
+
+pub use setting_change::{SettingChange, changes_in_words, setting_changes};
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use crate::calibration;
+use crate::calibration::{Calibration, CalibrationError, CalibrationSettings, Method, Offer};
+use crate::deployment::Deployment;
+use crate::evaluation;
+use crate::evaluation::Evaluation;
+use crate::pipeline::{PipelineOutput, PipelineSettings, StagedPipeline, Triplets};
+use crate::progress::{Cancelled, Progress};
+
+/// Everything a user can set; a `--config` file and the window's sliders are this.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    pub pipeline: PipelineSettings,
+    pub calibration: CalibrationSettings,
+}
+
+impl Settings {
+    /// The first setting that makes no sense, as one line.
+    pub fn check(&self) -> Result<(), String> {
+        self.pipeline.check()?;
+        self.calibration.check()
+    }
+}
+
+/// An answer with its evaluation.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    pub calibration: Calibration,
+    pub evaluation: Evaluation,
+    /// What it holds for: the pipeline's, with the clocks put right where they were estimated.
+    pub triplets: Arc<Triplets>,
+}
+
+/// What came of one run.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    pub settings: Settings,
+    pub pipeline: PipelineOutput,
+    /// Which methods the data allows.
+    pub offer: Offer,
+    /// The answer, or why there is none; the pipeline's part stands either way.
+    pub answer: Result<Arc<Answer>, CalibrationError>,
+    pub pipeline_ms: f64,
+    pub evaluation_ms: f64,
+}
+
+impl Analysis {
+    /// The triplets of the answer; without one the pipeline's.
+    pub fn triplets(&self) -> &Arc<Triplets> {
+        self.answer.as_ref().map_or(&self.pipeline.triplets, |answer| &answer.triplets)
+    }
+
+    /// Wall time of all parts (ms).
+    pub fn total_ms(&self) -> f64 {
+        let calibration = self
+            .answer
+            .as_ref()
+            .map_or(0.0, |answer| answer.calibration.prior_ms + answer.calibration.solve_ms);
+        self.pipeline_ms + calibration + self.evaluation_ms
+    }
+}
+
+/// Runs one deployment again and again, remembering the stages that a change leaves alone.
+pub struct Analyst {
+    deployment: Arc<Deployment>,
+    pipeline: StagedPipeline,
+}
+
+impl Analyst {
+    pub fn new(deployment: Arc<Deployment>) -> Self {
+        Self { deployment, pipeline: StagedPipeline::default() }
+    }
+
+    pub fn deployment(&self) -> &Arc<Deployment> {
+        &self.deployment
+    }
+
+    pub fn run(&mut self, settings: &Settings) -> Analysis {
+        self.run_while(settings, &Progress::default()).expect("nobody else can cancel it")
+    }
+
+    /// Runs like [`Self::run`] until `progress` is cancelled. What the pipeline found by then is remembered.
+    pub fn run_while(
+        &mut self,
+        settings: &Settings,
+        progress: &Progress,
+    ) -> Result<Analysis, Cancelled> {
+        let started = Instant::now();
+        let pipeline = self.pipeline.run_while(&self.deployment, &settings.pipeline, progress)?;
+        let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
+        let triplets = &pipeline.triplets;
+        let offer = Offer::of(&self.deployment, triplets);
+        progress.check()?;
+        let calibration = calibration::solve_while(
+            &self.deployment,
+            triplets,
+            &settings.calibration,
+            &offer,
+            progress,
+        );
+        progress.check()?;
+        let started = Instant::now();
+        let answer = calibration.map(|calibration| {
+            let (corrected, evaluation) = evaluation::evaluate_answer(
+                &self.deployment,
+                triplets,
+                offer.targets,
+                &calibration,
+            );
+            let triplets = corrected.map_or_else(|| Arc::clone(triplets), Arc::new);
+            Arc::new(Answer { calibration, evaluation, triplets })
+        });
+        let evaluation_ms = started.elapsed().as_secs_f64() * 1e3;
+        Ok(Analysis { settings: *settings, pipeline, offer, answer, pipeline_ms, evaluation_ms })
+    }
+
+    /// The paper's answer alone, which is there at once where these settings ask for the joint estimate; `None` where they
+    /// do not.
+    pub fn run_published_while(
+        &mut self,
+        settings: &Settings,
+        progress: &Progress,
+    ) -> Result<Option<Analysis>, Cancelled> {
+        if settings.calibration.method.unwrap_or_default() != Method::Joint {
+            return Ok(None);
+        }
+        let started = Instant::now();
+        let pipeline = self.pipeline.run_while(&self.deployment, &settings.pipeline, progress)?;
+        let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
+        let method = Offer::of(&self.deployment, &pipeline.triplets).published_method();
+        let calibration = settings.calibration.plain(method);
+        let mut analysis = self.run_while(&Settings { calibration, ..*settings }, progress)?;
+        analysis.pipeline_ms += pipeline_ms;
+        Ok(Some(analysis))
+    }
+}

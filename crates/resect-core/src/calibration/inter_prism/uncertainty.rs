@@ -1,0 +1,204 @@
+//! How far the answer may be off: a covariance that does not take interpolated points for measurements.
+//!
+//! Ten triplets a second from 2.5 readings a second share their errors, and so do the chords of one bend, so the
+//! inverse of JᵀJ alone is several times too small. The [`sandwich`] by blocks of consecutive time asks only that these
+//! be independent.
+//! Errors of the inter-prism distances act on every triplet alike, so no residual shows them; they are
+//! propagated with their own σ.
+
+use nalgebra::{Const, DMatrix, DVector, SMatrix, SVector, SymmetricEigen, Vector3};
+
+use super::{CentredTriplets, Minimum, NormalEquations, Parameters, distance_pulls};
+use crate::calibration::{CalibrationSettings, TransformSigma, time_blocks};
+use crate::statistics::sandwich;
+use crate::statistics::sandwich::Block;
+
+/// The sandwich needs clearly more blocks than unknowns.
+const FEWEST_BLOCKS: usize = 16;
+/// Readings a second that the fallback takes for independent.
+const READINGS_HZ: f64 = 2.5;
+/// Ratio of smallest to largest scaled eigenvalue of JᵀJ below which a direction is as good as free. Drives with
+/// bends reach 2e-2 and more; at 2e-5 (twelve seconds of driving) simulated answers are off by ten times the σ
+/// that a linearisation gives, so none is given.
+pub const FREE_DIRECTION: f64 = 1e-4;
+
+/// What is known about the answer's error.
+pub struct Uncertainty {
+    /// (x, y, z, yaw) of stations 2 and 3 into station 1's frame (m, rad); `None` if a direction is free.
+    pub covariance: Option<SMatrix<f64, 8, 8>>,
+    /// Covariance of the centred parameters, yaw in metres at the radius (m²); `None` if a direction is free.
+    pub centred_m2: Option<SMatrix<f64, 8, 8>>,
+    /// Eigenvalues and directions of JᵀJ in the same, without wild triplets.
+    pub spectrum: SymmetricEigen<f64, Const<8>>,
+    /// What a radian of yaw moves the track by (m).
+    pub radius_m: f64,
+    /// The direction of the largest standard deviation: centred parameters, yaw in metres at the radius.
+    pub weakest: SVector<f64, 8>,
+    /// Standard deviation along it (m); infinite if free.
+    pub weakest_sigma_m: f64,
+}
+
+impl Uncertainty {
+    pub fn sigma(&self) -> Option<[TransformSigma; 2]> {
+        let covariance = self.covariance?;
+        let sigma = |k: usize| covariance[(k, k)].max(0.0).sqrt();
+        Some([0, 4].map(|k| TransformSigma {
+            translation_m: Vector3::new(sigma(k), sigma(k + 1), sigma(k + 2)),
+            yaw_rad: sigma(k + 3),
+        }))
+    }
+}
+
+/// Uncertainty at a minimum found on all of `data`, whose instants are `time_s` and `interval`. What is free is read
+/// off `fitting`, the triplets whose distances fit: a wild point seems to hold what the drive does not.
+pub fn estimate(
+    data: &CentredTriplets,
+    fitting: &CentredTriplets,
+    time_s: &[f64],
+    interval: &[u32],
+    answer: &Minimum,
+    settings: &CalibrationSettings,
+) -> Uncertainty {
+    let normal = &answer.normal;
+    let blocks = time_blocks::of(time_s, interval);
+
+    let radius_m = super::levenberg_marquardt::track_radius_m(data);
+    let spectrum = spectrum(fitting, &answer.parameters, radius_m);
+    let free = |spectrum| free(spectrum, radius_m);
+    let inverse = is_held(&spectrum)
+        .then(|| normal.matrix.cholesky())
+        .flatten()
+        .map(|cholesky| cholesky.inverse());
+    let Some(inverse) = inverse else {
+        return free(spectrum);
+    };
+
+    let mut centred = if blocks.len() >= FEWEST_BLOCKS {
+        let each = blocks.iter().map(|block| {
+            let own = NormalEquations::over(data, &answer.parameters, block.clone());
+            Block {
+                information: DMatrix::from_column_slice(8, 8, own.matrix.as_slice()),
+                gradient: DVector::from_column_slice(own.gradient.as_slice()),
+            }
+        });
+        match sandwich::covariance(&each.collect::<Vec<_>>(), None) {
+            Some(found) => SMatrix::from_column_slice(found.as_slice()),
+            None => return free(spectrum),
+        }
+    } else {
+        // Too few blocks for a sandwich: one residual variance of what degrees of freedom the unknowns leave, and as many
+        // independent triplets as readings.
+        let duration_s: f64 = time_s.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap < 1.0).sum();
+        let independent = (duration_s * READINGS_HZ).clamp(3.0, data.len() as f64);
+        let degrees = (3.0 * independent - 8.0).max(1.0);
+        let variance = normal.cost / data.len() as f64 * independent / degrees;
+        inverse * variance * (data.len() as f64 / independent)
+    };
+    for pull in distance_pulls(data, &answer.parameters) {
+        let moved = inverse * pull * settings.inter_prism_sigma_m;
+        centred += moved * moved.transpose();
+    }
+
+    if centred.iter().any(|entry| !entry.is_finite()) {
+        return free(spectrum);
+    }
+
+    let covariance = at_the_stations(data, &answer.parameters) * centred;
+    let covariance = covariance * at_the_stations(data, &answer.parameters).transpose();
+    known(covariance, centred, spectrum, radius_m)
+}
+
+/// Uncertainty of an answer whose covariance at the stations is known already.
+pub fn of_covariance(
+    data: &CentredTriplets,
+    fitting: &CentredTriplets,
+    answer: &Minimum,
+    covariance: SMatrix<f64, 8, 8>,
+) -> Uncertainty {
+    let radius_m = super::levenberg_marquardt::track_radius_m(data);
+    let spectrum = spectrum(fitting, &answer.parameters, radius_m);
+    // What turns a station about the track's centroid has ones on its diagonal.
+    let back = at_the_stations(data, &answer.parameters).try_inverse().expect("a shear");
+    known(covariance, back * covariance * back.transpose(), spectrum, radius_m)
+}
+
+/// Uncertainty of an answer that is not estimated yet, at which `data` are: what is free is read off them, and the rest is
+/// `covariance`, where there is one.
+pub fn foreseen(
+    data: &CentredTriplets,
+    answer: &Minimum,
+    covariance: Option<SMatrix<f64, 8, 8>>,
+) -> Uncertainty {
+    let radius_m = super::levenberg_marquardt::track_radius_m(data);
+    let spectrum = spectrum(data, &answer.parameters, radius_m);
+    match covariance.filter(|_| is_held(&spectrum)) {
+        Some(covariance) => of_covariance(data, data, answer, covariance),
+        None => free(spectrum, radius_m),
+    }
+}
+
+fn is_held(spectrum: &SymmetricEigen<f64, Const<8>>) -> bool {
+    spectrum.eigenvalues.min() > FREE_DIRECTION * spectrum.eigenvalues.max()
+}
+
+fn free(spectrum: SymmetricEigen<f64, Const<8>>, radius_m: f64) -> Uncertainty {
+    Uncertainty {
+        covariance: None,
+        centred_m2: None,
+        weakest: spectrum.eigenvectors.column(spectrum.eigenvalues.imin()).into_owned(),
+        weakest_sigma_m: f64::INFINITY,
+        spectrum,
+        radius_m,
+    }
+}
+
+fn known(
+    covariance: SMatrix<f64, 8, 8>,
+    centred: SMatrix<f64, 8, 8>,
+    spectrum: SymmetricEigen<f64, Const<8>>,
+    radius_m: f64,
+) -> Uncertainty {
+    let unscale = yaw_in_metres(1.0 / radius_m);
+    let centred_m2 = unscale * centred * unscale;
+    let in_metres = centred_m2.symmetric_eigen();
+    let worst = in_metres.eigenvalues.imax();
+    Uncertainty {
+        covariance: Some(covariance),
+        centred_m2: Some(centred_m2),
+        weakest: in_metres.eigenvectors.column(worst).into_owned(),
+        weakest_sigma_m: in_metres.eigenvalues[worst].max(0.0).sqrt(),
+        spectrum,
+        radius_m,
+    }
+}
+
+/// Eigenvalues and directions of JᵀJ, with yaw in metres at the track's radius, so that directions can be compared.
+fn spectrum(
+    fitting: &CentredTriplets,
+    parameters: &Parameters,
+    radius_m: f64,
+) -> SymmetricEigen<f64, Const<8>> {
+    let scale = yaw_in_metres(radius_m);
+    (scale * NormalEquations::at(fitting, parameters).matrix * scale).symmetric_eigen()
+}
+
+/// Divides yaws by a radius (m).
+fn yaw_in_metres(radius_m: f64) -> SMatrix<f64, 8, 8> {
+    SMatrix::from_fn(|i, j| match (i == j, i % 4) {
+        (true, 3) => 1.0 / radius_m,
+        (true, _) => 1.0,
+        _ => 0.0,
+    })
+}
+
+/// Derivative of (translation, yaw) by the centred parameters: t = t' − R c + const, so ∂t/∂ψ = −R' c.
+fn at_the_stations(data: &CentredTriplets, parameters: &Parameters) -> SMatrix<f64, 8, 8> {
+    let transforms = data.transforms(parameters);
+    let mut jacobian = SMatrix::<f64, 8, 8>::identity();
+    for slot in 0..2 {
+        let turned = transforms[slot + 1].rotate(&data.centre_m[slot + 1]);
+        jacobian[(4 * slot, 4 * slot + 3)] = turned.y;
+        jacobian[(4 * slot + 1, 4 * slot + 3)] = -turned.x;
+    }
+    jacobian
+}

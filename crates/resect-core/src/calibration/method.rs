@@ -1,0 +1,199 @@
+//! The four calibrations of the paper and the joint estimate, and which of them a deployment allows.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::targets::{Targets, targets};
+use crate::deployment::Deployment;
+use crate::pipeline::Triplets;
+
+/// Control points that hold an answer of method B.
+pub const FEWEST_POINTS: usize = 3;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// A: two points whose relative position is known.
+    TwoPoint,
+    /// B: static control points.
+    StaticGcp,
+    /// C: one moving prism that all three stations follow.
+    DynamicGcp,
+    /// D: three prisms of a rig with known distances.
+    InterPrism,
+    /// Beyond the paper: all that bends C or D, such as clocks, is estimated with the transforms, for one prism or three.
+    #[default]
+    Joint,
+}
+
+impl Method {
+    pub const ALL: [Self; 5] =
+        [Self::TwoPoint, Self::StaticGcp, Self::DynamicGcp, Self::InterPrism, Self::Joint];
+
+    /// The method's name as scripts write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TwoPoint => "two-point",
+            Self::StaticGcp => "static-gcp",
+            Self::DynamicGcp => "dynamic-gcp",
+            Self::InterPrism => "inter-prism",
+            Self::Joint => "joint",
+        }
+    }
+
+    /// The paper's letter for the method, `None` where the paper does not know it.
+    pub fn letter(self) -> Option<char> {
+        match self {
+            Self::TwoPoint => Some('A'),
+            Self::StaticGcp => Some('B'),
+            Self::DynamicGcp => Some('C'),
+            Self::InterPrism => Some('D'),
+            Self::Joint => None,
+        }
+    }
+
+    /// "D", or "joint": where there is little room.
+    pub fn short_name(self) -> String {
+        self.letter().map_or_else(|| self.name().to_owned(), String::from)
+    }
+
+    /// "D  inter-prism distances", or "joint estimate": a line of a list.
+    pub fn label(self) -> String {
+        match self.letter() {
+            Some(letter) => format!("{letter}  {}", self.title()),
+            None => self.title().to_owned(),
+        }
+    }
+
+    /// "method D, inter-prism distances", or "the joint estimate": part of a sentence.
+    pub fn in_words(self) -> String {
+        match self.letter() {
+            Some(_) => format!("{self}, {}", self.title()),
+            None => self.to_string(),
+        }
+    }
+
+    /// Whether its answer is about the frames of the tracks; that of the others about those of the control points.
+    pub fn is_from_tracks(self) -> bool {
+        matches!(self, Self::DynamicGcp | Self::InterPrism | Self::Joint)
+    }
+
+    /// The method's name in words.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::TwoPoint => "two-point resection",
+            Self::StaticGcp => "static control points",
+            Self::DynamicGcp => "dynamic control points",
+            Self::InterPrism => "inter-prism distances",
+            Self::Joint => "joint estimate",
+        }
+    }
+}
+
+/// "method D", or "the joint estimate".
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.letter() {
+            Some(letter) => write!(f, "method {letter}"),
+            None => write!(f, "the {}", self.title()),
+        }
+    }
+}
+
+/// Which methods a deployment allows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Offer {
+    pub targets: Targets,
+    /// What the data lacks for each method, in words and in the order of [`Method::ALL`]; `None` where it can run.
+    pub lacks: [Option<String>; Method::ALL.len()],
+}
+
+impl Offer {
+    pub fn of(deployment: &Deployment, triplets: &Triplets) -> Self {
+        let targets = targets(deployment, triplets);
+        Self {
+            lacks: Method::ALL.map(|method| lack(method, deployment, triplets, targets)),
+            targets,
+        }
+    }
+
+    pub fn lack(&self, method: Method) -> Option<&str> {
+        self.lacks[method as usize].as_deref()
+    }
+
+    /// The paper's method for such a drive, which the joint estimate goes on from: D, or C where all stations follow one
+    /// prism.
+    pub fn published_method(&self) -> Method {
+        if self.targets == Targets::OnePrism { Method::DynamicGcp } else { Method::InterPrism }
+    }
+}
+
+fn lack(
+    method: Method,
+    deployment: &Deployment,
+    triplets: &Triplets,
+    targets: Targets,
+) -> Option<String> {
+    let no_triplets = || Some(format!("triplets: {}", why_no_triplets(deployment)));
+    match method {
+        Method::TwoPoint => {
+            let known = |set: &&crate::deployment::ControlPointSet| {
+                set.points.iter().filter(|point| point.serves_resection()).count() >= 2
+            };
+            (!deployment.control_points.iter().any(|set| known(&set))).then(|| {
+                "two points with known coordinates that every station measured (pillars.csv with Two_points.txt, or a \
+                 table file,marker_number,x_m,y_m,z_m)"
+                    .to_owned()
+            })
+        }
+        Method::StaticGcp => {
+            let shared = |station: usize| {
+                let both = |p: &&crate::deployment::ControlPoint| {
+                    p.readings[0].is_some() && p.readings[station].is_some()
+                };
+                let sets = deployment.control_points.iter().filter(|set| !set.pillars);
+                sets.flat_map(|set| &set.points).filter(both).count()
+            };
+            let fewest = shared(1).min(shared(2));
+            (fewest < FEWEST_POINTS).then(|| {
+                format!(
+                    "{} control points that all stations measured ({fewest} here)",
+                    FEWEST_POINTS
+                )
+            })
+        }
+        Method::DynamicGcp if triplets.is_empty() => no_triplets(),
+        Method::DynamicGcp => match targets {
+            Targets::ThreePrisms => {
+                Some("one prism that all three stations follow; here each has its own".to_owned())
+            }
+            Targets::OnePrism | Targets::Undecided => None,
+        },
+        Method::InterPrism => {
+            if targets == Targets::OnePrism {
+                Some("three prisms; here all three stations follow one".to_owned())
+            } else if deployment.rig.is_none() {
+                Some("the inter-prism distances (calibration_results.csv, or another file of the rig)".to_owned())
+            } else if triplets.is_empty() {
+                no_triplets()
+            } else {
+                None
+            }
+        }
+        Method::Joint => {
+            let one_prism = targets == Targets::OnePrism;
+            let published = if one_prism { Method::DynamicGcp } else { Method::InterPrism };
+            lack(published, deployment, triplets, targets)
+        }
+    }
+}
+
+/// Why the pipeline gave nothing, and what to do about it.
+pub fn why_no_triplets(deployment: &Deployment) -> String {
+    match deployment.tracks.iter().position(|track| track.measurements.is_empty()) {
+        Some(station) => format!("station {} has no measurement; all three are needed", station + 1),
+        None => "the stations never measured together for longer than τ_l; relax τ_s, τ_l or the outlier filter"
+            .to_owned(),
+    }
+}

@@ -1,0 +1,220 @@
+//! The mistakes that a reader can make about sense, numbers and units, and what was measured if one was made.
+
+use nalgebra::Vector3;
+
+use crate::deployment::{
+    AS_NUMBERED, AzimuthSense, ControlPointSet, Deployment, Measurement, Overrides,
+};
+use crate::pipeline::Triplets;
+
+/// The international foot (m). The US survey foot is 2 ppm longer, which no drive tells.
+const FOOT_M: f64 = 0.3048;
+
+/// One mistake in how readings were understood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Misreading {
+    /// Azimuths run counter-clockwise: of all stations, or of one (0 to 2).
+    Azimuth(Option<usize>),
+    /// Ranges are feet.
+    Feet(Option<usize>),
+    /// What is station k should be what was read as station `numbers[k]` (0 to 2).
+    Numbers([usize; 3]),
+}
+
+impl Misreading {
+    /// All misreadings, what happens most and explains most in few words first.
+    pub const ALL: [Self; 13] = [
+        Self::Azimuth(None),
+        Self::Feet(None),
+        Self::Numbers([1, 0, 2]),
+        Self::Numbers([2, 1, 0]),
+        Self::Numbers([0, 2, 1]),
+        Self::Numbers([1, 2, 0]),
+        Self::Numbers([2, 0, 1]),
+        Self::Feet(Some(0)),
+        Self::Feet(Some(1)),
+        Self::Feet(Some(2)),
+        Self::Azimuth(Some(0)),
+        Self::Azimuth(Some(1)),
+        Self::Azimuth(Some(2)),
+    ];
+
+    /// Which station's readings are station k's.
+    fn source(self, station: usize) -> usize {
+        match self {
+            Self::Numbers(numbers) => numbers[station],
+            _ => station,
+        }
+    }
+
+    fn reverses(self, station: usize) -> bool {
+        matches!(self, Self::Azimuth(which) if which.is_none_or(|one| one == station))
+    }
+
+    fn is_feet(self, station: usize) -> bool {
+        matches!(self, Self::Feet(which) if which.is_none_or(|one| one == station))
+    }
+
+    /// Range in metres, of one that was read as metres and got a prism constant.
+    fn range_m(self, station: usize, range_m: f64, constant_m: f64) -> f64 {
+        if self.is_feet(station) { (range_m - constant_m) * FOOT_M + constant_m } else { range_m }
+    }
+
+    /// The triplets had it been read right.
+    pub fn undone(self, triplets: &Triplets, constants_m: [f64; 3]) -> Triplets {
+        let right = |station: usize, point: &Vector3<f64>| {
+            let (measured_m, mut point) = (point.norm(), *point);
+            if self.reverses(station) {
+                point.y = -point.y;
+            }
+            point * (self.range_m(station, measured_m, constants_m[station]) / measured_m)
+        };
+        let points_m = std::array::from_fn(|station| {
+            let source = self.source(station);
+            triplets.points_m[source].iter().map(|point| right(source, point)).collect()
+        });
+        Triplets::new(triplets.time_s.clone(), triplets.interval.clone(), points_m)
+    }
+
+    /// Control points had they been read right.
+    pub fn undone_in_points(
+        self,
+        sets: &[ControlPointSet],
+        constants_m: [f64; 3],
+    ) -> Vec<ControlPointSet> {
+        let mut sets = sets.to_vec();
+        for point in sets.iter_mut().flat_map(|set| &mut set.points) {
+            let read = point.readings;
+            point.readings = std::array::from_fn(|station| {
+                let source = self.source(station);
+                let mut polar = read[source]?;
+                if self.reverses(source) {
+                    polar.azimuth_rad = -polar.azimuth_rad;
+                }
+                polar.range_m = self.range_m(source, polar.range_m, constants_m[source]);
+                Some(polar)
+            });
+        }
+        sets
+    }
+
+    /// One reading of a track had its range been read in feet; other mistakes leave it alone.
+    pub fn undone_in_range(self, station: usize, measurement: &Measurement) -> Measurement {
+        let range_m = self.range_m(station, measurement.range_m, 0.0);
+        Measurement { range_m, ..*measurement }
+    }
+
+    /// "azimuths of the tracks look counter-clockwise".
+    pub fn in_words(self, of: &str) -> String {
+        match self {
+            Self::Azimuth(None) => format!("azimuths{of} look counter-clockwise"),
+            Self::Azimuth(Some(station)) => {
+                format!("azimuths of station {}{of} look counter-clockwise", station + 1)
+            }
+            Self::Feet(None) => format!("ranges{of} look like feet"),
+            Self::Feet(Some(station)) => {
+                format!("ranges of station {}{of} look like feet", station + 1)
+            }
+            Self::Numbers(numbers) => match numbers.iter().enumerate().find(|(k, n)| k == *n) {
+                Some((unmoved, _)) => {
+                    let [a, b] = [[2, 3], [1, 3], [1, 2]][unmoved];
+                    format!("stations {a} and {b}{of} look exchanged")
+                }
+                None => {
+                    let [a, b, c] = numbers.map(|number| number + 1);
+                    format!(
+                        "stations{of} look numbered in a circle: what was read as {a}, {b}, {c} looks like 1, 2, 3"
+                    )
+                }
+            },
+        }
+    }
+
+    /// "with 0.3048 m each".
+    pub fn assuming(self) -> &'static str {
+        match self {
+            Self::Azimuth(_) => "with them reversed",
+            Self::Feet(_) => "with 0.3048 m each",
+            Self::Numbers(_) => "with that put right",
+        }
+    }
+
+    /// What puts it right in the tracks, as a key of `deployment.toml`; `None` where that has none.
+    pub fn remedy(self, deployment: &Deployment) -> Option<String> {
+        if self == Self::Feet(None) {
+            return Some("length_unit = \"feet\" in [columns]".to_owned());
+        }
+        let Overrides { azimuth, stations, .. } = self.read_with(deployment)?;
+        azimuth
+            .map(|sense| format!("azimuth = \"{}\"", sense.title()))
+            .or(stations.map(|[a, b, c]| format!("stations = [{a}, {b}, {c}]")))
+    }
+
+    /// What puts it right in the tracks by being said over the files, where that is all there is to say.
+    pub fn read_with(self, deployment: &Deployment) -> Option<Overrides> {
+        let Overrides { azimuth, stations, .. } = &deployment.overrides;
+        match self {
+            Self::Azimuth(None) => {
+                let sense = match azimuth {
+                    Some(AzimuthSense::CounterClockwise) => AzimuthSense::Clockwise,
+                    _ => AzimuthSense::CounterClockwise,
+                };
+                Some(Overrides { azimuth: Some(sense), ..Overrides::default() })
+            }
+            Self::Numbers(numbers) => {
+                let own = stations.unwrap_or(AS_NUMBERED);
+                let stations = Some(numbers.map(|number| own[number]));
+                Some(Overrides { stations, ..Overrides::default() })
+            }
+            Self::Azimuth(Some(_)) | Self::Feet(_) => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::{Preset, simulate};
+
+    fn triplets() -> Triplets {
+        let points = |x: f64| vec![Vector3::new(x, 3.0, -1.0), Vector3::new(x, 4.0, -1.5)];
+        Triplets::new(vec![0.0, 0.1], vec![0, 0], [points(10.0), points(20.0), points(30.0)])
+    }
+
+    #[test]
+    fn what_is_undone_twice_or_made_and_undone_is_as_it_was() {
+        let right = triplets();
+        for misreading in [Misreading::Azimuth(None), Misreading::Azimuth(Some(1))] {
+            let twice = misreading.undone(&misreading.undone(&right, [0.01; 3]), [0.01; 3]);
+            assert!((twice.points_m[1][0] - right.points_m[1][0]).norm() < 1e-12);
+            assert_ne!(misreading.undone(&right, [0.01; 3]).points_m[1], right.points_m[1]);
+        }
+        let turned = Misreading::Numbers([1, 2, 0]).undone(&right, [0.0; 3]);
+        assert_eq!(turned.points_m[0], right.points_m[1]);
+        assert_eq!(Misreading::Numbers([2, 0, 1]).undone(&turned, [0.0; 3]), right);
+    }
+
+    #[test]
+    fn the_prism_constant_is_metres_whatever_the_range_was() {
+        let mut feet = triplets();
+        for point in &mut feet.points_m[2] {
+            let metres = point.norm();
+            *point *= ((metres - 0.01) / FOOT_M + 0.01) / metres;
+        }
+        let undone = Misreading::Feet(Some(2)).undone(&feet, [0.01; 3]);
+        assert!((undone.points_m[2][0] - triplets().points_m[2][0]).norm() < 1e-12);
+        assert_eq!(undone.points_m[0], triplets().points_m[0]);
+    }
+
+    #[test]
+    fn the_remedy_says_what_to_write() {
+        assert_eq!(Misreading::ALL.len(), 13);
+        let deployment = simulate(Preset::Warthog, 1).readings();
+        let mut renumbered = deployment.clone();
+        renumbered.overrides.stations = Some([7, 8, 9]);
+        let swap = Misreading::Numbers([0, 2, 1]);
+        assert_eq!(swap.in_words(""), "stations 2 and 3 look exchanged");
+        assert_eq!(swap.remedy(&deployment).as_deref(), Some("stations = [1, 3, 2]"));
+        assert_eq!(swap.remedy(&renumbered).as_deref(), Some("stations = [7, 9, 8]"));
+    }
+}

@@ -1,0 +1,169 @@
+//! Several drives of one set-up as one deployment: one after the other, and solved together.
+
+use super::{Deployment, Finding};
+
+/// A drive that cannot be solved together with the others: which, why, and what to do.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{drive}: {what}; {remedy}")]
+pub struct OtherSetUp {
+    pub drive: String,
+    pub what: String,
+    pub remedy: String,
+}
+
+/// Shortest pause between drives (s): the pipeline must see that one ends and the next begins.
+const LEAST_PAUSE_S: f64 = 10.0;
+/// Pause that is put between drives whose stamps overlap (s after the end of the one before).
+const PAUSE_S: f64 = 60.0;
+/// Rigs whose measured distances differ by more (m) are not the same.
+const SAME_RIG_M: f64 = 0.005;
+/// Distances that differ by less (m) are the same but for rounding.
+const SAME_DISTANCES_M: f64 = 5e-5;
+
+impl Deployment {
+    /// Takes in further drives with the same stations, where they stand, and the same rig.
+    ///
+    /// Each drive keeps its stamps where it can. One that begins before the one before it has ended is put behind it, and a
+    /// finding says so: its clocks are its own in any case.
+    ///
+    /// # Errors
+    /// [`OtherSetUp`] where a drive has another rig, other prisms or other frames than the first.
+    pub fn take_in(&mut self, drives: Vec<Self>) -> Result<(), OtherSetUp> {
+        let mut all = drives;
+        all.sort_by(|a, b| start_s(a).total_cmp(&start_s(b)));
+        for mut drive in all {
+            self.check_same_set_up(&drive)?;
+            let from_s = self.end_s().unwrap_or(0.0);
+            if start_s(&drive) < from_s + LEAST_PAUSE_S {
+                let by_s = from_s + PAUSE_S - start_s(&drive);
+                drive.shift(by_s);
+                self.findings.push(Finding::note(format!(
+                    "{}: its stamps overlap those of the drive before; it is put behind that, {by_s:.0} s later than stamped",
+                    drive.name
+                )));
+            }
+            self.restarts_s.push(start_s(&drive));
+            self.append(drive);
+        }
+        Ok(())
+    }
+
+    fn check_same_set_up(&mut self, other: &Self) -> Result<(), OtherSetUp> {
+        let differs = |what: &str| {
+            Err(OtherSetUp {
+                drive: other.name.clone(),
+                what: format!("{what} than {}", self.name),
+                remedy: "drives are solved together where the same rig is followed by stations that nobody moved; \
+                         open it by itself"
+                    .to_owned(),
+            })
+        };
+        if start_s(other).is_infinite() {
+            return Err(OtherSetUp {
+                drive: other.name.clone(),
+                what: "it has no readings".to_owned(),
+                remedy: "leave it out".to_owned(),
+            });
+        }
+        if let Some(station) = other.tracks.iter().position(|track| track.measurements.is_empty()) {
+            return Err(OtherSetUp {
+                drive: other.name.clone(),
+                what: format!("station {} has no measurement; all three are needed", station + 1),
+                remedy: "leave it out".to_owned(),
+            });
+        }
+        // The same readings twice would only seem to be surer.
+        let (own, others) = (&self.tracks[0].measurements, &other.tracks[0].measurements);
+        if own.windows(others.len()).any(|part| part == others) {
+            return Err(OtherSetUp {
+                drive: other.name.clone(),
+                what: "it has the readings of a drive that is there already".to_owned(),
+                remedy: "give each drive once".to_owned(),
+            });
+        }
+        if other.track_frame != self.track_frame {
+            return differs("its tracks are in another frame");
+        }
+        if let (Some(own), Some(others)) = (&self.rig, &other.rig) {
+            let pairs = own.inter_prism_m.iter().zip(&others.inter_prism_m);
+            let apart_m = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            if apart_m > SAME_RIG_M {
+                return differs("it has other inter-prism distances");
+            }
+            if apart_m > SAME_DISTANCES_M {
+                self.findings.push(Finding::note(format!(
+                    "{}: its inter-prism distances differ from those of {} by up to {:.1} mm; the latter are used",
+                    other.name,
+                    self.name,
+                    apart_m * 1e3
+                )));
+            }
+        }
+        if other.prisms.is_some() && self.prisms.is_some() && other.prisms != self.prisms {
+            return differs("its stations follow another number of prisms");
+        }
+        Ok(())
+    }
+
+    fn shift(&mut self, by_s: f64) {
+        for track in &mut self.tracks {
+            track.measurements.iter_mut().for_each(|reading| reading.time_s += by_s);
+        }
+        self.gnss.iter_mut().flatten().flatten().for_each(|fix| fix.time_s += by_s);
+        self.time_corrections.iter_mut().flatten().for_each(|told| told.time_s += by_s);
+    }
+
+    fn append(&mut self, mut drive: Self) {
+        self.name = format!("{} + {}", self.name, drive.name);
+        for (track, more) in self.tracks.iter_mut().zip(&mut drive.tracks) {
+            // What is not known of one drive is not known of all.
+            let all_known = |own: &[f64], readings: usize| own.len() == readings;
+            if all_known(&track.own_clock_s, track.measurements.len())
+                && all_known(&more.own_clock_s, more.measurements.len())
+            {
+                track.own_clock_s.append(&mut more.own_clock_s);
+            } else {
+                track.own_clock_s.clear();
+            }
+            if !track.left_out.is_empty() || !more.left_out.is_empty() {
+                track.left_out.resize(track.measurements.len(), false);
+                more.left_out.resize(more.measurements.len(), false);
+                track.left_out.append(&mut more.left_out);
+            }
+            // The constant is the drive's own, and only one is kept.
+            let constant_m = more.prism_constant_m - track.prism_constant_m;
+            more.measurements.iter_mut().for_each(|reading| reading.range_m += constant_m);
+            track.measurements.append(&mut more.measurements);
+        }
+        for set in drive.control_points {
+            if !self.control_points.iter().any(|known| known.points == set.points) {
+                let file = format!("{}/{}", drive.name, set.file);
+                self.control_points.push(super::ControlPointSet { file, ..set });
+            }
+        }
+        self.rig = self.rig.take().or(drive.rig);
+        self.prisms = self.prisms.or(drive.prisms);
+        self.gnss = match (self.gnss.take(), drive.gnss) {
+            (Some(mut own), Some(more)) => {
+                own.iter_mut().zip(more).for_each(|(own, more)| own.extend(more));
+                Some(own)
+            }
+            _ => None,
+        };
+        for (own, more) in self.time_corrections.iter_mut().zip(drive.time_corrections) {
+            own.extend(more);
+        }
+        for ingredient in &mut drive.ingredients {
+            ingredient.file = format!("{}/{}", drive.name, ingredient.file);
+        }
+        self.ingredients.append(&mut drive.ingredients);
+        for finding in &mut drive.findings {
+            finding.message = format!("{}: {}", drive.name, finding.message);
+        }
+        self.findings.append(&mut drive.findings);
+    }
+}
+
+fn start_s(deployment: &Deployment) -> f64 {
+    deployment.start_s().unwrap_or(f64::INFINITY)
+}

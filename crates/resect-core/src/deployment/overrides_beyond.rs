@@ -1,0 +1,74 @@
+//! Overrides against the word of the files: what of them says anything else, and other station numbers.
+
+use super::{AzimuthSense, Overrides, PrismConstants};
+
+/// The station numbers of files that do not say otherwise.
+pub const AS_NUMBERED: [i64; 3] = [1, 2, 3];
+
+impl Overrides {
+    /// What of these says anything else than the folder does, whose word is `as_read`.
+    #[must_use]
+    pub fn beyond(self, as_read: &Self) -> Self {
+        /// `silent`: what is meant where neither says anything.
+        fn beyond<T: PartialEq>(own: Option<T>, read: Option<&T>, silent: Option<&T>) -> Option<T> {
+            own.filter(|own| read.or(silent) != Some(own))
+        }
+        let Self {
+            name,
+            tracks,
+            topics,
+            stations,
+            azimuth,
+            prism_constant_m,
+            ranges_include_prism_constant,
+            inter_prism_m,
+            prisms,
+            prisms_m,
+            gnss,
+            control_points,
+            rig,
+            span_s,
+            masked,
+            columns,
+            surveys,
+        } = self;
+        Self {
+            name: beyond(name, as_read.name.as_ref(), None),
+            tracks: beyond(tracks, as_read.tracks.as_ref(), None),
+            topics: beyond(topics, as_read.topics.as_ref(), None),
+            stations: beyond(stations, as_read.stations.as_ref(), Some(&AS_NUMBERED)),
+            azimuth: beyond(azimuth, as_read.azimuth.as_ref(), Some(&AzimuthSense::Clockwise)),
+            prism_constant_m: prism_constant_m.filter(|own| {
+                let read = as_read.prism_constant_m.map(PrismConstants::each_m);
+                read.unwrap_or(PrismConstants::default().each_m()) != own.each_m()
+            }),
+            ranges_include_prism_constant: beyond(
+                ranges_include_prism_constant,
+                as_read.ranges_include_prism_constant.as_ref(),
+                None,
+            ),
+            inter_prism_m: beyond(inter_prism_m, as_read.inter_prism_m.as_ref(), None),
+            prisms: beyond(prisms, as_read.prisms.as_ref(), None),
+            prisms_m: beyond(prisms_m, as_read.prisms_m.as_ref(), None),
+            gnss: beyond(gnss, as_read.gnss.as_ref(), None),
+            control_points: beyond(control_points, as_read.control_points.as_ref(), None),
+            rig: beyond(rig, as_read.rig.as_ref(), None),
+            span_s: beyond(span_s, as_read.span_s.as_ref(), None),
+            masked: beyond(masked, as_read.masked.as_ref(), Some(&Vec::new())),
+            columns: beyond(columns, as_read.columns.as_ref(), None),
+            surveys: beyond(surveys, as_read.surveys.as_ref(), None),
+        }
+    }
+
+    /// Gives the stations other numbers of the files; the readings that are masked stay the same ones.
+    pub fn renumber(&mut self, before: [i64; 3], after: [i64; 3]) {
+        for mask in self.masked.iter_mut().flatten() {
+            let number = before.get(usize::from(mask.station).wrapping_sub(1));
+            let place = number.and_then(|own| after.iter().position(|new| new == own));
+            if let Some(place) = place {
+                mask.station = place as u8 + 1;
+            }
+        }
+        self.stations = Some(after);
+    }
+}

@@ -1,0 +1,229 @@
+//! The calibrations side by side, by both metrics (Vaidis et al. 2022, section "Calibration comparison").
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::split::{Plan, Splits};
+use super::study::{Group, Level, Quantiles, Series, Study};
+use super::{INSTRUMENT_NOISE_MM, StudyError};
+use crate::analysis::{Analysis, Analyst, Answer, Settings};
+use crate::calibration;
+use crate::calibration::{CalibrationSettings, Disagreement, Method, Offer};
+use crate::deployment::{ControlPointSet, Deployment, Finding};
+use crate::evaluation;
+use crate::evaluation::gnss;
+use crate::palette;
+use crate::progress::Progress;
+
+const METHODS: usize = Method::ALL.len();
+
+/// Answers of one deployment, on all of its data.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    pub deployment: String,
+    /// The answers in the order of [`Method::ALL`]; or why there is none.
+    pub answers: [Result<Arc<Answer>, String>; METHODS],
+    pub disagreements: Vec<Disagreement>,
+}
+
+/// The study's picture, and the answers behind it.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    pub study: Study,
+    pub deployments: Vec<Compared>,
+}
+
+/// Every method that the data allows, judged by both metrics.
+pub fn compare(
+    deployments: &[Arc<Deployment>],
+    settings: &Settings,
+    splits: Option<Splits>,
+    progress: &Progress,
+) -> Result<Comparison, StudyError> {
+    if deployments.is_empty() {
+        return Err(StudyError::Nothing("no deployment to compare on".to_owned()));
+    }
+    progress.expect(deployments.len() as u64);
+    let each = deployments
+        .par_iter()
+        .map(|deployment| progress.step(|| one(deployment, settings, splits)))
+        .collect::<Result<Vec<_>, _>>()?;
+
+    if each.iter().all(|(compared, _)| compared.answers.iter().all(Result::is_err)) {
+        let name = &each[0].0.deployment;
+        let why = each[0].0.answers.iter().find_map(|answer| answer.as_ref().err());
+        return Err(StudyError::Nothing(format!(
+            "{name}: no method can run; {} {}",
+            Method::Joint,
+            each[0].0.answers[Method::Joint as usize]
+                .as_ref()
+                .err()
+                .or(why)
+                .map_or("lacks data", String::as_str)
+        )));
+    }
+    let mut findings = Vec::new();
+    for (compared, _) in &each {
+        for disagreement in &compared.disagreements {
+            let prefix =
+                if each.len() > 1 { format!("{}: ", compared.deployment) } else { String::new() };
+            let own = disagreement.finding();
+            findings.push(Finding { message: prefix + &own.message, ..own });
+        }
+    }
+    let groups = Method::ALL
+        .iter()
+        .enumerate()
+        .map(|(index, method)| group(*method, index, &each))
+        .collect();
+    let data = match deployments {
+        [one] => one.name.clone(),
+        several => format!("{} deployments", several.len()),
+    };
+    let judged = splits.map_or("each method on the data it was solved with".to_owned(), |splits| {
+        format!(
+            "solved with 75 %, judged on the 25 % left out, {} random splits, seed {}",
+            splits.repeats, splits.seed
+        )
+    });
+    let mut levels = gnss_level(deployments).into_iter().collect::<Vec<_>>();
+    levels.push(Level {
+        label: format!("RTS range noise {INSTRUMENT_NOISE_MM:.0} mm"),
+        value: INSTRUMENT_NOISE_MM,
+    });
+    let study = Study {
+        name: "comparison".to_owned(),
+        title: "Calibrations by both metrics".to_owned(),
+        subtitle: format!("{data}; {judged}"),
+        value_label: "error (mm)".to_owned(),
+        group_label: "calibration".to_owned(),
+        series: ["control points", "inter-prism distances"]
+            .into_iter()
+            .zip(palette::METRICS)
+            .map(|(name, rgb)| Series { name: name.to_owned(), rgb })
+            .collect(),
+        groups,
+        levels,
+        findings,
+        settings: *settings,
+    };
+    let deployments = each.into_iter().map(|(compared, _)| compared).collect();
+    Ok(Comparison { study, deployments })
+}
+
+/// Sizes of errors (mm): of control points, of inter-prism distances.
+type BothErrors = [Vec<f64>; 2];
+
+fn one(
+    deployment: &Arc<Deployment>,
+    settings: &Settings,
+    splits: Option<Splits>,
+) -> (Compared, [BothErrors; METHODS]) {
+    let mut analyst = Analyst::new(Arc::clone(deployment));
+    let mut errors: [BothErrors; METHODS] = Default::default();
+    let answers = Method::ALL.map(|method| {
+        let mut settings = *settings;
+        settings.calibration.method = Some(method);
+        let analysis = analyst.run(&settings);
+        errors[method as usize] = judge(deployment, &analysis, &settings.calibration, splits);
+        match (&analysis.answer, analysis.offer.lack(method)) {
+            (Ok(answer), _) => Ok(Arc::clone(answer)),
+            (Err(_), Some(lack)) => Err(format!("needs {lack}")),
+            (Err(error), None) => Err(error.to_string()),
+        }
+    });
+    let disagreements = disagreements(&answers, deployment);
+    (Compared { deployment: deployment.name.clone(), answers, disagreements }, errors)
+}
+
+/// Errors of one method by both metrics.
+fn judge(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    settings: &CalibrationSettings,
+    splits: Option<Splits>,
+) -> BothErrors {
+    let triplets = &analysis.pipeline.triplets;
+    let Offer { targets, .. } = analysis.offer;
+    let mut errors = BothErrors::default();
+    if analysis.answer.is_err() {
+        return errors;
+    }
+    let plan = Plan::new(deployment, triplets, splits);
+    for [train, test] in plan.parts(deployment, triplets) {
+        let answer =
+            calibration::solve(&train.deployment, &train.triplets, settings, &analysis.offer);
+        // A part may hold too few points for the method; the others judge it.
+        let Ok(answer) = answer else { continue };
+        let transforms = &answer.station1_from_station;
+        let (_, evaluation) =
+            evaluation::evaluate_answer(&test.deployment, &test.triplets, targets, &answer);
+        let points: &[ControlPointSet] = if answer.method.is_from_tracks() {
+            test.deployment.comparable_control_points()
+        } else {
+            &test.deployment.control_points
+        };
+        let points = points.iter().filter(|set| !set.pillars);
+        errors[0].extend(points.flat_map(|set| set.disagreements_m(transforms)).map(|m| m * 1e3));
+        errors[1].extend(evaluation.distance_errors_mm.into_iter().flatten());
+    }
+    errors
+}
+
+fn group(method: Method, index: usize, each: &[(Compared, [BothErrors; METHODS])]) -> Group {
+    let solved = each.iter().filter(|(compared, _)| compared.answers[index].is_ok()).count();
+    let pooled = |metric: usize| -> Vec<f64> {
+        each.iter().flat_map(|(_, errors)| errors[index][metric].iter().copied()).collect()
+    };
+    let why = match solved {
+        0 => ["not possible with this data"; 2],
+        _ => ["no control points", "no distances"],
+    };
+    Group {
+        label: method.label(),
+        note: match (solved, each.len()) {
+            // Where no box can stand, its place says why.
+            (0, _) | (_, 1) => String::new(),
+            (solved, all) => format!("{solved} of {all} deployments"),
+        },
+        boxes: (0..2)
+            .map(|metric| Quantiles::of(pooled(metric)).ok_or_else(|| why[metric].to_owned()))
+            .collect(),
+    }
+}
+
+/// Median error of the distances between RTK antennas: what the stations compete with.
+fn gnss_level(deployments: &[Arc<Deployment>]) -> Option<Level> {
+    let mut errors_mm = Vec::new();
+    for deployment in deployments {
+        let known = deployment.rig.as_ref().and_then(|rig| rig.inter_antenna_m);
+        if let (Some(antennas), Some(known)) = (&deployment.gnss, known) {
+            let fixes = antennas.each_ref().map(Vec::as_slice);
+            let result = gnss::inter_antenna(fixes, &known);
+            errors_mm.extend(result.errors_mm.into_iter().flatten());
+        }
+    }
+    let median = Quantiles::of(errors_mm)?.median;
+    Some(Level { label: format!("RTK GNSS antennas {median:.1} mm"), value: median })
+}
+
+/// All pairs of answers that are further apart than their σ allow.
+fn disagreements(
+    answers: &[Result<Arc<Answer>, String>; METHODS],
+    deployment: &Deployment,
+) -> Vec<Disagreement> {
+    let mut found = Vec::new();
+    for first in 0..METHODS {
+        for second in first + 1..METHODS {
+            if let (Ok(a), Ok(b)) = (&answers[first], &answers[second]) {
+                found.extend(calibration::disagreements(
+                    &a.calibration,
+                    &b.calibration,
+                    deployment,
+                ));
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,206 @@
+//! How the errors depend on one threshold (Vaidis et al. 2022, section "Sensitivity and ablation tests").
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::StudyError;
+use super::reference::{self, Reference};
+use super::split::Splits;
+use super::study::{Group, Quantiles, Series, Study};
+use crate::analysis::Settings;
+use crate::deployment::Deployment;
+use crate::palette;
+use crate::pipeline::PipelineSettings;
+use crate::progress::Progress;
+
+/// What can be swept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Parameter {
+    TauR,
+    TauA,
+    TauE,
+    TauS,
+    TauL,
+    Rate,
+}
+
+impl Parameter {
+    pub const ALL: [Self; 6] =
+        [Self::TauR, Self::TauA, Self::TauE, Self::TauS, Self::TauL, Self::Rate];
+
+    /// The parameter's name as a flag.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TauR => "tau-r",
+            Self::TauA => "tau-a",
+            Self::TauE => "tau-e",
+            Self::TauS => "tau-s",
+            Self::TauL => "tau-l",
+            Self::Rate => "rate",
+        }
+    }
+
+    /// The parameter as the paper writes it, and in words.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::TauR => "τ_r, range rate",
+            Self::TauA => "τ_a, azimuth rate",
+            Self::TauE => "τ_e, zenith rate",
+            Self::TauS => "τ_s, longest gap",
+            Self::TauL => "τ_l, shortest interval",
+            Self::Rate => "rate of the triplets",
+        }
+    }
+
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::TauR => "m/s",
+            Self::TauA | Self::TauE => "°/s",
+            Self::TauS | Self::TauL => "s",
+            Self::Rate => "Hz",
+        }
+    }
+
+    pub fn of(self, settings: &mut PipelineSettings) -> &mut f64 {
+        let thresholds = &mut settings.thresholds;
+        match self {
+            Self::TauR => &mut thresholds.tau_r_m_per_s,
+            Self::TauA => &mut thresholds.tau_a_deg_per_s,
+            Self::TauE => &mut thresholds.tau_e_deg_per_s,
+            Self::TauS => &mut thresholds.tau_s_seconds,
+            Self::TauL => &mut thresholds.tau_l_seconds,
+            Self::Rate => &mut settings.rate_hz,
+        }
+    }
+
+    /// Whether the module that it belongs to runs.
+    fn matters(self, settings: &PipelineSettings) -> bool {
+        match self {
+            Self::TauR | Self::TauA | Self::TauE => settings.outlier_filter,
+            Self::TauL => settings.interval_filter,
+            Self::TauS | Self::Rate => true,
+        }
+    }
+}
+
+/// Equal steps of a parameter, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sweep {
+    pub parameter: Parameter,
+    pub from: f64,
+    pub to: f64,
+    pub steps: usize,
+}
+
+impl Sweep {
+    pub const MOST_STEPS: usize = 200;
+
+    pub fn values(&self) -> Vec<f64> {
+        let last = self.steps.saturating_sub(1).max(1) as f64;
+        (0..self.steps).map(|i| self.from + (self.to - self.from) * i as f64 / last).collect()
+    }
+
+    /// What makes no sense, as one line.
+    pub fn check(&self, settings: &PipelineSettings) -> Result<(), String> {
+        let Self { parameter, steps, .. } = *self;
+        if !(2..=Self::MOST_STEPS).contains(&steps) {
+            return Err(format!("steps is {steps}; from 2 to {} are possible", Self::MOST_STEPS));
+        }
+        if self.from == self.to {
+            return Err(format!("from and to are both {}; give two values", self.from));
+        }
+        if !parameter.matters(settings) {
+            return Err(format!("{} has no effect while its filter is off", parameter.name()));
+        }
+        for value in [self.from, self.to] {
+            let mut variant = *settings;
+            *parameter.of(&mut variant) = value;
+            variant.check()?;
+        }
+        Ok(())
+    }
+}
+
+/// Inter-prism errors for every value of the parameter.
+pub fn sweep(
+    deployments: &[Arc<Deployment>],
+    settings: &Settings,
+    sweep: &Sweep,
+    reference: Reference,
+    splits: Option<Splits>,
+    progress: &Progress,
+) -> Result<Study, StudyError> {
+    sweep.check(&settings.pipeline).map_err(StudyError::Nothing)?;
+    let values = sweep.values();
+    progress.expect(1 + values.len() as u64);
+    let (judges, findings) =
+        progress.step(|| reference::judges(deployments, settings, reference, splits))??;
+    let parameter = sweep.parameter;
+    let groups = values
+        .par_iter()
+        .map(|value| {
+            let mut variant = settings.pipeline;
+            *parameter.of(&mut variant) = *value;
+            let (errors, count) = progress.step(|| reference::pooled(&judges, &variant))?;
+            Ok(Group {
+                label: short(*value, values[1] - values[0]),
+                note: format!("{count}"),
+                boxes: vec![Quantiles::of(errors).ok_or_else(|| "no triplets".to_owned())],
+            })
+        })
+        .collect::<Result<Vec<_>, StudyError>>()?;
+    Ok(Study {
+        name: format!("sweep-{}", parameter.name()),
+        title: format!("How the errors depend on {}", parameter.title()),
+        subtitle: reference::in_words(&judges, splits),
+        value_label: "inter-prism error (mm)".to_owned(),
+        group_label: format!(
+            "{} ({}), set to {}; below it the number of triplets",
+            parameter.title(),
+            parameter.unit(),
+            parameter.of(&mut settings.pipeline.clone())
+        ),
+        series: vec![Series {
+            name: settings.pipeline.interpolation.title().to_owned(),
+            rgb: palette::interpolation(settings.pipeline.interpolation),
+        }],
+        groups,
+        levels: Vec::new(),
+        findings,
+        settings: *settings,
+    })
+}
+
+/// The value in enough digits to tell the steps apart, without the zeros that say nothing.
+fn short(value: f64, step: f64) -> String {
+    let digits = (2.0 - step.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ends_are_swept_and_nonsense_is_refused() {
+        let tau_s = Sweep { parameter: Parameter::TauS, from: 0.5, to: 3.0, steps: 11 };
+        let values = tau_s.values();
+        assert_eq!((values[0], values[10], values.len()), (0.5, 3.0, 11));
+        assert_eq!(short(values[1], 0.25), "0.75");
+        assert_eq!(short(1.2e-8, 1e-9), "0.000000012");
+        let paper = PipelineSettings::default();
+        assert_eq!(tau_s.check(&paper), Ok(()));
+        assert!(Sweep { from: -1.0, ..tau_s }.check(&paper).is_err());
+        assert!(Sweep { steps: 1, ..tau_s }.check(&paper).is_err());
+        let no_filter = PipelineSettings { outlier_filter: false, ..paper };
+        assert!(Sweep { parameter: Parameter::TauR, ..tau_s }.check(&no_filter).is_err());
+    }
+}

@@ -1,0 +1,162 @@
+//! Module 1: drops readings that move faster than the vehicle can, and gives the rest in Cartesian coordinates.
+
+use nalgebra::Vector3;
+
+use super::Thresholds;
+use crate::deployment::{Deployment, Measurement, Track};
+use crate::geometry::wrap_to_pi;
+
+/// Which rate gave a reading away; the first that exceeds its threshold, in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum OutlierReason {
+    Range,
+    Azimuth,
+    Zenith,
+}
+
+/// Rates of change from the previous raw reading of the same station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    pub range_m_per_s: f64,
+    pub azimuth_deg_per_s: f64,
+    pub zenith_deg_per_s: f64,
+}
+
+/// A station's readings after the filter, in Cartesian coordinates of its own frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FilteredTrack {
+    pub time_s: Vec<f64>,
+    pub position_m: Vec<Vector3<f64>>,
+    /// Index of each kept reading in the raw track.
+    pub source: Vec<u32>,
+    /// Why each raw reading was dropped, if it was.
+    pub rejected: Vec<Option<OutlierReason>>,
+    /// Whether each reading was left out by the user, as in [`Track::left_out`].
+    pub left_out: Vec<bool>,
+}
+
+/// Positions of every raw reading (m), each station in its own frame. No setting changes them.
+pub fn positions_m(deployment: &Deployment) -> [Vec<Vector3<f64>>; 3] {
+    deployment
+        .tracks
+        .each_ref()
+        .map(|track| track.measurements.iter().map(|m| track.position_m(m)).collect())
+}
+
+/// Filters the three tracks, whose positions are [`positions_m`]; `None` keeps everything, as the paper's
+/// pipeline without module 1.
+pub fn filter(
+    deployment: &Deployment,
+    positions_m: &[Vec<Vector3<f64>>; 3],
+    thresholds: Option<&Thresholds>,
+) -> [FilteredTrack; 3] {
+    std::array::from_fn(|station| {
+        filter_track(&deployment.tracks[station], &positions_m[station], thresholds)
+    })
+}
+
+/// Rates between two readings; the azimuth takes the short way round.
+pub fn rates(previous: &Measurement, this: &Measurement) -> Rates {
+    let elapsed_s = this.time_s - previous.time_s;
+    Rates {
+        range_m_per_s: (this.range_m - previous.range_m) / elapsed_s,
+        azimuth_deg_per_s: wrap_to_pi(this.azimuth_rad - previous.azimuth_rad).to_degrees()
+            / elapsed_s,
+        zenith_deg_per_s: (this.zenith_rad - previous.zenith_rad).to_degrees() / elapsed_s,
+    }
+}
+
+/// The previous raw reading counts whether it was kept or not: after a jump, the way back is a jump too. What the user
+/// left out does not count at all.
+fn filter_track(
+    track: &Track,
+    positions_m: &[Vector3<f64>],
+    thresholds: Option<&Thresholds>,
+) -> FilteredTrack {
+    let readings = &track.measurements;
+    let mut previous: Option<&Measurement> = None;
+    let mut out = FilteredTrack {
+        time_s: Vec::with_capacity(readings.len()),
+        position_m: Vec::with_capacity(readings.len()),
+        source: Vec::with_capacity(readings.len()),
+        rejected: Vec::with_capacity(readings.len()),
+        left_out: track.left_out.clone(),
+    };
+    for (index, reading) in readings.iter().enumerate() {
+        if track.is_left_out(index) {
+            out.rejected.push(None);
+            continue;
+        }
+        let reason = match (thresholds, previous) {
+            (Some(thresholds), Some(previous)) => too_fast(&rates(previous, reading), thresholds),
+            _ => None,
+        };
+        previous = Some(reading);
+        out.rejected.push(reason);
+        if reason.is_none() {
+            out.time_s.push(reading.time_s);
+            out.position_m.push(positions_m[index]);
+            out.source.push(index as u32);
+        }
+    }
+    out
+}
+
+/// The first rate beyond its threshold.
+pub fn too_fast(rates: &Rates, thresholds: &Thresholds) -> Option<OutlierReason> {
+    if rates.range_m_per_s.abs() > thresholds.tau_r_m_per_s {
+        Some(OutlierReason::Range)
+    } else if rates.azimuth_deg_per_s.abs() > thresholds.tau_a_deg_per_s {
+        Some(OutlierReason::Azimuth)
+    } else if rates.zenith_deg_per_s.abs() > thresholds.tau_e_deg_per_s {
+        Some(OutlierReason::Zenith)
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn filtered(
+        readings: &[(f64, f64, f64, f64)],
+        thresholds: Option<&Thresholds>,
+    ) -> FilteredTrack {
+        let measurements: Vec<_> = readings
+            .iter()
+            .map(|&(time_s, range_m, azimuth_rad, zenith_rad)| Measurement {
+                time_s,
+                range_m,
+                azimuth_rad,
+                zenith_rad,
+            })
+            .collect();
+        let positions_m = vec![Vector3::zeros(); measurements.len()];
+        filter_track(&Track { measurements, ..Track::default() }, &positions_m, thresholds)
+    }
+
+    #[test]
+    fn each_rate_has_its_threshold_and_the_way_back_counts() {
+        let readings = [
+            (0.0, 10.0, 0.0, 1.5),
+            (1.0, 11.9, 0.0, 1.5),
+            (2.0, 14.0, 0.0, 1.5),   // 2.1 m/s
+            (3.0, 14.0, 0.02, 1.5),  // 1.15 deg/s
+            (4.0, 14.0, 0.02, 1.52), // 1.15 deg/s
+            (5.0, 14.0, 0.02, 1.52),
+        ];
+        let out = filtered(&readings, Some(&Thresholds::default()));
+        use OutlierReason::*;
+        assert_eq!(out.rejected, [None, None, Some(Range), Some(Azimuth), Some(Zenith), None]);
+        assert_eq!(out.source, [0, 1, 5]);
+        assert_eq!(filtered(&readings, None).source.len(), 6);
+    }
+
+    #[test]
+    fn azimuth_wraps() {
+        let eps = 1e-3;
+        let readings = [(0.0, 10.0, std::f64::consts::TAU - eps, 1.5), (1.0, 10.0, eps, 1.5)];
+        assert_eq!(filtered(&readings, Some(&Thresholds::default())).rejected, [None, None]);
+    }
+}

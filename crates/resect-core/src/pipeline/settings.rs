@@ -1,0 +1,121 @@
+//! What a user can change about the pipeline; plain data, the same for sliders, files and flags.
+
+use serde::{Deserialize, Serialize};
+
+/// Thresholds of the modules, in the units of the paper.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Thresholds {
+    /// τ_r: fastest believable change of range.
+    pub tau_r_m_per_s: f64,
+    /// τ_a: fastest believable change of azimuth.
+    pub tau_a_deg_per_s: f64,
+    /// τ_e: fastest believable change of the zenith angle.
+    pub tau_e_deg_per_s: f64,
+    /// τ_s: longest gap inside an interval.
+    pub tau_s_seconds: f64,
+    /// τ_l: intervals up to this length are dropped.
+    pub tau_l_seconds: f64,
+}
+
+impl Default for Thresholds {
+    /// The paper's values.
+    fn default() -> Self {
+        Self {
+            tau_r_m_per_s: 2.0,
+            tau_a_deg_per_s: 1.0,
+            tau_e_deg_per_s: 1.0,
+            tau_s_seconds: 1.0,
+            tau_l_seconds: 6.0,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interpolation {
+    /// Straight lines between readings.
+    #[default]
+    Linear,
+    /// Gaussian process with a squared-exponential kernel and learned noise.
+    Gp,
+    /// Gaussian process with white noise on acceleration: the motion model.
+    Wnoa,
+}
+
+impl Interpolation {
+    pub const ALL: [Self; 3] = [Self::Linear, Self::Gp, Self::Wnoa];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Gp => "gp",
+            Self::Wnoa => "wnoa",
+        }
+    }
+
+    /// The interpolation's name in the window and in plots.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Gp => "GP",
+            Self::Wnoa => "GP, motion model",
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PipelineSettings {
+    /// Module 1, optional.
+    pub outlier_filter: bool,
+    /// Module 3, optional.
+    pub interval_filter: bool,
+    pub thresholds: Thresholds,
+    /// Module 4: how positions between readings are found.
+    pub interpolation: Interpolation,
+    /// Module 4: triplets per second.
+    pub rate_hz: f64,
+}
+
+impl Default for PipelineSettings {
+    /// The paper's pipeline, both optional modules on.
+    fn default() -> Self {
+        Self {
+            outlier_filter: true,
+            interval_filter: true,
+            thresholds: Thresholds::default(),
+            interpolation: Interpolation::Linear,
+            rate_hz: 10.0,
+        }
+    }
+}
+
+impl PipelineSettings {
+    /// The first setting that makes no sense, as one line; sliders cannot reach it, files and flags can.
+    pub fn check(&self) -> Result<(), String> {
+        let t = &self.thresholds;
+        for (name, value) in [
+            ("tau-r (m/s)", t.tau_r_m_per_s),
+            ("tau-a (deg/s)", t.tau_a_deg_per_s),
+            ("tau-e (deg/s)", t.tau_e_deg_per_s),
+            ("tau-s (s)", t.tau_s_seconds),
+            ("rate (Hz)", self.rate_hz),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(format!("{name} is {value}; it must be above zero"));
+            }
+        }
+        if !(t.tau_l_seconds >= 0.0 && t.tau_l_seconds.is_finite()) {
+            return Err(format!("tau-l (s) is {}; it must not be negative", t.tau_l_seconds));
+        }
+        if self.rate_hz > 100.0 {
+            return Err(format!("rate (Hz) is {}; 100 is the most", self.rate_hz));
+        }
+        // A gap is interpolated across: beyond a minute that is no measurement any more.
+        if t.tau_s_seconds > 60.0 {
+            return Err(format!("tau-s (s) is {}; 60 is the most", t.tau_s_seconds));
+        }
+        Ok(())
+    }
+}

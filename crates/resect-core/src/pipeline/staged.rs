@@ -1,0 +1,284 @@
+//! The pipeline with a memory: a change of a setting re-runs its stage and those after it.
+
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use super::{
+    FilteredTrack, Interpolation, Interval, OutlierReason, PipelineSettings, Thresholds, Triplets,
+    interpolation, interval_filter, interval_split, outlier_filter,
+};
+use crate::deployment::Deployment;
+use crate::progress::{Cancelled, Progress};
+
+/// What became of a raw reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SampleFate {
+    /// Interpolation between readings uses it.
+    Kept,
+    Rejected(OutlierReason),
+    /// Another station (or this one) was silent for longer than τ_s.
+    InNoInterval,
+    /// The reading's interval is not longer than τ_l.
+    IntervalTooShort,
+    /// The user left it out.
+    LeftOut,
+}
+
+impl SampleFate {
+    pub const ALL: [Self; 7] = [
+        Self::Kept,
+        Self::Rejected(OutlierReason::Range),
+        Self::Rejected(OutlierReason::Azimuth),
+        Self::Rejected(OutlierReason::Zenith),
+        Self::InNoInterval,
+        Self::IntervalTooShort,
+        Self::LeftOut,
+    ];
+
+    /// The fate in words, for legends and exports.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Kept => "kept",
+            Self::Rejected(OutlierReason::Range) => "rejected: range rate",
+            Self::Rejected(OutlierReason::Azimuth) => "rejected: azimuth rate",
+            Self::Rejected(OutlierReason::Zenith) => "rejected: zenith rate",
+            Self::LeftOut => "left out by hand",
+            Self::InNoInterval => "in no interval",
+            Self::IntervalTooShort => "interval too short",
+        }
+    }
+}
+
+/// Everything the pipeline found; cheap to clone.
+#[derive(Clone, Debug)]
+pub struct PipelineOutput {
+    pub filtered: Arc<[FilteredTrack; 3]>,
+    /// The intervals after the split.
+    pub intervals: Arc<Vec<Interval>>,
+    /// The intervals after the interval filter; [`Triplets::interval`] counts these.
+    pub kept_intervals: Arc<Vec<Interval>>,
+    pub triplets: Arc<Triplets>,
+    pub fates: Arc<[Fates; 3]>,
+}
+
+/// What became of the readings of one station.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Fates {
+    /// Fate of each raw reading.
+    pub each: Vec<SampleFate>,
+    /// Number of readings of each fate, in the order of [`SampleFate::ALL`]; counted once, because the window asks in
+    /// every frame.
+    counts: [usize; 7],
+}
+
+impl PipelineOutput {
+    /// How many of a station's readings met this fate.
+    pub fn count(&self, station: usize, fate: SampleFate) -> usize {
+        let place = SampleFate::ALL.iter().position(|f| *f == fate);
+        place.map_or(0, |place| self.fates[station].counts[place])
+    }
+
+    /// Readings of each station that interpolation uses.
+    pub fn kept(&self) -> [usize; 3] {
+        std::array::from_fn(|station| self.count(station, SampleFate::Kept))
+    }
+}
+
+type Memory<Key, Output> = Option<(Key, Arc<Output>)>;
+
+/// Keeps the last output of each stage beside the settings that made it. One deployment each: the memory does not
+/// know which it was, so [`crate::analysis::Analyst`] keeps the two together.
+#[derive(Default)]
+pub struct StagedPipeline {
+    positions_m: Memory<(), [Vec<Vector3<f64>>; 3]>,
+    filtered: Memory<Option<RateThresholds>, [FilteredTrack; 3]>,
+    intervals: Memory<f64, Vec<Interval>>,
+    kept: Memory<Option<f64>, Vec<Interval>>,
+    triplets: Memory<(Interpolation, f64), Triplets>,
+    fates: Memory<(), [Fates; 3]>,
+}
+
+/// The settings of module 1 alone.
+#[derive(Clone, Copy, PartialEq)]
+struct RateThresholds(f64, f64, f64);
+
+impl StagedPipeline {
+    /// Runs the stages whose settings, or whose input, changed since the last call.
+    pub fn run(&mut self, deployment: &Deployment, settings: &PipelineSettings) -> PipelineOutput {
+        self.run_while(deployment, settings, &Progress::default())
+            .expect("nobody else can cancel it")
+    }
+
+    /// Runs like [`Self::run`] until `progress` is cancelled; stages that were done by then are remembered.
+    pub fn run_while(
+        &mut self,
+        deployment: &Deployment,
+        settings: &PipelineSettings,
+        progress: &Progress,
+    ) -> Result<PipelineOutput, Cancelled> {
+        let thresholds = &settings.thresholds;
+        let outliers = settings.outlier_filter.then_some(thresholds);
+        let key = outliers.map(
+            |Thresholds { tau_r_m_per_s, tau_a_deg_per_s, tau_e_deg_per_s, .. }| {
+                RateThresholds(*tau_r_m_per_s, *tau_a_deg_per_s, *tau_e_deg_per_s)
+            },
+        );
+        let mut stale = false;
+        let positions_m = remember(&mut self.positions_m, (), &mut false, || {
+            outlier_filter::positions_m(deployment)
+        });
+        let filtered = remember(&mut self.filtered, key, &mut stale, || {
+            outlier_filter::filter(deployment, &positions_m, outliers)
+        });
+        let intervals = remember(&mut self.intervals, thresholds.tau_s_seconds, &mut stale, || {
+            interval_split::split(&filtered, thresholds.tau_s_seconds)
+        });
+        let tau_l = settings.interval_filter.then_some(thresholds.tau_l_seconds);
+        let kept_intervals = remember(&mut self.kept, tau_l, &mut stale, || {
+            interval_filter::filter(&intervals, tau_l)
+        });
+        // Fates depend on the intervals alone, not on how positions are interpolated between readings.
+        let mut fates_stale = stale;
+        let fates = remember(&mut self.fates, (), &mut fates_stale, || {
+            filtered.each_ref().map(|track| fates(track, &intervals, &kept_intervals))
+        });
+        let key = (settings.interpolation, settings.rate_hz);
+        // Triplets of other readings must not be taken for those that were not finished.
+        let known = self.triplets.take_if(|(known, _)| *known == key && !stale);
+        let triplets = match known {
+            Some((_, triplets)) => triplets,
+            None => {
+                self.triplets = None;
+                let triplets = interpolation::interpolate(
+                    &filtered,
+                    &kept_intervals,
+                    settings.interpolation,
+                    settings.rate_hz,
+                    progress,
+                )?;
+                Arc::new(Triplets {
+                    readings: Arc::clone(&filtered),
+                    restarts_s: deployment.restarts_s.clone(),
+                    ..triplets
+                })
+            }
+        };
+        self.triplets = Some((key, Arc::clone(&triplets)));
+        Ok(PipelineOutput { filtered, intervals, kept_intervals, triplets, fates })
+    }
+}
+
+fn remember<Key: PartialEq, Output>(
+    memory: &mut Memory<Key, Output>,
+    key: Key,
+    stale: &mut bool,
+    run: impl FnOnce() -> Output,
+) -> Arc<Output> {
+    match memory {
+        Some((known, output)) if *known == key && !*stale => Arc::clone(output),
+        _ => {
+            *stale = true;
+            let output = Arc::new(run());
+            *memory = Some((key, Arc::clone(&output)));
+            output
+        }
+    }
+}
+
+/// Readings of a filtered track that positions in an interval are interpolated from. Those that bracket it count,
+/// because its first and last positions are interpolated from them.
+pub(super) fn used_readings(track: &FilteredTrack, interval: &Interval) -> RangeInclusive<usize> {
+    let from = track.time_s.partition_point(|t| *t <= interval.start_s).saturating_sub(1);
+    let to = track.time_s.partition_point(|t| *t < interval.end_s);
+    from..=to.min(track.time_s.len().saturating_sub(1))
+}
+
+/// Fates of one station's raw readings.
+fn fates(track: &FilteredTrack, intervals: &[Interval], kept: &[Interval]) -> Fates {
+    let used_by = |intervals: &[Interval]| {
+        let mut used = vec![false; track.time_s.len()];
+        for interval in intervals {
+            used[used_readings(track, interval)].fill(true);
+        }
+        used
+    };
+    let (in_kept, in_any) = (used_by(kept), used_by(intervals));
+    let mut fates: Vec<_> = track
+        .rejected
+        .iter()
+        .map(|reason| reason.map_or(SampleFate::InNoInterval, SampleFate::Rejected))
+        .collect();
+    for (fate, left_out) in fates.iter_mut().zip(&track.left_out) {
+        if *left_out {
+            *fate = SampleFate::LeftOut;
+        }
+    }
+    for (index, source) in track.source.iter().enumerate() {
+        fates[*source as usize] = match (in_kept[index], in_any[index]) {
+            (true, _) => SampleFate::Kept,
+            (false, true) => SampleFate::IntervalTooShort,
+            (false, false) => SampleFate::InNoInterval,
+        };
+    }
+    let counts = SampleFate::ALL.map(|fate| fates.iter().filter(|own| **own == fate).count());
+    Fates { each: fates, counts }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::{Preset, simulate};
+
+    #[test]
+    fn a_change_reruns_only_what_depends_on_it() {
+        let deployment = simulate(Preset::Warthog, 1).readings();
+        let mut pipeline = StagedPipeline::default();
+        let mut settings = PipelineSettings::default();
+        let first = pipeline.run(&deployment, &settings);
+        settings.thresholds.tau_l_seconds = 20.0;
+        let longer = pipeline.run(&deployment, &settings);
+        assert!(Arc::ptr_eq(&first.filtered, &longer.filtered));
+        assert!(Arc::ptr_eq(&first.intervals, &longer.intervals));
+        assert!(!Arc::ptr_eq(&first.triplets, &longer.triplets));
+        settings.rate_hz = 5.0;
+        let coarser = pipeline.run(&deployment, &settings);
+        assert!(Arc::ptr_eq(&longer.kept_intervals, &coarser.kept_intervals));
+        assert!(Arc::ptr_eq(&longer.fates, &coarser.fates));
+        settings.thresholds.tau_a_deg_per_s = 0.5;
+        let stricter = pipeline.run(&deployment, &settings);
+        assert!(!Arc::ptr_eq(&coarser.filtered, &stricter.filtered));
+        // Whatever the path, the answer is that of a fresh run.
+        let fresh = super::super::run(&deployment, &settings);
+        assert_eq!(*fresh.triplets, *stricter.triplets);
+        assert_eq!(*fresh.fates, *stricter.fates);
+    }
+
+    #[test]
+    fn what_was_cancelled_is_not_answered_by_what_was_before() {
+        let deployment = simulate(Preset::Warthog, 1).readings();
+        let mut pipeline = StagedPipeline::default();
+        let mut settings =
+            PipelineSettings { interpolation: Interpolation::Wnoa, ..PipelineSettings::default() };
+        pipeline.run(&deployment, &settings);
+        settings.thresholds.tau_l_seconds = 20.0;
+        let progress = Progress::default();
+        progress.cancel();
+        assert!(pipeline.run_while(&deployment, &settings, &progress).is_err());
+        let again = pipeline.run(&deployment, &settings);
+        let fresh = super::super::run(&deployment, &settings);
+        assert_eq!(*again.triplets, *fresh.triplets);
+    }
+
+    #[test]
+    fn every_reading_has_one_fate() {
+        let deployment = simulate(Preset::Warthog, 1).readings();
+        let out = super::super::run(&deployment, &PipelineSettings::default());
+        for station in 0..3 {
+            let total: usize = SampleFate::ALL.iter().map(|fate| out.count(station, *fate)).sum();
+            assert_eq!(total, deployment.tracks[station].measurements.len());
+        }
+        assert!(out.kept().iter().all(|kept| *kept > 0));
+    }
+}

@@ -1,0 +1,122 @@
+//! A plan driven and read by the simulation, without noise and without errors.
+
+use super::locks::{self, Lock};
+use super::plan::Instrument;
+use super::prediction::PlanError;
+use super::{Plan, way};
+use crate::deployment::Deployment;
+use crate::pipeline;
+use crate::pipeline::{PipelineOutput, PipelineSettings};
+use crate::simulation;
+use crate::simulation::{
+    ARCSECOND_RAD, Ground, Motion, Mound, Noise, Path, Preset, Scenario, Simulated,
+    simulate_scenario,
+};
+
+/// Every prediction is of the same bumps of the ground.
+const SEED: u64 = 1;
+/// The vehicle stands this long after it has arrived (s).
+const AFTER_S: f64 = 1.0;
+/// How many times as long as its way says a drive may take, turns and stops of the pedal included.
+const LONGER: f64 = 3.0;
+const LONGER_BY_S: f64 = 120.0;
+
+/// What such a drive gives.
+pub struct Driven {
+    pub simulated: Simulated,
+    pub deployment: Deployment,
+    pub pipeline: PipelineOutput,
+    pub locks: [Lock; 3],
+}
+
+impl Plan {
+    /// The plan as a scenario in the frame of station 1, whose axes are those of the plan, with the noise of its instruments.
+    /// Errors are the caller's to add.
+    pub fn scenario(&self) -> Result<Scenario, PlanError> {
+        self.check().map_err(|(what, remedy)| PlanError::Senseless { what, remedy })?;
+        let [first_m, second_m, third_m] = self.stations_m;
+        let moved = |at: simulation::Waypoint| simulation::Waypoint {
+            x_m: at.x_m - first_m.x,
+            y_m: at.y_m - first_m.y,
+            ..at
+        };
+        let waypoints: Vec<_> = self.waypoints().into_iter().map(moved).collect();
+        let mounds = self.ground.ramps.iter().map(|ramp| Mound {
+            centre_m: [ramp.centre_m[0] - first_m.x, ramp.centre_m[1] - first_m.y],
+            radius_m: ramp.radius_m,
+            height_m: ramp.height_m,
+        });
+        let mean_range_m = waypoints.iter().map(|at| at.place_m().norm()).sum::<f64>()
+            / waypoints.len().max(1) as f64;
+        let Instrument { range_mm, range_ppm, angle_arcsec, .. } = self.instrument;
+        Ok(Scenario {
+            name: "plan",
+            duration_s: AFTER_S + duration_s(&waypoints, self.turn_radius_m),
+            cruise_m_per_s: self.speed_m_per_s,
+            ground: Ground {
+                slope_rms_rad: self.ground.slope_rms_rad,
+                wavelengths_m: self.ground.wavelengths_m,
+            },
+            mounds: mounds.collect(),
+            path: Path::Waypoints { waypoints, turn_radius_m: self.turn_radius_m },
+            noise: Noise {
+                range_sigma_m: 1e-3 * range_mm + 1e-6 * range_ppm * mean_range_m,
+                angle_sigma_rad: angle_arcsec * ARCSECOND_RAD,
+                outlier_share: self.instrument.outlier_share,
+                lost_locks_per_minute: self.instrument.lost_locks_per_minute,
+                wrong_targets_per_minute: 0.0,
+            },
+            rate_hz: self.instrument.rate_hz,
+            prisms_m: self.rig.prisms_m,
+            antennas_m: None,
+            stations_m: [second_m - first_m, third_m - first_m],
+            instrument_height_m: first_m.z - self.ground.height_m,
+            control_point_sets: 0,
+            pillars: false,
+            ..Preset::Warthog.scenario()
+        })
+    }
+}
+
+/// How long it takes to drive through some waypoints (s).
+pub fn duration_s(waypoints: &[simulation::Waypoint], turn_radius_m: f64) -> f64 {
+    let slowest = waypoints.iter().map(|at| at.speed_m_per_s).fold(f64::INFINITY, f64::min);
+    let standing_s: f64 = waypoints.iter().map(|at| at.stand_s).sum();
+    let latest_s = LONGER * (way::length_m(waypoints) / slowest + standing_s) + LONGER_BY_S;
+    Motion::arrival_s(waypoints, turn_radius_m, latest_s)
+}
+
+/// Drives a plan, and reads what its stations can see.
+pub fn drive(plan: &Plan) -> Result<Driven, PlanError> {
+    drive_with(plan, [0.0; 2])
+}
+
+/// The same with stations 2 and 3 set up with these yaws against the axes of the plan, which are those of station 1.
+pub fn drive_with(plan: &Plan, yaws_rad: [f64; 2]) -> Result<Driven, PlanError> {
+    let scenario = plan.scenario()?;
+    let period_s = 1.0 / scenario.rate_hz;
+    let scenario = Scenario {
+        noise: Noise {
+            range_sigma_m: 0.0,
+            angle_sigma_rad: 0.0,
+            outlier_share: 0.0,
+            lost_locks_per_minute: 0.0,
+            wrong_targets_per_minute: 0.0,
+        },
+        // Stations take turns, which is neither the best case nor the worst.
+        stagger_s: Some([0.0, period_s / 3.0, 2.0 * period_s / 3.0]),
+        yaws_rad: Some(yaws_rad),
+        ..scenario
+    };
+    let simulated = simulate_scenario(&scenario, SEED);
+    let mut deployment = Deployment { name: plan.name.clone(), ..simulated.readings() };
+    let locks = locks::held(&mut deployment.tracks, &simulated, plan);
+    let settings = PipelineSettings { thresholds: plan.thresholds, ..PipelineSettings::default() };
+    let pipeline = pipeline::run(&deployment, &settings);
+    if pipeline.triplets.is_empty() {
+        let tau_l_s = plan.thresholds.tau_l_seconds;
+        let remedy = "bring the way into reach of all stations, or drive more slowly";
+        return Err(PlanError::NothingRead { tau_l_s, remedy });
+    }
+    Ok(Driven { simulated, deployment, pipeline, locks })
+}

@@ -1,0 +1,233 @@
+//! From a plan to what its drive leaves open, by the information of the joint estimate.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::drive::{Driven, drive};
+use super::in_words;
+use super::plan::{Instrument, Plan};
+use super::prediction::{Held, OnTheWay, PlanError, Prediction};
+use super::way;
+use crate::calibration::inter_prism;
+use crate::calibration::inter_prism::Foreseen;
+use crate::calibration::joint;
+use crate::calibration::joint::prisms::Prisms;
+use crate::calibration::joint::{Expected, JointEstimate, Levels, RIGID_M, Wander, stated_range_m};
+use crate::calibration::{ErrorSizes, Verdict};
+use crate::deployment::PAIRS;
+use crate::evaluation::far_end::{FarEnd, far_end};
+use crate::evaluation::rig_motion::rig_pose;
+use crate::geometry::RigidTransform;
+use crate::progress::Progress;
+use crate::simulation::{ARCSECOND_RAD, EPOCH_S, Scenario, Simulated};
+
+/// The vehicle's own σ are told at so many instants at most.
+const MOST_INSTANTS: f64 = 400.0;
+/// How long a lost lock lasts, of those that the simulation draws (s).
+const LOST_LOCK_S: f64 = 7.75;
+/// What Cauchy's weights leave of the information of normal errors.
+const EFFICIENCY: f64 = 0.95;
+/// What straight lines between readings leave of the variance of their noise, on average.
+const INTERPOLATED: f64 = 2.0 / 3.0;
+/// No vehicle is smoother than this, as the joint estimate has it (m/s³).
+const LEAST_JERK_M_PER_S3: f64 = 0.01;
+/// How long ranges are correlated that wander for seconds to minutes (s).
+const WANDER_S: f64 = 12.0;
+
+/// A plan that was driven, and what the joint estimate would leave open of it.
+pub struct Looked {
+    pub driven: Driven,
+    pub expected: Expected,
+    pub estimate: Option<JointEstimate>,
+    /// What the distances hold; `None` of one prism.
+    pub foreseen: Option<Foreseen>,
+}
+
+impl Looked {
+    /// The estimate, where no direction is free.
+    pub fn held(&self) -> Option<&JointEstimate> {
+        let is_held = self.foreseen.as_ref().is_none_or(|foreseen| foreseen.is_held);
+        self.estimate.as_ref().filter(|_| is_held)
+    }
+}
+
+/// Drives a plan, and looks at what its readings hold.
+pub fn look(plan: &Plan) -> Result<Looked, PlanError> {
+    let driven = drive(plan)?;
+    let expected = expected(plan, &driven.simulated);
+    let truth = &driven.simulated.truth;
+    let triplets = &driven.pipeline.triplets;
+    let inter_prism_m = (!plan.rig.is_one_prism()).then_some(&truth.inter_prism_m);
+    let estimate = joint::foresee(
+        triplets,
+        &truth.station1_from_station,
+        inter_prism_m,
+        &sizes(plan),
+        &expected,
+        &Progress::default(),
+    )
+    .unwrap_or_default();
+    let covariance = estimate.as_ref().map(|estimate| estimate.covariance);
+    let foreseen = inter_prism_m.and_then(|distances_m| {
+        inter_prism::foresee(triplets, distances_m, &truth.station1_from_station, covariance)
+    });
+    Ok(Looked { driven, expected, estimate, foreseen })
+}
+
+/// Says what a planned drive will tell: the σ that an estimate of it is going to have, and what limits them.
+pub fn predict(plan: &Plan) -> Result<Prediction, PlanError> {
+    let looked = look(plan)?;
+    let held = looked.held().and_then(|found| held(plan, &looked.driven, found));
+    let way = along_the_way(plan, &looked.driven, looked.held().filter(|_| held.is_some()));
+    let Looked { driven, expected, foreseen, .. } = looked;
+    let mirror_cost_ratio = foreseen.as_ref().and_then(|foreseen| {
+        let noise_m2 = distance_noise_m2(&driven, &expected.levels);
+        let twin_m2 = foreseen.twin_mean_square_m2?;
+        Some((twin_m2 + noise_m2) / (foreseen.mean_square_m2 + noise_m2))
+    });
+    let mut prediction = Prediction {
+        verdict: Verdict::Good,
+        findings: Vec::new(),
+        held,
+        observability: foreseen.map(|foreseen| foreseen.observability),
+        mirror_cost_ratio,
+        way,
+        readings: driven.deployment.tracks.each_ref().map(|track| track.measurements.len()),
+        kept: driven.pipeline.kept(),
+        locks: driven.locks,
+        duration_s: driven.simulated.scenario.duration_s,
+        length_m: way::length_m(&plan.waypoints()),
+    };
+    (prediction.verdict, prediction.findings) = in_words::judged(plan, &prediction);
+    Ok(prediction)
+}
+
+/// How large errors are, the rig's distances among them.
+pub fn sizes(plan: &Plan) -> ErrorSizes {
+    ErrorSizes { inter_prism_m: plan.rig.inter_prism_sigma_m, ..plan.errors }
+}
+
+/// What an estimate of such a drive would learn from its readings.
+pub fn expected(plan: &Plan, simulated: &Simulated) -> Expected {
+    let Instrument { range_mm, range_ppm, angle_arcsec, .. } = plan.instrument;
+    // Readings that will be missing count as noise of those that are there.
+    let more = (usable_share(&plan.instrument) * EFFICIENCY).sqrt().recip();
+    let range_m = mean_range_m(simulated);
+    let read_m = 1e-3 * range_mm + 1e-6 * range_ppm * range_m;
+    Expected {
+        levels: Levels {
+            range: more * read_m / stated_range_m(range_m),
+            angle_rad: more * angle_arcsec * ARCSECOND_RAD,
+            jitter_s: more * 1e-3 * plan.instrument.stamp_jitter_ms,
+            jerk_m_per_s3: jerk_m_per_s3(simulated),
+        },
+        wander: Wander {
+            sigma_m: (1e-3 * plan.instrument.range_wander_mm).max(1e-4),
+            correlation_s: WANDER_S,
+        },
+    }
+}
+
+/// The share of readings that are left where stations lose their prisms and read wrongly now and then.
+fn usable_share(instrument: &Instrument) -> f64 {
+    let lost = (instrument.lost_locks_per_minute * LOST_LOCK_S / 60.0).min(0.9);
+    // What one station lacks, the others' readings are not held together by.
+    (1.0 - lost).powi(3) * (1.0 - instrument.outlier_share)
+}
+
+fn mean_range_m(simulated: &Simulated) -> f64 {
+    let ranges_m = simulated.records.iter().map(|record| record.measurement.range_m);
+    ranges_m.sum::<f64>() / simulated.records.len().max(1) as f64
+}
+
+/// How the prisms will jerk, from reading to reading (m/s³, root mean square).
+fn jerk_m_per_s3(simulated: &Simulated) -> f64 {
+    let Scenario { rate_hz, duration_s, prisms_m, .. } = &simulated.scenario;
+    let knots = (duration_s * rate_hz) as usize;
+    let mut squares = 0.0;
+    for prism_m in prisms_m {
+        let at = |knot: usize| simulated.truth.motion.position_m(prism_m, knot as f64 / rate_hz);
+        let places_m: Vec<Vector3<f64>> = (0..knots).map(at).collect();
+        squares += places_m
+            .windows(4)
+            .map(|p| (p[3] - p[0] - (p[2] - p[1]) * 3.0).norm_squared())
+            .sum::<f64>();
+    }
+    let jerks = (9 * knots.saturating_sub(3)).max(1) as f64;
+    ((squares / jerks).sqrt() * rate_hz.powi(3)).max(LEAST_JERK_M_PER_S3)
+}
+
+/// Mean square of the noise of the three distances (m²), from interpolated readings.
+fn distance_noise_m2(driven: &Driven, levels: &Levels) -> f64 {
+    let triplets = &driven.pipeline.triplets;
+    let transforms = &driven.simulated.truth.station1_from_station;
+    let mut sum_m2 = 0.0;
+    for index in 0..triplets.len() {
+        let points_m = triplets.triplet_m(index);
+        let placed: [Vector3<f64>; 3] =
+            std::array::from_fn(|station| transforms[station].apply(&points_m[station]));
+        for (a, b) in PAIRS {
+            let along = (placed[a] - placed[b]).normalize();
+            for station in [a, b] {
+                let own = transforms[station].inverse().rotate(&along);
+                let range_m = points_m[station].norm();
+                let radial = own.dot(&(points_m[station] / range_m)).powi(2);
+                let radial_m2 = (levels.range * stated_range_m(range_m)).powi(2);
+                let across_m2 = (levels.angle_rad * range_m).powi(2);
+                sum_m2 += radial * radial_m2 + (1.0 - radial) * across_m2;
+            }
+        }
+    }
+    INTERPOLATED * sum_m2 / (3 * triplets.len()) as f64
+}
+
+fn held(plan: &Plan, driven: &Driven, estimate: &JointEstimate) -> Option<Held> {
+    let transforms = driven.simulated.truth.station1_from_station.map(RigidTransform::from);
+    let triplets = &driven.pipeline.triplets;
+    let covariance = estimate.covariance;
+    let found = far_end(&transforms, &covariance, &triplets.points_m)?;
+    Some(Held {
+        sigma: estimate.sigma(),
+        covariance,
+        dominant: std::array::from_fn(|place| estimate.dominant(place)),
+        far_end: FarEnd { position_m: found.position_m + plan.stations_m[0], ..found },
+    })
+}
+
+/// The vehicle about once a second, with its σ where the estimate knows a motion.
+fn along_the_way(plan: &Plan, driven: &Driven, estimate: Option<&JointEstimate>) -> Vec<OnTheWay> {
+    let Simulated { scenario, truth, .. } = &driven.simulated;
+    let step_s = (scenario.duration_s / MOST_INSTANTS).max(1.0);
+    let steps = (scenario.duration_s / step_s) as usize;
+    let times_s: Vec<f64> = (0..=steps).map(|k| EPOCH_S + k as f64 * step_s).collect();
+    let at = |time_s: f64, sigma: Option<[Option<f64>; 2]>| OnTheWay {
+        time_s: time_s - EPOCH_S,
+        position_m: plan.stations_m[0] + truth.motion.pose(time_s - EPOCH_S).0,
+        position_sigma_m: sigma.and_then(|[position_m, _]| position_m),
+        rotation_sigma_rad: sigma.and_then(|[_, rotation_rad]| rotation_rad),
+    };
+    let known: Vec<(f64, [Option<f64>; 2])> =
+        match estimate.map(|found| found.solution.instants(&times_s, &Progress::default())) {
+            Some(Ok(Prisms::Rig(instants))) => instants
+                .iter()
+                .filter_map(|instant| {
+                    let pose = rig_pose(&truth.prisms_m, RIGID_M, instant)?;
+                    let rms = |at: usize| {
+                        let block: Matrix3<f64> = pose.covariance.fixed_view::<3, 3>(at, at).into();
+                        Some(block.trace().sqrt())
+                    };
+                    Some((instant.time_s, [rms(0), rms(3)]))
+                })
+                .collect(),
+            Some(Ok(Prisms::Prism(instants))) => instants
+                .iter()
+                .map(|at| (at.time_s, [Some(at.position_covariance.trace().sqrt()), None]))
+                .collect(),
+            _ => Vec::new(),
+        };
+    let mut known = known.into_iter().peekable();
+    let with_sigma = |time_s: &f64| {
+        let sigma = known.next_if(|(known_s, _)| known_s == time_s).map(|(_, sigma)| sigma);
+        at(*time_s, sigma)
+    };
+    times_s.iter().map(with_sigma).collect()
+}

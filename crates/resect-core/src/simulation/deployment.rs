@@ -1,0 +1,43 @@
+//! A simulated drive as a deployment, without files between.
+
+use super::Simulated;
+use crate::deployment::{Deployment, Overrides, Rig, Track, TrackFrame, pairwise_distances};
+
+impl Simulated {
+    /// The readings of the drive with the true rig, as measured: numbers are not rounded as files round them.
+    ///
+    /// Control points and GNSS are left out. `resect_io::simulation_files` writes and reads everything.
+    pub fn readings(&self) -> Deployment {
+        let track = |station: usize| Track {
+            measurements: (self.records.iter())
+                .filter(|record| record.station == station as i64 + 1)
+                .map(|record| record.measurement)
+                .collect(),
+            prism_constant_m: self.scenario.prism_constant_m,
+            ..Track::default()
+        };
+        let prisms_m = self.truth.prisms_m;
+        let rig = Rig {
+            inter_prism_m: pairwise_distances(&prisms_m),
+            prisms_m: Some(prisms_m),
+            in_vehicle_m: Some(prisms_m),
+            inter_antenna_m: None,
+        };
+        let is_rig = rig.inter_prism_m.iter().all(|distance_m| *distance_m > 0.0);
+        Deployment {
+            name: self.scenario.name.to_owned(),
+            tracks: [track(0), track(1), track(2)],
+            track_frame: TrackFrame::Own,
+            control_points: Vec::new(),
+            rig: is_rig.then_some(rig),
+            prisms: None,
+            gnss: None,
+            time_corrections: Default::default(),
+            overrides: Overrides::default(),
+            as_read: Overrides::default(),
+            ingredients: Vec::new(),
+            findings: Vec::new(),
+            restarts_s: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! What is said of the messages of a bag when all are in: by which clock, from which topics, or why there is nothing.
+
+use super::OpenError;
+use super::intake::{Intake, natural_key};
+use super::messages::{Kind, THEODOLITE_TYPE};
+use crate::error::{Question, Topic};
+
+impl Intake<'_> {
+    /// What holds for all files together: whether there was anything to read, and by which clock.
+    pub fn finish(self) -> Result<(), OpenError> {
+        if self.stream.readings == 0 {
+            return Err(self.nothing());
+        }
+        self.into.findings.extend(self.stream.findings());
+        Ok(())
+    }
+
+    /// The question or the error where no message was a reading.
+    fn nothing(self) -> OpenError {
+        let file = self.files.join(", ");
+        let topics = &self.stream.topics;
+        let mut positions: Vec<Topic> = topics
+            .iter()
+            .filter(|t| t.kind.is_some_and(Kind::is_position) && t.messages > 0)
+            .map(|t| Topic {
+                name: t.name.clone(),
+                message_type: t.message_type.clone(),
+                messages: t.messages,
+            })
+            .collect();
+        positions.sort_by_cached_key(|topic| natural_key(&topic.name));
+        if let Some(named) = &self.stream.named {
+            let there = positions.iter().map(|t| t.name.as_str()).collect::<Vec<_>>().join(", ");
+            let there = if there.is_empty() { "none".to_owned() } else { there };
+            return OpenError::file(
+                &file,
+                format!("no position on the topics {}", named.join(", ")),
+                format!("correct `topics`; the topics with positions: {there}"),
+            );
+        }
+        if !positions.is_empty() {
+            return Question::Topics { file, topics: positions }.into();
+        }
+        let damaged = self
+            .into
+            .findings
+            .iter()
+            .rev()
+            .find(|f| self.files.iter().any(|file| f.message.starts_with(file)));
+        if let Some(damage) = damaged {
+            let what = damage.message.split_once(": ").map_or("", |(_, what)| what);
+            return OpenError::file(
+                &file,
+                format!("nothing of the stations can be read: {what}"),
+                "copy it again from where it was recorded, or record it again",
+            );
+        }
+        let poses: Vec<&str> = topics
+            .iter()
+            .filter(|topic| Kind::of_type(&topic.message_type).is_some_and(Kind::is_pose))
+            .map(|topic| topic.name.as_str())
+            .collect();
+        if !poses.is_empty() {
+            return OpenError::file(
+                &file,
+                format!("no readings of stations in it, but poses ({})", poses.join(", ")),
+                "judge it as a trajectory: `resect evaluate`, in the window File > Judge a trajectory…",
+            );
+        }
+        let mut others: Vec<_> =
+            topics.iter().map(|t| format!("{} ({})", t.name, t.message_type)).collect();
+        let more = others.len().saturating_sub(5);
+        others.truncate(5);
+        if more > 0 {
+            others.push(format!("{more} more"));
+        }
+        let others = if others.is_empty() { "no topic".to_owned() } else { others.join(", ") };
+        OpenError::file(
+            &file,
+            format!("no message of type {} in it; it has {others}", THEODOLITE_TYPE),
+            "open the bag that the theodolite node recorded",
+        )
+    }
+}

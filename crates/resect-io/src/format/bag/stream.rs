@@ -1,0 +1,310 @@
+//! What the messages of the stations say, one after the other, in a recording or live: readings for the tracks, and what is to
+//! be said of the rest.
+
+use nalgebra::Vector3;
+
+use super::inflate::{self, ZSTD_MAGIC};
+use super::messages::{Coords, Kind, Message, Point, StampedPose, decode, short_type};
+use super::wire::Encoding;
+use crate::recording::Recording;
+use resect_core::deployment::station_clocks::Arrivals;
+use resect_core::deployment::{Finding, Measurement, RawRecord, TimeCorrection};
+use resect_core::geometry::Polar;
+
+/// No message that is read comes near this; a longer one is left out as malformed.
+pub const LARGEST_MESSAGE_BYTES: usize = 1 << 16;
+/// Most topics that are read, more than any robot has; those beyond are not.
+const MOST_TOPICS: usize = 1000;
+
+/// A topic whose messages are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Subscription {
+    kind: Kind,
+    encoding: Encoding,
+    /// Index of the topic in `Stream::topics`.
+    topic: usize,
+}
+
+/// A topic of any type, over all pieces.
+#[derive(Clone, Debug)]
+pub struct SeenTopic {
+    pub name: String,
+    pub message_type: String,
+    pub kind: Option<Kind>,
+    pub messages: u64,
+    /// The station that the user says it is, 0 to 2.
+    pub station: Option<usize>,
+}
+
+/// What one message was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Heard {
+    /// A reading, or a station's word that it has none; the recording has it, or counted why not.
+    Record(RawRecord),
+    /// What the clock of a station (0 to 2) was corrected by.
+    Correction {
+        station: Option<usize>,
+        correction: TimeCorrection,
+    },
+    Pose {
+        topic: usize,
+        pose: StampedPose,
+    },
+    /// A position that nobody says the station of, or a reading that other topics stand in for.
+    NotTaken,
+}
+
+/// The topics of a recording or of a live stream, and what was heard on them.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    /// Topics of stations 1, 2, 3, where the user names them.
+    pub named: Option<[String; 3]>,
+    wants_poses: bool,
+    pub topics: Vec<SeenTopic>,
+    pub readings: u64,
+    /// Theodolite messages that the topics which the user names stand for.
+    stood_in_for: u64,
+    without_stamp: [u64; 3],
+    without_any_time: [u64; 3],
+    arrivals: Arrivals,
+    inflated: Vec<u8>,
+}
+
+impl Stream {
+    /// Listens to readings; `named` are the topics of stations 1, 2, 3 whose messages do not say it.
+    pub fn of_readings(named: Option<[String; 3]>) -> Self {
+        Self {
+            named,
+            wants_poses: false,
+            topics: Vec::new(),
+            readings: 0,
+            stood_in_for: 0,
+            without_stamp: [0; 3],
+            without_any_time: [0; 3],
+            arrivals: Arrivals::default(),
+            inflated: Vec::new(),
+        }
+    }
+
+    /// Listens to poses of other systems, and to no readings.
+    pub fn of_poses() -> Self {
+        Self { wants_poses: true, ..Self::of_readings(None) }
+    }
+
+    /// Says of a topic what it is; `None` where its messages are not wanted.
+    pub fn topic(
+        &mut self,
+        name: &str,
+        message_type: &str,
+        encoding: Encoding,
+    ) -> Option<Subscription> {
+        let kind = Kind::of_type(message_type);
+        let kind = kind.filter(|kind| kind.is_pose() == self.wants_poses);
+        let known = self.topics.iter().position(|t| t.name == name && t.kind == kind);
+        if known.is_none() && self.topics.len() >= MOST_TOPICS {
+            return None;
+        }
+        let topic = known.unwrap_or_else(|| {
+            let named = self.named.as_ref();
+            let station = named.and_then(|named| named.iter().position(|own| own == name));
+            self.topics.push(SeenTopic {
+                name: name.to_owned(),
+                message_type: short_type(message_type),
+                kind,
+                messages: 0,
+                station: station.filter(|_| kind.is_some_and(Kind::is_position)),
+            });
+            self.topics.len() - 1
+        });
+        kind.map(|kind| Subscription { kind, encoding, topic })
+    }
+
+    /// The name of a topic.
+    pub fn name(&self, subscription: Subscription) -> &str {
+        &self.topics[subscription.topic].name
+    }
+
+    /// Takes in a message, recorded at `recorded_s`, the `place`-th of all.
+    ///
+    /// # Errors
+    /// What is wrong with the message, in words that follow its name.
+    pub fn message(
+        &mut self,
+        subscription: Subscription,
+        recorded_s: f64,
+        place: usize,
+        data: &[u8],
+        into: &mut Recording,
+    ) -> Result<Heard, String> {
+        let Subscription { kind, encoding, topic } = subscription;
+        self.topics[topic].messages += 1;
+        let mut inflated = std::mem::take(&mut self.inflated);
+        let message = if data.starts_with(&ZSTD_MAGIC) {
+            match inflate::message(data, LARGEST_MESSAGE_BYTES, &mut inflated) {
+                Ok(()) => Ok(inflated.as_slice()),
+                Err(error) => Err(format!("cannot be inflated ({error})")),
+            }
+        } else {
+            Ok(data)
+        };
+        let decoded = message.and_then(|message| {
+            decode(kind, encoding, message).map_err(|error| format!("is malformed: {error}"))
+        });
+        self.inflated = inflated;
+        Ok(match decoded? {
+            Message::Coords(_) if self.named.is_some() => {
+                self.stood_in_for += 1;
+                Heard::NotTaken
+            }
+            Message::Coords(coords) => {
+                let record = self.coords(&coords, recorded_s, place, into);
+                into.push(&record);
+                Heard::Record(record)
+            }
+            Message::Correction(told) => {
+                let time_s = told.stamp_s.unwrap_or(recorded_s);
+                let correction = TimeCorrection { time_s, offset_s: told.offset_s };
+                let number = i64::from(told.station);
+                into.push_correction(number, correction);
+                Heard::Correction { station: into.station_of(number), correction }
+            }
+            Message::Point(point) => match self.topics[topic].station {
+                Some(station) => {
+                    let record = self.point(station, &point, recorded_s, place);
+                    into.ranges_include_prism_constant = true;
+                    into.push(&record);
+                    Heard::Record(record)
+                }
+                None => Heard::NotTaken,
+            },
+            Message::Pose(pose) => Heard::Pose { topic, pose },
+        })
+    }
+
+    fn coords(
+        &mut self,
+        coords: &Coords,
+        recorded_s: f64,
+        place: usize,
+        into: &Recording,
+    ) -> RawRecord {
+        let number = i64::from(coords.station);
+        let station = into.station_of(number);
+        let count = |counts: &mut [u64; 3]| {
+            if let Some(station) = station.filter(|_| coords.status == 0) {
+                counts[station] += 1;
+            }
+        };
+        let (time_s, own_clock_s) = match (coords.stamp_s, coords.own_clock_s) {
+            (Some(stamp_s), own_clock_s) => (stamp_s, own_clock_s),
+            (None, Some(own_clock_s)) => {
+                count(&mut self.without_stamp);
+                (own_clock_s, None)
+            }
+            (None, None) => {
+                count(&mut self.without_any_time);
+                (recorded_s, None)
+            }
+        };
+        if let (Some(station), Some(own_clock_s)) = (station, own_clock_s) {
+            self.arrivals.push(station, recorded_s - time_s, recorded_s - own_clock_s);
+        }
+        self.readings += 1;
+        RawRecord {
+            station: number,
+            status: i64::from(coords.status),
+            place,
+            own_clock_s,
+            measurement: Measurement {
+                time_s,
+                azimuth_rad: coords.azimuth_rad,
+                zenith_rad: coords.zenith_rad,
+                range_m: coords.range_m,
+            },
+        }
+    }
+
+    fn point(&mut self, station: usize, point: &Point, recorded_s: f64, place: usize) -> RawRecord {
+        if point.stamp_s.is_none() {
+            self.without_any_time[station] += 1;
+        }
+        let polar = Polar::from_cartesian(Vector3::from(point.position_m));
+        self.readings += 1;
+        RawRecord {
+            station: station as i64 + 1,
+            status: 0,
+            place,
+            own_clock_s: None,
+            measurement: Measurement {
+                time_s: point.stamp_s.unwrap_or(recorded_s),
+                range_m: polar.range_m,
+                azimuth_rad: polar.azimuth_rad,
+                zenith_rad: polar.zenith_rad,
+            },
+        }
+    }
+
+    /// By which clock readings are taken, from which topics, and what is left.
+    pub fn findings(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for (station, count) in self.without_stamp.into_iter().enumerate().filter(|(_, n)| *n > 0) {
+            findings.push(Finding::warning(format!(
+                "station {}: {count} readings have no synchronised time (header.stamp is zero); they are taken at \
+                 theodolite_time, the station's own clock, which nothing synchronises",
+                station + 1
+            )));
+        }
+        let without_any = self.without_any_time.into_iter().enumerate();
+        for (station, count) in without_any.filter(|(_, n)| *n > 0) {
+            findings.push(Finding::doubt(format!(
+                "station {}: {count} readings have no time of their own; they are taken at the time when the recorder got \
+                 them, which is late by an unknown and changing delay",
+                station + 1
+            )));
+        }
+        findings.extend(self.arrivals.finding());
+        let unread = self.positions_of_no_station();
+        if !unread.is_empty() {
+            findings.push(Finding::note(format!("positions that are not read: {}", list(&unread))));
+        }
+        if let Some(named) = &self.named {
+            findings.push(Finding::note(format!(
+                "positions of {} are taken as in the frame of each instrument, the prism constant in them; if an \
+                 instrument was set up on coordinates of a site, its rates mean something else",
+                named.join(", ")
+            )));
+            let positions: Vec<_> = self.positions().collect();
+            for (station, name) in named.iter().enumerate() {
+                if !positions.iter().any(|t| t.station == Some(station) && t.messages > 0) {
+                    findings.push(Finding::warning(format!(
+                        "station {}: no position on its topic `{name}`; there are {}",
+                        station + 1,
+                        list(&positions)
+                    )));
+                }
+            }
+        }
+        if self.stood_in_for > 0 {
+            findings.push(Finding::note(format!(
+                "{} theodolite messages are not read, because `topics` names others",
+                self.stood_in_for
+            )));
+        }
+        findings
+    }
+
+    fn positions(&self) -> impl Iterator<Item = &SeenTopic> {
+        self.topics.iter().filter(|t| t.kind.is_some_and(Kind::is_position))
+    }
+
+    /// Topics with positions that nobody says the station of.
+    pub fn positions_of_no_station(&self) -> Vec<&SeenTopic> {
+        self.positions().filter(|t| t.station.is_none() && t.messages > 0).collect()
+    }
+}
+
+fn list(topics: &[&SeenTopic]) -> String {
+    let each =
+        topics.iter().map(|t| format!("{} ({}, {} messages)", t.name, t.message_type, t.messages));
+    each.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,84 @@
+//! Control points as the authors' tools write them: one line for each station and marker.
+//!
+//! The column called `elevation` is a zenith angle; distances lack the prism constant; the clocks of
+//! the stations are not comparable, so the stamps are not read.
+
+use super::table;
+use crate::error::OpenError;
+use crate::recording::station_index;
+use resect_core::deployment::{ControlPoint, ControlPointSet, Finding};
+use resect_core::geometry::Polar;
+
+pub const COLUMNS: [&str; 6] =
+    ["theodolite_number", "marker_number", "status", "elevation", "azimuth", "distance"];
+
+/// The points of one file, to every range the prism constant of its station added.
+pub fn read(
+    file: &str,
+    text: &str,
+    prism_constants_m: &[f64; 3],
+) -> Result<(ControlPointSet, Vec<Finding>), OpenError> {
+    let mut points: Vec<ControlPoint> = Vec::new();
+    let mut findings = Vec::new();
+    for row in table::read_columns(file, text, &COLUMNS)? {
+        let [_, _, status, zenith_rad, azimuth_rad, distance_m] = row.values[..] else {
+            unreachable!("read_columns gives as many values as columns");
+        };
+        let number = row.whole(file, 0, COLUMNS[0])?;
+        let marker = row.whole(file, 1, COLUMNS[1])?;
+        let place = format!("{file}:{}", row.line);
+        let Some(station) = station_index(number) else {
+            findings.push(Finding::warning(format!(
+                "{place}: station {number} left out; stations are 1, 2, 3"
+            )));
+            continue;
+        };
+        if status != 0.0 {
+            findings.push(Finding::warning(format!(
+                "{place}: marker {marker} of station {number} left out: status {status} (no valid reading)"
+            )));
+            continue;
+        }
+        let range_m = distance_m + prism_constants_m[station];
+        let polar = Polar { range_m, azimuth_rad, zenith_rad };
+        if distance_m <= 0.0 || !polar.is_plausible() {
+            findings.push(Finding::warning(format!(
+                "{place}: marker {marker} of station {number} left out: not a usable reading"
+            )));
+            continue;
+        }
+        let index = points.iter().position(|p| p.marker == marker).unwrap_or_else(|| {
+            points.push(ControlPoint { marker, readings: [None; 3], known_m: None });
+            points.len() - 1
+        });
+        let reading = &mut points[index].readings[station];
+        if reading.is_some() {
+            findings.push(Finding::warning(format!(
+                "{place}: marker {marker} of station {number} stands twice; the first reading is used"
+            )));
+        } else {
+            *reading = Some(polar);
+        }
+    }
+    Ok((ControlPointSet { file: file.to_owned(), points, pillars: false }, findings))
+}
+
+/// The text that [`read`] reads.
+pub fn write(set: &ControlPointSet, prism_constant_m: f64) -> String {
+    let mut text = COLUMNS.join(" , ") + " , sec , nsec\n";
+    for station in 0..3 {
+        for (order, point) in set.points.iter().enumerate() {
+            let Some(p) = point.readings[station] else { continue };
+            text += &format!(
+                "{} , {} , 0 , {:.7} , {:.7} , {:.4} , {} , 0\n",
+                station + 1,
+                point.marker,
+                p.zenith_rad,
+                p.azimuth_rad,
+                p.range_m - prism_constant_m,
+                30 * order,
+            );
+        }
+    }
+    text
+}

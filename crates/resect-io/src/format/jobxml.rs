@@ -1,0 +1,212 @@
+//! Trimble JobXML (`.jxl`): readings of points by one instrument.
+//!
+//! By the schema (JobXMLSchema 5.72; JobXML.xsd in KubaSzostak/JobXML, MIT) a `PointRecord` has a `Circle` with
+//! `HorizontalCircle`, `VerticalCircle` (degrees; a zenith angle, beyond 180° in face II) and `EDMDistance` (m), to which
+//! no correction has been applied: no prism constant, and the ppm of its `AtmosphereRecord` only where that says
+//! `ApplyPPMToRawDistances` is false. So the `PrismConstant` (m) of its `TargetRecord` is added here, and the ppm where
+//! they are due; without a `TargetRecord` the deployment's prism constant. Circles are not oriented, as they should
+//! not be. Keyed-in points have a `Grid` with North, East, Elevation (m).
+//!
+//! Written after the schema as others quote it, and not tried on a recording of a calibration of three stations. Records are
+//! stamped with whole seconds, so a file of it is no track.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+use roxmltree::{Document, Node};
+
+use super::survey::{Sighting, Survey};
+use crate::error::OpenError;
+use resect_core::deployment::Finding;
+use resect_core::geometry::Polar;
+
+/// Whether a text begins like a job.
+pub fn looks_like(head: &str) -> bool {
+    head.trim_start().starts_with('<') && head.contains("<JOBFile")
+}
+
+/// Every reading, and coordinates that were keyed in.
+pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
+    let document = Document::parse(text).map_err(|error| {
+        let line = error.pos().row as usize;
+        OpenError::line(file, line, format!("not XML: {error}"), "export the job again")
+    })?;
+    let records = || document.descendants().filter(Node::is_element);
+    let mut known: HashMap<(&str, &str), Node<'_, '_>> = HashMap::new();
+    for record in records() {
+        if let Some(id) = record.attribute("ID") {
+            known.insert((record.tag_name().name(), id), record);
+        }
+    }
+    let by_id = |kind: &'static str, id: Option<&str>| known.get(&(kind, id?)).copied();
+    let mut survey = Survey::default();
+    let mut first_station: Option<Option<&str>> = None;
+    let mut constants: Vec<String> = Vec::new();
+    let (mut deleted, mut of_other_set_ups, mut without, mut unstated) = (0, 0, 0, 0);
+    for record in records().filter(|r| r.has_tag_name("PointRecord")) {
+        let Some(name) = text_of(&record, "Name") else { continue };
+        if text_of(&record, "Deleted").is_some_and(|deleted| deleted.eq_ignore_ascii_case("true")) {
+            deleted += 1;
+            continue;
+        }
+        let Some(circle) = child(&record, "Circle") else {
+            if let Some(grid) = child(&record, "Grid") {
+                let [north, east, up] =
+                    ["North", "East", "Elevation"].map(|n| number(file, &grid, n));
+                if let (Some(north), Some(east), Some(up)) = (north?, east?, up?) {
+                    survey.coordinates.push((name.to_owned(), Vector3::new(east, north, up)));
+                }
+            }
+            continue;
+        };
+        let station = text_of(&record, "StationID");
+        if *first_station.get_or_insert(station) != station {
+            of_other_set_ups += 1;
+            continue;
+        }
+        let [azimuth, zenith, range] =
+            ["HorizontalCircle", "VerticalCircle", "EDMDistance"].map(|n| number(file, &circle, n));
+        let (Some(azimuth_deg), Some(zenith_deg), Some(edm_m)) = (azimuth?, zenith?, range?) else {
+            without += 1;
+            continue;
+        };
+        let constant_m = match by_id("TargetRecord", text_of(&record, "TargetID")) {
+            Some(target) => number(file, &target, "PrismConstant")?,
+            None => None,
+        };
+        let station = by_id("StationRecord", station);
+        let atmosphere =
+            station.and_then(|s| by_id("AtmosphereRecord", text_of(&s, "AtmosphereID")));
+        let ppm = match atmosphere {
+            Some(a) if text_of(&a, "ApplyPPMToRawDistances") == Some("true") => {
+                number(file, &a, "PPM")?.unwrap_or(0.0)
+            }
+            _ => 0.0,
+        };
+        match constant_m {
+            Some(constant_m) => {
+                let said = format!("{:+.1}", constant_m * 1e3);
+                if !constants.contains(&said) {
+                    constants.push(said);
+                }
+            }
+            None => unstated += 1,
+        }
+        let range_m = (edm_m + constant_m.unwrap_or(0.0)) * (1.0 + ppm * 1e-6);
+        let polar = Polar {
+            range_m,
+            azimuth_rad: azimuth_deg.to_radians(),
+            zenith_rad: zenith_deg.to_radians(),
+        };
+        let point = name.to_owned();
+        survey.sightings.push(Sighting { point, polar, complete: constant_m.is_some() });
+    }
+    let mut warn = |count: usize, what: &str| {
+        if count > 0 {
+            survey.findings.push(Finding::warning(format!("{file}: {count} {what}")));
+        }
+    };
+    warn(deleted, "points that were deleted in the job left out");
+    warn(
+        of_other_set_ups,
+        "readings of further set-ups of the instrument left out; a file is one station in one place, so give each set-up \
+         its own",
+    );
+    warn(without, "readings without a distance or an angle left out");
+    warn(unstated, "readings without a prism constant of their target; the deployment's is added");
+    if !constants.is_empty() {
+        survey.findings.push(Finding::note(format!(
+            "{file}: the prism constants of its targets ({} mm) are added to its distances, and no other",
+            constants.join(", ")
+        )));
+    }
+    Ok(survey)
+}
+
+fn child<'a, 'i>(node: &Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+fn text_of<'a>(node: &Node<'a, '_>, name: &str) -> Option<&'a str> {
+    child(node, name)?.text().map(str::trim).filter(|text| !text.is_empty())
+}
+
+/// A number, `None` where it is absent or empty.
+fn number(file: &str, node: &Node<'_, '_>, name: &str) -> Result<Option<f64>, OpenError> {
+    let Some(text) = text_of(node, name) else { return Ok(None) };
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(Some(value)),
+        _ => {
+            let place = child(node, name).map_or(0, |child| child.range().start);
+            let line = node.document().text_pos_at(place).row as usize;
+            let what = format!("`{text}` in {name} is not a number");
+            Err(OpenError::line(file, line, what, "export the job again"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn job(points: &str) -> String {
+        format!(
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<JOBFile jobName=\"x\" version=\"5.72\"><FieldBook>\n\
+             <AtmosphereRecord ID=\"1\"><PPM>10</PPM><ApplyPPMToRawDistances>true</ApplyPPMToRawDistances></AtmosphereRecord>\n\
+             <StationRecord ID=\"2\"><StationName>S</StationName><AtmosphereID>1</AtmosphereID></StationRecord>\n\
+             <TargetRecord ID=\"3\"><PrismConstant>0.0100</PrismConstant></TargetRecord>\n{points}</FieldBook></JOBFile>\n"
+        )
+    }
+
+    fn point(name: &str, circle: &str, ids: &str) -> String {
+        format!(
+            "<PointRecord ID=\"9\"><Name>{name}</Name><Circle>{circle}</Circle>{ids}</PointRecord>\n"
+        )
+    }
+
+    const CIRCLE: &str = "<HorizontalCircle>223.5</HorizontalCircle><VerticalCircle>92.25</VerticalCircle>\
+        <EDMDistance>100.0</EDMDistance><Face>Face1</Face>";
+
+    #[test]
+    fn readings_get_their_targets_constant_and_the_ppm_once() {
+        let both = "<StationID>2</StationID><TargetID>3</TargetID>";
+        let text = job(&[
+            point("A", CIRCLE, both),
+            point("B", CIRCLE, "<StationID>2</StationID>"),
+            point("C", CIRCLE, "<StationID>7</StationID><TargetID>3</TargetID>"),
+            point("D", CIRCLE, &format!("{both}<Deleted>true</Deleted>")),
+            point("E", "<HorizontalCircle>1</HorizontalCircle><EDMDistance/>", both),
+            "<PointRecord><Name>K</Name><Grid><North>2</North><East>1</East><Elevation>3</Elevation></Grid></PointRecord>"
+                .to_owned(),
+        ]
+        .concat());
+        assert!(looks_like(&text));
+        let survey = read("a.jxl", &text).expect("good");
+        let [a, b] = &survey.sightings[..] else { panic!("{survey:?}") };
+        assert!((a.polar.range_m - 100.010 * (1.0 + 1e-5)).abs() < 1e-12 && a.complete);
+        assert!((b.polar.range_m - 100.0 * (1.0 + 1e-5)).abs() < 1e-12 && !b.complete);
+        assert!((a.polar.azimuth_rad.to_degrees() - 223.5).abs() < 1e-9);
+        assert_eq!(survey.coordinates, [("K".to_owned(), Vector3::new(1.0, 2.0, 3.0))]);
+        let said = survey.findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+        for expected in [
+            "1 points that were deleted",
+            "1 readings of further",
+            "1 readings without a distance",
+            "1 readings without a prism constant",
+            "(+10.0 mm) are added",
+        ] {
+            assert!(said.contains(expected), "{expected} in {said}");
+        }
+    }
+
+    #[test]
+    fn mistakes_say_where() {
+        let wrong = job(&point("A", &CIRCLE.replace("100.0", "twenty"), ""));
+        let error = read("a.jxl", &wrong).expect_err("text").to_string();
+        assert!(error.starts_with("a.jxl:6: `twenty` in EDMDistance"), "{error}");
+        let cut = &job("")[..150];
+        assert!(read("a.jxl", cut).expect_err("cut").to_string().starts_with("a.jxl:"));
+        let bomb = "<!DOCTYPE a [<!ENTITY b \"c\">]><JOBFile>&b;</JOBFile>";
+        assert!(read("a.jxl", bomb).expect_err("a DTD").to_string().contains("not XML"));
+    }
+}

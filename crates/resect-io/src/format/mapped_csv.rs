@@ -1,0 +1,324 @@
+//! Any table of tracks with a header, by what the user says of its columns ([`ColumnMapping`]).
+//!
+//! Columns are separated by commas, semicolons, tabs or bars; where it is not a comma, numbers may have a decimal comma.
+//! An empty number is no reading, and counted as such.
+
+mod stamps;
+mod suggestion;
+mod values;
+
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+use std::io::Read;
+
+use self::stamps::Stamps;
+pub use self::suggestion::{suggest, suggest_meanings};
+use self::values::{angle_rad, metres, number, station_number};
+use super::polar_csv;
+use super::table::{self, shown};
+use super::text_chunks::TextChunks;
+use crate::error::OpenError;
+use crate::recording::Recording;
+use resect_core::deployment::ColumnMapping;
+use resect_core::deployment::VerticalAngle;
+use resect_core::deployment::{Finding, Measurement, RawRecord};
+use resect_core::geometry::Polar;
+use resect_core::progress::Progress;
+
+/// Rows that a preview shows.
+const PREVIEWED: usize = 20;
+/// Named columns from which on an unknown table may hold tracks: time, and three of a position.
+const FEWEST_COLUMNS: usize = 4;
+const SEPARATORS: [char; 4] = [',', ';', '\t', '|'];
+const REMEDY: &str = "correct the line, or what [columns] in deployment.toml says of it";
+
+/// The first rows of a table, as they stand and as they are understood.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preview {
+    pub header: Vec<String>,
+    /// The first twenty, as text.
+    pub rows: Vec<Vec<String>>,
+    /// The first rows as they are understood, or why they are not. Without a column of stations all are station 1's.
+    pub read: Vec<Result<RawRecord, String>>,
+}
+
+/// What a mapping makes of a table that begins with `head`; its last line may be cut off and does not count.
+pub fn preview(head: &str, mapping: &ColumnMapping) -> Preview {
+    let (header, rows) = first_rows(head);
+    let columns = Columns::of(&header, separator(&header), mapping);
+    let mut stamps = Stamps::default();
+    let read = rows.iter().map(|(line, row)| match (&columns, row) {
+        (Err(what), _) | (_, Err(what)) => Err(what.clone()),
+        (Ok(columns), Ok(row)) => {
+            columns.understand(row, *line, Some(1), &mut stamps).and_then(within_a_turn)
+        }
+    });
+    let read = read.collect();
+    let text = |fields: &[Cow<'_, str>]| fields.iter().map(|field| shown(field)).collect();
+    Preview {
+        header: table::fields(&header, separator(&header)).map_or(Vec::new(), |names| text(&names)),
+        rows: rows
+            .iter()
+            .map(|(_, row)| row.as_ref().map_or(Vec::new(), |row| text(row)))
+            .collect(),
+        read,
+    }
+}
+
+/// Refuses a reading whose angles cannot be in the unit that was chosen.
+fn within_a_turn(record: RawRecord) -> Result<RawRecord, String> {
+    let Measurement { azimuth_rad, zenith_rad, .. } = record.measurement;
+    if azimuth_rad.abs() > TAU || zenith_rad.abs() > TAU {
+        return Err(format!(
+            "azimuth {:.1}°, zenith angle {:.1}°: more than a turn; the angles are in another unit",
+            azimuth_rad.to_degrees(),
+            zenith_rad.to_degrees()
+        ));
+    }
+    Ok(record)
+}
+
+/// Reads all of a table; `progress` counts its bytes. `station` is whose file it is where no column tells.
+pub fn read(
+    file: &str,
+    reader: impl Read,
+    mapping: &ColumnMapping,
+    station: Option<i64>,
+    progress: &Progress,
+    into: &mut Recording,
+) -> Result<(), OpenError> {
+    into.begin_file(file, "line");
+    let mut chunks = TextChunks::new(file, reader);
+    let (header, mut number) = table::read_header(file, &mut chunks, progress)?;
+    let columns = Columns::of(&header, separator(&header), mapping).map_err(|what| {
+        OpenError::line(file, number, what, "correct [columns] in deployment.toml")
+    })?;
+    let mut stamps = Stamps::default();
+    let mut found = false;
+    while let Some(line) = chunks.line()? {
+        number += 1;
+        progress.advance(line.len() as u64)?;
+        let line = table::utf8(file, number, line)?.trim_end_matches(['\r', '\n']);
+        if line.trim().is_empty() {
+            continue;
+        }
+        let wrong = |what| OpenError::line(file, number, what, REMEDY);
+        let fields = table::fields(line, columns.separator).map_err(wrong)?;
+        if fields.len() != columns.count {
+            return Err(table::wrong_length(file, number, fields.len(), columns.count));
+        }
+        into.push(&columns.understand(&fields, number, station, &mut stamps).map_err(wrong)?);
+        found = true;
+    }
+    if !found {
+        return Err(polar_csv::no_measurement(file));
+    }
+    if matches!(columns.position, Position::Cartesian(_)) {
+        into.ranges_include_prism_constant = true;
+    }
+    into.findings.push(Finding::note(format!("{file}: {}", columns.said())));
+    Ok(())
+}
+
+/// Whether a text begins as a table that may hold tracks: a header of names, and numbers below.
+pub fn looks_like(head: &str) -> bool {
+    let (header, rows) = first_rows(head);
+    let Ok(names) = table::fields(&header, separator(&header)) else { return false };
+    let is_name = |name: &Cow<'_, str>| {
+        name.len() < 60 && name.chars().any(char::is_alphabetic) && name.parse::<f64>().is_err()
+    };
+    let is_numeric = |field: &Cow<'_, str>| {
+        let digits = field.trim_start_matches(['+', '-', '.']);
+        digits.starts_with(|c: char| c.is_ascii_digit())
+    };
+    let Some((_, Ok(first))) = rows.first() else { return false };
+    names.len() >= FEWEST_COLUMNS
+        && names.iter().all(is_name)
+        && first.len() == names.len()
+        && first.iter().filter(|field| is_numeric(field)).count() >= 3
+}
+
+/// Whether a header names every column of a mapping.
+pub fn fits(header: &str, mapping: &ColumnMapping) -> bool {
+    Columns::of(header, separator(header), mapping).is_ok()
+}
+
+/// A row by its number of line: its fields, or why it has none.
+type NumberedRow<'a> = (usize, Result<Vec<Cow<'a, str>>, String>);
+
+/// The header of a text, and its first whole rows.
+fn first_rows(head: &str) -> (String, Vec<NumberedRow<'_>>) {
+    let head = head.trim_start_matches(super::BYTE_ORDER_MARK);
+    // A short file may end without a line end; one that was cut off ends anywhere.
+    let whole = if head.len() < 1024 { head } else { &head[..head.rfind('\n').unwrap_or(0)] };
+    let mut lines =
+        whole.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(PREVIEWED + 1);
+    let header = lines.next().map_or("", |(_, line)| line).trim().to_owned();
+    let separator = separator(&header);
+    let expected = table::fields(&header, separator).map_or(0, |names| names.len());
+    let rows = lines.map(|(index, line)| {
+        let fields = table::fields(line, separator).and_then(|fields| match fields.len() {
+            count if count == expected => Ok(fields),
+            count => Err(format!("{count} fields where the header has {expected}")),
+        });
+        (index + 1, fields)
+    });
+    (header, rows.collect())
+}
+
+/// What separates the columns: whatever does most often in the header.
+fn separator(header: &str) -> char {
+    let count = |separator: &char| header.matches(*separator).count();
+    // The first of equals: a comma.
+    SEPARATORS.into_iter().rev().max_by_key(count).unwrap_or(',')
+}
+
+/// A mapping, found in a header.
+struct Columns<'m> {
+    mapping: &'m ColumnMapping,
+    separator: char,
+    count: usize,
+    time: usize,
+    station: Option<usize>,
+    status: Option<usize>,
+    position: Position,
+}
+
+enum Position {
+    /// Range, azimuth, vertical angle.
+    Polar([usize; 3]),
+    Cartesian([usize; 3]),
+}
+
+impl<'m> Columns<'m> {
+    fn of(header: &str, separator: char, mapping: &'m ColumnMapping) -> Result<Self, String> {
+        let names = table::fields(header, separator)?;
+        let find = |column: &str| {
+            let found = names.iter().position(|name| name.eq_ignore_ascii_case(column.trim()));
+            found.ok_or_else(|| {
+                let names = names.join(", ");
+                format!("no column `{}` among {}", shown(column), shown(&names))
+            })
+        };
+        let maybe = |column: &Option<String>| column.as_deref().map(find).transpose();
+        if mapping.time.trim().is_empty() {
+            return Err("no column of time is named".to_owned());
+        }
+        let ColumnMapping { range, azimuth, vertical, x, y, z, .. } = mapping;
+        let polar = [maybe(range)?, maybe(azimuth)?, maybe(vertical)?];
+        let cartesian = [maybe(x)?, maybe(y)?, maybe(z)?];
+        let position = match (polar, cartesian) {
+            ([Some(range), Some(azimuth), Some(vertical)], [None, None, None]) => {
+                Position::Polar([range, azimuth, vertical])
+            }
+            ([None, None, None], [Some(x), Some(y), Some(z)]) => Position::Cartesian([x, y, z]),
+            _ => {
+                return Err(
+                    "either range, azimuth and vertical are to be named, or x, y and z".to_owned()
+                );
+            }
+        };
+        Ok(Self {
+            mapping,
+            separator,
+            count: names.len(),
+            time: find(&mapping.time)?,
+            station: maybe(&mapping.station)?,
+            status: maybe(&mapping.status)?,
+            position,
+        })
+    }
+
+    /// The record that a row is, or what is wrong with it.
+    fn understand(
+        &self,
+        fields: &[Cow<'_, str>],
+        line: usize,
+        station: Option<i64>,
+        stamps: &mut Stamps,
+    ) -> Result<RawRecord, String> {
+        let in_column = |column: usize, name: &str, value: Result<f64, String>| {
+            value.map_err(|what| format!("`{}` in column `{name}` {what}", shown(&fields[column])))
+        };
+        let mapping = self.mapping;
+        let name = |name: &'m Option<String>| name.as_deref().unwrap_or_default();
+        let station = match self.station {
+            Some(column) => station_number(&fields[column]).ok_or_else(|| {
+                let name = name(&mapping.station);
+                format!("`{}` in column `{name}` is no station's number", shown(&fields[column]))
+            })?,
+            None => station.ok_or("no column of stations is named")?,
+        };
+        let decimal_comma = self.separator != ',';
+        let status = match self.status {
+            None => 0.0,
+            Some(column) => {
+                in_column(column, name(&mapping.status), number(&fields[column], decimal_comma))?
+            }
+        };
+        let time_s = stamps.seconds(&fields[self.time], mapping, station, decimal_comma);
+        let length = |column: usize, own: &'m Option<String>| {
+            let value = metres(&fields[column], mapping.length_unit, decimal_comma);
+            in_column(column, name(own), value)
+        };
+        let angle = |column: usize, own: &'m Option<String>| {
+            let value = angle_rad(&fields[column], mapping.angle_unit, decimal_comma);
+            in_column(column, name(own), value)
+        };
+        let polar = match self.position {
+            Position::Cartesian([x, y, z]) => Polar::from_cartesian(
+                [length(x, &mapping.x)?, length(y, &mapping.y)?, length(z, &mapping.z)?].into(),
+            ),
+            Position::Polar([range, azimuth, vertical]) => {
+                let vertical_rad = angle(vertical, &mapping.vertical)?;
+                Polar {
+                    range_m: length(range, &mapping.range)?,
+                    azimuth_rad: angle(azimuth, &mapping.azimuth)?,
+                    zenith_rad: match mapping.vertical_angle {
+                        VerticalAngle::Zenith => vertical_rad,
+                        VerticalAngle::Elevation => std::f64::consts::FRAC_PI_2 - vertical_rad,
+                    },
+                }
+            }
+        };
+        Ok(RawRecord {
+            station,
+            // What is no whole number is not 0 either.
+            status: if status == 0.0 { 0 } else { (status as i64).max(1) },
+            place: line,
+            measurement: Measurement {
+                time_s: in_column(self.time, &mapping.time, time_s)?,
+                range_m: polar.range_m,
+                azimuth_rad: polar.azimuth_rad,
+                zenith_rad: polar.zenith_rad,
+            },
+            own_clock_s: None,
+        })
+    }
+
+    /// What the columns were taken for.
+    fn said(&self) -> String {
+        let ColumnMapping { time, range, azimuth, vertical, x, y, z, .. } = self.mapping;
+        let position: Vec<_> = match self.position {
+            Position::Polar(_) => [range, azimuth, vertical].into_iter().flatten().collect(),
+            Position::Cartesian(_) => [x, y, z].into_iter().flatten().collect(),
+        };
+        let position: Vec<_> = position.into_iter().map(|name| shown(name)).collect();
+        let how = match self.position {
+            Position::Polar(_) => format!(
+                "range ({}), azimuth and {} angle ({})",
+                self.mapping.length_unit.words(),
+                self.mapping.vertical_angle.words(),
+                self.mapping.angle_unit.words()
+            ),
+            Position::Cartesian(_) => format!(
+                "coordinates in the station's own frame ({}), which contain the prism constant",
+                self.mapping.length_unit.words()
+            ),
+        };
+        format!("columns {} are {how}; time is `{}`", position.join(", "), shown(time))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,26 @@
+//! The file formats: one file each, and [`recognise`], the one place that tells them apart.
+//!
+//! Readers take text (or, for bags, a path) and give data plus findings; which file plays which part in
+//! a deployment is decided in [`crate::open`].
+
+pub mod applied_transforms;
+pub mod bag;
+pub mod bonn_csv;
+pub mod cartesian_tracks;
+pub mod control_points;
+pub mod deployment_toml;
+mod estimate;
+pub mod gsi;
+pub mod jobxml;
+pub mod mapped_csv;
+pub mod pillars;
+pub mod polar_csv;
+mod recognise;
+pub mod rig_files;
+pub mod rtklib_pos;
+pub mod survey;
+pub mod surveyed_points;
+pub mod table;
+mod text_chunks;
+
+pub use recognise::{BYTE_ORDER_MARK, Format, SESSION_KEY, recognise};

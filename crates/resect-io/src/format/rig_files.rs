@@ -1,0 +1,186 @@
+//! The two files that describe the prisms on the vehicle.
+
+use nalgebra::Vector3;
+
+use crate::error::OpenError;
+use resect_core::geometry::Polar;
+
+/// Plausible distances between prisms (m): from a millimetre to the size of a ship.
+pub const PLAUSIBLE_DISTANCE_M: std::ops::RangeInclusive<f64> = 1e-3..=100.0;
+
+/// `calibration_results.csv`: distances 12, 13, 23 between the prisms, then between the GNSS antennas (m).
+pub fn read_distances(file: &str, text: &str) -> Result<([f64; 3], Option<[f64; 3]>), OpenError> {
+    let values = numbers(file, 1, text)?;
+    if let Some(bad) = values.iter().find(|v| !PLAUSIBLE_DISTANCE_M.contains(*v)) {
+        return Err(OpenError::line(
+            file,
+            1,
+            format!("{bad} is not a distance between prisms"),
+            "distances are in metres, from 1 mm to 100 m",
+        ));
+    }
+    match values[..] {
+        [d12, d13, d23] => Ok(([d12, d13, d23], None)),
+        [d12, d13, d23, a12, a13, a23] => Ok(([d12, d13, d23], Some([a12, a13, a23]))),
+        _ => Err(OpenError::line(
+            file,
+            1,
+            format!("{} numbers", values.len()),
+            "give the distances 12, 13, 23 of the prisms, then of the antennas, in metres",
+        )),
+    }
+}
+
+/// The text that [`read_distances`] reads.
+pub fn write_distances(inter_prism_m: &[f64; 3], inter_antenna_m: Option<&[f64; 3]>) -> String {
+    let all = inter_prism_m.iter().chain(inter_antenna_m.into_iter().flatten());
+    all.map(|distance| format!("{distance:.6}")).collect::<Vec<_>>().join(" ") + "\n"
+}
+
+/// `calibration_raw.csv`: one static station's reading of prisms 1, 2, 3 (then antennas and lidar).
+///
+/// Columns 0–2 horizontal angle in degrees, minutes, seconds, 6–8 zenith angle, 12 distance (m). The prism
+/// constants belong to the first three rows only. Gives the prisms' positions in that station's frame (m).
+pub fn read_rig_reading(
+    file: &str,
+    text: &str,
+    prism_constants_m: &[f64; 3],
+) -> Result<[Vector3<f64>; 3], OpenError> {
+    let mut prisms = Vec::new();
+    for (index, line) in
+        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(3)
+    {
+        let values = numbers(file, index + 1, line)?;
+        if values.len() < 13 {
+            return Err(OpenError::line(
+                file,
+                index + 1,
+                format!("{} columns, 13 or more needed", values.len()),
+                "columns are horizontal angle d m s, its σ, zenith angle d m s, its σ, distance",
+            ));
+        }
+        let angle_rad =
+            |at: usize| (values[at] + values[at + 1] / 60.0 + values[at + 2] / 3600.0).to_radians();
+        let polar = Polar {
+            range_m: values[12] + prism_constants_m[prisms.len()],
+            azimuth_rad: angle_rad(0),
+            zenith_rad: angle_rad(6),
+        };
+        if !polar.is_plausible() {
+            return Err(OpenError::line(
+                file,
+                index + 1,
+                "not a reading of a prism (distance in m, zenith angle within 0..180°)",
+                "correct the line",
+            ));
+        }
+        prisms.push(polar.to_cartesian());
+    }
+    prisms.try_into().map_err(|short: Vec<_>| {
+        OpenError::file(
+            file,
+            format!("{} rows, 3 prisms needed", short.len()),
+            "add the missing prisms",
+        )
+    })
+}
+
+/// Whether a line of 13 numbers is a position with its covariance: the fourth is 1.
+pub fn is_sensor_position(line: &str) -> bool {
+    line.split_whitespace().nth(3).and_then(|field| field.parse().ok()) == Some(1.0)
+}
+
+/// `sensor_positions.csv` of the authors' repository: x y z (m), 1, and the 3×3 covariance (m²) of prisms 1, 2, 3, then
+/// GNSS antennas and lidar. Gives the three prisms (m).
+///
+/// Computed by its scripts from `calibration_raw.csv`, so in the frame of the static station that read the rig (z up), for
+/// all its name. Whether the prism constant is in it is not said: on the run of 2022-07-11 it is not (their ranges are
+/// those of the reading to the micrometre), which changes the distances between the prisms by a millimetre.
+pub fn read_sensor_positions(file: &str, text: &str) -> Result<[Vector3<f64>; 3], OpenError> {
+    let mut prisms = Vec::new();
+    for (index, line) in
+        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(3)
+    {
+        let values = numbers(file, index + 1, line)?;
+        let position_m = values.get(..3).map(Vector3::from_column_slice);
+        match position_m.filter(|p| p.iter().all(|value| value.is_finite())) {
+            Some(position_m) => prisms.push(position_m),
+            None => {
+                let remedy = "columns are x y z in metres, 1, and nine of a covariance";
+                return Err(OpenError::line(file, index + 1, "not a position", remedy));
+            }
+        }
+    }
+    prisms.try_into().map_err(|short: Vec<_>| {
+        let what = format!("{} rows, 3 prisms needed", short.len());
+        OpenError::file(file, what, "add the missing prisms")
+    })
+}
+
+/// The text that [`read_rig_reading`] reads, angles to the second and distances to the millimetre, as a
+/// station shows them.
+pub fn write_rig_reading(prisms: &[Polar; 3], prism_constant_m: f64) -> String {
+    let mut text = String::new();
+    for prism in prisms {
+        let (azimuth, zenith) = (dms(prism.azimuth_rad), dms(prism.zenith_rad));
+        let distance_m = prism.range_m - prism_constant_m;
+        text += &format!("{azimuth} 0 00 01.000 {zenith} 0 00 01.000 {distance_m:.3} 0.0020 0\n");
+    }
+    text
+}
+
+fn dms(angle_rad: f64) -> String {
+    let seconds = (angle_rad.to_degrees().rem_euclid(360.0) * 3600.0).round() as i64;
+    format!("{} {:02} {:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
+}
+
+fn numbers(file: &str, line: usize, text: &str) -> Result<Vec<f64>, OpenError> {
+    text.split_whitespace()
+        .map(|field| {
+            field.parse().map_err(|_| {
+                OpenError::line(
+                    file,
+                    line,
+                    format!("`{field}` is not a number"),
+                    "separate numbers by spaces",
+                )
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use resect_core::deployment::pairwise_distances;
+
+    #[test]
+    fn a_written_rig_reads_back() {
+        let prisms = [
+            Vector3::new(3.0, 0.1, -0.3),
+            Vector3::new(3.6, 0.5, -0.5),
+            Vector3::new(2.9, 0.9, -0.7),
+        ];
+        let text = write_rig_reading(&prisms.map(Polar::from_cartesian), 0.010);
+        let back = read_rig_reading("x", &text, &[0.010; 3]).expect("own text");
+        for (written, read) in pairwise_distances(&prisms).iter().zip(pairwise_distances(&back)) {
+            assert!((written - read).abs() < 1.2e-3, "{written} {read}");
+        }
+    }
+
+    #[test]
+    fn bad_rig_files_say_where() {
+        let error = read_distances("d.csv", "0.7 0.9 oops").expect_err("not a number").to_string();
+        assert!(error.starts_with("d.csv:1: `oops`"), "{error}");
+        let error = read_distances("d.csv", "0.7 0.9 -1").expect_err("negative").to_string();
+        assert!(error.contains("not a distance"), "{error}");
+        let error =
+            read_sensor_positions("s.csv", "1 2 3 1\n1 2\n").expect_err("short").to_string();
+        assert!(error.starts_with("s.csv:2: not a position"), "{error}");
+        let error = read_sensor_positions("s.csv", "1 2 3 1\n").expect_err("one").to_string();
+        assert!(error.starts_with("s.csv: 1 rows"), "{error}");
+        let error =
+            read_rig_reading("r.csv", "1 2 3\n", &[0.01; 3]).expect_err("short").to_string();
+        assert!(error.starts_with("r.csv:1: 3 columns"), "{error}");
+    }
+}

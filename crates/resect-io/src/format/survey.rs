@@ -1,0 +1,193 @@
+//! Readings of named points by one instrument: what the surveyors' formats have in common.
+
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Vector3;
+
+use resect_core::deployment::Finding;
+use resect_core::geometry::{Polar, wrap_to_pi};
+
+/// Readings of one point further apart than this (m) are of different points.
+const SAME_POINT_M: f64 = 0.05;
+/// Half of all points steeper than this (zenith angle, rad) are no control points: the angles count from the horizon.
+const STEEP_RAD: f64 = PI / 6.0;
+
+/// Cases of one kind that a finding names.
+const NAMED: usize = 3;
+
+/// What a file of one instrument holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Survey {
+    /// The sightings in the order of the file.
+    pub sightings: Vec<Sighting>,
+    /// Names and coordinates (east, north, up; m) that stand there without a reading.
+    pub coordinates: Vec<(String, Vector3<f64>)>,
+    pub findings: Vec<Finding>,
+}
+
+/// One pointing at one point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sighting {
+    pub point: String,
+    /// The reading in either face: a zenith angle beyond 180° is face II.
+    pub polar: Polar,
+    /// Whether the prism constant is in the range.
+    pub complete: bool,
+}
+
+impl Sighting {
+    /// The reading in face I, and whether it was made in face II.
+    fn in_face_one(&self) -> (Polar, bool) {
+        let zenith_rad = self.polar.zenith_rad.rem_euclid(TAU);
+        if zenith_rad <= PI {
+            return (Polar { zenith_rad, ..self.polar }, false);
+        }
+        let azimuth_rad = self.polar.azimuth_rad - PI;
+        (Polar { azimuth_rad, zenith_rad: TAU - zenith_rad, ..self.polar }, true)
+    }
+}
+
+impl Survey {
+    /// Every point once, in order of appearance: the mean of its readings, both faces with the same weight. Where a range
+    /// lacks the prism constant, `prism_constant_m` is added.
+    pub fn points(
+        &self,
+        file: &str,
+        prism_constant_m: f64,
+    ) -> (Vec<(String, Polar)>, Vec<Finding>) {
+        let mut names: Vec<&str> = Vec::new();
+        let mut by_name: HashMap<&str, [Vec<Polar>; 2]> = HashMap::new();
+        let (mut unusable, mut apart) = (Several::default(), Several::default());
+        for sighting in &self.sightings {
+            let (mut polar, second) = sighting.in_face_one();
+            polar.range_m += if sighting.complete { 0.0 } else { prism_constant_m };
+            if !polar.is_plausible() {
+                unusable.add(|| sighting.point.clone());
+                continue;
+            }
+            let faces = by_name.entry(&sighting.point).or_insert_with(|| {
+                names.push(&sighting.point);
+                Default::default()
+            });
+            faces[usize::from(second)].push(polar);
+        }
+        let mut points = Vec::new();
+        for name in names {
+            let faces = &by_name[name];
+            let all = || faces.iter().flatten();
+            let Some(first) = all().next() else { continue };
+            let apart_m = |p: &Polar| (p.to_cartesian() - first.to_cartesian()).norm();
+            let apart_m = all().map(apart_m).fold(0.0, f64::max);
+            if apart_m > SAME_POINT_M {
+                apart.add(|| format!("{name}: {} up to {apart_m:.2} m apart", all().count()));
+                continue;
+            }
+            let means: Vec<Polar> = faces.iter().filter_map(|face| mean(face)).collect();
+            points.extend(mean(&means).map(|polar| (name.to_owned(), polar)));
+        }
+        let mut findings = Vec::new();
+        if unusable.count > 0 {
+            findings.push(Finding::warning(format!(
+                "{file}: {} readings without a usable range or angle left out ({})",
+                unusable.count,
+                unusable.in_words()
+            )));
+        }
+        if apart.count > 0 {
+            findings.push(Finding::warning(format!(
+                "{file}: {} points left out, whose readings are not of one point ({}); give different points different \
+                 names, and each set-up a file of its own",
+                apart.count,
+                apart.in_words()
+            )));
+        }
+        let steep = points.iter().filter(|(_, p)| p.zenith_rad < STEEP_RAD).count();
+        if 2 * steep > points.len() {
+            findings.push(Finding::doubt(format!(
+                "{file}: half of the points would be within 30° of the zenith; its vertical angles seem to count from the \
+                 horizon, but are read as zenith angles"
+            )));
+        }
+        (points, findings)
+    }
+}
+
+/// Cases of one kind: how many, and the first of them in words.
+#[derive(Default)]
+struct Several {
+    count: usize,
+    first: Vec<String>,
+}
+
+impl Several {
+    fn add(&mut self, words: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.first.len() < NAMED {
+            self.first.push(words());
+        }
+    }
+
+    fn in_words(&self) -> String {
+        self.first.join("; ") + if self.count > NAMED { "; …" } else { "" }
+    }
+}
+
+/// The mean of readings of one point; `None` of nothing.
+fn mean(readings: &[Polar]) -> Option<Polar> {
+    let first = readings.first()?;
+    let of = |value: &dyn Fn(&Polar) -> f64| {
+        readings.iter().map(value).sum::<f64>() / readings.len() as f64
+    };
+    let turned = of(&|p| wrap_to_pi(p.azimuth_rad - first.azimuth_rad));
+    Some(Polar {
+        range_m: of(&|p| p.range_m),
+        azimuth_rad: (first.azimuth_rad + turned).rem_euclid(TAU),
+        zenith_rad: of(&|p| p.zenith_rad),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sighting(point: &str, azimuth_rad: f64, zenith_rad: f64, range_m: f64) -> Sighting {
+        let polar = Polar { range_m, azimuth_rad, zenith_rad };
+        Sighting { point: point.to_owned(), polar, complete: false }
+    }
+
+    #[test]
+    fn both_faces_weigh_the_same() {
+        // Collimation 1e-4, vertical index 2e-4: opposite in the two faces. Azimuth 0 lies between the readings.
+        let survey = Survey {
+            sightings: vec![
+                sighting("a", 1e-4, 1.5 + 2e-4, 20.0),
+                sighting("b", 1.0, 1.4, 30.0),
+                sighting("a", 1e-4, 1.5 + 2e-4, 20.0),
+                sighting("a", PI - 1e-4, TAU - 1.5 + 2e-4, 20.0),
+            ],
+            ..Survey::default()
+        };
+        let (points, findings) = survey.points("x.gsi", 0.01);
+        assert!(findings.is_empty(), "{findings:?}");
+        assert_eq!(points.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+        let a = points[0].1;
+        assert!(wrap_to_pi(a.azimuth_rad).abs() < 1e-12, "{a:?}");
+        assert!((a.zenith_rad - 1.5).abs() < 1e-12 && (a.range_m - 20.01).abs() < 1e-12, "{a:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_one_point_is_said() {
+        let survey = Survey {
+            sightings: vec![sighting("a", 0.0, 1.5, 20.0), sighting("a", 0.1, 1.5, 20.0)],
+            ..Survey::default()
+        };
+        let (points, findings) = survey.points("x.gsi", 0.0);
+        assert!(points.is_empty());
+        assert!(findings[0].message.contains("up to 1.99 m apart"), "{findings:?}");
+        let survey =
+            Survey { sightings: vec![sighting("a", 0.0, 0.01, 20.0)], ..Survey::default() };
+        let (_, findings) = survey.points("x.gsi", 0.0);
+        assert!(findings[0].doubt && findings[0].message.contains("horizon"), "{findings:?}");
+    }
+}

@@ -1,0 +1,45 @@
+//! Files of robotic total stations: formats, folders that make a deployment, and files that are written whole or not at all.
+//!
+//! [`Source::open`] is the one way from a path to a [`Deployment`](resect_core::deployment::Deployment), and [`open()`] its
+//! short form.
+//!
+//! # Modules, from the ground up
+//! A module imports only from those above it in this table (`tests/structure.rs`).
+//!
+//! | module | content | next change |
+//! |---|---|---|
+//! | [`atomic`] | files that are the old one or the new one, never a part of it | a remedy for a failed write: `error.rs` |
+//! | [`error`] | errors of opening, and questions that only the user can answer | |
+//! | [`recording`] | records of files become tracks: impossible readings are counted and left out | |
+//! | [`format`] | one file a format, `bag/` for the bags; `recognise.rs` distinguishes them by content | a format (a new GNSS format, say): a file here, a variant of `Format` and a line in `recognise.rs`, its part in `open/`; `examples/add_a_format.rs` shows the whole way |
+//! | [`open`](mod@open) | a folder becomes a deployment: which file plays which part | |
+//! | [`source`], [`sample`] | where a deployment comes from; the built-in ones | |
+//! | [`growing`] | a deployment of messages that still arrive | |
+//! | [`what_is`] | what a dropped path is | |
+//! | [`override_changes`] | changed overrides in words | |
+//! | [`file_mark`] | hashes by which a session recognises its files | |
+//! | [`estimate_file`], [`plan_file`], [`way_file`], [`settings_file`] | trajectories of other systems, plans, ways, settings | |
+//! | [`simulation_files`] | a simulated deployment as the files of a real one | |
+
+pub mod atomic;
+pub mod error;
+pub mod estimate_file;
+pub mod file_mark;
+pub mod format;
+pub mod growing;
+pub mod open;
+pub mod override_changes;
+pub mod plan_file;
+mod reading_sense;
+pub mod recording;
+pub mod sample;
+pub mod settings_file;
+pub mod simulation_files;
+pub mod source;
+pub mod way_file;
+pub mod what_is;
+
+pub use error::OpenError;
+pub use open::{open, open_files};
+pub use sample::Sample;
+pub use source::Source;

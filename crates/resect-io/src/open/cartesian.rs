@@ -1,0 +1,354 @@
+//! Tracks as positions, one file a station: which files make a deployment, and in which frame they are.
+//!
+//! The authors of the paper publish their tracks after turning all of them into one frame. Where the transforms that
+//! they applied lie with the tracks and can be shown to be the ones, they are undone, so that ranges and angles are the
+//! instruments' again. What shows them: a total station gives ranges in steps (0.01 mm while it tracks), and only about
+//! its own origin are the ranges in steps. That holds the origin to about half a millimetre in the plane;
+//! height and rotation are taken from the same transform.
+
+use nalgebra::Vector3;
+
+use super::found::FoundFile;
+use crate::error::{OpenError, Question};
+use crate::format::Format;
+use crate::format::applied_transforms;
+use crate::format::applied_transforms::AppliedTransforms;
+use crate::format::cartesian_tracks;
+use crate::format::cartesian_tracks::{Position, own_from_theirs};
+use crate::recording::Recording;
+use crate::recording::station_index;
+use resect_core::deployment::{
+    Finding, Measurement, PAIRS, RawRecord, ToldAngle, ToldIn, TrackFrame,
+};
+use resect_core::geometry::{Polar, RigidTransform};
+use resect_core::progress::Progress;
+use resect_core::statistics::quantiles;
+
+/// Prisms of one vehicle are no further apart than this (m).
+const LARGEST_RIG_M: f64 = 5.0;
+/// Half the distances of prisms of one vehicle, which are steady, lie within this (m).
+const STEADY_M: f64 = 0.1;
+/// Fewest distances that say whether they are steady.
+const FEWEST_DISTANCES: usize = 10;
+/// Longest gap to interpolate over, when two tracks are compared (s).
+const LONGEST_GAP_S: f64 = 1.0;
+/// Steps in which instruments give ranges (m).
+const RANGE_STEPS_M: [f64; 3] = [1e-5, 1e-4, 1e-3];
+/// Readings this far apart (m) saw the station from different sides.
+const MOVED_M: f64 = 0.1;
+/// Fewest readings that show anything.
+const FEWEST_MOVED: usize = 50;
+/// Agreement with the steps that shows an origin: 1 is perfect, chance gives 0.14 or less.
+const SHOWN: f64 = 0.35;
+/// An origin is only shown if one a little off in the plane (m) agrees by so much less.
+const A_LITTLE_M: f64 = 0.001;
+const WORSE_BY: f64 = 0.8;
+/// A compensator leaves less tilt than this (rad): 20″.
+const COMPENSATOR_RAD: f64 = 20.0 / 3600.0 * std::f64::consts::PI / 180.0;
+
+/// The three files of stations 1, 2, 3, where the tracks are of this kind; `None` leaves the choice to others.
+pub fn choose<'a>(
+    name: &str,
+    chosen: Option<&[String]>,
+    candidates: &[&'a FoundFile],
+) -> Result<Option<Vec<&'a FoundFile>>, OpenError> {
+    let cartesian = || candidates.iter().copied().filter(|f| f.format == Format::CartesianTrack);
+    if let Some(chosen) = chosen {
+        let named: Vec<_> =
+            chosen.iter().filter_map(|own| cartesian().find(|f| f.file == *own)).collect();
+        return match named[..] {
+            // In the order in which they are named.
+            [_, _, _] if chosen.len() == 3 => Ok(Some(named)),
+            [one] if chosen.len() == 1 => set_of(one, &cartesian()).map(Some),
+            [] => Ok(None),
+            _ => Err(incomplete(&named[0].file)),
+        };
+    }
+    let mut sets: Vec<Vec<&FoundFile>> = Vec::new();
+    for first in cartesian().filter(|f| station_in_name(&f.file).is_some_and(|(_, n)| n == 1)) {
+        sets.extend(set_of(first, &cartesian()).ok());
+    }
+    let others = candidates.iter().filter(|f| f.format != Format::CartesianTrack);
+    match (&sets[..], cartesian().next()) {
+        (_, None) => Ok(None),
+        ([], Some(lone)) if others.clone().next().is_none() => Err(incomplete(&lone.file)),
+        ([], Some(_)) => Ok(None),
+        ([_], Some(_)) if others.clone().next().is_none() => Ok(sets.pop()),
+        _ => {
+            let files = sets.iter().map(|set| set[0]).chain(others.copied());
+            let files = files.map(|f| f.file.clone()).collect();
+            Err(Question::Tracks { folder: name.to_owned(), files }.into())
+        }
+    }
+}
+
+fn incomplete(file: &str) -> OpenError {
+    OpenError::file(
+        file,
+        "positions of one station; those of the other two are missing",
+        "put three such files into one folder, with 1, 2, 3 as the last number of their names",
+    )
+}
+
+/// The files in the same folder whose names differ in the last number only, for stations 1, 2, 3.
+fn set_of<'a>(
+    one: &FoundFile,
+    files: &(impl Iterator<Item = &'a FoundFile> + Clone),
+) -> Result<Vec<&'a FoundFile>, OpenError> {
+    let pattern = station_in_name(&one.file).map(|(pattern, _)| pattern);
+    let of = |number: i64| {
+        let named = |f: &&FoundFile| {
+            station_in_name(&f.file).is_some_and(|(p, n)| n == number && Some(p) == pattern)
+        };
+        files.clone().find(named)
+    };
+    (1..=3).map(of).collect::<Option<_>>().ok_or_else(|| incomplete(&one.file))
+}
+
+/// The last number of a file's name, and the path without it.
+pub fn station_in_name(file: &str) -> Option<(String, i64)> {
+    let folder = file.rfind(['/', '\\']).map_or(0, |at| at + 1);
+    let end = folder + file[folder..].rfind(|c: char| c.is_ascii_digit())? + 1;
+    let start = file[..end].rfind(|c: char| !c.is_ascii_digit()).map_or(0, |at| at + 1);
+    // The character before the digits may be longer than a byte.
+    let start = (start..end).find(|at| file.is_char_boundary(*at))?;
+    let number = file[start..end].parse().ok()?;
+    Some((format!("{}#{}", &file[..start], &file[end..]), number))
+}
+
+/// Reads the files of stations 1, 2, 3 into polar readings, and gives the frame they are in and the files of transforms
+/// that were used.
+pub fn read<'a>(
+    tracks: &[&FoundFile],
+    files: &'a [FoundFile],
+    progress: &Progress,
+    into: &mut Recording,
+) -> Result<(TrackFrame, Option<&'a str>), OpenError> {
+    let mut positions: [Vec<Position>; 3] = Default::default();
+    for (own, file) in positions.iter_mut().zip(tracks) {
+        *own = cartesian_tracks::read(&file.file, &file.text(progress)?)?;
+    }
+    into.ranges_include_prism_constant = true;
+    let mut station_from_file = [RigidTransform::IDENTITY; 3];
+    let mut frame = TrackFrame::Own;
+    let mut used = None;
+    if in_one_frame(&positions) {
+        match applied(&positions, files, &mut into.findings)? {
+            Some((file, set)) => {
+                station_from_file = set.common_from_station.map(|applied| applied.inverse());
+                used = Some(file);
+            }
+            None => {
+                frame = TrackFrame::Common;
+                into.findings.push(in_common_frame());
+            }
+        }
+    } else {
+        into.findings.push(Finding::note(
+            "the tracks are positions, each in its station's own frame; prism constants are in them",
+        ));
+    }
+    for (station, own) in positions.iter().enumerate() {
+        into.begin_file(&tracks[station].file, "line");
+        for position in own {
+            let position_m = station_from_file[station].apply(&position.position_m);
+            let polar = Polar::from_cartesian(own_from_theirs(&position_m));
+            into.push(&RawRecord {
+                station: station as i64 + 1,
+                status: 0,
+                place: position.line,
+                measurement: Measurement {
+                    time_s: position.time_s,
+                    range_m: polar.range_m,
+                    azimuth_rad: polar.azimuth_rad.rem_euclid(std::f64::consts::TAU),
+                    zenith_rad: polar.zenith_rad,
+                },
+                own_clock_s: None,
+            });
+        }
+    }
+    Ok((frame, used))
+}
+
+fn in_common_frame() -> Finding {
+    Finding::warning(
+        "the tracks were turned into one frame before they were written, and what turned them is not known: C and D give \
+         what is left to turn in that frame (compose it with what was applied for the stations' own), A and B are about \
+         the stations' own frames and are not compared with the drive; the outlier filter sees rates about the origin of \
+         that frame, which for stations 2 and 3 is not the instrument; and a rigid transform may have tilted a station by \
+         more than its compensator leaves",
+    )
+}
+
+/// Whether the stations' prisms keep steady, short distances without any transform.
+fn in_one_frame(positions: &[Vec<Position>; 3]) -> bool {
+    let spreads: Vec<[f64; 2]> = PAIRS
+        .iter()
+        .map(|(a, b)| distances_m(&positions[*a], &positions[*b]))
+        .filter(|distances_m| distances_m.len() >= FEWEST_DISTANCES)
+        .filter_map(|distances_m| quantiles(distances_m, [0.25, 0.5, 0.75]))
+        .map(|[q25, median, q75]| [median, q75 - q25])
+        .collect();
+    !spreads.is_empty()
+        && spreads.iter().all(|[median, iqr]| *median < LARGEST_RIG_M && *iqr < STEADY_M)
+}
+
+/// Distances (m) at some hundred instants of the first track, the second interpolated.
+fn distances_m(a: &[Position], b: &[Position]) -> Vec<f64> {
+    let mut b: Vec<&Position> = b.iter().collect();
+    b.sort_by(|x, y| x.time_s.total_cmp(&y.time_s));
+    let step = (a.len() / 500).max(1);
+    let at = |p: &Position| {
+        let after = b.partition_point(|q| q.time_s < p.time_s);
+        let (before, after) = (b.get(after.checked_sub(1)?)?, b.get(after)?);
+        let gap_s = after.time_s - before.time_s;
+        let share = (p.time_s - before.time_s) / gap_s;
+        let position_m = before.position_m.lerp(&after.position_m, share);
+        let distance_m = (p.position_m - position_m).norm();
+        (gap_s < LONGEST_GAP_S && distance_m.is_finite()).then_some(distance_m)
+    };
+    a.iter().step_by(step).filter_map(at).collect()
+}
+
+/// The transforms that were applied, where a file has them and the readings show that they are the ones.
+fn applied<'a>(
+    positions: &[Vec<Position>; 3],
+    files: &'a [FoundFile],
+    findings: &mut Vec<Finding>,
+) -> Result<Option<(&'a str, AppliedTransforms)>, OpenError> {
+    let mut best: Option<(f64, &str, AppliedTransforms)> = None;
+    let mut looked_at = Vec::new();
+    let mut count = 0;
+    for file in files.iter().filter(|f| f.serves_as(Format::AppliedTransforms)) {
+        looked_at.push(file.file.as_str());
+        let sets = match applied_transforms::read(&file.file, &file.uncounted_text()?) {
+            Ok(sets) => sets,
+            // The tracks can be used without it.
+            Err(error) => {
+                findings.push(Finding::warning(error.to_string()));
+                continue;
+            }
+        };
+        for set in sets {
+            count += 1;
+            let agreement = agreement(positions, &set);
+            if agreement > SHOWN && best.is_none_or(|(known, ..)| agreement > known) {
+                best = Some((agreement, &file.file, set));
+            }
+        }
+    }
+    let Some((_, file, set)) = best else {
+        if let Some(first) = looked_at.first() {
+            let more = match looked_at.len() - 1 {
+                0 => String::new(),
+                n => format!(" and {n} more"),
+            };
+            findings.push(Finding::warning(format!(
+                "none of the {count} sets of transforms in {first}{more} is shown to be the one that was applied: undone, \
+                 the ranges do not come in the steps of an instrument"
+            )));
+        }
+        return Ok(None);
+    };
+    findings.push(Finding::note(format!(
+        "the tracks were turned into one frame with the transforms of {file} (from line {}) before they were written; this \
+         is undone, so ranges and angles are the instruments' again. That their ranges then come in steps shows them to be \
+         the ones, to about half a millimetre",
+        set.line
+    )));
+    let level = set.common_from_station[0].rotate(&Vector3::z());
+    for (index, transform) in set.common_from_station.iter().enumerate() {
+        let tilt_rad = transform.rotate(&Vector3::z()).cross(&level).norm().asin();
+        if tilt_rad > COMPENSATOR_RAD {
+            let tilt = ToldAngle::size(tilt_rad, ToldIn::Arcseconds, 0);
+            let line = format!(
+                "{file} tilts station {} by {tilt}, more than a compensator leaves; whoever uses the tracks as published \
+                 has that in them",
+                index + 1,
+            );
+            findings.push(Finding::warning(line).telling([tilt]));
+        }
+    }
+    Ok(Some((file, set)))
+}
+
+/// How well the ranges of all stations agree with the steps of an instrument once a set is undone; 0 where a set a
+/// little different would do as well, so that nothing is shown.
+fn agreement(positions: &[Vec<Position>; 3], set: &AppliedTransforms) -> f64 {
+    let of = |step_m: f64, in_steps: InSteps| {
+        let each = positions.iter().zip(&set.common_from_station).map(|(own, applied)| {
+            let origin_m = applied.translation_m;
+            let here = in_steps(own, &origin_m, step_m);
+            let around = [Vector3::x(), Vector3::y(), -Vector3::x(), -Vector3::y()]
+                .map(|way| in_steps(own, &(origin_m + A_LITTLE_M * way), step_m));
+            if around.iter().all(|off| *off < WORSE_BY * here) { here } else { 0.0 }
+        });
+        each.fold(1.0, f64::min)
+    };
+    // The exact transforms show in all ranges; those that are a little off, of a drive around the stations, from each
+    // range to the next only.
+    let both =
+        RANGE_STEPS_M.map(|step_m| f64::max(of(step_m, all_in_steps), of(step_m, next_in_steps)));
+    both.into_iter().fold(0.0, f64::max)
+}
+
+/// Agreement of the ranges about an origin (m) with steps (m), from 0 (chance) to 1.
+type InSteps = fn(&[Position], &Vector3<f64>, f64) -> f64;
+
+/// Length of the mean of exp(2πi r / step) over all ranges: 1 where they are whole steps but for a constant, such as that
+/// of the prism.
+fn all_in_steps(positions: &[Position], origin_m: &Vector3<f64>, step_m: f64) -> f64 {
+    mean_phase(positions.iter().map(|p| (p.position_m - origin_m).norm() / step_m))
+}
+
+/// Length of the mean of exp(2πi Δr / step) over consecutive readings that moved; an origin a little off changes these
+/// differences Δr of ranges less.
+fn next_in_steps(positions: &[Position], origin_m: &Vector3<f64>, step_m: f64) -> f64 {
+    let pairs = positions.windows(2).map(|pair| [pair[0].position_m, pair[1].position_m]);
+    let moved = pairs.filter(|[a, b]| (a - b).norm() > MOVED_M);
+    mean_phase(moved.map(|[a, b]| ((b - origin_m).norm() - (a - origin_m).norm()) / step_m))
+}
+
+/// Length of the mean of exp(2πi x); 0 of too few.
+fn mean_phase(values: impl Iterator<Item = f64>) -> f64 {
+    let (mut cos, mut sin, mut count) = (0.0, 0.0, 0);
+    for value in values {
+        let (s, c) = (std::f64::consts::TAU * value.fract()).sin_cos();
+        (cos, sin, count) = (cos + c, sin + s, count + 1);
+    }
+    if count < FEWEST_MOVED { 0.0 } else { f64::hypot(cos, sin) / count as f64 }
+}
+
+/// Gives what was computed from tracks its reason to be passed over, by the folder it lies in; positions also where their
+/// name has no station.
+pub fn pass_over_derived(files: &mut [FoundFile]) {
+    const FOLDERS: [&str; 5] =
+        ["filtered_prediction", "raw_prediction", "ground_truth", "uncertainty", "gps_data"];
+    let place =
+        |f: &FoundFile| f.file.split(['/', '\\']).rev().skip(1).any(|p| FOLDERS.contains(&p));
+    for file in files.iter_mut().filter(|f| f.format == Format::CartesianTrack) {
+        if place(file) || station_in_name(&file.file).and_then(|(_, n)| station_index(n)).is_none()
+        {
+            file.format = Format::Ignored("positions made from tracks, not measured ones");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_number_of_a_name_is_the_station() {
+        for (name, expected) in [
+            ("total_stations/trimble1.csv", Some(("total_stations/trimble#.csv", 1))),
+            ("f-2-1-1-1-6-0-L_3.csv", Some(("f-2-1-1-1-6-0-L_#.csv", 3))),
+            ("2022/x.csv", None),
+            ("été2", Some(("été#", 2))),
+            ("3", Some(("#", 3))),
+        ] {
+            let found = station_in_name(name);
+            assert_eq!(found.as_ref().map(|(p, n)| (p.as_str(), *n)), expected, "{name}");
+        }
+    }
+}

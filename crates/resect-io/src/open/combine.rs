@@ -1,0 +1,186 @@
+//! Gives every file of a folder its part in a deployment, and says what is missing.
+
+use std::path::Path;
+
+use resect_core::deployment::printable::printable;
+use resect_core::deployment::{Deployment, Finding, Ingredient, Overrides};
+use resect_core::progress::Progress;
+
+use super::control_points::read_control_point_sets;
+use super::found::{Found, FoundFile, find, in_memory};
+use super::gnss::read_gnss;
+use super::reading::Reading;
+use super::rig::read_rig;
+use super::surveys::Surveys;
+use super::tracks;
+use crate::error::OpenError;
+use crate::format::{self, Format};
+
+/// Opens a folder by looking at what is in it, or a file of tracks with the rest of its folder.
+pub fn open(path: &Path) -> Result<Deployment, OpenError> {
+    combine(&find(path, &Progress::default())?, &Progress::default())
+}
+
+/// Opens files that are already in memory, as the built-in samples are.
+pub fn open_files(name: &str, files: &[(&str, &str)]) -> Result<Deployment, OpenError> {
+    combine(&in_memory(name, files), &Progress::default())
+}
+
+/// Gives every file its part, reads those that have one, and says what was passed over.
+///
+/// `progress` counts the bytes of the files that are read.
+pub fn combine(found: &Found, progress: &Progress) -> Result<Deployment, OpenError> {
+    put_together(found, progress, |name, overrides| tracks::read(name, found, overrides, progress))
+}
+
+/// Reads everything but tracks, for those whose readings come from elsewhere.
+pub fn combine_without_tracks(found: &Found, progress: &Progress) -> Result<Deployment, OpenError> {
+    put_together(found, progress, |_, overrides| Ok(tracks::TracksRead::none(overrides)))
+}
+
+/// `read_tracks` is given the deployment's name and its overrides.
+fn put_together<'a>(
+    found: &'a Found,
+    progress: &Progress,
+    read_tracks: impl FnOnce(&str, &Overrides) -> Result<tracks::TracksRead<'a>, OpenError>,
+) -> Result<Deployment, OpenError> {
+    let files = &found.files;
+    // Only the folder's own: one further down belongs to another deployment.
+    let is_overrides =
+        |f: &&FoundFile| f.format == Format::DeploymentToml && f.file == "deployment.toml";
+    let in_folder = match files.iter().find(is_overrides) {
+        Some(file) => format::deployment_toml::read(&file.file, &file.uncounted_text()?)?,
+        None => Overrides::default(),
+    };
+    let overrides = found.put_right.clone().over(in_folder.clone());
+    overrides.check().map_err(|(what, remedy)| OpenError::file(&found.name, what, remedy))?;
+    let name = printable(overrides.name.as_ref().unwrap_or(&found.name));
+    let unreadable = files.iter().filter(|f| f.format == Format::Unreadable);
+    let mut findings: Vec<Finding> = unreadable
+        .map(|f| {
+            let what = "cannot be read and was passed over; check its permissions, if it belongs to the deployment";
+            Finding::warning(format!("{}: {what}", f.file))
+        })
+        .collect();
+    let mut used: Vec<&str> = Vec::new();
+    used.extend(files.iter().filter(is_overrides).map(|f| f.file.as_str()));
+
+    let read = read_tracks(&name, &overrides)?;
+    used.extend(read.files);
+    findings.extend(read.findings);
+    let prism_constants_m = read.prism_constants_m;
+
+    let mut reading = Reading {
+        files,
+        overrides: &overrides,
+        put_right: &found.put_right,
+        distances_of_files_m: None,
+        progress,
+        used: &mut used,
+        findings: &mut findings,
+    };
+    let surveys = Surveys::read(&mut reading)?;
+    let control_points = read_control_point_sets(&mut reading, &prism_constants_m, &surveys)?;
+    let rig = read_rig(&mut reading, &prism_constants_m, &surveys)?;
+    let gnss = read_gnss(&mut reading)?;
+    let mut as_read = in_folder;
+    as_read.inter_prism_m = as_read.inter_prism_m.or(reading.distances_of_files_m);
+    findings.extend(read.about_prism_constant);
+
+    let ingredients = files
+        .iter()
+        .map(|f| Ingredient {
+            file: printable(&f.file),
+            path: None,
+            what: f.format.describe(),
+            used: used.contains(&f.file.as_str()),
+        })
+        .collect();
+    Ok(Deployment {
+        name,
+        tracks: read.tracks,
+        track_frame: read.frame,
+        control_points,
+        rig,
+        prisms: overrides.prisms,
+        gnss,
+        time_corrections: read.time_corrections,
+        overrides,
+        as_read,
+        ingredients,
+        findings,
+        restarts_s: Vec::new(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRACKS: &str =
+        "timestamp,id,distance,ha,va\n0.0,1,10,0.1,1.5\n0.1,2,11,0.1,1.5\n0.2,3,12,0.1,1.5\n";
+
+    #[test]
+    fn two_representations_are_a_question() {
+        let error =
+            open_files("d", &[("a.csv", TRACKS), ("b.csv", TRACKS)]).expect_err("ambiguous");
+        assert!(error.to_string().contains("several files hold tracks: a.csv, b.csv"), "{error}");
+        let toml = "tracks = \"b.csv\"\nprism_constant_m = 0.0\ninter_prism_m = [0.7, 0.9, 1.0]\n";
+        let files = [("a.csv", TRACKS), ("b.csv", TRACKS), ("deployment.toml", toml)];
+        let deployment = open_files("d", &files).expect("the override decides");
+        assert_eq!(deployment.tracks[0].prism_constant_m, 0.0);
+        assert_eq!(deployment.rig.expect("given").inter_prism_m, [0.7, 0.9, 1.0]);
+        let unused: Vec<_> = deployment.ingredients.iter().filter(|i| !i.used).collect();
+        assert_eq!(unused.len(), 1);
+        assert_eq!(unused[0].file, "a.csv");
+    }
+
+    #[test]
+    fn errors_name_file_line_and_remedy() {
+        let cases: [(&str, &str); 6] = [
+            (
+                "timestamp,id,distance,ha,va\n0.0,1,10,\u{1b}[2J,1.5\n",
+                "a.csv:2: `\\u{1b}[2J` in column `ha` is not a number",
+            ),
+            (
+                "timestamp;id;distance;ha;va\n0;1;2;3;4\n",
+                "a.csv:1: the columns are separated by semicolons",
+            ),
+            (
+                "timestamp,id,distance,ha,va\n0.0,1,10,x,1.5\n",
+                "a.csv:2: `x` in column `ha` is not a number",
+            ),
+            ("timestamp,id,distance,ha,va\n0.0,1,10\n", "a.csv:2: 3 fields where the header has 5"),
+            ("timestamp,id,distance,ha,va\n", "a.csv: has a header but no measurement"),
+            ("", "no tracks of the stations"),
+        ];
+        for (text, expected) in cases {
+            let error = open_files("d", &[("a.csv", text)]).expect_err(expected).to_string();
+            assert!(error.contains(expected), "expected `{expected}`, got `{error}`");
+            assert!(error.contains("; "), "no remedy in `{error}`");
+        }
+    }
+
+    #[test]
+    fn a_name_is_one_line() {
+        let toml = "name = \"two\\nlines\"\ninter_prism_m = [0.7, 0.9, 1.0]\n";
+        let deployment =
+            open_files("d", &[("a.csv", TRACKS), ("deployment.toml", toml)]).expect("opens");
+        assert_eq!(deployment.name, "two\\nlines");
+    }
+
+    #[test]
+    fn an_impossible_rig_is_refused() {
+        let error = open_files("d", &[("a.csv", TRACKS), ("rig.txt", "0.1 0.2 1.0")])
+            .expect_err("triangle");
+        assert!(error.to_string().contains("not the sides of a triangle"), "{error}");
+    }
+
+    #[test]
+    fn a_typo_in_the_overrides_is_refused() {
+        let files =
+            [("a.csv", TRACKS), ("deployment.toml", "name = \"x\"\nprism_constant = 0.0\n")];
+        let error = open_files("d", &files).expect_err("unknown key").to_string();
+        assert!(error.starts_with("deployment.toml:2: unknown field"), "{error}");
+    }
+}

@@ -1,0 +1,122 @@
+//! Files of control points, and what is known of where their points are.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::found::Standing;
+use super::reading::Reading;
+use super::surveys::Surveys;
+use crate::error::OpenError;
+use crate::format;
+use crate::format::Format;
+use resect_core::deployment::{ControlPointSet, Finding};
+
+/// Every set, its points with their surveyed coordinates.
+pub fn read_control_point_sets<'a>(
+    reading: &mut Reading<'a, '_>,
+    prism_constants_m: &[f64; 3],
+    surveys: &Surveys<'a>,
+) -> Result<Vec<ControlPointSet>, OpenError> {
+    let mut sets: Vec<ControlPointSet> = surveys.control_points(reading, prism_constants_m);
+    let Reading { files, overrides, progress, used, findings, .. } = reading;
+    let mut pillars = None;
+    // What the user names comes last.
+    if let Some(file) = files.iter().rfind(|f| f.serves_as(Format::Pillars)) {
+        pillars = Some(format::pillars::read(&file.file, &file.text(progress)?)?);
+        used.push(&file.file);
+    }
+    for file in files.iter().filter(|f| f.serves_as(Format::ControlPoints)) {
+        let wanted = overrides.control_points.as_ref();
+        if file.standing != Standing::Named && wanted.is_some_and(|w| !w.contains(&file.file)) {
+            continue;
+        }
+        let text = file.text(progress)?;
+        let pillars = pillars.as_deref();
+        let set = read_control_points(&file.file, &text, prism_constants_m, pillars, findings)?;
+        if let Some(set) = set {
+            used.push(&file.file);
+            sets.push(set);
+        }
+    }
+    if pillars.is_some() && !sets.is_empty() && !sets.iter().any(|set| set.pillars) {
+        findings.push(Finding::warning(
+            "the survey of pillars belongs to no file of readings, and all points count as control points; name the file \
+             with the pillars' readings Two_points.txt",
+        ));
+    }
+    for file in files.iter().filter(|f| f.serves_as(Format::SurveyedPoints)) {
+        let surveyed = format::surveyed_points::read(&file.file, &file.text(progress)?)?;
+        for known in &surveyed {
+            let point = set_of(&mut sets, &known.file)
+                .and_then(|set| set.points.iter_mut().find(|p| p.marker == known.marker_number));
+            match point {
+                Some(point) => point.known_m = Some(known.position_m()),
+                None => findings.push(Finding::warning(format!(
+                    "{}: marker {} of {} was not measured",
+                    file.file, known.marker_number, known.file
+                ))),
+            }
+        }
+        used.push(&file.file);
+    }
+    if let Some(wanted) = &overrides.control_points
+        && let Some(missing) = wanted.iter().find(|wanted| {
+            let holds = [Format::ControlPoints, Format::Gsi, Format::JobXml];
+            !files.iter().any(|f| f.file == **wanted && holds.contains(&f.format))
+        })
+    {
+        return Err(OpenError::file(
+            "deployment.toml",
+            format!("control_points names `{missing}`, which is no control-point file here"),
+            "give names relative to the folder",
+        ));
+    }
+    Ok(sets)
+}
+
+/// The set of a file by its name in the folder, or where the user named it, by the end of its path.
+fn set_of<'a>(sets: &'a mut [ControlPointSet], file: &str) -> Option<&'a mut ControlPointSet> {
+    let exactly = sets.iter().position(|set| set.file == file);
+    let place =
+        exactly.or_else(|| sets.iter().position(|set| Path::new(&set.file).ends_with(file)))?;
+    sets.get_mut(place)
+}
+
+/// One file of control points; `None`, with a finding, when it holds no usable one.
+///
+/// Pillars are known by the markers of their survey, which gives their coordinates; failing that, by the authors'
+/// file name.
+fn read_control_points(
+    file: &str,
+    text: &str,
+    prism_constants_m: &[f64; 3],
+    pillars: Option<&[(i64, Vector3<f64>)]>,
+    findings: &mut Vec<Finding>,
+) -> Result<Option<ControlPointSet>, OpenError> {
+    let (mut set, set_findings) = format::control_points::read(file, text, prism_constants_m)?;
+    findings.extend(set_findings);
+    if set.points.is_empty() {
+        findings.push(Finding::warning(format!("{file}: no usable control point")));
+        return Ok(None);
+    }
+    let named = file.to_lowercase().contains("two_points");
+    set.pillars = pillars.map_or(named, |pillars| {
+        let known = |marker: i64| pillars.iter().any(|(pillar, _)| *pillar == marker);
+        // Ground points are numbered from 1 as well; a set of pillars holds nothing else.
+        named || (set.points.len() == pillars.len() && set.points.iter().all(|p| known(p.marker)))
+    });
+    if let (true, Some(pillars)) = (set.pillars, pillars) {
+        for point in &mut set.points {
+            let pillar = pillars.iter().find(|(pillar, _)| *pillar == point.marker);
+            point.known_m = pillar.map(|(_, position_m)| *position_m);
+            if point.known_m.is_none() {
+                findings.push(Finding::warning(format!(
+                    "{file}: pillar {} stands in no survey of pillars, so its coordinates are not known",
+                    point.marker
+                )));
+            }
+        }
+    }
+    Ok(Some(set))
+}

@@ -1,0 +1,351 @@
+//! The files that a deployment is put together from, before they are parsed.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::cartesian::pass_over_derived;
+use super::collection;
+use crate::error::OpenError;
+use crate::format;
+use crate::format::{Format, recognise};
+use crate::source::Extras;
+use resect_core::deployment::Overrides;
+use resect_core::progress::Progress;
+
+/// How deep below the given folder files are looked for.
+pub const FOLDER_DEPTH: usize = 3;
+
+/// A file before it is parsed: small ones in memory, bags where they lie.
+pub struct FoundFile {
+    /// Relative to the folder; the whole path of a file that the user named.
+    pub file: String,
+    pub format: Format,
+    pub content: Content,
+    pub bytes: u64,
+    pub standing: Standing,
+}
+
+pub enum Content {
+    Disk(PathBuf),
+    Memory(String),
+}
+
+/// Whether a file may play its part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standing {
+    /// The file lies with the tracks.
+    Beside,
+    /// The user named it.
+    Named,
+    /// The file lies with the tracks, and the user named another instead.
+    SetAside,
+}
+
+impl FoundFile {
+    /// A file on disk, by its first bytes.
+    pub fn at(path: &Path, file: String) -> Result<Self, OpenError> {
+        let io = |error| OpenError::Io { path: path.to_owned(), error };
+        let metadata = path.metadata().map_err(io)?;
+        // To open a pipe would wait for whoever writes to it.
+        if !metadata.is_file() && !metadata.is_dir() {
+            let what = "a pipe, a socket or a device, no file";
+            return Err(OpenError::file(&file, what, "save what it gives as a file"));
+        }
+        let mut head = Vec::new();
+        let opened = std::fs::File::open(path).map_err(io)?;
+        opened.take(4096).read_to_end(&mut head).map_err(io)?;
+        let base_name = path.file_name().unwrap_or_default().to_string_lossy();
+        Ok(Self {
+            file,
+            format: format::bag::recognise_compressed(&head, path)
+                .unwrap_or_else(|| recognise(&base_name, &head)),
+            content: Content::Disk(path.to_owned()),
+            bytes: metadata.len(),
+            standing: Standing::Beside,
+        })
+    }
+
+    /// A neighbour that cannot be read: whether it matters cannot be told either.
+    fn unreadable(path: &Path, top: &Path) -> Self {
+        Self {
+            file: below(top, path),
+            format: Format::Unreadable,
+            content: Content::Disk(path.to_owned()),
+            bytes: 0,
+            standing: Standing::Beside,
+        }
+    }
+
+    /// Whether it may be read as this.
+    pub fn serves_as(&self, format: Format) -> bool {
+        self.format == format && self.standing != Standing::SetAside
+    }
+
+    /// Whether it is read when it lies beside the tracks.
+    pub fn is_read_beside_tracks(&self) -> bool {
+        let read = [&RIG[..], &CONTROL_POINTS, &GNSS].concat();
+        self.standing != Standing::SetAside && read.contains(&self.format)
+    }
+
+    /// What is in it from its first byte on, for a reader that takes it piece by piece.
+    pub fn reader(&self) -> Result<Box<dyn Read + '_>, OpenError> {
+        match &self.content {
+            Content::Memory(text) => Ok(Box::new(text.as_bytes())),
+            Content::Disk(path) => match std::fs::File::open(path) {
+                Ok(file) => Ok(Box::new(file)),
+                Err(error) => Err(OpenError::Io { path: path.clone(), error }),
+            },
+        }
+    }
+
+    /// The first line with anything in it.
+    pub fn header(&self) -> Result<String, OpenError> {
+        let mut head = Vec::new();
+        let io = |error| {
+            OpenError::file(&self.file, format!("cannot be read ({error})"), "check the disk")
+        };
+        self.reader()?.take(4096).read_to_end(&mut head).map_err(io)?;
+        let head = String::from_utf8_lossy(&head).into_owned();
+        let mut lines = head.trim_start_matches(format::BYTE_ORDER_MARK).lines().map(str::trim);
+        Ok(lines.find(|line| !line.is_empty()).unwrap_or_default().to_owned())
+    }
+
+    /// What is in it, without a byte-order mark; counted as done.
+    pub fn text(&self, progress: &Progress) -> Result<String, OpenError> {
+        let text = self.uncounted_text()?;
+        progress.advance(self.bytes)?;
+        Ok(text)
+    }
+
+    /// The file's text, for a reader that counts on its own.
+    pub fn uncounted_text(&self) -> Result<String, OpenError> {
+        let text = match &self.content {
+            Content::Memory(text) => text.clone(),
+            Content::Disk(path) => {
+                let bytes = std::fs::read(path)
+                    .map_err(|error| OpenError::Io { path: path.clone(), error })?;
+                String::from_utf8(bytes).map_err(|_| {
+                    OpenError::file(&self.file, "not UTF-8 text", "save it as UTF-8")
+                })?
+            }
+        };
+        Ok(match text.strip_prefix(format::BYTE_ORDER_MARK) {
+            Some(rest) => rest.to_owned(),
+            None => text,
+        })
+    }
+}
+
+/// Everything that a deployment is put together from.
+pub struct Found {
+    /// Name of the deployment, unless `deployment.toml` names it.
+    pub name: String,
+    /// The file of tracks that was asked for.
+    pub chosen: Option<String>,
+    /// What the user says of them, over what `deployment.toml` says.
+    pub put_right: Overrides,
+    pub files: Vec<FoundFile>,
+}
+
+/// What lies at a path: all of a folder, or a file of tracks with its neighbours.
+pub fn find(path: &Path, progress: &Progress) -> Result<Found, OpenError> {
+    let io = |error| OpenError::Io { path: path.to_owned(), error };
+    let metadata = std::fs::metadata(path).map_err(io)?;
+    let path = path.canonicalize().map_err(io)?;
+    let chosen = if metadata.is_dir() {
+        None
+    } else {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let format = FoundFile::at(&path, name.clone())?.format;
+        // These stand for their folder.
+        (!matches!(format, Format::DeploymentToml | Format::RosbagMetadata)).then_some(name)
+    };
+    let folder = if metadata.is_dir() { &path } else { path.parent().unwrap_or(Path::new(".")) };
+    if metadata.is_dir() {
+        collection::refuse(folder)?;
+    }
+    // A single file: its neighbours can help, the folders below them are none of its business.
+    let files = list_folder(folder, if chosen.is_some() { 1 } else { FOLDER_DEPTH }, progress)?;
+    let name = match &chosen {
+        Some(file) => Path::new(file).file_stem(),
+        None => folder.file_name(),
+    };
+    let name = name.unwrap_or_default().to_string_lossy().into_owned();
+    if let Some(file) = &chosen
+        && let Some(found) = files.iter().find(|f| &f.file == file)
+        && !found.format.may_be_track()
+    {
+        return Err(OpenError::file(
+            file,
+            format!("holds no tracks of the stations ({})", found.format.describe()),
+            "open its folder, or a polar CSV (timestamp,id,distance,ha,va) or a bag of ROS 1 or ROS 2",
+        ));
+    }
+    Ok(Found { name, chosen, put_right: Overrides::default(), files })
+}
+
+/// Files that are in memory, as those of the built-in samples.
+pub fn in_memory(name: &str, files: &[(&str, &str)]) -> Found {
+    let mut files: Vec<FoundFile> = files
+        .iter()
+        .map(|(file, text)| FoundFile {
+            file: (*file).to_owned(),
+            format: recognise(file, text.as_bytes()),
+            content: Content::Memory((*text).to_owned()),
+            bytes: text.len() as u64,
+            standing: Standing::Beside,
+        })
+        .collect();
+    pass_over_derived(&mut files);
+    Found { name: name.to_owned(), chosen: None, put_right: Overrides::default(), files }
+}
+
+/// A path as it is told: from the folder on.
+fn below(top: &Path, path: &Path) -> String {
+    path.strip_prefix(top).unwrap_or(path).to_string_lossy().into_owned()
+}
+
+/// Whether a folder is a link to one that it lies in, which would be found again and again.
+fn leads_back(path: &Path, lies_in: &Path) -> bool {
+    match (path.is_symlink(), path.canonicalize(), lies_in.canonicalize()) {
+        (true, Ok(target), Ok(lies_in)) => lies_in.starts_with(target),
+        _ => false,
+    }
+}
+
+/// Every file in a folder, and in those below it, hidden ones left out; sorted by name. What lies in it and cannot be read
+/// is [`Format::Unreadable`].
+pub fn list_folder(
+    folder: &Path,
+    depth: usize,
+    progress: &Progress,
+) -> Result<Vec<FoundFile>, OpenError> {
+    fn visit(
+        top: &Path,
+        folder: &Path,
+        depth: usize,
+        progress: &Progress,
+        into: &mut Vec<FoundFile>,
+    ) -> Result<(), OpenError> {
+        let io = |error| OpenError::Io { path: folder.to_owned(), error };
+        for entry in std::fs::read_dir(folder).map_err(io)? {
+            progress.check()?;
+            let path = entry.map_err(io)?.path();
+            let hidden =
+                path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+            if hidden {
+                continue;
+            } else if path.is_dir() {
+                if depth > 1 && !leads_back(&path, folder) {
+                    match visit(top, &path, depth - 1, progress, into) {
+                        Err(OpenError::Io { .. }) => into.push(FoundFile::unreadable(&path, top)),
+                        visited => visited?,
+                    }
+                }
+            } else if path.is_file() {
+                into.push(match FoundFile::at(&path, below(top, &path)) {
+                    Err(OpenError::Io { .. }) => FoundFile::unreadable(&path, top),
+                    found => found?,
+                });
+            }
+        }
+        Ok(())
+    }
+    let mut files = Vec::new();
+    visit(folder, folder, depth, progress, &mut files)?;
+    files.sort_by(|a, b| a.file.cmp(&b.file));
+    pass_over_derived(&mut files);
+    Ok(files)
+}
+
+/// What the files are that the user can name beside the tracks.
+const RIG: [Format; 3] = [Format::RigReading, Format::SensorPositions, Format::RigDistances];
+const CONTROL_POINTS: [Format; 5] =
+    [Format::ControlPoints, Format::Gsi, Format::JobXml, Format::Pillars, Format::SurveyedPoints];
+const GNSS: [Format; 1] = [Format::RtklibPos];
+
+impl Found {
+    /// Takes in the files that the user named, and sets aside those that they stand for.
+    pub fn add(&mut self, extras: &Extras) -> Result<(), OpenError> {
+        self.put_right = extras.put_right.clone();
+        if let Some(rig) = &extras.rig {
+            self.set_aside(&RIG);
+            let shown = rig.display().to_string();
+            let files = if rig.is_dir() {
+                // Sorted, and whatever else the folder holds is not the rig's.
+                let mut files = list_folder(rig, FOLDER_DEPTH, &Progress::default())?;
+                files.retain(|f| RIG.contains(&f.format));
+                for file in &mut files {
+                    file.file = rig.join(&file.file).display().to_string();
+                }
+                files
+            } else {
+                vec![FoundFile::at(rig, shown.clone())?]
+            };
+            if !files.iter().any(|f| RIG.contains(&f.format)) {
+                let what = files.first().map_or("no such file in it", |f| f.format.describe());
+                return Err(OpenError::file(
+                    &shown,
+                    format!("does not describe the rig ({what})"),
+                    "name calibration_results.csv (distances 12, 13, 23 in m), calibration_raw.csv, or their folder",
+                ));
+            }
+            files.into_iter().for_each(|file| self.name_file(file));
+        }
+        if extras.gcp_instead {
+            self.set_aside(&CONTROL_POINTS);
+        }
+        for path in &extras.gcp {
+            self.name_one(
+                path,
+                &CONTROL_POINTS,
+                "holds no control points",
+                "name readings (theodolite_number,marker_number,…), pillars or coordinates of control points",
+            )?;
+        }
+        if !extras.gnss.is_empty() {
+            self.set_aside(&GNSS);
+        }
+        for path in &extras.gnss {
+            let remedy = "name the .pos files of antennas 1, 2 and 3";
+            self.name_one(path, &GNSS, "holds no GNSS solutions", remedy)?;
+        }
+        Ok(())
+    }
+
+    fn set_aside(&mut self, formats: &[Format]) {
+        for file in self.files.iter_mut().filter(|f| formats.contains(&f.format)) {
+            file.standing = Standing::SetAside;
+        }
+    }
+
+    fn name_one(
+        &mut self,
+        path: &Path,
+        formats: &[Format],
+        wrong: &str,
+        remedy: &str,
+    ) -> Result<(), OpenError> {
+        let file = FoundFile::at(path, path.display().to_string())?;
+        if !formats.contains(&file.format) {
+            let what = format!("{wrong} ({})", file.format.describe());
+            return Err(OpenError::file(&file.file, what, remedy));
+        }
+        self.name_file(file);
+        Ok(())
+    }
+
+    /// Takes in a file that the user named; it must not count twice where it lies with the tracks as well.
+    fn name_file(&mut self, file: FoundFile) {
+        let same = |other: &FoundFile| match (&file.content, &other.content) {
+            (Content::Disk(a), Content::Disk(b)) => {
+                a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
+            }
+            _ => false,
+        };
+        for other in self.files.iter_mut().filter(|other| same(other)) {
+            other.standing = Standing::SetAside;
+        }
+        self.files.push(FoundFile { standing: Standing::Named, ..file });
+    }
+}

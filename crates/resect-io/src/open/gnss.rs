@@ -1,0 +1,70 @@
+//! Which solution file belongs to which GNSS antenna.
+
+use super::found::{FoundFile, Standing};
+use super::reading::Reading;
+use crate::error::OpenError;
+use crate::format;
+use crate::format::Format;
+use resect_core::deployment::{Finding, GnssFix};
+
+/// Antennas 1, 2, 3: the files that the user or `deployment.toml` names, or the three that are there, by name.
+pub fn read_gnss(reading: &mut Reading<'_, '_>) -> Result<Option<[Vec<GnssFix>; 3]>, OpenError> {
+    let Reading { files, overrides, progress, used, findings, .. } = reading;
+    let there: Vec<&FoundFile> = files.iter().filter(|f| f.serves_as(Format::RtklibPos)).collect();
+    let named = there.iter().any(|f| f.standing == Standing::Named);
+    let chosen: Vec<&FoundFile> = match &overrides.gnss {
+        Some(names) if !named => names
+            .iter()
+            .map(|name| {
+                there.iter().find(|f| f.file == *name).copied().ok_or_else(|| {
+                    OpenError::file(
+                        "deployment.toml",
+                        format!("gnss names `{name}`, which is no RTKLIB solution file here"),
+                        "give names relative to the folder",
+                    )
+                })
+            })
+            .collect::<Result<_, _>>()?,
+        _ => there,
+    };
+    let repeated =
+        (1..chosen.len()).any(|i| chosen[..i].iter().any(|earlier| earlier.file == chosen[i].file));
+    if repeated {
+        return Err(OpenError::file(
+            "deployment.toml",
+            "gnss names a file twice",
+            "each antenna has a file of its own",
+        ));
+    }
+    let three: [&FoundFile; 3] = match chosen.try_into() {
+        Ok(three) => three,
+        Err(others) => {
+            if !others.is_empty() {
+                findings.push(Finding::warning(format!(
+                    "{} GNSS solution file(s) left out: three antennas are needed; name them in deployment.toml: \
+                     gnss = [\"…\", \"…\", \"…\"]",
+                    others.len()
+                )));
+            }
+            return Ok(None);
+        }
+    };
+    let mut antennas: [Vec<GnssFix>; 3] = Default::default();
+    for (antenna, file) in antennas.iter_mut().zip(three) {
+        let (fixes, said) = format::rtklib_pos::read(&file.file, &file.text(progress)?)?;
+        *antenna = fixes;
+        findings.extend(said);
+        used.push(&file.file);
+    }
+    // Coordinates about a base station are short, those about the Earth's centre are not.
+    let about_the_earth =
+        |fixes: &Vec<GnssFix>| fixes.first().is_some_and(|f| f.position_m.norm() > 1e6);
+    if !antennas.iter().all(|fixes| about_the_earth(fixes) == about_the_earth(&antennas[0])) {
+        findings.push(Finding::warning(
+            "the GNSS antennas are left out: some positions are about the Earth's centre, others about a base station; \
+             solve them with the same settings",
+        ));
+        return Ok(None);
+    }
+    Ok(Some(antennas))
+}

@@ -1,0 +1,20 @@
+//! The way from a path to a deployment: what is in a folder, which file plays which part, and what is missing.
+
+mod bags;
+mod cartesian;
+mod collection;
+mod combine;
+mod control_points;
+mod dated;
+mod found;
+mod gnss;
+mod reading;
+mod rig;
+mod surveys;
+mod tables;
+mod tracks;
+
+pub use collection::holds_many;
+pub use combine::{combine, combine_without_tracks, open, open_files};
+pub use found::{FOLDER_DEPTH, FoundFile, find, in_memory, list_folder};
+pub use tracks::of_recording as tracks_of_recording;

@@ -1,0 +1,236 @@
+//! What surveyors' files (GSI, JobXML) give a deployment: control points, their coordinates, the rig.
+//!
+//! One file is one instrument in one place. Whose it is, the number at the end of its name says, or `surveys` of
+//! `deployment.toml`. Files whose names differ in that number only make one set of control points.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+
+use super::cartesian::station_in_name;
+use super::found::{FoundFile, Standing};
+use super::reading::Reading;
+use crate::error::OpenError;
+use crate::format::survey::Survey;
+use crate::format::{Format, gsi, jobxml};
+use crate::recording::station_index;
+use resect_core::deployment::{ControlPoint, ControlPointSet, Finding, OneOrMany, PrismConstants};
+use resect_core::geometry::Polar;
+
+/// The surveyors' files of a folder, read.
+pub struct Surveys<'a> {
+    files: Vec<(&'a FoundFile, Survey)>,
+}
+
+/// The readings of stations 1, 2, 3 that belong together.
+struct Group<'s> {
+    /// Names of the files without the station's number; what joins them.
+    pattern: String,
+    stations: [Option<(&'s str, &'s Survey)>; 3],
+}
+
+/// A file, and prisms 1, 2, 3 in the frame of its instrument (m).
+type RigPoints<'a> = (&'a String, [Vector3<f64>; 3]);
+
+impl<'a> Surveys<'a> {
+    /// Reads every one that is there and not set aside.
+    pub fn read(reading: &mut Reading<'a, '_>) -> Result<Self, OpenError> {
+        let mut files = Vec::new();
+        for file in reading.files {
+            let survey = if file.serves_as(Format::Gsi) {
+                gsi::read(&file.file, &file.text(reading.progress)?)?
+            } else if file.serves_as(Format::JobXml) {
+                jobxml::read(&file.file, &file.text(reading.progress)?)?
+            } else {
+                continue;
+            };
+            files.push((file, survey));
+        }
+        if let Some(missing) = reading
+            .overrides
+            .surveys
+            .iter()
+            .flatten()
+            .find(|named| !files.iter().any(|(file, _)| file.file == **named))
+        {
+            return Err(OpenError::file(
+                "deployment.toml",
+                format!("surveys names `{missing}`, which is no GSI or JobXML file here"),
+                "give names relative to the folder, of stations 1, 2, 3",
+            ));
+        }
+        Ok(Self { files })
+    }
+
+    /// The sets of control points, one for each group of files; points are told apart by their names.
+    pub fn control_points(
+        &self,
+        reading: &mut Reading<'a, '_>,
+        prism_constants_m: &[f64; 3],
+    ) -> Vec<ControlPointSet> {
+        let overrides = reading.overrides;
+        let rig = overrides.rig.as_ref().map_or(&[][..], OneOrMany::as_slice);
+        let wanted = |file: &FoundFile| {
+            let named = file.standing == Standing::Named;
+            let listed = overrides.control_points.as_ref();
+            !rig.contains(&file.file) && (named || listed.is_none_or(|l| l.contains(&file.file)))
+        };
+        let mut coordinates: HashMap<&str, Vector3<f64>> = HashMap::new();
+        let mut groups: Vec<Group<'_>> = Vec::new();
+        for (file, survey) in self.files.iter().filter(|(file, _)| wanted(file)) {
+            let name = file.file.as_str();
+            if survey.sightings.is_empty() {
+                // What an instrument computed from its own set-up must not pass for a survey.
+                let by_name =
+                    file.standing == Standing::Named || overrides.control_points.is_some();
+                if survey.coordinates.is_empty() {
+                    reading.findings.push(Finding::warning(format!("{name}: no usable reading")));
+                } else if by_name {
+                    for (point, position_m) in &survey.coordinates {
+                        coordinates.entry(point).or_insert(*position_m);
+                    }
+                    reading.used.push(name);
+                } else {
+                    reading.findings.push(Finding::warning(format!(
+                        "{name}: coordinates without readings are left out; where they are surveyed ones, name it in \
+                         control_points of deployment.toml"
+                    )));
+                }
+                continue;
+            }
+            let Some((pattern, station)) = whose(name, overrides.surveys.as_ref()) else {
+                reading.findings.push(Finding::warning(format!(
+                    "{name}: left out, because it is not known which station read it; let its name end with the number of \
+                     the station, or name the files of stations 1, 2, 3 in deployment.toml: surveys = [\"…\", \"…\", \"…\"]"
+                )));
+                continue;
+            };
+            reading.findings.extend(survey.findings.iter().cloned());
+            if survey.sightings.iter().all(|s| s.complete)
+                && let Some(given_m) = overrides.prism_constant_m.map(PrismConstants::each_m)
+                && given_m[station] != 0.0
+            {
+                reading.findings.push(Finding::note(format!(
+                    "{name}: prism_constant_m is not added to its ranges, which have their own"
+                )));
+            }
+            let group = match groups.iter().position(|g| g.pattern == pattern) {
+                Some(known) => &mut groups[known],
+                None => {
+                    groups.push(Group { pattern, stations: [None; 3] });
+                    groups.last_mut().expect("just pushed")
+                }
+            };
+            let place = &mut group.stations[station];
+            if let Some((other, _)) = place {
+                reading.findings.push(Finding::warning(format!(
+                    "{name}: left out, because {other} is of the same station as well"
+                )));
+            } else {
+                *place = Some((name, survey));
+                reading.used.push(name);
+            }
+        }
+        let sets =
+            groups.iter().map(|group| group.set(prism_constants_m, &coordinates, reading.findings));
+        sets.filter(|set| !set.points.is_empty()).collect()
+    }
+
+    /// The first three points of the file that `rig` of `deployment.toml` names, in the frame of its instrument (m).
+    pub fn rig(
+        &self,
+        named: Option<&[String]>,
+        prism_constants_m: &[f64; 3],
+        findings: &mut Vec<Finding>,
+    ) -> Result<Option<RigPoints<'a>>, OpenError> {
+        let is_named = |file: &FoundFile| named.is_some_and(|named| named.contains(&file.file));
+        let Some((file, survey)) = self.files.iter().find(|(file, _)| is_named(file)) else {
+            return Ok(None);
+        };
+        findings.extend(survey.findings.iter().cloned());
+        findings.extend(survey.points(&file.file, prism_constants_m[0]).1);
+        // The constant belongs to the prism, so to the station that follows it.
+        let of = |prism: usize| survey.points(&file.file, prism_constants_m[prism]).0;
+        let prisms: Option<Vec<Vector3<f64>>> = (0..3)
+            .map(|prism| of(prism).get(prism).map(|(_, polar)| polar.to_cartesian()))
+            .collect();
+        match prisms.map(<[_; 3]>::try_from) {
+            Some(Ok(prisms)) => Ok(Some((&file.file, prisms))),
+            _ => Err(OpenError::file(
+                &file.file,
+                "has fewer than three points",
+                "the first three are to be prisms 1, 2, 3",
+            )),
+        }
+    }
+}
+
+/// The group of a file, and its station from 0.
+fn whose(name: &str, surveys: Option<&[String; 3]>) -> Option<(String, usize)> {
+    if let Some(surveys) = surveys {
+        return surveys.iter().position(|own| own == name).map(|station| (String::new(), station));
+    }
+    let stem = name.rfind('.').map_or(name, |dot| &name[..dot]);
+    let (pattern, number) = station_in_name(stem).filter(|(pattern, _)| pattern.ends_with('#'))?;
+    Some((pattern, station_index(number)?))
+}
+
+impl Group<'_> {
+    fn set(
+        &self,
+        prism_constants_m: &[f64; 3],
+        coordinates: &HashMap<&str, Vector3<f64>>,
+        findings: &mut Vec<Finding>,
+    ) -> ControlPointSet {
+        let mut points: Vec<(String, ControlPoint)> = Vec::new();
+        let mut index_of: HashMap<String, usize> = HashMap::new();
+        let mut files = Vec::new();
+        for (station, own) in self.stations.iter().enumerate() {
+            let Some((file, survey)) = own else { continue };
+            files.push(*file);
+            let (read, said) = survey.points(file, prism_constants_m[station]);
+            findings.extend(said);
+            for (name, polar) in read {
+                let index = *index_of.entry(name.clone()).or_insert_with(|| {
+                    let known_m = coordinates.get(name.as_str()).copied();
+                    points.push((name, ControlPoint { marker: 0, readings: [None; 3], known_m }));
+                    points.len() - 1
+                });
+                points[index].1.readings[station] = Some::<Polar>(polar);
+            }
+        }
+        let file = files.join(", ");
+        number(&file, &mut points, findings);
+        ControlPointSet {
+            file,
+            points: points.into_iter().map(|(_, point)| point).collect(),
+            pillars: false,
+        }
+    }
+}
+
+/// Gives points their markers: the number in their names, or where that does not tell them apart, their place.
+fn number(file: &str, points: &mut [(String, ControlPoint)], findings: &mut Vec<Finding>) {
+    let in_name: Option<Vec<i64>> = points
+        .iter()
+        .map(|(name, _)| station_in_name(name).filter(|(p, _)| p.ends_with('#')).map(|(_, n)| n))
+        .collect();
+    let mut sorted = in_name.clone().unwrap_or_default();
+    sorted.sort_unstable();
+    sorted.dedup();
+    let markers = match in_name {
+        Some(markers) if sorted.len() == points.len() => markers,
+        _ => {
+            let names: Vec<&str> = points.iter().map(|(name, _)| name.as_str()).take(8).collect();
+            let more = if points.len() > names.len() { ", …" } else { "" };
+            findings.push(Finding::note(format!(
+                "{file}: points are numbered in order of appearance: {}{more}",
+                names.join(", ")
+            )));
+            (1..=points.len() as i64).collect()
+        }
+    };
+    for ((_, point), marker) in points.iter_mut().zip(markers) {
+        point.marker = marker;
+    }
+}

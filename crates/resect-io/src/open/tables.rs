@@ -1,0 +1,141 @@
+//! Tables among the files of tracks: those of one station each, and those whose columns the user has to name.
+
+use std::path::PathBuf;
+
+use super::found::{Content, FoundFile};
+use crate::error::{OpenError, Question};
+use crate::format::table::shown;
+use crate::format::{Format, bonn_csv, mapped_csv, polar_csv};
+use crate::recording::Recording;
+use resect_core::deployment::ColumnMapping;
+use resect_core::progress::Progress;
+
+/// The tables that are tracks where nothing else is: those that the mapping fits; without one, a question about the only
+/// kind of table there is. `None` where there is none, or several kinds.
+pub fn unknown<'a>(
+    columns: Option<&ColumnMapping>,
+    files: &'a [FoundFile],
+) -> Result<Option<Vec<&'a FoundFile>>, OpenError> {
+    let tables: Vec<_> = files.iter().filter(|f| f.format == Format::UnknownTable).collect();
+    let headers = tables.iter().map(|f| f.header()).collect::<Result<Vec<_>, _>>()?;
+    if let Some(columns) = columns {
+        let fitting = tables.iter().zip(&headers).filter(|(_, h)| mapped_csv::fits(h, columns));
+        let fitting: Vec<_> = fitting.map(|(file, _)| *file).collect();
+        return Ok((!fitting.is_empty()).then_some(fitting));
+    }
+    match tables.first() {
+        Some(first) if headers.iter().all(|header| *header == headers[0]) => {
+            Err(which_columns(first)?)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Whether a file holds the track of one station, which it does not number.
+pub fn is_one_stations(file: &FoundFile, columns: Option<&ColumnMapping>) -> bool {
+    match (file.format, columns) {
+        (Format::PolarCsv, Some(columns)) => polar_csv::with_own_names(columns).station.is_none(),
+        (Format::BonnCsv | Format::UnknownTable, Some(columns)) => columns.station.is_none(),
+        (Format::BonnCsv, None) => true,
+        _ => false,
+    }
+}
+
+/// Whose track each file holds, where it does not say so itself: three are of stations 1, 2, 3 in their order, if the
+/// user gave it or their names do.
+pub fn stations(
+    folder: &str,
+    tracks: &[&FoundFile],
+    columns: Option<&ColumnMapping>,
+    files: &[FoundFile],
+    is_ordered: bool,
+) -> Result<Vec<Option<i64>>, OpenError> {
+    if !tracks.iter().any(|file| is_one_stations(file, columns)) {
+        return Ok(vec![None; tracks.len()]);
+    }
+    let names: Vec<_> = tracks.iter().map(|file| file.file.as_str()).collect();
+    let all_are = tracks.iter().all(|file| is_one_stations(file, columns));
+    match by_number(&names) {
+        _ if tracks.len() == 3 && all_are && is_ordered => Ok(vec![Some(1), Some(2), Some(3)]),
+        Some(numbers) if all_are => Ok(numbers.map(Some).to_vec()),
+        _ => {
+            let same_kind = |f: &&FoundFile| tracks.iter().any(|track| track.format == f.format);
+            let files = files.iter().filter(same_kind).map(|f| f.file.clone()).collect();
+            Err(Question::StationFiles { folder: folder.to_owned(), files }.into())
+        }
+    }
+}
+
+/// The numbers 1, 2, 3 of three names that differ in nothing else.
+fn by_number(names: &[&str]) -> Option<[i64; 3]> {
+    let [a, b, c] = names else { return None };
+    let differing = |digit: &str| {
+        (0..a.len())
+            .find(|at| a.get(*at..at + 1) == Some(digit) && b.get(*at..at + 1) != Some(digit))
+    };
+    let at = ["1", "2", "3"].into_iter().find_map(differing)?;
+    let without = |name: &str| Some([name.get(..at)?, name.get(at + 1..)?].concat());
+    if without(a)? != without(b)? || without(a)? != without(c)? {
+        return None;
+    }
+    let numbers = [a, b, c].map(|name| name[at..at + 1].parse().unwrap_or(0));
+    let mut sorted = numbers;
+    sorted.sort_unstable();
+    (sorted == [1, 2, 3]).then_some(numbers)
+}
+
+/// Reads a table of tracks into a recording.
+pub fn read(
+    file: &FoundFile,
+    station: Option<i64>,
+    columns: Option<&ColumnMapping>,
+    progress: &Progress,
+    into: &mut Recording,
+) -> Result<(), OpenError> {
+    let (name, reader) = (&file.file, file.reader()?);
+    match (columns, file.format) {
+        (Some(columns), Format::PolarCsv) => {
+            let columns = polar_csv::with_own_names(columns);
+            mapped_csv::read(name, reader, &columns, station, progress, into)
+        }
+        (Some(columns), _) => mapped_csv::read(name, reader, columns, station, progress, into),
+        (None, Format::UnknownTable) => Err(which_columns(file)?),
+        (None, Format::BonnCsv) => match station {
+            Some(station) => bonn_csv::read(name, reader, station, progress, into),
+            None => {
+                Err(Question::StationFiles { folder: name.clone(), files: vec![name.clone()] }
+                    .into())
+            }
+        },
+        (None, _) => polar_csv::read(name, reader, progress, into),
+    }
+}
+
+fn which_columns(file: &FoundFile) -> Result<OpenError, OpenError> {
+    let path = match &file.content {
+        Content::Disk(path) => path.clone(),
+        Content::Memory(_) => PathBuf::new(),
+    };
+    let header = shown(&file.header()?);
+    Ok(Question::Columns { file: file.file.clone(), path, header }.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_differ_in_a_number_number_the_stations() {
+        let cases = [
+            (["t1.csv", "t2.csv", "t3.csv"], Some([1, 2, 3])),
+            (["a/rts3_11.csv", "a/rts1_11.csv", "a/rts2_11.csv"], Some([3, 1, 2])),
+            (["1", "2", "2"], None),
+            (["raw_1f.csv", "raw_2e.csv", "raw_3d.csv"], None),
+            (["a.csv", "b.csv", "c.csv"], None),
+            (["ä1", "ä2", "ä3"], Some([1, 2, 3])),
+        ];
+        for (names, expected) in cases {
+            assert_eq!(by_number(&names), expected, "{names:?}");
+        }
+    }
+}

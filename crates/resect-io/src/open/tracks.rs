@@ -1,0 +1,234 @@
+//! The tracks of a deployment: which files hold them, what they say, and what of it the user leaves out.
+
+use super::cartesian;
+use super::found::{Found, FoundFile};
+use super::{bags, dated, tables};
+use crate::error::{OpenError, Question};
+use crate::format;
+use crate::format::Format;
+use crate::recording::Recording;
+use resect_core::deployment::{
+    ColumnMapping, Finding, Measurement, OneOrMany, Overrides, TimeCorrection, Track, TrackFrame,
+    station_clocks,
+};
+use resect_core::progress::Progress;
+
+/// Stamps of one station this close are the same reading (s): text files round them to microseconds.
+const SAME_STAMP_S: f64 = 2e-6;
+
+/// What the files with tracks gave.
+pub struct TracksRead<'a> {
+    pub tracks: [Track; 3],
+    pub frame: TrackFrame,
+    pub time_corrections: [Vec<TimeCorrection>; 3],
+    /// What belongs on every range of a station (m), whether or not those of the tracks contain it already.
+    pub prism_constants_m: [f64; 3],
+    /// What is added to which ranges, once there are any.
+    pub about_prism_constant: Option<Finding>,
+    /// Names of the files that were read.
+    pub files: Vec<&'a str>,
+    pub findings: Vec<Finding>,
+}
+
+/// Chooses the files with tracks, reads them, and marks what the user leaves out.
+pub fn read<'a>(
+    name: &str,
+    found: &'a Found,
+    overrides: &Overrides,
+    progress: &Progress,
+) -> Result<TracksRead<'a>, OpenError> {
+    let files = &found.files;
+    let mut findings = Vec::new();
+    // What the user answered goes before the file that was asked for, and that before what the folder says.
+    let answered = found.put_right.tracks.as_ref().map(OneOrMany::as_slice);
+    let named = overrides.tracks.as_ref().map(OneOrMany::as_slice);
+    let chosen = answered.or(found.chosen.as_ref().map(std::slice::from_ref)).or(named);
+    let columns = overrides.columns.as_ref();
+    let track_files = choose_tracks(name, chosen, columns, files, progress)?;
+    findings.extend(bags::finding(&track_files, files));
+    let stations = tables::stations(name, &track_files, columns, files, chosen.is_some())?;
+    let beside = files.iter().filter(|f| f.is_read_beside_tracks()).map(|f| f.bytes);
+    progress.expect(track_files.iter().map(|f| f.bytes).sum::<u64>() + beside.sum::<u64>());
+    let mut used: Vec<&str> = track_files.iter().map(|f| f.file.as_str()).collect();
+    let mut recording = Recording::new(overrides.stations, overrides.is_counter_clockwise());
+    let mut frame = TrackFrame::Own;
+    if track_files.iter().all(|f| f.format == Format::CartesianTrack) {
+        let (theirs, undone) = cartesian::read(&track_files, files, progress, &mut recording)?;
+        frame = theirs;
+        used.extend(undone);
+    } else {
+        read_files(&track_files, &stations, overrides, progress, &mut recording)?;
+    }
+    let track_names = track_files.iter().map(|f| f.file.as_str()).collect::<Vec<_>>().join(", ");
+    let mut read = of_recording(recording, &track_names, &found.put_right, overrides)?;
+    read.findings.splice(0..0, findings);
+    read.findings.extend(dated::contradicts_folder(&found.name, &read.tracks));
+    Ok(TracksRead { frame, files: used, ..read })
+}
+
+/// The tracks that a recording holds, by what the overrides say of them; `track_names` says where they come from.
+pub fn of_recording<'a>(
+    mut recording: Recording,
+    track_names: &str,
+    put_right: &Overrides,
+    overrides: &Overrides,
+) -> Result<TracksRead<'a>, OpenError> {
+    let time_corrections = std::mem::take(&mut recording.time_corrections);
+    let include_constant =
+        overrides.ranges_include_prism_constant.unwrap_or(recording.ranges_include_prism_constant);
+    let mut findings = recording.check_sense(track_names)?;
+    let (mut tracks, track_findings) = recording.finish(track_names)?;
+    findings.extend(track_findings);
+    findings.extend(station_clocks::findings(&tracks, &time_corrections));
+    let none = TracksRead::none(overrides);
+    let constants_m = &none.prism_constants_m;
+    for (track, constant_m) in tracks.iter_mut().zip(constants_m) {
+        track.prism_constant_m = if include_constant { 0.0 } else { *constant_m };
+    }
+    leave_out(&mut tracks, overrides, &mut findings);
+    let about = about_prism_constant(constants_m, include_constant, put_right, overrides);
+    Ok(TracksRead { tracks, time_corrections, findings, about_prism_constant: Some(about), ..none })
+}
+
+impl TracksRead<'_> {
+    /// Tracks that nothing was measured of yet.
+    pub fn none(overrides: &Overrides) -> Self {
+        Self {
+            tracks: Default::default(),
+            frame: TrackFrame::Own,
+            time_corrections: Default::default(),
+            prism_constants_m: overrides.prism_constant_m.unwrap_or_default().each_m(),
+            about_prism_constant: None,
+            files: Vec::new(),
+            findings: Vec::new(),
+        }
+    }
+}
+
+/// What is added to which ranges, and who says so.
+fn about_prism_constant(
+    constants_m: &[f64; 3],
+    included_in_tracks: bool,
+    put_right: &Overrides,
+    overrides: &Overrides,
+) -> Finding {
+    let from = match (put_right.prism_constant_m, overrides.prism_constant_m) {
+        (Some(_), _) => "the user",
+        (None, Some(_)) => "deployment.toml",
+        (None, None) => "the MT1000",
+    };
+    let constants = match constants_m {
+        [a, b, c] if a == b && a == c => format!("{:+.1} mm", a * 1e3),
+        each => each.map(|own| format!("{:+.1}", own * 1e3)).join(", ") + " mm (stations 1, 2, 3)",
+    };
+    Finding::note(if included_in_tracks {
+        format!(
+            "prism constant of {from}, {constants}, added to ranges of control points and rig; those of the \
+             tracks contain it"
+        )
+    } else {
+        format!("prism constant of {from}, {constants}, added to every range")
+    })
+}
+
+/// Marks the readings that the user leaves out: those outside of the span, and the masked ones.
+fn leave_out(tracks: &mut [Track; 3], overrides: &Overrides, findings: &mut Vec<Finding>) {
+    if let Some([from_s, to_s]) = overrides.span_s {
+        for track in tracks.iter_mut() {
+            let used = |m: &Measurement| (from_s..=to_s).contains(&m.time_s);
+            track.left_out = track.measurements.iter().map(|m| !used(m)).collect();
+        }
+        findings.push(Finding::note(format!(
+            "only the {:.1} s from {from_s:.3} to {to_s:.3} s are used",
+            to_s - from_s
+        )));
+    }
+    let masked = overrides.masked.as_deref().unwrap_or_default();
+    let mut missing = 0;
+    for mask in masked {
+        let track = &mut tracks[usize::from(mask.station) - 1];
+        let same = |m: &Measurement| (m.time_s - mask.time_s).abs() < SAME_STAMP_S;
+        let near = track.measurements.partition_point(|m| m.time_s < mask.time_s - SAME_STAMP_S);
+        if track.measurements.get(near).is_some_and(same) {
+            track.left_out.resize(track.measurements.len(), false);
+            track.left_out[near] = true;
+        } else {
+            missing += 1;
+        }
+    }
+    if !masked.is_empty() {
+        let left_out = masked.len() - missing;
+        findings.push(Finding::note(format!("{left_out} readings are left out by hand")));
+    }
+    if missing > 0 {
+        findings.push(Finding::warning(format!(
+            "{missing} of the masked readings are not in the tracks; they were masked in other data"
+        )));
+    }
+}
+
+/// The files of tracks. Two representations in one folder are a question to the user.
+fn choose_tracks<'a>(
+    name: &str,
+    chosen: Option<&[String]>,
+    columns: Option<&ColumnMapping>,
+    files: &'a [FoundFile],
+    progress: &Progress,
+) -> Result<Vec<&'a FoundFile>, OpenError> {
+    // What may be a track is none unless it is asked for, or there is nothing else.
+    let is_asked_for = |f: &FoundFile| chosen.is_some() && f.format.may_be_track();
+    let candidates: Vec<_> =
+        files.iter().filter(|f| f.format.is_track() || is_asked_for(f)).collect();
+    let names = || candidates.iter().map(|f| f.file.clone()).collect::<Vec<_>>();
+    if let Some(positions) = cartesian::choose(name, chosen, &candidates)? {
+        return Ok(positions);
+    }
+    if let Some(chosen) = chosen {
+        let find = |chosen: &String| {
+            candidates.iter().find(|f| f.file == *chosen).copied().ok_or_else(|| {
+                OpenError::file(
+                    name,
+                    format!("`{chosen}` is no file with tracks (hidden files are not looked at)"),
+                    format!("the candidates here: {}", names().join(", ")),
+                )
+            })
+        };
+        return chosen.iter().map(find).collect();
+    }
+    match candidates[..] {
+        [only] => Ok(vec![only]),
+        [] if let Some(unknown) = tables::unknown(columns, files)? => Ok(unknown),
+        [] => {
+            let mut seen: Vec<_> =
+                files.iter().map(|f| format!("{} ({})", f.file, f.format.describe())).collect();
+            seen.truncate(4);
+            let seen = if seen.is_empty() { "no file".to_owned() } else { seen.join(", ") };
+            Err(OpenError::file(
+                name,
+                format!("no tracks of the stations among: {seen}"),
+                "open a folder with a polar CSV (timestamp,id,distance,ha,va) or a bag of ROS 1 or ROS 2",
+            ))
+        }
+        _ if let Some(pieces) = bags::of_one_drive(&candidates, progress)? => Ok(pieces),
+        _ if candidates.iter().all(|f| tables::is_one_stations(f, columns)) => Ok(candidates),
+        _ => Err(Question::Tracks { folder: name.to_owned(), files: names() }.into()),
+    }
+}
+
+/// Reads the chosen files one after the other; bags among them are one recording.
+fn read_files(
+    files: &[&FoundFile],
+    stations: &[Option<i64>],
+    overrides: &Overrides,
+    progress: &Progress,
+    into: &mut Recording,
+) -> Result<(), OpenError> {
+    let pieces: Vec<_> = files.iter().filter_map(|file| bags::piece(file)).collect();
+    if !pieces.is_empty() {
+        format::bag::read(&pieces, overrides.topics.as_ref(), progress, into)?;
+    }
+    for (file, station) in files.iter().zip(stations).filter(|(file, _)| !file.format.is_bag()) {
+        tables::read(file, *station, overrides.columns.as_ref(), progress, into)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,381 @@
+//! The way from the records of files to the tracks of stations: what cannot be a measurement is counted and left out.
+
+use super::reading_sense::{self, Impossible, StationSense};
+use crate::error::OpenError;
+use resect_core::deployment::{
+    AS_NUMBERED, Finding, Measurement, RawRecord, TimeCorrection, Track,
+};
+
+/// Reasons that the error about a recording without a reading names.
+const REASONS_IN_AN_ERROR: usize = 3;
+
+/// What the readers of tracks fill, file by file: usable readings, and why the others are not.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    file: String,
+    place_word: &'static str,
+    /// Station numbers of the files that count as 1, 2, 3.
+    numbers: Option<[i64; 3]>,
+    counter_clockwise: bool,
+    tracks: [Track; 3],
+    late: [usize; 3],
+    /// Whether a track holds readings that came late, and is to be sorted.
+    unsorted: [bool; 3],
+    /// Count of duplicates, and the first place where one stood.
+    duplicates: [(usize, Option<String>); 3],
+    dropped: Dropped,
+    sense: [StationSense; 3],
+    pub time_corrections: [Vec<TimeCorrection>; 3],
+    /// Whether the ranges contain the prism constant already, as coordinates do.
+    pub ranges_include_prism_constant: bool,
+    /// What the readers have to say.
+    pub findings: Vec<Finding>,
+}
+
+impl Recording {
+    /// An empty one that counts `numbers` as stations 1, 2, 3, and azimuths in the given sense.
+    pub fn new(numbers: Option<[i64; 3]>, counter_clockwise: bool) -> Self {
+        Self { numbers, counter_clockwise, ..Self::default() }
+    }
+
+    /// What is pushed from now on comes from this file; a place in it is called `place_word` ("line", "message").
+    pub fn begin_file(&mut self, file: &str, place_word: &'static str) {
+        (self.file, self.place_word) = (file.to_owned(), place_word);
+    }
+
+    /// Takes a record in, or counts why it cannot be a reading.
+    pub fn push(&mut self, record: &RawRecord) {
+        let mut m = record.measurement;
+        let Some(station) = self.station_of(record.station) else {
+            self.drop(None, "a station number other than 1, 2, 3".to_owned(), record);
+            return;
+        };
+        if record.status != 0 {
+            let why = format!("status {} (no valid reading)", record.status);
+            self.drop(Some(station), why, record);
+            return;
+        }
+        let impossible = Impossible::of(&m);
+        self.sense[station].take(&m, impossible);
+        match impossible {
+            Some(impossible) => self.drop(Some(station), impossible.words().to_owned(), record),
+            None => {
+                if self.counter_clockwise {
+                    m.azimuth_rad = -m.azimuth_rad;
+                }
+                self.keep(station, m, record);
+            }
+        }
+    }
+
+    /// Counts other numbers as stations 1, 2, 3, and azimuths in another sense, of what came already too. Gives which station each
+    /// was before; readings of numbers that counted as none are gone, and stay counted as such.
+    pub fn count_as(
+        &mut self,
+        numbers: Option<[i64; 3]>,
+        counter_clockwise: bool,
+    ) -> [Option<usize>; 3] {
+        let from = numbers.unwrap_or(AS_NUMBERED).map(|number| self.station_of(number));
+        self.numbers = numbers;
+        moved(&mut self.tracks, &from);
+        moved(&mut self.late, &from);
+        moved(&mut self.unsorted, &from);
+        moved(&mut self.duplicates, &from);
+        moved(&mut self.sense, &from);
+        moved(&mut self.time_corrections, &from);
+        self.dropped.renumber(&from);
+        if std::mem::replace(&mut self.counter_clockwise, counter_clockwise) != counter_clockwise {
+            for m in self.tracks.iter_mut().flat_map(|track| &mut track.measurements) {
+                m.azimuth_rad = -m.azimuth_rad;
+            }
+        }
+        from
+    }
+
+    /// Index of the station that has this number in the files; `None` for a number that none has.
+    pub fn station_of(&self, number: i64) -> Option<usize> {
+        match self.numbers {
+            Some(numbers) => numbers.iter().position(|own| *own == number),
+            None => station_index(number),
+        }
+    }
+
+    fn keep(&mut self, station: usize, measurement: Measurement, record: &RawRecord) {
+        let track = &mut self.tracks[station];
+        match track.measurements.last() {
+            Some(last) if measurement.time_s == last.time_s => {
+                let (count, first) = &mut self.duplicates[station];
+                *count += 1;
+                let (word, file) = (self.place_word, &self.file);
+                first.get_or_insert_with(|| {
+                    format!(" (first at {word} {} of {file})", record.place)
+                });
+                return;
+            }
+            Some(last) if measurement.time_s < last.time_s => {
+                self.late[station] += 1;
+                self.unsorted[station] = true;
+            }
+            _ => {}
+        }
+        if let Some(own_clock_s) = record.own_clock_s {
+            // Files without it, before this one, leave a hole.
+            track.own_clock_s.resize(track.measurements.len(), f64::NAN);
+            track.own_clock_s.push(own_clock_s);
+        }
+        track.measurements.push(measurement);
+    }
+
+    fn drop(&mut self, station: Option<usize>, why: String, record: &RawRecord) {
+        let (word, file) = (self.place_word, &self.file);
+        self.dropped.add((station, why), || format!("first at {word} {} of {file}", record.place));
+    }
+
+    /// Takes in what a station's clock was corrected by; `number` as the files count stations.
+    pub fn push_correction(&mut self, number: i64, correction: TimeCorrection) {
+        if let Some(station) = self.station_of(number) {
+            self.time_corrections[station].push(correction);
+        }
+    }
+
+    /// What units, clocks and the share of impossible readings say; an error where a column cannot be in its unit.
+    pub fn check_sense(&self, files: &str) -> Result<Vec<Finding>, OpenError> {
+        reading_sense::check(&self.sense, files, self.place_word == "line")
+    }
+
+    /// Puts what came so far in order of time, and takes out what has the stamp of another reading: the first to come stays.
+    pub fn settle(&mut self) {
+        for (station, track) in self.tracks.iter_mut().enumerate() {
+            if !track.own_clock_s.is_empty() {
+                track.own_clock_s.resize(track.measurements.len(), f64::NAN);
+            }
+            if std::mem::take(&mut self.unsorted[station]) {
+                self.duplicates[station].0 += sort_by_time(track);
+            }
+        }
+    }
+
+    /// The tracks so far; in order of time once they are settled.
+    pub fn tracks(&self) -> &[Track; 3] {
+        &self.tracks
+    }
+
+    /// How many readings of each station came late, and how many were repeated.
+    pub fn late_and_repeated(&self) -> [[usize; 2]; 3] {
+        [0, 1, 2].map(|station| [self.late[station], self.duplicates[station].0])
+    }
+
+    /// How many records cannot be readings.
+    pub fn dropped(&self) -> usize {
+        self.dropped.0.iter().map(|(_, count, _)| count).sum()
+    }
+
+    /// The tracks in order of time, and everything that was noticed; `files` names where they come from.
+    ///
+    /// An error where there is no usable reading at all: it says what was wrong with those there are.
+    pub fn finish(mut self, files: &str) -> Result<([Track; 3], Vec<Finding>), OpenError> {
+        self.settle();
+        let Self { tracks, late, duplicates, dropped, mut findings, .. } = self;
+        if tracks.iter().all(|track| track.measurements.is_empty()) {
+            return Err(OpenError::file(
+                files,
+                format!("no usable measurement of any station{}", dropped.in_words()),
+                "stations are numbered 1, 2, 3 and a valid reading has status 0",
+            ));
+        }
+        findings.extend(dropped.into_findings());
+        let stations = tracks.into_iter().zip(late).zip(duplicates).enumerate();
+        let tracks: Vec<Track> = stations
+            .map(|(station, ((track, late), (repeated, first)))| {
+                let number = station + 1;
+                if late > 0 {
+                    findings.push(Finding::warning(format!(
+                        "station {number}: {late} out-of-order stamps in {files}; the track was sorted by time"
+                    )));
+                }
+                if repeated > 0 {
+                    let first = first.unwrap_or_default();
+                    findings.push(Finding::warning(format!(
+                        "station {number}: {repeated} duplicate stamps dropped{first}"
+                    )));
+                }
+                if track.measurements.is_empty() {
+                    findings.push(Finding::problem(format!(
+                        "station {number} has no measurement in {files}; a calibration needs all three stations"
+                    )));
+                }
+                track
+            })
+            .collect();
+        Ok((tracks.try_into().expect("three stations"), findings))
+    }
+}
+
+/// Puts a track in order and takes out what has the stamp of another reading; gives how many those are.
+fn sort_by_time(track: &mut Track) -> usize {
+    let readings = &track.measurements;
+    let mut order: Vec<usize> = (0..readings.len()).collect();
+    order.sort_by(|a, b| readings[*a].time_s.total_cmp(&readings[*b].time_s));
+    let before = order.len();
+    order.dedup_by(|later, kept| readings[*later].time_s == readings[*kept].time_s);
+    let measurements = order.iter().map(|index| readings[*index]).collect();
+    if !track.own_clock_s.is_empty() {
+        track.own_clock_s = order.iter().map(|index| track.own_clock_s[*index]).collect();
+    }
+    track.measurements = measurements;
+    before - order.len()
+}
+
+/// 0, 1 or 2 for the station numbers 1, 2, 3 of the files.
+pub fn station_index(number: i64) -> Option<usize> {
+    match number {
+        1..=3 => Some(number as usize - 1),
+        _ => None,
+    }
+}
+
+/// Gives each station what another had, or nothing.
+fn moved<T: Default>(all: &mut [T; 3], from: &[Option<usize>; 3]) {
+    let mut before = std::mem::take(all);
+    *all = from.map(|from| from.map(|own| std::mem::take(&mut before[own])).unwrap_or_default());
+}
+
+/// Counts of left-out records by station (of those that have one) and reason, each with the first place it happened.
+#[derive(Clone, Debug, Default)]
+struct Dropped(Vec<(Reason, usize, String)>);
+
+type Reason = (Option<usize>, String);
+
+fn reason_in_words((station, why): &Reason) -> String {
+    match station {
+        Some(station) => format!("station {}: {why}", station + 1),
+        None => why.clone(),
+    }
+}
+
+impl Dropped {
+    fn add(&mut self, reason: Reason, place: impl FnOnce() -> String) {
+        match self.0.iter_mut().find(|(known, _, _)| *known == reason) {
+            Some((_, count, _)) => *count += 1,
+            None => self.0.push((reason, 1, place())),
+        }
+    }
+
+    /// Stations have the places of others, as [`Recording::count_as`] gives them; what is none any more is named by no number.
+    fn renumber(&mut self, from: &[Option<usize>; 3]) {
+        for ((station, _), _, _) in &mut self.0 {
+            *station = station.and_then(|own| from.iter().position(|before| *before == Some(own)));
+        }
+    }
+
+    /// ": " and the reasons, the most frequent first; nothing where nothing was dropped.
+    fn in_words(&self) -> String {
+        let mut reasons: Vec<_> = self.0.iter().collect();
+        reasons.sort_by_key(|(_, count, _)| std::cmp::Reverse(*count));
+        let (named, others) = reasons.split_at(reasons.len().min(REASONS_IN_AN_ERROR));
+        let named = named.iter().map(|(reason, count, place)| {
+            format!("{}, {count} times ({place})", reason_in_words(reason))
+        });
+        let named = named.collect::<Vec<_>>().join("; ");
+        match (named.as_str(), others.len()) {
+            ("", _) => String::new(),
+            (named, 0) => format!(": {named}"),
+            (named, more) => format!(": {named}; and {more} other reasons"),
+        }
+    }
+
+    fn into_findings(self) -> impl Iterator<Item = Finding> {
+        self.0.into_iter().map(|(reason, count, place)| {
+            let reason = reason_in_words(&reason);
+            Finding::warning(format!("{reason}: {count} dropped ({place})"))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(station: i64, place: usize, time_s: f64) -> RawRecord {
+        let measurement = Measurement { time_s, range_m: 10.0, azimuth_rad: 0.1, zenith_rad: 1.5 };
+        RawRecord { station, status: 0, place, measurement, own_clock_s: None }
+    }
+
+    fn assemble(records: &[RawRecord]) -> ([Track; 3], Vec<Finding>) {
+        let mut recording = Recording::default();
+        recording.begin_file("x.csv", "line");
+        records.iter().for_each(|record| recording.push(record));
+        recording.finish("x.csv").expect("readings")
+    }
+
+    #[test]
+    fn what_cannot_be_a_reading_is_left_out_and_said() {
+        let mut records: Vec<_> =
+            (0..9).map(|i| record(i % 3 + 1, i as usize + 2, i as f64)).collect();
+        records.push(record(1, 11, 6.0)); // duplicate of the third reading of station 1
+        records.push(record(2, 12, 0.5)); // late
+        records.push(record(4, 13, 1.0));
+        records.push(RawRecord { status: 3, ..record(3, 14, 9.0) });
+        let mut broken = record(3, 15, 10.0);
+        broken.measurement.range_m = f64::NAN;
+        records.push(broken);
+        let (tracks, findings) = assemble(&records);
+        assert_eq!(tracks.each_ref().map(|t| t.measurements.len()), [3, 4, 3]);
+        assert!(tracks[1].measurements.windows(2).all(|w| w[0].time_s < w[1].time_s));
+        let text = findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+        for expected in [
+            "status 3",
+            "not a number",
+            "duplicate",
+            "out-of-order",
+            "other than 1, 2, 3",
+            "line 13 of x.csv",
+        ] {
+            assert!(text.contains(expected), "missing `{expected}` in:\n{text}");
+        }
+    }
+
+    #[test]
+    fn what_was_counted_goes_with_its_station() {
+        let mut recording = Recording::default();
+        recording.begin_file("x.csv", "line");
+        (0..6).for_each(|i| recording.push(&record(i % 3 + 1, i as usize + 2, i as f64)));
+        recording.push(&RawRecord { status: 3, ..record(2, 8, 9.0) });
+        recording.push(&record(3, 9, 5.0));
+        assert_eq!(recording.count_as(Some([1, 3, 2]), true), [Some(0), Some(2), Some(1)]);
+        assert_eq!(recording.late_and_repeated(), [[0, 0], [0, 1], [0, 0]]);
+        assert_eq!(recording.tracks()[1].measurements[0].time_s, 2.0);
+        // Number 4 was none so far; what number 2 read is gone.
+        assert_eq!(recording.count_as(Some([1, 3, 4]), true), [Some(0), Some(1), None]);
+        recording.push(&record(4, 10, 9.0));
+        let (tracks, findings) = recording.finish("x.csv").expect("readings");
+        assert_eq!(tracks.each_ref().map(|track| track.measurements.len()), [2, 2, 1]);
+        assert!(tracks.iter().all(|track| track.measurements[0].azimuth_rad == -0.1));
+        let said: Vec<String> = findings.iter().map(ToString::to_string).collect();
+        assert!(said.iter().any(|line| line.contains("status 3")), "{said:?}");
+        assert!(!said.iter().any(|line| line.contains("station 2: status 3")), "{said:?}");
+    }
+
+    #[test]
+    fn a_silent_station_is_a_problem() {
+        let (_, findings) = assemble(&[record(1, 2, 0.0)]);
+        let problems =
+            findings.iter().filter(|f| f.severity == resect_core::deployment::Severity::Problem);
+        assert_eq!(problems.count(), 2);
+    }
+
+    #[test]
+    fn no_reading_at_all_is_an_error_that_says_why() {
+        let mut recording = Recording::default();
+        recording.begin_file("x.csv", "line");
+        for row in 0..10 {
+            let mut broken = record(row % 2 + 1, row as usize + 2, row as f64);
+            broken.measurement.range_m = f64::NAN;
+            recording.push(&broken);
+        }
+        let error = recording.finish("x.csv").expect_err("nothing").to_string();
+        for expected in ["no usable measurement", "5 times (first at line 2", "not a number"] {
+            assert!(error.contains(expected), "missing `{expected}` in: {error}");
+        }
+    }
+}

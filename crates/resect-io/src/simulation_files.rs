@@ -1,0 +1,215 @@
+//! A simulated deployment as files: what a real one has, and the truth beside it.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::atomic;
+use crate::atomic::WriteError;
+use crate::error::OpenError;
+use crate::format::{control_points, pillars, polar_csv, rig_files, rtklib_pos};
+use crate::open::open_files;
+use resect_core::deployment::{Deployment, pairwise_distances};
+use resect_core::geometry::Polar;
+use resect_core::simulation::{Simulated, SystematicErrors};
+
+/// What was simulated, by which a folder is known that may be written to again.
+const TRUTH: &str = "truth.toml";
+
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    #[error("{}: cannot be looked into: {error}; choose a folder that you may read", folder.display())]
+    Read { folder: PathBuf, error: std::io::Error },
+    #[error("{}: holds {what}; choose an empty folder", folder.display())]
+    Taken { folder: PathBuf, what: String },
+}
+
+/// Writes the deployment into a folder, which is made if it is not there. Nothing but an earlier simulation is replaced.
+pub fn write_folder(simulated: &Simulated, folder: &Path) -> Result<(), FolderError> {
+    atomic::make_folder(folder)?;
+    let mut files = files(simulated);
+    spare_what_is_there(folder, &files)?;
+    // The truth takes its place first: where a run is killed before the last file does, the next may write here.
+    files.sort_by_key(|(name, _)| name != TRUTH);
+    let ready = files.iter().map(|(name, text)| atomic::ready(&folder.join(name), text));
+    atomic::place_all(ready.collect::<Result<_, _>>()?)?;
+    Ok(())
+}
+
+/// Refuses a folder with anything but an earlier simulation of the same files.
+fn spare_what_is_there(folder: &Path, files: &[(String, String)]) -> Result<(), FolderError> {
+    let cannot = |error| FolderError::Read { folder: folder.to_owned(), error };
+    let taken = |what| Err(FolderError::Taken { folder: folder.to_owned(), what });
+    let mut is_empty = true;
+    for entry in std::fs::read_dir(folder).map_err(cannot)? {
+        let path = entry.map_err(cannot)?.path();
+        // What a run that was killed left half-written is removed by the next.
+        let path = atomic::target_of_part(&path).unwrap_or(path);
+        is_empty &= !path.exists();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        // A leftover of another deployment would be read together with this one.
+        if !files.iter().any(|(own, _)| *own == name) {
+            return taken(format!("`{name}`, which is not part of this deployment"));
+        }
+    }
+    match is_empty || folder.join(TRUTH).is_file() {
+        true => Ok(()),
+        false => taken(format!("files, and no {TRUTH} that says they are simulated")),
+    }
+}
+
+/// Name and text of every file.
+pub fn files(simulated: &Simulated) -> Vec<(String, String)> {
+    let prism_constant_m = simulated.scenario.prism_constant_m;
+    let measured = pairwise_distances(&simulated.rig_reading.map(Polar::to_cartesian));
+    let wrong_by = simulated.scenario.errors.inter_prism_m;
+    let measured: [f64; 3] = std::array::from_fn(|pair| measured[pair] + wrong_by[pair]);
+    let mut files = vec![
+        ("inter_prism.csv".to_owned(), polar_csv::write(&simulated.records)),
+        (
+            "deployment.toml".to_owned(),
+            format!(
+                "# Simulated by resect: preset {}, seed {}.\nname = \"{} (simulated)\"\nprism_constant_m = {prism_constant_m}\n",
+                simulated.scenario.name, simulated.seed, simulated.scenario.name
+            ),
+        ),
+        (TRUTH.to_owned(), truth_text(simulated)),
+    ];
+    let inter_antenna_m = simulated.scenario.antennas_m.as_ref().map(pairwise_distances);
+    for (index, fixes) in simulated.antennas.iter().flatten().enumerate() {
+        files.push((format!("gnss_{}.pos", index + 1), rtklib_pos::write(fixes)));
+    }
+    // A single prism has no rig.
+    if simulated.truth.inter_prism_m.iter().all(|distance| *distance > 0.0) {
+        files.push((
+            "calibration_raw.csv".to_owned(),
+            rig_files::write_rig_reading(&simulated.rig_reading, prism_constant_m),
+        ));
+        files.push((
+            "calibration_results.csv".to_owned(),
+            rig_files::write_distances(&measured, inter_antenna_m.as_ref()),
+        ));
+    }
+    for set in &simulated.control_points {
+        files.push((set.file.clone(), control_points::write(set, prism_constant_m)));
+        if set.pillars {
+            files.push(("pillars.csv".to_owned(), pillars::write(set)));
+        }
+    }
+    files
+}
+
+#[derive(Serialize)]
+struct TruthFile<'a> {
+    preset: &'static str,
+    seed: u64,
+    outliers: usize,
+    lost_readings: usize,
+    inter_prism_m: [f64; 3],
+    /// When nothing was recorded; left out, as the errors are, where there is nothing to say.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pauses_s: &'a [[f64; 2]],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    errors: Option<&'a SystematicErrors>,
+    transforms: Vec<TransformEntry>,
+}
+
+#[derive(Serialize)]
+struct TransformEntry {
+    from: usize,
+    to: usize,
+    translation_m: [f64; 3],
+    yaw_rad: f64,
+}
+
+fn truth_text(simulated: &Simulated) -> String {
+    let truth = &simulated.truth;
+    let errors = &simulated.scenario.errors;
+    let transforms = (1..3)
+        .map(|station| {
+            let transform = &truth.station1_from_station[station];
+            TransformEntry {
+                from: station + 1,
+                to: 1,
+                translation_m: transform.translation_m.into(),
+                yaw_rad: transform.yaw_rad,
+            }
+        })
+        .collect();
+    let file = TruthFile {
+        preset: simulated.scenario.name,
+        seed: simulated.seed,
+        outliers: truth.outliers,
+        lost_readings: truth.lost_readings,
+        inter_prism_m: truth.inter_prism_m,
+        pauses_s: &simulated.scenario.pauses_s,
+        errors: (*errors != SystematicErrors::default()).then_some(errors),
+        transforms,
+    };
+    toml::to_string(&file).expect("plain data")
+}
+
+/// Opens the written files of a simulated deployment from memory, as the readers do from disk.
+pub fn open(simulated: &Simulated) -> Result<Deployment, OpenError> {
+    let files = files(simulated);
+    let files: Vec<_> = files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    open_files(simulated.scenario.name, &files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use resect_core::simulation::{ClockStep, Preset, Scenario, simulate_scenario};
+
+    /// A minute without a prism constant.
+    fn short() -> Scenario {
+        Scenario { duration_s: 60.0, prism_constant_m: 0.0, ..Preset::Warthog.scenario() }
+    }
+
+    fn drive(errors: SystematicErrors) -> Simulated {
+        let mut scenario = short();
+        scenario.noise.range_sigma_m = 0.0;
+        scenario.noise.angle_sigma_rad = 0.0;
+        simulate_scenario(&Scenario { errors, ..scenario }, 5)
+    }
+
+    #[test]
+    fn the_distances_that_are_written_are_wrong_and_the_rig_is_not() {
+        let inter_prism_m = [0.003, -0.002, 0.001];
+        let simulated = drive(SystematicErrors { inter_prism_m, ..SystematicErrors::default() });
+        let rig_m = pairwise_distances(&simulated.rig_reading.map(Polar::to_cartesian));
+        let files = files(&simulated);
+        let (_, written) =
+            files.iter().find(|(name, _)| name == "calibration_results.csv").expect("written");
+        for pair in 0..3 {
+            let truth_m = simulated.truth.inter_prism_m[pair];
+            assert!((rig_m[pair] - truth_m).abs() < 1e-9, "{rig_m:?}");
+            let wrong = format!("{:.6}", rig_m[pair] + inter_prism_m[pair]);
+            assert!(written.contains(&wrong[..6]), "{wrong} is not in {written}");
+        }
+    }
+
+    #[test]
+    fn the_truth_lists_what_is_wrong_and_nothing_else() {
+        let text = |simulated: &Simulated| {
+            let mut files = files(simulated).into_iter();
+            let (_, text) = files.find(|(name, _)| name == "truth.toml").expect("written");
+            text.parse::<toml::Table>().expect("TOML")
+        };
+        let right = text(&drive(SystematicErrors::default()));
+        assert!(!right.contains_key("errors") && !right.contains_key("pauses_s"), "{right}");
+        let errors = SystematicErrors {
+            latency_s: [0.0, 0.010, 0.0],
+            clock_steps: vec![ClockStep { station: 0, at_s: 7.0, by_s: 0.02 }],
+            ..SystematicErrors::default()
+        };
+        let pauses_s = vec![[10.0, 20.0]];
+        let wrong = text(&simulate_scenario(&Scenario { errors, pauses_s, ..short() }, 5));
+        let expected =
+            "latency_s = [0.0, 0.01, 0.0]\n[[clock_steps]]\nstation = 1\nat_s = 7.0\nby_s = 0.02\n";
+        assert_eq!(wrong["errors"], toml::Value::Table(expected.parse().expect("TOML")));
+        assert_eq!(wrong["pauses_s"], toml::Value::from(vec![vec![10.0, 20.0]]));
+    }
+}

@@ -1,0 +1,190 @@
+//! Where a deployment comes from: all that is needed to open it again.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::OpenError;
+use crate::open;
+use crate::sample::Sample;
+use resect_core::deployment::{Deployment, Overrides};
+use resect_core::progress::Progress;
+
+/// A deployment's place, and the files that the user named beside it. Plain data: sessions keep it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Source {
+    #[serde(flatten)]
+    pub place: Place,
+    #[serde(flatten)]
+    pub extras: Extras,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Place {
+    /// A folder, or a file of tracks with the rest of its folder.
+    Path(PathBuf),
+    Sample(Sample),
+}
+
+/// What the user adds to what lies with the tracks: further files, and what is put right.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Extras {
+    /// Folder or file that describes the rig, instead of what lies with the tracks and of `deployment.toml`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rig: Option<PathBuf>,
+    /// Files of control points, of pillars, or of coordinates of control points.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gcp: Vec<PathBuf>,
+    /// Whether those of `gcp` are used instead of what lies with the tracks; otherwise they are added to it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub gcp_instead: bool,
+    /// RTKLIB solutions of antennas 1, 2, 3, instead of what lies with the tracks.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gnss: Vec<PathBuf>,
+    /// Folders or files of further drives, with stations that nobody moved: they are solved together, each with its own
+    /// clocks. A rig that is named, and what is put right, is said of all drives.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<PathBuf>,
+    /// What the user says of the data, over what `deployment.toml` says.
+    #[serde(skip_serializing_if = "Overrides::is_empty")]
+    pub put_right: Overrides,
+}
+
+impl Source {
+    pub fn at(path: impl Into<PathBuf>) -> Self {
+        Self { place: Place::Path(path.into()), extras: Extras::default() }
+    }
+
+    pub fn sample(sample: Sample) -> Self {
+        Self { place: Place::Sample(sample), extras: Extras::default() }
+    }
+
+    pub fn with(self, extras: Extras) -> Self {
+        Self { extras, ..self }
+    }
+
+    /// The file or folder of the tracks; none of a sample.
+    pub fn path(&self) -> Option<&Path> {
+        match &self.place {
+            Place::Path(path) => Some(path),
+            Place::Sample(_) => None,
+        }
+    }
+
+    /// What to call it before it is open.
+    pub fn title(&self) -> String {
+        match &self.place {
+            Place::Path(path) => path.file_name().map_or_else(
+                || path.display().to_string(),
+                |name| name.to_string_lossy().into_owned(),
+            ),
+            Place::Sample(sample) => sample.title().to_owned(),
+        }
+    }
+
+    /// Reads everything. `progress` counts bytes of files, and stops it with [`OpenError::Cancelled`].
+    pub fn open(&self, progress: &Progress) -> Result<Deployment, OpenError> {
+        let mut found = match &self.place {
+            Place::Path(path) => open::find(path, progress)?,
+            Place::Sample(sample) => open::in_memory(sample.title(), sample.files()),
+        };
+        found.add(&self.extras)?;
+        let mut deployment = open::combine(&found, progress)?;
+        for ingredient in &mut deployment.ingredients {
+            ingredient.path = self.place_of(&ingredient.file);
+        }
+        let of_drive = |path: &PathBuf| {
+            let put_right = self.extras.put_right.of_any_drive();
+            let rig = self.extras.rig.clone();
+            Self::at(path).with(Extras { rig, put_right, ..Extras::default() }).open(progress)
+        };
+        let drives: Result<Vec<_>, _> = self.extras.drives.iter().map(of_drive).collect();
+        deployment.take_in(drives?)?;
+        Ok(deployment)
+    }
+
+    /// Where a file lies that was found under this name.
+    fn place_of(&self, file: &str) -> Option<PathBuf> {
+        let path = self.path()?;
+        let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
+        let own = folder.join(file);
+        if own.is_file() {
+            return Some(own);
+        }
+        // What the user named is told as it was named, or from the named folder on.
+        let Extras { rig, gcp, gnss, .. } = &self.extras;
+        let named = rig.iter().chain(gcp).chain(gnss);
+        let places = named.map(|named| match named.is_dir() {
+            true => named.join(file),
+            false => named.clone(),
+        });
+        places.into_iter().find(|path| path.ends_with(file) && path.is_file())
+    }
+}
+
+impl Extras {
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Takes further files in: control points beside those that are there, everything else instead.
+    pub fn add(&mut self, other: Self) {
+        if other.rig.is_some() {
+            self.rig = other.rig;
+        }
+        if !other.gnss.is_empty() {
+            self.gnss = other.gnss;
+        }
+        if !other.put_right.is_empty() {
+            self.put_right = other.put_right.over(std::mem::take(&mut self.put_right));
+        }
+        if other.gcp_instead {
+            self.gcp.clear();
+            self.gcp_instead = true;
+        }
+        for (own, others) in [(&mut self.gcp, other.gcp), (&mut self.drives, other.drives)] {
+            for path in others {
+                if !own.contains(&path) {
+                    own.push(path);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_source_is_a_few_lines_of_toml() {
+        let extras = Extras { rig: Some("rig".into()), gcp_instead: true, ..Extras::default() };
+        for (source, expected) in [
+            (
+                Source::at("/data/d").with(extras),
+                "path = \"/data/d\"\nrig = \"rig\"\ngcp_instead = true\n",
+            ),
+            (Source::sample(Sample::Hd2Tunnel), "sample = \"hd2-tunnel\"\n"),
+        ] {
+            let text = toml::to_string(&source).expect("plain data");
+            assert_eq!(text, expected);
+            assert_eq!(toml::from_str::<Source>(&text).expect("own text"), source);
+        }
+    }
+
+    #[test]
+    fn control_points_add_up_and_a_rig_replaces_the_last() {
+        let named = |rig: &str, gcp: &str| Extras {
+            rig: Some(rig.into()),
+            gcp: vec![gcp.into()],
+            ..Extras::default()
+        };
+        let mut extras = named("old", "a.txt");
+        extras.add(named("new", "b.txt"));
+        extras.add(named("new", "a.txt"));
+        assert_eq!(extras.rig, Some("new".into()));
+        assert_eq!(extras.gcp, [PathBuf::from("a.txt"), PathBuf::from("b.txt")]);
+    }
+}

@@ -1,0 +1,287 @@
+//! What a path is that the user dropped on the window, or chose in a dialog: judged by content.
+
+use std::path::{Path, PathBuf};
+
+use crate::format::{Format, SESSION_KEY, deployment_toml::parse_toml};
+use crate::open::{FoundFile, list_folder};
+use crate::source::Extras;
+use resect_core::progress::Progress;
+
+/// Tables of a file of settings, as `--config` reads it.
+const SETTINGS_KEYS: [&str; 2] = ["pipeline", "calibration"];
+/// No TOML file of the program comes near this.
+const LARGEST_TOML_BYTES: u64 = 4 << 20;
+
+/// What the program can do with a path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Dropped {
+    /// A folder, a file of tracks, or a `deployment.toml`, which stands for its folder.
+    Deployment,
+    /// Readings, pillars or coordinates.
+    ControlPoints,
+    /// A file that describes the rig, or a folder of such files without tracks.
+    Rig,
+    /// A folder that holds nothing but a rig or control points: its rig, and the files of its control points.
+    FolderOfExtras {
+        rig: bool,
+        gcp: Vec<PathBuf>,
+    },
+    /// A solution of one antenna.
+    Gnss,
+    Session,
+    Settings,
+    /// A trajectory that another system estimated.
+    Estimate,
+    /// Something else, and why nothing can be done with it.
+    Unknown(String),
+}
+
+impl Dropped {
+    /// The kind of thing in a word or two.
+    pub fn label(&self) -> &'static str {
+        match self {
+            Self::Deployment => "deployment",
+            Self::ControlPoints => "control points",
+            Self::Rig => "rig",
+            Self::FolderOfExtras { rig: true, gcp } if gcp.is_empty() => "rig",
+            Self::FolderOfExtras { rig: true, .. } => "rig and control points",
+            Self::FolderOfExtras { .. } => "control points",
+            Self::Gnss => "GNSS",
+            Self::Session => "session",
+            Self::Settings => "settings",
+            Self::Estimate => "trajectory",
+            Self::Unknown(_) => "",
+        }
+    }
+}
+
+/// Looks at a file, or at all that is in a folder.
+pub fn what_is(path: &Path) -> Dropped {
+    if path.is_dir() {
+        return what_folder_is(path);
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let file = match FoundFile::at(path, name) {
+        Ok(file) => file,
+        Err(error) => return Dropped::Unknown(error.to_string()),
+    };
+    match file.format {
+        Format::PolarCsv
+        | Format::BonnCsv
+        | Format::UnknownTable
+        | Format::CartesianTrack
+        | Format::Ros1Bag
+        | Format::Ros2Sqlite
+        | Format::Mcap
+        | Format::RosbagMetadata
+        | Format::DeploymentToml => Dropped::Deployment,
+        Format::ControlPoints
+        | Format::Gsi
+        | Format::JobXml
+        | Format::Pillars
+        | Format::SurveyedPoints => Dropped::ControlPoints,
+        Format::RigReading | Format::SensorPositions | Format::RigDistances => Dropped::Rig,
+        // KITTI's poses are written as these are, and have their times beside them.
+        Format::AppliedTransforms if has_times_beside(path) => Dropped::Estimate,
+        Format::AppliedTransforms => Dropped::Unknown(format!(
+            "{}: {}; open the folder with the tracks that they were applied to",
+            file.file,
+            file.format.describe()
+        )),
+        Format::RtklibPos => Dropped::Gnss,
+        Format::Estimate => Dropped::Estimate,
+        Format::Unreadable => {
+            Dropped::Unknown(format!("{}: {}", file.file, file.format.describe()))
+        }
+        Format::Ignored(why) => {
+            let is_toml = path.extension().is_some_and(|extension| extension == "toml");
+            match what_toml_is(&file) {
+                _ if file.file == "truth.toml" => Dropped::Unknown(format!("{}: {why}", file.file)),
+                // A session may have been saved under any name.
+                found @ (Dropped::Session | Dropped::Settings) => found,
+                other if is_toml => other,
+                _ => Dropped::Unknown(format!("{}: {why}", file.file)),
+            }
+        }
+    }
+}
+
+/// Whether KITTI's file of times lies beside a file of poses.
+fn has_times_beside(path: &Path) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let names = [format!("{stem}_times.txt"), "times.txt".to_owned()];
+    names.iter().any(|name| path.with_file_name(name).is_file())
+}
+
+fn what_folder_is(path: &Path) -> Dropped {
+    // What is wrong with a folder is said when it is opened; one with many deployments is not walked.
+    if crate::open::holds_many(path) {
+        return Dropped::Deployment;
+    }
+    let files = list_folder(path, crate::open::FOLDER_DEPTH, &Progress::default());
+    let files: Vec<FoundFile> = files.into_iter().flatten().collect();
+    let is_rig = |f: &FoundFile| {
+        matches!(f.format, Format::RigReading | Format::SensorPositions | Format::RigDistances)
+    };
+    let rig = files.iter().any(is_rig);
+    let of_points = |f: &&FoundFile| {
+        matches!(
+            f.format,
+            Format::ControlPoints
+                | Format::Gsi
+                | Format::JobXml
+                | Format::Pillars
+                | Format::SurveyedPoints
+        )
+    };
+    let gcp: Vec<PathBuf> = files.iter().filter(of_points).map(|f| path.join(&f.file)).collect();
+    let deployment =
+        files.iter().any(|f| f.format.is_track() || f.format == Format::DeploymentToml);
+    if deployment || (!rig && gcp.is_empty()) {
+        Dropped::Deployment
+    } else {
+        Dropped::FolderOfExtras { rig, gcp }
+    }
+}
+
+fn what_toml_is(file: &FoundFile) -> Dropped {
+    let remedy = "it is neither a session nor settings of resect";
+    if file.bytes > LARGEST_TOML_BYTES {
+        return Dropped::Unknown(format!("{}: too large; {remedy}", file.file));
+    }
+    let table = file.uncounted_text().and_then(|text| parse_toml::<toml::Table>(&file.file, &text));
+    match table {
+        Ok(table) if table.contains_key(SESSION_KEY) => Dropped::Session,
+        Ok(table) if SETTINGS_KEYS.iter().any(|key| table.contains_key(*key)) => Dropped::Settings,
+        Ok(_) => Dropped::Unknown(format!("{}: {remedy}", file.file)),
+        Err(error) => Dropped::Unknown(error.to_string()),
+    }
+}
+
+/// Several paths at once, by what is done with them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sorted {
+    /// Deployments to be opened, each with the extras.
+    pub deployments: Vec<PathBuf>,
+    /// Extras of the deployments; without a deployment beside them they are for the one that is open.
+    pub extras: Extras,
+    /// Folders that hold nothing but some of these extras: they could be meant as deployments of their own.
+    pub folders: Vec<PathBuf>,
+    pub sessions: Vec<PathBuf>,
+    pub settings: Vec<PathBuf>,
+    /// Trajectories of other systems, to be judged by the deployment.
+    pub estimates: Vec<PathBuf>,
+    /// Lines that say what cannot be used, and why.
+    pub unknown: Vec<String>,
+}
+
+pub fn sort<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Sorted {
+    let mut sorted = Sorted::default();
+    for path in paths {
+        let own = path.to_owned();
+        match what_is(path) {
+            Dropped::Deployment => sorted.deployments.push(own),
+            Dropped::ControlPoints => sorted.extras.gcp.push(own),
+            Dropped::Rig => sorted.extras.rig = Some(own),
+            Dropped::FolderOfExtras { rig, gcp } => {
+                sorted.extras.gcp.extend(gcp);
+                if rig {
+                    sorted.extras.rig = Some(own.clone());
+                }
+                sorted.folders.push(own);
+            }
+            Dropped::Gnss => sorted.extras.gnss.push(own),
+            Dropped::Session => sorted.sessions.push(own),
+            Dropped::Settings => sorted.settings.push(own),
+            Dropped::Estimate => sorted.estimates.push(own),
+            Dropped::Unknown(why) => sorted.unknown.push(why),
+        }
+    }
+    // The window system gives them in no particular order; antennas are numbered by their names.
+    sorted.extras.gnss.sort();
+    sorted.estimates.sort();
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_known_by_what_is_in_them() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().expect("inside")).expect("writable");
+            std::fs::write(&path, text).expect("writable");
+            path
+        };
+        let cases = [
+            ("x.txt", "timestamp,id,distance,ha,va\n1,1,2,3,1.5\n", Dropped::Deployment),
+            ("y.csv", "theodolite_number , marker_number , status\n", Dropped::ControlPoints),
+            ("z.csv", "marker_number,distance_m,height_m\n", Dropped::ControlPoints),
+            ("rig/d.txt", "0.7 0.9 1.0\n", Dropped::Rig),
+            ("a.pos", "% GPST latitude(deg) longitude(deg) height(m) Q\n", Dropped::Gnss),
+            ("s.toml", "# saved\nresect_session = 1\n", Dropped::Session),
+            ("c.toml", "[pipeline]\nrate_hz = 5\n", Dropped::Settings),
+            ("deployment.toml", "name = \"x\"\n", Dropped::Deployment),
+            ("slam.txt", "1.5 1 2 3 0 0 0.6 0.8\n", Dropped::Estimate),
+        ];
+        for (name, text, expected) in cases {
+            assert_eq!(what_is(&write(name, text)), expected, "{name}");
+        }
+        let kitti = write("kitti/poses.txt", "1 0 0 5 0 1 0 6 0 0 1 7\n");
+        assert!(matches!(what_is(&kitti), Dropped::Unknown(_)), "without times it is none");
+        write("kitti/times.txt", "0.1\n");
+        assert_eq!(what_is(&kitti), Dropped::Estimate);
+        for (name, text, why) in [
+            ("notes.txt", "it rained\n", "notes.txt: not recognised"),
+            ("other.toml", "[package]\n", "other.toml: it is neither"),
+            ("bad.toml", "\n= 3\n", "bad.toml:2: "),
+            ("truth.toml", "[pipeline]\n", "truth of a simulation"),
+        ] {
+            let Dropped::Unknown(said) = what_is(&write(name, text)) else { panic!("{name}") };
+            assert!(said.contains(why), "{said}");
+        }
+        let rig = Dropped::FolderOfExtras { rig: true, gcp: Vec::new() };
+        assert_eq!(what_is(&folder.path().join("rig")), rig);
+        assert_eq!(what_is(folder.path()), Dropped::Deployment);
+        assert!(matches!(what_is(&folder.path().join("absent")), Dropped::Unknown(_)));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_not_waited_for() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("tracks.csv");
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        assert!(made.expect("a tool of every Unix").success());
+        let (send, receive) = std::sync::mpsc::channel();
+        std::thread::spawn(move || send.send(what_is(&path)));
+        let patience = std::time::Duration::from_secs(10);
+        let Ok(Dropped::Unknown(said)) = receive.recv_timeout(patience) else {
+            panic!("it is waited for")
+        };
+        assert!(said.starts_with("tracks.csv: a pipe"), "{said}");
+    }
+
+    #[test]
+    fn several_are_sorted_by_what_is_done_with_them() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        for (name, text) in [
+            ("gcp.txt", "theodolite_number , marker_number , status\n"),
+            ("p.csv", "timestamp,id,distance,ha,va\n"),
+            ("rig.txt", "0.7 0.9 1.0\n"),
+            ("note", "hello\n"),
+        ] {
+            std::fs::write(path(name), text).expect("writable");
+        }
+        let paths = ["gcp.txt", "note", "p.csv", "rig.txt"].map(path);
+        let sorted = sort(paths.iter().map(PathBuf::as_path));
+        assert_eq!(sorted.deployments, [path("p.csv")]);
+        assert_eq!(sorted.extras.gcp, [path("gcp.txt")]);
+        assert_eq!(sorted.extras.rig, Some(path("rig.txt")));
+        assert_eq!(sorted.unknown, ["note: not recognised"]);
+    }
+}

@@ -1,0 +1,34 @@
+//! The last words about a live deployment: its answers are a few seconds old when the source ends, and the one to all
+//! readings comes after that.
+
+use super::coach::Coach;
+use super::judged::judge;
+use super::view::View;
+use resect_core::analysis::Analysis;
+use resect_core::deployment::Deployment;
+
+/// The coach of a live deployment that has ended.
+#[derive(Debug)]
+pub struct Closing {
+    coach: Coach,
+}
+
+impl Closing {
+    pub fn new(coach: Coach) -> Self {
+        Self { coach }
+    }
+
+    /// The last view with the answer of the settings to all readings in the place of the last one before them.
+    pub fn judged(mut self, last: &View, deployment: &Deployment, analysis: &Analysis) -> View {
+        let outcome = judge(deployment, analysis, false, None);
+        let is_amiss = last.warnings.iter().any(|warning| warning.amiss.speaks_against_readings());
+        self.coach.take(&outcome, is_amiss);
+        let sentence = self.coach.sentence(Some(&outcome), &last.moves);
+        let mut view = View { sentence, enough: self.coach.is_enough(), ..last.clone() };
+        if let Ok(judged) = outcome.judged {
+            (view.answer, view.answer_age_s) = (Some(judged), Some(0.0));
+        }
+        view.curves = self.coach.curves;
+        view
+    }
+}

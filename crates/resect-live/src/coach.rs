@@ -1,0 +1,335 @@
+//! Whether it is enough, and if not what to drive: σ at the far end of the track over time, against a target.
+//!
+//! "Enough" is said late rather than early: the answer has to be good, with every direction held, its σ at the target or below, for
+//! several answers and seconds of the drive in a row, and nothing may be amiss in the field meanwhile.
+
+use super::judged::{Judged, NoAnswer, Outcome};
+use super::next;
+use resect_core::calibration::Verdict;
+use resect_core::planning::NextMove;
+
+/// Answers in a row that must agree before it is enough, and how much of the drive they must lie apart (s).
+const IN_A_ROW: usize = 3;
+const APART_S: f64 = 10.0;
+/// Points of the curve that are kept; of a longer one every other.
+const MOST_POINTS: usize = 2048;
+
+/// σ at the far end of the track, of one answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint {
+    /// Stamp of the newest reading of the answer (s).
+    pub time_s: f64,
+    pub sigma_m: f64,
+}
+
+/// σ over the drive; one answer of many where it is long.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    pub points: Vec<CurvePoint>,
+    /// Points are at least so far apart (s).
+    apart_s: f64,
+}
+
+impl Default for Curve {
+    fn default() -> Self {
+        Self { points: Vec::new(), apart_s: 0.0 }
+    }
+}
+
+impl Curve {
+    fn push(&mut self, point: CurvePoint) {
+        if let [.., before, last] = &mut self.points[..]
+            && last.time_s - before.time_s < self.apart_s
+        {
+            // The last one is always there, however near the one before it.
+            *last = point;
+            return;
+        }
+        self.points.push(point);
+        if self.points.len() == MOST_POINTS {
+            let mut index = 0;
+            self.points.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+            let span_s = point.time_s - self.points[0].time_s;
+            self.apart_s = 2.0 * span_s / MOST_POINTS as f64;
+        }
+    }
+}
+
+/// Follows the answers.
+#[derive(Clone, Debug)]
+pub struct Coach {
+    /// What σ has to come down to (m, at the far end of the track).
+    pub target_m: f64,
+    /// By the paper's answer, and by that of the settings.
+    pub curves: [Curve; 2],
+    /// Since when the answers that are enough go without a break (stamp of the first, s), and how many they are.
+    met: Option<(f64, usize)>,
+    enough: bool,
+    newest_s: Option<f64>,
+}
+
+impl Coach {
+    pub fn new(target_m: f64) -> Self {
+        Self { target_m, curves: Default::default(), met: None, enough: false, newest_s: None }
+    }
+
+    /// Takes an outcome in; `amiss` is whether something in the field speaks against the readings.
+    pub fn take(&mut self, outcome: &Outcome, amiss: bool) {
+        if let Ok(judged) = &outcome.judged
+            && let Some(far_end) = judged.far_end
+        {
+            let point = CurvePoint { time_s: judged.up_to_s, sigma_m: far_end.sigma_m };
+            self.curves[usize::from(!outcome.is_first)].push(point);
+        }
+        // The paper's answer knows nothing of instruments: it does not decide.
+        if outcome.is_first {
+            return;
+        }
+        let meets = outcome.judged.as_ref().is_ok_and(|judged| self.meets(judged)) && !amiss;
+        let up_to_s = outcome.judged.as_ref().ok().map(|judged| judged.up_to_s);
+        match up_to_s.filter(|_| meets) {
+            None => self.met = None,
+            // The same readings once more say nothing new.
+            Some(up_to_s) if self.newest_s == Some(up_to_s) => {}
+            Some(up_to_s) => {
+                let (_, count) = self.met.get_or_insert((up_to_s, 0));
+                *count += 1;
+            }
+        }
+        self.newest_s = up_to_s;
+        self.enough = self.met.is_some_and(|(since_s, count)| {
+            count >= IN_A_ROW && up_to_s.is_some_and(|up_to_s| up_to_s - since_s >= APART_S)
+        });
+    }
+
+    /// Something in the field speaks against the readings: whatever was enough has to show it again.
+    pub fn doubt(&mut self) {
+        (self.met, self.enough) = (None, false);
+    }
+
+    /// Sets the target; what was enough for another has to show it again.
+    pub fn aim(&mut self, target_m: f64) {
+        if target_m != self.target_m {
+            self.target_m = target_m;
+            self.doubt();
+        }
+    }
+
+    fn meets(&self, judged: &Judged) -> bool {
+        judged.verdict == Verdict::Good
+            && judged.open.is_empty()
+            && judged.stepped.is_empty()
+            && judged.far_end.is_some_and(|far_end| far_end.sigma_m <= self.target_m)
+    }
+
+    pub fn is_enough(&self) -> bool {
+        self.enough
+    }
+
+    /// What whoever drives has to know, in one sentence.
+    pub fn sentence(&self, latest: Option<&Outcome>, moves: &[NextMove]) -> String {
+        let judged = match latest.map(|outcome| &outcome.judged) {
+            None => {
+                return "no answer yet: drive where all three stations see their prisms".to_owned();
+            }
+            Some(Err(NoAnswer { why, drive })) => {
+                return format!("no answer yet: {}", drive.unwrap_or(why));
+            }
+            Some(Ok(judged)) => judged,
+        };
+        let next = next::sentence(moves, judged).map_or(String::new(), |next| format!("; {next}"));
+        let Some(far_end) = judged.far_end else {
+            return match judged.open.first() {
+                Some(open) => format!("{}{next}", open_in_words(open)),
+                None => format!("the answer is {}{next}", judged.verdict_and_reason()),
+            };
+        };
+        let at = format!(
+            "{:.1} mm (1 σ) at the far end of station {}'s track, target {:.1} mm",
+            far_end.sigma_m * 1e3,
+            far_end.station + 1,
+            self.target_m * 1e3
+        );
+        if self.enough {
+            return format!("enough: {at}");
+        }
+        if let Some(open) = judged.open.first() {
+            return format!("{}{next}", open_in_words(open));
+        }
+        if let Some((_, stepped)) = judged.stepped.first() {
+            return format!("{stepped}; set that station up again, and begin the drive again");
+        }
+        if judged.verdict != Verdict::Good {
+            return format!("the answer is {}; {at}{next}", judged.verdict_and_reason());
+        }
+        match far_end.sigma_m <= self.target_m {
+            true => format!("drive on a little, to see that it stays: {at}"),
+            false if next::gain_little(moves) => format!(
+                "not yet: {at}; no manoeuvre from here gains {:.0} %: nearer stations or a larger target would help",
+                1e2 * next::LITTLE
+            ),
+            false => format!("not yet: {at}{next}"),
+        }
+    }
+}
+
+fn open_in_words(open: &str) -> String {
+    format!("not held yet: {open}")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use nalgebra::Vector3;
+
+    use super::*;
+    use resect_core::calibration::Method;
+    use resect_core::evaluation::far_end::FarEnd;
+    use resect_core::geometry::RigidTransform;
+
+    fn outcome(up_to_s: f64, sigma_mm: f64, change: impl FnOnce(&mut Judged)) -> Outcome {
+        let position_m = Vector3::new(60.0, 0.0, 0.0);
+        let mut judged = Judged {
+            method: Method::Joint,
+            up_to_s,
+            readings: 1000,
+            took_ms: 1.0,
+            verdict: Verdict::Good,
+            verdict_in_words: "good".to_owned(),
+            reason: None,
+            far_end: Some(FarEnd { station: 2, position_m, sigma_m: sigma_mm * 1e-3 }),
+            open: Vec::new(),
+            advice: Some("turn more"),
+            plan: None,
+            late_s: None,
+            stepped: Vec::new(),
+            station1_from_station: [RigidTransform::IDENTITY; 3],
+            sigma: None,
+            inter_prism_mm: Some(1.0),
+        };
+        change(&mut judged);
+        Outcome { is_first: false, judged: Ok(Arc::new(judged)), lately_off_m: None }
+    }
+
+    #[test]
+    fn it_is_enough_after_several_good_answers_in_a_row_and_seconds() {
+        let mut coach = Coach::new(2e-3);
+        for (up_to_s, enough) in [(0.0, false), (4.0, false), (8.0, false), (12.0, true)] {
+            coach.take(&outcome(up_to_s, 1.5, |_| ()), false);
+            assert_eq!(coach.is_enough(), enough, "{up_to_s}");
+        }
+        let said = coach.sentence(Some(&outcome(12.0, 1.5, |_| ())), &[]);
+        assert!(said.starts_with("enough: 1.5 mm"), "{said}");
+        // The same readings again, however often, are one answer.
+        let mut again = Coach::new(2e-3);
+        (0..9).for_each(|_| again.take(&outcome(20.0, 1.5, |_| ()), false));
+        assert!(!again.is_enough());
+    }
+
+    #[test]
+    fn one_answer_that_is_not_good_enough_begins_it_again() {
+        type Change = fn(&mut Judged);
+        let worse: [(&str, Change); 4] = [
+            ("far end", |judged| judged.far_end.as_mut().expect("there").sigma_m = 2.1e-3),
+            ("verdict", |judged| judged.verdict = Verdict::Weak),
+            ("direction", |judged| judged.open.push("station 2 can slide (weak)".to_owned())),
+            ("step", |judged| judged.stepped.push((1, "station 2 moved".to_owned()))),
+        ];
+        for (what, change) in worse {
+            let mut coach = Coach::new(2e-3);
+            for k in 0..4 {
+                coach.take(&outcome(f64::from(k) * 5.0, 1.5, |_| ()), false);
+            }
+            assert!(coach.is_enough(), "{what}");
+            coach.take(&outcome(20.0, 1.5, change), false);
+            assert!(!coach.is_enough(), "{what}");
+            coach.take(&outcome(25.0, 1.5, |_| ()), false);
+            assert!(!coach.is_enough(), "{what}");
+        }
+        // So does what is amiss in the field; the paper's answer does not count at all.
+        let mut coach = Coach::new(2e-3);
+        (0..5).for_each(|k| coach.take(&outcome(f64::from(k) * 5.0, 1.5, |_| ()), true));
+        assert!(!coach.is_enough());
+        for k in 0..5 {
+            let first = Outcome { is_first: true, ..outcome(f64::from(k) * 5.0, 1.5, |_| ()) };
+            coach.take(&first, false);
+        }
+        assert!(!coach.is_enough() && coach.curves[0].points.len() == 5);
+    }
+
+    #[test]
+    fn what_is_open_goes_before_what_is_large() {
+        let coach = Coach::new(2e-3);
+        let said = |outcome: &Outcome| coach.sentence(Some(outcome), &[]);
+        let open = outcome(1.0, 9.0, |judged| {
+            judged.open.push("station 2 can slide along the track (weak)".to_owned());
+        });
+        assert_eq!(
+            said(&open),
+            "not held yet: station 2 can slide along the track (weak); turn more"
+        );
+        let large = said(&outcome(1.0, 9.0, |_| ()));
+        assert!(large.starts_with("not yet: 9.0 mm") && large.ends_with("turn more"), "{large}");
+        assert!(coach.sentence(None, &[]).starts_with("no answer yet"));
+        // Where it only began, what to drive is worth more than why there is no answer.
+        let none = |drive| Outcome {
+            judged: Err(NoAnswer { why: "no triplets".to_owned(), drive }),
+            ..outcome(1.0, 9.0, |_| ())
+        };
+        assert_eq!(said(&none(Some("turn around"))), "no answer yet: turn around");
+        assert_eq!(said(&none(None)), "no answer yet: no triplets");
+    }
+
+    #[test]
+    fn where_driving_on_gains_little_the_target_is_said_to_be_far() {
+        let coach = Coach::new(2e-3);
+        let one = |before_m: Option<f64>, after_m: f64| NextMove {
+            sentence: format!("drive a circle: {:.1} mm foreseen", after_m * 1e3),
+            waypoints_m: Vec::new(),
+            before_m,
+            after_m,
+            takes_s: 40.0,
+            open: 0,
+            gain_per_m2_s: 1.0,
+        };
+        let said = |moves: &[NextMove]| coach.sentence(Some(&outcome(1.0, 5.0, |_| ())), moves);
+        assert!(said(&[one(Some(5e-3), 4.9e-3)]).contains("no manoeuvre from here gains 5 %"));
+        let worth_it = [one(Some(5e-3), 4.9e-3), one(Some(5e-3), 3e-3)];
+        assert!(said(&worth_it).ends_with("drive a circle: 3.0 mm foreseen"));
+        // Advice for an earlier answer that has been reached meanwhile is not given.
+        assert!(said(&[one(Some(11e-3), 4.9e-3)]).ends_with("turn more"));
+        assert!(said(&[one(None, 4e-3)]).ends_with("drive a circle: 4.0 mm foreseen"));
+    }
+
+    #[test]
+    fn a_verdict_is_told_with_what_speaks_against_the_answer() {
+        let coach = Coach::new(2e-3);
+        let weak = outcome(1.0, 1.5, |judged| {
+            judged.verdict = Verdict::Weak;
+            judged.verdict_in_words = "weak".to_owned();
+            judged.reason = Some("station 2's clock seems late".to_owned());
+        });
+        let said = coach.sentence(Some(&weak), &[]);
+        assert!(
+            said.starts_with("the answer is weak: station 2's clock seems late; 1.5 mm"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn the_curve_of_a_day_stays_short_and_keeps_its_ends() {
+        let mut coach = Coach::new(2e-3);
+        for second in 0..86_400 {
+            coach.take(&outcome(f64::from(second), 1.5, |_| ()), false);
+        }
+        let points = &coach.curves[1].points;
+        assert!((500..MOST_POINTS).contains(&points.len()), "{}", points.len());
+        assert_eq!(points[0].time_s, 0.0);
+        assert!(points[points.len() - 1].time_s > 86_398.0);
+        assert!(points.windows(2).all(|w| w[0].time_s < w[1].time_s));
+    }
+}

@@ -1,0 +1,366 @@
+//! What a live deployment is, without threads and without a clock: events and outcomes go in, snapshots and views come out.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+use super::coach::Coach;
+use super::event::{Channel, Event, LeftOut, Sent};
+use super::judged::{Judged, Outcome};
+use super::pace::Pace;
+use super::recorder::{RecordError, Recorded, Recorder};
+use super::status::{StationStatus, Watch};
+use super::view::{Left, Link, View};
+use super::warnings::{Amiss, Seen, Told, Warning, amiss};
+use resect_core::deployment::Deployment;
+use resect_core::deployment::printable::printable;
+use resect_core::planning::NextMove;
+use resect_io::error::OpenError;
+use resect_io::format::bag::stream::{Heard, Subscription};
+use resect_io::format::bag::wire::Encoding;
+use resect_io::growing::Growing;
+
+/// Readings are held against an answer to earlier ones for so long at most (s).
+const LONGEST_KNOWN_S: f64 = 60.0;
+
+/// The newest readings, for whoever is free to answer from them.
+pub struct Due {
+    pub deployment: Deployment,
+    /// Whether the paper's answer is wanted, and that of the settings.
+    pub first: bool,
+    pub second: bool,
+}
+
+/// Takes everything in that happens.
+pub struct Engine {
+    growing: Growing,
+    /// How much faster than the drive the source sends.
+    speed: f64,
+    is_live: bool,
+    subscriptions: HashMap<u64, Subscription>,
+    recorder: Option<Recorder>,
+    /// Why nothing is recorded any more, and what was recorded by then.
+    not_recorded: Option<(String, Recorded)>,
+    link: Link,
+    connections: u64,
+    messages: u64,
+    watches: [Watch; 3],
+    left_out: BTreeMap<LeftOut, (u64, String)>,
+    /// When the newest message was sent, by the source's clock, and how long ago that was noticed, by ours (s).
+    newest_sent_s: Option<(f64, f64)>,
+    coach: Coach,
+    /// What to drive next, the best first.
+    moves: Vec<NextMove>,
+    told: Told,
+    warnings: Vec<Warning>,
+    first: Option<Arc<Judged>>,
+    answer: Option<Arc<Judged>>,
+    /// The answer that later readings are held against.
+    known: Option<Arc<Judged>>,
+    latest: [Option<Outcome>; 2],
+    /// Who calculates the paper's answer, and that of the settings; and who looks for what to drive next.
+    paces: [Pace; 2],
+    advising: Pace,
+    /// Readings and messages that the newest snapshot knows of.
+    snapshot_of: u64,
+}
+
+impl Engine {
+    /// `speed` is how much faster than the drive a replay goes; `None` of what happens now.
+    pub fn new(
+        growing: Growing,
+        replay_speed: Option<f64>,
+        recorder: Option<Recorder>,
+        target_m: f64,
+    ) -> Self {
+        Self {
+            growing,
+            speed: replay_speed.unwrap_or(1.0),
+            is_live: replay_speed.is_none(),
+            subscriptions: HashMap::new(),
+            recorder,
+            not_recorded: None,
+            link: Link::default(),
+            connections: 0,
+            messages: 0,
+            watches: Default::default(),
+            left_out: BTreeMap::new(),
+            newest_sent_s: None,
+            coach: Coach::new(target_m),
+            moves: Vec::new(),
+            told: Told::default(),
+            warnings: Vec::new(),
+            first: None,
+            answer: None,
+            known: None,
+            latest: [None, None],
+            paces: Default::default(),
+            advising: Pace::default(),
+            snapshot_of: 0,
+        }
+    }
+
+    /// Takes in what the source says, at an instant of our own clock (s, from any start).
+    pub fn take(&mut self, event: Event, clock_s: f64) {
+        match event {
+            Event::Connected(to) => {
+                self.link = Link::Connected(printable(&to));
+                self.connections += 1;
+                self.subscriptions.clear();
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.forget_channels();
+                }
+            }
+            Event::Lost { why, again_in_s } => self.link = Link::Lost { why, again_in_s },
+            Event::Ended => self.link = Link::Ended,
+            Event::Channel(channel) => self.channel(&channel),
+            Event::Message(sent) => self.message(&sent, clock_s),
+            Event::LeftOut { what, count, first } => self.leave_out(what, count, &first),
+        }
+    }
+
+    fn leave_out(&mut self, what: LeftOut, count: u64, first: &str) {
+        let (known, _) = self.left_out.entry(what).or_insert_with(|| (0, printable(first)));
+        *known += count;
+    }
+
+    fn channel(&mut self, channel: &Channel) {
+        let encoding = match channel.encoding.as_str() {
+            "ros1" => Encoding::Ros1,
+            _ => Encoding::Cdr,
+        };
+        let wanted = self.growing.topic(&channel.topic, &channel.message_type, encoding);
+        let Some(subscription) = wanted else { return };
+        self.subscriptions.insert(channel.id, subscription);
+        self.record(|recorder| recorder.channel(channel));
+    }
+
+    /// Records something; where that fails it is the last, and nothing else stops.
+    fn record(&mut self, what: impl FnOnce(&mut Recorder) -> Result<(), RecordError>) {
+        let Some(recorder) = &mut self.recorder else { return };
+        if let Err(error) = what(recorder) {
+            self.not_recorded = Some((error.to_string(), recorder.recorded()));
+            self.recorder = None;
+        }
+    }
+
+    fn message(&mut self, sent: &Sent, clock_s: f64) {
+        let Some(subscription) = self.subscriptions.get(&sent.channel).copied() else { return };
+        self.messages += 1;
+        self.record(|recorder| recorder.message(sent));
+        let sent_s = sent.sent_ns as f64 * 1e-9;
+        if self.newest_sent_s.is_none_or(|(newest_s, _)| sent_s > newest_s) {
+            self.newest_sent_s = Some((sent_s, clock_s));
+        }
+        match self.growing.message(subscription, sent_s, &sent.payload) {
+            Ok(Heard::Record(record)) => {
+                if let Some(station) = self.growing.station_of(record.station) {
+                    self.watches[station].take(&record, sent);
+                }
+            }
+            Ok(Heard::Correction { station: Some(station), correction }) => {
+                self.watches[station].correct(correction.offset_s);
+            }
+            Ok(_) => {}
+            Err(why) => self.leave_out(LeftOut::Malformed, 1, &why),
+        }
+    }
+
+    /// Takes in what came of an analysis of a snapshot, at an instant of our own clock (s).
+    pub fn judged(&mut self, outcome: Outcome, clock_s: f64) {
+        self.paces[usize::from(!outcome.is_first)].end(clock_s);
+        let is_amiss = self.warnings.iter().any(|warning| warning.amiss.speaks_against_readings());
+        self.coach.take(&outcome, is_amiss);
+        if let Ok(judged) = &outcome.judged {
+            let kept = if outcome.is_first { &mut self.first } else { &mut self.answer };
+            *kept = Some(Arc::clone(judged));
+            // An answer from readings of a wrong prism is not what these are held against; unless it goes on for so long that
+            // the earlier one may be the wrong one.
+            let is_right = !outcome.wrong_pairs().contains(&true);
+            let is_old = |known: &Arc<Judged>| judged.up_to_s - known.up_to_s > LONGEST_KNOWN_S;
+            if judged.is_sure() && (is_right || self.known.as_ref().is_none_or(is_old)) {
+                self.known = Some(Arc::clone(judged));
+            }
+        }
+        let place = usize::from(!outcome.is_first);
+        self.latest[place] = Some(outcome);
+    }
+
+    /// Whether what to drive next is looked for now; whoever asks does it.
+    pub fn begins_to_advise(&mut self, clock_s: f64) -> bool {
+        self.advising.begin(clock_s)
+    }
+
+    /// Takes in what to drive next, the best first.
+    pub fn advised(&mut self, moves: Vec<NextMove>, clock_s: f64) {
+        self.advising.end(clock_s);
+        self.moves = moves;
+    }
+
+    pub fn coach(&self) -> &Coach {
+        &self.coach
+    }
+
+    pub fn target_m(&self) -> f64 {
+        self.coach.target_m
+    }
+
+    /// Reads what came, and what will come, with what another knows beforehand. Earlier answers are none any more.
+    pub fn read_with(&mut self, around: Growing) {
+        let from = self.growing.read_with(around);
+        let mut before = std::mem::take(&mut self.watches);
+        self.watches =
+            from.map(|from| from.map_or_else(Watch::default, |k| std::mem::take(&mut before[k])));
+        self.coach.doubt();
+        (self.first, self.answer, self.known) = (None, None, None);
+        (self.latest, self.moves) = ([None, None], Vec::new());
+        // There is something new to answer from.
+        self.snapshot_of = u64::MAX;
+    }
+
+    /// The answer that later readings are held against.
+    pub fn known(&self) -> Option<Arc<Judged>> {
+        self.known.clone()
+    }
+
+    /// The deployment so far; `None` where nothing came since the last one.
+    pub fn snapshot(&mut self) -> Option<Result<Deployment, OpenError>> {
+        if self.snapshot_of == self.messages {
+            return None;
+        }
+        self.snapshot_of = self.messages;
+        Some(self.growing.deployment())
+    }
+
+    /// The deployment so far for whoever is free to answer from it, and is busy with that from now on; `None` where nobody is, or
+    /// nothing new came. The paper's answer is wanted beside a joint estimate only.
+    pub fn due(&mut self, is_joint: bool, clock_s: f64) -> Option<Due> {
+        let wanted = [is_joint, true];
+        let is_free = |of: usize| wanted[of] && self.paces[of].is_free(clock_s);
+        if !is_free(0) && !is_free(1) {
+            return None;
+        }
+        // What has no deployment yet is told in the view: there are no readings, or they cannot be any.
+        let deployment = self.snapshot()?.ok()?;
+        let [first, second] = [0, 1].map(|of| wanted[of] && self.paces[of].begin(clock_s));
+        Some(Due { deployment, first, second })
+    }
+
+    /// Makes sure that what was recorded outlives this process.
+    pub fn flush(&mut self) {
+        self.record(Recorder::flush);
+    }
+
+    /// Sets another target (m).
+    pub fn aim(&mut self, target_m: f64) {
+        self.coach.aim(target_m);
+    }
+
+    /// Ends the recording.
+    pub fn finish_recording(&mut self) -> Option<Result<Recorded, RecordError>> {
+        self.recorder.take().map(Recorder::finish)
+    }
+
+    /// The deployment as it ended up; an error where there is nothing to answer from.
+    pub fn deployment(&mut self) -> Result<Deployment, OpenError> {
+        self.growing.deployment()
+    }
+
+    /// All that is to be told, at an instant of our own clock (s).
+    pub fn view(&mut self, clock_s: f64) -> View {
+        let now_s = self.newest_sent_s.map(|(sent_s, at_s)| match self.link {
+            Link::Ended => sent_s,
+            _ => sent_s + (clock_s - at_s).max(0.0) * self.speed,
+        });
+        let at_s = now_s.unwrap_or(0.0);
+        let mut stations = self.watches.each_ref().map(|watch| watch.status(at_s, self.is_live));
+        if let Some(late_s) = self.answer.as_ref().and_then(|judged| judged.late_s) {
+            (stations[1].late_s, stations[2].late_s) = (Some(late_s[0]), Some(late_s[1]));
+        }
+        self.warn(at_s, &stations);
+        let tracks = self.growing.tracks();
+        let firsts = tracks.iter().filter_map(|track| Some(track.measurements.first()?.time_s));
+        let lasts = tracks.iter().filter_map(|track| Some(track.measurements.last()?.time_s));
+        let (start_s, end_s) = (firsts.min_by(f64::total_cmp), lasts.max_by(f64::total_cmp));
+        let is_read_by_all = tracks.iter().all(|track| !track.measurements.is_empty());
+        let age_s = self.answer.as_ref().zip(end_s).map(|(judged, end_s)| end_s - judged.up_to_s);
+        let late_and_repeated = self.growing.late_and_repeated();
+        let sum = |which: usize| late_and_repeated.iter().map(|counts| counts[which]).sum();
+        let deciding = self.latest[1].as_ref().or(self.latest[0].as_ref());
+        let sentence = match deciding {
+            None if is_read_by_all => "the first answer is on its way".to_owned(),
+            _ => self.coach.sentence(deciding, &self.moves),
+        };
+        View {
+            now_s,
+            driven_s: start_s.zip(end_s).map_or(0.0, |(start_s, end_s)| end_s - start_s),
+            link: self.link.clone(),
+            connections: self.connections,
+            messages: self.messages,
+            stations,
+            late: sum(0),
+            repeated: sum(1),
+            dropped: self.growing.dropped(),
+            left_out: self
+                .left_out
+                .iter()
+                .map(|(what, (count, first))| Left {
+                    what: what.name(),
+                    count: *count,
+                    first: first.clone(),
+                })
+                .collect(),
+            warnings: self.warnings.clone(),
+            first: self.first.clone(),
+            answer: self.answer.clone(),
+            answer_age_s: age_s,
+            target_m: self.coach.target_m,
+            enough: self.coach.is_enough(),
+            sentence,
+            moves: self.moves.clone(),
+            curves: self.coach.curves.clone(),
+            recorded: match (&self.recorder, &self.not_recorded) {
+                (Some(recorder), _) => Some(recorder.recorded()),
+                (None, stopped) => stopped.as_ref().map(|(_, recorded)| recorded.clone()),
+            },
+        }
+    }
+
+    fn warn(&mut self, now_s: f64, stations: &[StationStatus; 3]) {
+        let lost = match &self.link {
+            Link::Lost { why, .. } => Some(why.as_str()),
+            _ => None,
+        };
+        let topics = self.growing.topics_of_no_station();
+        let no_station = match self.left_out.get(&LeftOut::NoStation) {
+            Some((_, first)) => Some(first.clone()),
+            None if topics.is_empty() => None,
+            None => Some(format!(
+                "positions of {} are not read, because nobody says of which station they are; name those of stations 1, 2, 3",
+                topics.join(", ")
+            )),
+        };
+        let seen = Seen {
+            lost,
+            stations,
+            clock_jumps: self.watches.each_ref().map(Watch::clock_jump),
+            deciding: self.answer.as_deref(),
+            latest: self.latest[0].as_ref().or(self.latest[1].as_ref()),
+            has_rig: self.growing.known_beforehand().rig.is_some()
+                || self.growing.known_beforehand().prisms == Some(1),
+            no_station: no_station.as_deref(),
+            not_recorded: self.not_recorded.as_ref().map(|(why, _)| why.as_str()),
+        };
+        let amiss: Vec<(Amiss, String)> = match self.link {
+            // Nothing can be done any more about what has ended.
+            Link::Ended => {
+                let all = amiss(&seen);
+                all.into_iter().filter(|(amiss, _)| !matches!(amiss, Amiss::LostLock(_))).collect()
+            }
+            _ => amiss(&seen),
+        };
+        self.warnings = self.told.update(now_s, amiss);
+        if self.warnings.iter().any(|warning| warning.amiss.speaks_against_readings()) {
+            self.coach.doubt();
+        }
+    }
+}

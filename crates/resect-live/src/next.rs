@@ -1,0 +1,122 @@
+//! What to drive next: manoeuvres from where the vehicle is, looked for beside everything else.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use nalgebra::Vector3;
+
+use super::judged::Judged;
+use resect_core::analysis::Analysis;
+use resect_core::calibration::joint::Expected;
+use resect_core::calibration::{ErrorSizes, Targets};
+use resect_core::deployment::Deployment;
+use resect_core::evaluation::vehicle::prisms_in_vehicle;
+use resect_core::geometry::LevelTransform;
+use resect_core::planning::{NextMove, SoFar, what_next};
+use resect_core::progress::Progress;
+
+/// How a vehicle drives that nobody described: as fast, and around bends as tight as this.
+const SPEED_M_PER_S: f64 = 0.8;
+const TURN_RADIUS_M: f64 = 3.5;
+/// A manoeuvre that makes σ smaller by less than this share is hardly worth its time.
+pub const LITTLE: f64 = 0.05;
+/// Readings a second, where no estimate says.
+const RATE_HZ: f64 = 2.5;
+
+/// A thread that looks for what to drive next, after one answer at a time.
+pub struct Advising {
+    jobs: Sender<(Arc<Deployment>, Arc<Analysis>, f64)>,
+    found: Receiver<Vec<NextMove>>,
+}
+
+impl Advising {
+    pub fn start(progress: &Arc<Progress>) -> Self {
+        let (jobs, waiting) = channel::<(Arc<Deployment>, Arc<Analysis>, f64)>();
+        let (send, found) = channel();
+        let progress = Arc::clone(progress);
+        std::thread::spawn(move || {
+            for (deployment, analysis, target_m) in waiting {
+                let moves = moves(&deployment, &analysis, target_m, &progress);
+                if send.send(moves).is_err() {
+                    return;
+                }
+            }
+        });
+        Self { jobs, found }
+    }
+
+    /// Gives it an answer to think about.
+    pub fn think(&self, deployment: &Arc<Deployment>, analysis: &Arc<Analysis>, target_m: f64) {
+        // A thread that was cancelled has nothing to say any more.
+        _ = self.jobs.send((Arc::clone(deployment), Arc::clone(analysis), target_m));
+    }
+
+    /// What it found, if that is new: what to drive next, the best first.
+    pub fn found(&self) -> Option<Vec<NextMove>> {
+        self.found.try_recv().ok()
+    }
+}
+
+/// Manoeuvres that would make an answer better; none where the rig is not known, or nothing moves yet.
+fn moves(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    target_m: f64,
+    progress: &Progress,
+) -> Vec<NextMove> {
+    let Ok(answer) = &analysis.answer else { return Vec::new() };
+    let calibration = &answer.calibration;
+    let given = deployment.rig.as_ref().and_then(prisms_in_vehicle).map(|(prisms_m, _)| prisms_m);
+    let prisms_m = match analysis.offer.targets {
+        Targets::OnePrism => [Vector3::zeros(); 3],
+        _ => match given {
+            Some(prisms_m) => prisms_m,
+            None => return Vec::new(),
+        },
+    };
+    let transforms = calibration
+        .station1_from_station
+        .map(|at| LevelTransform::new(at.translation_m, at.yaw_rad()));
+    let settings = &analysis.settings;
+    let joint = calibration.joint();
+    let expected = joint.map_or_else(Expected::default, |joint| Expected {
+        levels: joint.levels,
+        wander: joint.wander,
+    });
+    let so_far = SoFar {
+        triplets: analysis.triplets(),
+        station1_from_station: &transforms,
+        prisms_m: &prisms_m,
+        sizes: &ErrorSizes {
+            inter_prism_m: settings.calibration.inter_prism_sigma_m,
+            ..settings.calibration.errors
+        },
+        expected,
+        rate_hz: joint.map_or(RATE_HZ, |joint| joint.solution.readings_hz()),
+        thresholds: settings.pipeline.thresholds,
+        places_m: &[],
+        target_m,
+        speed_m_per_s: SPEED_M_PER_S,
+        turn_radius_m: TURN_RADIUS_M,
+    };
+    let found = what_next(&so_far, progress);
+    found.ok().flatten().map_or_else(Vec::new, |advice| advice.moves)
+}
+
+/// Tells whether manoeuvres are known, and none makes σ at the far end smaller by [`LITTLE`].
+pub fn gain_little(moves: &[NextMove]) -> bool {
+    let gains = |one: &NextMove| {
+        one.before_m.is_none_or(|before_m| one.after_m < (1.0 - LITTLE) * before_m)
+    };
+    !moves.is_empty() && !moves.iter().any(gains)
+}
+
+/// What would help an answer most, in one sentence; `None` where nothing is known to.
+pub fn sentence(moves: &[NextMove], judged: &Judged) -> Option<String> {
+    // Advice takes longer than answers: what an answer has reached meanwhile is no advice any more.
+    let is_worth_it = |one: &&NextMove| {
+        judged.far_end.is_none_or(|far| one.after_m < (1.0 - LITTLE) * far.sigma_m)
+    };
+    let best = moves.iter().find(is_worth_it).map(|best| best.sentence.clone());
+    best.or_else(|| judged.advice.map(str::to_owned))
+}

@@ -1,0 +1,94 @@
+//! A deployment as if its readings came in now, as fast as they were measured or faster: for training, and for tests.
+
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::SyncSender;
+use std::time::{Duration, Instant};
+
+use super::bonn;
+use super::event::{Event, Sent};
+use resect_core::deployment::{Deployment, Measurement, Track};
+use resect_io::format::bag::messages::{Coords, encode_coords};
+
+/// ROS takes a stamp of zero for none: deployments whose clocks begin at zero are replayed so much later (s).
+const LATER_S: f64 = 1_000_000.0;
+/// How long a pause lasts before it is looked whether anyone still wants more (s).
+const NAP_S: f64 = 0.1;
+
+/// One reading of a station, on its way.
+struct Queued<'a> {
+    station: usize,
+    measurement: &'a Measurement,
+    own_clock_s: Option<f64>,
+}
+
+/// What `track` has of readings that count.
+fn readings(station: usize, track: &Track) -> impl Iterator<Item = Queued<'_>> {
+    let used = track.measurements.iter().enumerate().filter(|(k, _)| !track.is_left_out(*k));
+    used.map(move |(k, measurement)| {
+        let own_clock_s = track.own_clock_s.get(k).copied().filter(|own_s| own_s.is_finite());
+        Queued { station, measurement, own_clock_s }
+    })
+}
+
+/// The messages of a deployment in the order of their stamps. Whoever reads them adds `added_m` to the ranges of each station.
+pub fn messages(deployment: &Deployment, added_m: [f64; 3]) -> impl Iterator<Item = Sent> {
+    let later_s =
+        if deployment.start_s().is_some_and(|start_s| start_s < 1.0) { LATER_S } else { 0.0 };
+    let mut queued: Vec<Queued<'_>> = Vec::new();
+    for (station, track) in deployment.tracks.iter().enumerate() {
+        queued.extend(readings(station, track));
+    }
+    queued.sort_by(|a, b| a.measurement.time_s.total_cmp(&b.measurement.time_s));
+    queued.into_iter().map(move |Queued { station, measurement, own_clock_s }| {
+        let track = &deployment.tracks[station];
+        let stamp_s = measurement.time_s + later_s;
+        let payload = encode_coords(&Coords {
+            stamp_s: Some(stamp_s),
+            own_clock_s: own_clock_s.map(|own_s| own_s + later_s),
+            station: station as u8 + 1,
+            status: 0,
+            azimuth_rad: measurement.azimuth_rad,
+            zenith_rad: measurement.zenith_rad,
+            range_m: measurement.range_m + (track.prism_constant_m - added_m[station]),
+        });
+        let channel = bonn::Protocol::channel().id;
+        Sent { channel, sent_ns: (stamp_s * 1e9) as u64, received_s: stamp_s, payload }
+    })
+}
+
+/// Sends everything at so many times the speed of the drive, until it is over or nobody wants more.
+pub fn run(
+    deployment: &Deployment,
+    added_m: [f64; 3],
+    speed: f64,
+    stop: &AtomicBool,
+    into: &SyncSender<Event>,
+) {
+    let begin = [
+        Event::Connected(format!("replay of {}", deployment.name)),
+        Event::Channel(bonn::Protocol::channel()),
+    ];
+    if begin.into_iter().any(|event| into.send(event).is_err()) {
+        return;
+    }
+    let started = Instant::now();
+    let mut first_s = None;
+    for sent in messages(deployment, added_m) {
+        let due_s = (sent.received_s - *first_s.get_or_insert(sent.received_s)) / speed;
+        loop {
+            if stop.load(Relaxed) {
+                return;
+            }
+            let wait_s = due_s - started.elapsed().as_secs_f64();
+            if wait_s <= 0.0 {
+                break;
+            }
+            std::thread::sleep(Duration::from_secs_f64(wait_s.min(NAP_S)));
+        }
+        if into.send(Event::Message(sent)).is_err() {
+            return;
+        }
+    }
+    // Whoever listens may have gone, and does not have to know.
+    _ = into.send(Event::Ended);
+}

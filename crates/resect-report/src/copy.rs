@@ -1,0 +1,297 @@
+//! The transforms of an answer in the forms that other programs take from the clipboard.
+//!
+//! All map the frame of station 2 or 3 into station 1's: p₁ = R p₂ + t, lengths in m, angles in rad. Numbers have
+//! enough digits to lose nothing (1 nm, 1 nrad). An answer whose verdict is not `good` says so in the copy, in a
+//! comment where the form has comments.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+use serde_json::json;
+
+use super::json::{SCHEMA, transform_of};
+use super::summary::{ResultSummary, StationSummary};
+use resect_core::calibration::Verdict;
+
+/// What can be copied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CopyFormat {
+    Toml,
+    /// The transforms' part of what `calibrate --json` prints, under the same names.
+    Json,
+    /// Homogeneous matrices of four rows.
+    Matrix,
+    /// x y z qx qy qz qw: one line each.
+    Quaternion,
+    /// Homogeneous matrices as Python writes them.
+    Numpy,
+    /// A line for the shell: `ros2 run tf2_ros static_transform_publisher`, with named arguments.
+    Ros2,
+    /// A line for the shell: `rosrun tf2_ros static_transform_publisher`, with arguments in order.
+    Ros1,
+    /// Fixed joints of a robot's description (XML).
+    Urdf,
+}
+
+impl CopyFormat {
+    pub const ALL: [Self; 8] = [
+        Self::Toml,
+        Self::Json,
+        Self::Matrix,
+        Self::Quaternion,
+        Self::Numpy,
+        Self::Ros2,
+        Self::Ros1,
+        Self::Urdf,
+    ];
+
+    /// The format's name in a menu.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Toml => "TOML",
+            Self::Json => "JSON",
+            Self::Matrix => "4×4 matrix",
+            Self::Quaternion => "x y z qx qy qz qw",
+            Self::Numpy => "numpy",
+            Self::Ros2 => "ROS 2 static_transform_publisher",
+            Self::Ros1 => "ROS 1 static_transform_publisher",
+            Self::Urdf => "URDF joints",
+        }
+    }
+}
+
+/// Which of the two transforms is copied, or both.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Part {
+    T12,
+    T13,
+    #[default]
+    Both,
+}
+
+impl Part {
+    pub const ALL: [Self; 3] = [Self::Both, Self::T12, Self::T13];
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::T12 => "T12",
+            Self::T13 => "T13",
+            Self::Both => "T12 and T13",
+        }
+    }
+
+    fn of(self, summary: &ResultSummary) -> &[StationSummary] {
+        match self {
+            Self::T12 => &summary.stations[..1],
+            Self::T13 => &summary.stations[1..],
+            Self::Both => &summary.stations,
+        }
+    }
+}
+
+/// What tf calls the parent is the frame that points are mapped to.
+const PARENT: &str = "Parent station1, lengths in m";
+
+/// The text for the clipboard.
+pub fn text(format: CopyFormat, summary: &ResultSummary, part: Part) -> String {
+    let stations = part.of(summary);
+    match format {
+        CopyFormat::Toml => toml(summary, stations),
+        CopyFormat::Json => json(summary, stations),
+        CopyFormat::Matrix => {
+            commented(summary, "Rows of [R t; 0 1], t in m", stations, |text, station| {
+                _ = writeln!(text, "# {}", maps(station));
+                for row in matrix(station) {
+                    _ = writeln!(text, "{}", row.map(|cell| format!("{cell:>15}")).join(" "));
+                }
+            })
+        }
+        CopyFormat::Quaternion => {
+            commented(summary, "x y z (m) qx qy qz qw", stations, |text, station| {
+                _ = writeln!(text, "# {}", maps(station));
+                _ = writeln!(text, "{}", pose(station).join(" "));
+            })
+        }
+        CopyFormat::Numpy => commented(summary, "[R t; 0 1], t in m", stations, |text, station| {
+            _ = writeln!(text, "# {}", maps(station));
+            _ = writeln!(text, "{} = np.array([", station.name());
+            for row in matrix(station) {
+                let cells = row.map(|cell| format!("{cell:>15}"));
+                _ = writeln!(text, "    [{}],", cells.join(", "));
+            }
+            text.push_str("])\n");
+        }),
+        CopyFormat::Ros2 => commented(summary, PARENT, stations, |text, station| {
+            let [x, y, z, qx, qy, qz, qw] = pose(station);
+            _ = writeln!(
+                text,
+                "ros2 run tf2_ros static_transform_publisher --x {x} --y {y} --z {z} --qx {qx} --qy {qy} --qz {qz} \
+                 --qw {qw} --frame-id station1 --child-frame-id station{}",
+                station.station
+            );
+        }),
+        CopyFormat::Ros1 => commented(summary, PARENT, stations, |text, station| {
+            _ = writeln!(
+                text,
+                "rosrun tf2_ros static_transform_publisher {} station1 station{}",
+                pose(station).join(" "),
+                station.station
+            );
+        }),
+        CopyFormat::Urdf => urdf(summary, stations),
+    }
+}
+
+/// Joints whose origin places the child's frame in the parent's; `rpy` are rotations about the parent's fixed x, y and z
+/// axes in that order (URDF specification, element `origin`).
+fn urdf(summary: &ResultSummary, stations: &[StationSummary]) -> String {
+    let mut text = String::new();
+    for line in origin(summary).lines() {
+        // Two hyphens would end the comment.
+        // Spaces keep any two of them apart, also where a word begins or ends with one.
+        let said = line.trim_start_matches(['#', ' ']).replace('-', "- ");
+        _ = writeln!(text, "<!-- {said} -->");
+    }
+    for station in stations {
+        let transform = station.station1_from_station();
+        let [x, y, z] = station.translation_m.map(digits);
+        let (roll, pitch, yaw) = transform.rotation.euler_angles();
+        let [roll, pitch, yaw] = [roll, pitch, yaw].map(digits);
+        let number = station.station;
+        _ = write!(
+            text,
+            "<joint name=\"station1_station{number}\" type=\"fixed\">\n  <parent link=\"station1\"/>\n  \
+             <child link=\"station{number}\"/>\n  <origin xyz=\"{x} {y} {z}\" rpy=\"{roll} {pitch} {yaw}\"/>\n</joint>\n"
+        );
+    }
+    text
+}
+
+/// Comments that hold for all, then each transform.
+fn commented(
+    summary: &ResultSummary,
+    what: &str,
+    stations: &[StationSummary],
+    write: impl Fn(&mut String, &StationSummary),
+) -> String {
+    let mut text = origin(summary);
+    _ = writeln!(text, "# {what}");
+    stations.iter().for_each(|station| write(&mut text, station));
+    text
+}
+
+/// Where the numbers come from, and what speaks against using them, as comments.
+fn origin(summary: &ResultSummary) -> String {
+    let ResultSummary { deployment, method, verdict, doubts, .. } = summary;
+    let mut text = format!(
+        "# {}: {}, verdict {}\n",
+        one_line(deployment),
+        method.in_words(),
+        summary.verdict_in_words()
+    );
+    if *verdict != Verdict::Good {
+        _ = writeln!(text, "# WARNING: verdict {}", verdict.name().to_uppercase());
+        for doubt in doubts {
+            _ = writeln!(text, "#   {}", one_line(doubt));
+        }
+    }
+    text
+}
+
+/// Copies are pasted into shells: nothing of a name may begin a line of its own.
+fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+fn maps(station: &StationSummary) -> String {
+    format!("{}: station {} into station 1", station.name(), station.station)
+}
+
+/// The value in digits to 1e-9, without negative zeros.
+fn digits(value: f64) -> String {
+    let text = format!("{value:.9}");
+    if text == "-0.000000000" { "0.000000000".to_owned() } else { text }
+}
+
+fn matrix(station: &StationSummary) -> [[String; 4]; 4] {
+    let matrix = station.station1_from_station().matrix();
+    std::array::from_fn(|row| std::array::from_fn(|column| digits(matrix[(row, column)])))
+}
+
+/// The transform's numbers x, y, z, qx, qy, qz, qw.
+fn pose(station: &StationSummary) -> [String; 7] {
+    let ([x, y, z], [qx, qy, qz, qw]) = (station.translation_m, station.quaternion_xyzw);
+    [x, y, z, qx, qy, qz, qw].map(digits)
+}
+
+fn json(summary: &ResultSummary, stations: &[StationSummary]) -> String {
+    let transforms: Vec<_> = stations
+        .iter()
+        .map(|one| transform_of(one.station, &one.station1_from_station(), one.transform_sigma()))
+        .collect();
+    let value = json!({
+        "schema": SCHEMA,
+        "deployment": summary.deployment,
+        "method": summary.method.name(),
+        "transforms": transforms,
+        "diagnosis": {
+            "verdict": summary.verdict,
+            "independently_checked": summary.independently_checked,
+            "findings": summary.doubts,
+        },
+    });
+    format!("{value:#}\n")
+}
+
+#[derive(Serialize)]
+struct TomlCopy<'a> {
+    deployment: &'a str,
+    method: &'a str,
+    verdict: Verdict,
+    independently_checked: bool,
+    transforms: Vec<TomlTransform>,
+}
+
+#[derive(Serialize)]
+struct TomlTransform {
+    from: usize,
+    to: usize,
+    translation_m: [f64; 3],
+    yaw_rad: f64,
+    quaternion_xyzw: [f64; 4],
+    sigma: Option<TomlSigma>,
+}
+
+#[derive(Serialize)]
+struct TomlSigma {
+    translation_m: [f64; 3],
+    yaw_rad: f64,
+}
+
+fn toml(summary: &ResultSummary, stations: &[StationSummary]) -> String {
+    let copy = TomlCopy {
+        deployment: &summary.deployment,
+        method: summary.method.name(),
+        verdict: summary.verdict,
+        independently_checked: summary.independently_checked,
+        transforms: stations
+            .iter()
+            .map(|one| TomlTransform {
+                from: one.station,
+                to: 1,
+                translation_m: one.translation_m,
+                yaw_rad: one.yaw_rad(),
+                quaternion_xyzw: one.quaternion_xyzw,
+                sigma: one
+                    .sigma
+                    .map(|[x, y, z, yaw_rad]| TomlSigma { translation_m: [x, y, z], yaw_rad }),
+            })
+            .collect(),
+    };
+    // Strings and numbers in plain structures: there is nothing in it that TOML cannot hold.
+    let body = toml::to_string(&copy).unwrap_or_else(|error| format!("# {error}\n"));
+    format!("{}# Lengths in m, angles in rad; p1 = R p + t\n{body}", origin(summary))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,175 @@
+//! Everything that was computed, as tables for other programs: readings with their fates, triplets, distance errors,
+//! transforms and clocks.
+//!
+//! A file each, names of columns with units, full precision: what is read back is bit for bit what was solved.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::summary::StationSummary;
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::deployment::Deployment;
+use resect_core::pipeline::SampleFate;
+use resect_io::atomic;
+use resect_io::atomic::{Ready, WriteError};
+
+type Table<'a> = ::csv::Writer<&'a mut dyn Write>;
+
+/// The tables of a folder.
+pub const TABLES: [&str; 5] =
+    ["readings.csv", "triplets.csv", "residuals.csv", "transforms.csv", "clocks.csv"];
+
+/// Writes all [`TABLES`] into a folder, which is made if it is not there; gives their paths. Without an answer there are
+/// readings and triplets only.
+pub fn write_folder(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, WriteError> {
+    atomic::make_folder(folder)?;
+    let mut all = Vec::new();
+    let [of_readings, of_triplets, of_residuals, of_transforms, of_clocks] = TABLES;
+    let mut table = |name: &str, fill: &dyn Fn(&mut Table) -> Result<(), ::csv::Error>| {
+        all.push(ready_table(&folder.join(name), fill)?);
+        Ok::<(), WriteError>(())
+    };
+    table(of_readings, &|table| readings(deployment, analysis, table))?;
+    table(of_triplets, &|table| triplets(analysis, table))?;
+    if let Ok(answer) = &analysis.answer {
+        table(of_residuals, &|table| residuals(analysis, answer, table))?;
+        table(of_transforms, &|table| transforms(answer, table))?;
+        table(of_clocks, &|table| clocks(answer, table))?;
+    }
+    atomic::place_all(all)
+}
+
+/// Writes the triplets alone, as `triplets.csv` of [`write_folder`].
+pub fn write_triplets(analysis: &Analysis, path: &Path) -> Result<(), WriteError> {
+    ready_table(path, &|table| triplets(analysis, table))?.place().map(drop)
+}
+
+fn ready_table(
+    path: &Path,
+    fill: &dyn Fn(&mut Table) -> Result<(), ::csv::Error>,
+) -> Result<Ready, WriteError> {
+    atomic::ready_with(path, |file| {
+        let mut table = ::csv::Writer::from_writer(file);
+        fill(&mut table).map_err(io_error)?;
+        table.flush()
+    })
+}
+
+/// Every raw reading of every station: as measured, where that is in the station's frame, and what became of it.
+fn readings(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    table: &mut Table,
+) -> Result<(), ::csv::Error> {
+    let mut header = vec!["station", "time_s", "range_m", "azimuth_rad", "zenith_rad"];
+    header.extend(["x_m", "y_m", "z_m", "fate", "own_clock_s"]);
+    table.write_record(header)?;
+    for (station, track) in deployment.tracks.iter().enumerate() {
+        let fates = &analysis.pipeline.fates[station].each;
+        for (index, (measured, fate)) in track.measurements.iter().zip(fates).enumerate() {
+            let position_m = track.position_m(measured);
+            let mut row = vec![(station + 1).to_string()];
+            row.extend(
+                [measured.time_s, measured.range_m, measured.azimuth_rad, measured.zenith_rad]
+                    .iter()
+                    .chain(position_m.iter())
+                    .map(ToString::to_string),
+            );
+            row.push(SampleFate::label(*fate).to_owned());
+            let own_clock_s = track.own_clock_s.get(index).filter(|own| own.is_finite());
+            row.push(optional(own_clock_s.copied()));
+            table.write_record(row)?;
+        }
+    }
+    Ok(())
+}
+
+/// Time, interval, and the three positions each in its station's frame (m).
+fn triplets(analysis: &Analysis, table: &mut Table) -> Result<(), ::csv::Error> {
+    let triplets = analysis.triplets();
+    let mut header = vec!["time_s", "interval", "x1_m", "y1_m", "z1_m", "x2_m", "y2_m", "z2_m"];
+    header.extend(["x3_m", "y3_m", "z3_m"]);
+    table.write_record(header)?;
+    for index in 0..triplets.len() {
+        let mut row = at(analysis, index);
+        for point in triplets.triplet_m(index) {
+            row.extend(point.iter().map(ToString::to_string));
+        }
+        table.write_record(row)?;
+    }
+    Ok(())
+}
+
+/// The three distance errors of every triplet (mm): apparent minus known.
+fn residuals(analysis: &Analysis, answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
+    let errors = &answer.evaluation.distance_errors_mm;
+    table.write_record(["time_s", "interval", "error_12_mm", "error_13_mm", "error_23_mm"])?;
+    for index in 0..analysis.triplets().len() {
+        let mut row = at(analysis, index);
+        row.extend(errors.iter().map(|pair| optional(pair.get(index).copied())));
+        table.write_record(row)?;
+    }
+    Ok(())
+}
+
+/// Time and interval of a triplet: what its rows begin with.
+fn at(analysis: &Analysis, index: usize) -> Vec<String> {
+    let triplets = analysis.triplets();
+    vec![triplets.time_s[index].to_string(), triplets.interval[index].to_string()]
+}
+
+/// The transforms of stations 2 and 3 into station 1's frame, with one σ of each number where there is one.
+fn transforms(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
+    let mut header = vec!["from", "to", "x_m", "y_m", "z_m", "yaw_rad", "qx", "qy", "qz", "qw"];
+    header.extend(["sigma_x_m", "sigma_y_m", "sigma_z_m", "sigma_yaw_rad", "verdict"]);
+    table.write_record(header)?;
+    let calibration = &answer.calibration;
+    for station in 1..3 {
+        let one = StationSummary::new(
+            station + 1,
+            &calibration.station1_from_station[station],
+            calibration.sigma.map(|sigma| sigma[station - 1]),
+        );
+        let mut row = vec![one.station.to_string(), "1".to_owned()];
+        row.extend(one.translation_m.map(|value| value.to_string()));
+        row.push(one.yaw_rad().to_string());
+        row.extend(one.quaternion_xyzw.map(|value| value.to_string()));
+        row.extend((0..4).map(|place| optional(one.sigma.map(|sigma| sigma[place]))));
+        row.push(calibration.verdict.name().to_owned());
+        table.write_record(row)?;
+    }
+    Ok(())
+}
+
+/// How late the stamps of stations 2 and 3 are against station 1's, where the calibration estimated it.
+fn clocks(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
+    let mut header = vec!["station", "offset_s", "sigma_offset_s"];
+    header.extend(["drift_s_per_s", "sigma_drift_s_per_s"]);
+    table.write_record(header)?;
+    let Some([two, three]) = answer.calibration.clock_estimates() else { return Ok(()) };
+    for (station, (offset_s, drift)) in [(2, two), (3, three)] {
+        let drift = drift.map_or([None; 2], |drift| [Some(drift.value), Some(drift.sigma)]);
+        let mut row = vec![station.to_string()];
+        row.extend([offset_s.value, offset_s.sigma].map(|value| value.to_string()));
+        row.extend(drift.map(optional));
+        table.write_record(row)?;
+    }
+    Ok(())
+}
+
+/// What the disk said, which a table of ours cannot go wrong without; made into another kind its remedy would be lost.
+pub fn io_error(error: ::csv::Error) -> std::io::Error {
+    match error.into_kind() {
+        ::csv::ErrorKind::Io(error) => error,
+        other => std::io::Error::other(format!("{other:?}")),
+    }
+}
+
+/// An absent number is an empty cell.
+fn optional(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}

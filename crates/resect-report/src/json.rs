@@ -1,0 +1,338 @@
+//! The JSON of `calibrate`: a contract with scripts, version 1. Lengths m, angles rad, metrics mm.
+
+mod earlier;
+mod observability;
+
+pub use earlier::{EarlierError, read_earlier};
+
+use nalgebra::SMatrix;
+use serde_json::{Value, json};
+
+use crate::difference::moved_from_published;
+use crate::of_run;
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::calibration::Estimate;
+use resect_core::calibration::inter_prism::{InterPrismDetails, PriorSearch, Refinement};
+use resect_core::calibration::joint::{DriveClocks, JointEstimate, Stepped};
+use resect_core::calibration::two_point::PairResection;
+use resect_core::calibration::{Basin, Calibration, Details, TransformSigma};
+use resect_core::deployment::{Deployment, Severity};
+use resect_core::geometry::RigidTransform;
+
+pub const SCHEMA: u32 = 1;
+
+/// One object for one method. `load_ms` is how long opening took.
+pub fn calibration(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    answer: &Answer,
+    load_ms: f64,
+) -> Value {
+    let Answer { calibration, evaluation, .. } = answer;
+    let findings: Vec<String> = deployment
+        .findings
+        .iter()
+        // Doubts stand among the answer's own.
+        .filter(|finding| !finding.doubt)
+        .chain(&calibration.findings)
+        .map(ToString::to_string)
+        .collect();
+    let doubts: Vec<String> = calibration
+        .findings
+        .iter()
+        .filter(|finding| finding.severity > Severity::Note)
+        .map(ToString::to_string)
+        .collect();
+    json!({
+        "schema": SCHEMA,
+        "deployment": deployment.name,
+        "method": calibration.method.name(),
+        // Of the tracks: each in its station's "own", or all turned into a "common" one.
+        "track_frame": deployment.track_frame,
+        // Of prisms 12, 13, 23 as measured on the vehicle.
+        "inter_prism_m": deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+        "settings": analysis.settings,
+        "pipeline": {
+            "raw": deployment.tracks.each_ref().map(|track| track.measurements.len()),
+            "kept": analysis.pipeline.kept(),
+            "intervals": analysis.pipeline.kept_intervals.len(),
+            "triplets": analysis.pipeline.triplets.len(),
+        },
+        "transforms": [transform(calibration, 1), transform(calibration, 2)],
+        // Of x, y, z, yaw of station 2, then of station 3: m and rad.
+        "covariance": calibration.covariance.map(|covariance| rows(&covariance)),
+        "correlation": calibration.correlation().map(|correlation| rows(&correlation)),
+        "metrics": {
+            "inter_prism_mm": evaluation.inter_prism_mm,
+            "inter_prism_against_measured_mm": evaluation.against_measured_mm,
+            "gcp_mm": evaluation.control_points_mm,
+        },
+        "diagnosis": {
+            "verdict": calibration.verdict,
+            "independently_checked": calibration.is_independently_checked(),
+            "checked_by": calibration.checked_by,
+            "findings": findings,
+            // Those that limit the answer.
+            "doubts": doubts,
+            "observability": calibration
+                .inter_prism()
+                .map(|details| observability::observability(&details.observability)),
+            "mirror": calibration.inter_prism().map(|details| json!({
+                "cost_ratio": details.mirror.cost_ratio,
+                "resolved_by": details.mirror.resolved_by.name(),
+                "twin": details.mirror.twin.map(|twin| level_transforms(&twin)),
+            })),
+            "basins": calibration.inter_prism().map(|details| {
+                details.basins.iter().map(|basin| minimum(details, basin)).collect::<Vec<_>>()
+            }),
+        },
+        "details": details(calibration),
+        // Of a joint estimate: the paper's answer to the same data.
+        "published": published(calibration),
+        // Null where outputs are compared.
+        "time_ms": of_run::tells_durations().then(|| json!({
+            "load": load_ms,
+            "pipeline": analysis.pipeline_ms,
+            "prior": calibration.prior_ms,
+            "solve": calibration.solve_ms,
+            "total": load_ms + analysis.total_ms(),
+        })),
+    })
+}
+
+/// The paper's answer beside a joint estimate, and what the joint estimate moved it by; null beside any other.
+fn published(joint: &Calibration) -> Option<Value> {
+    let published = joint.published.as_deref()?;
+    let moved = moved_from_published(joint)?.map(|station| {
+        json!({
+            "station": station.station,
+            "translation_m": station.translation_m.map(|along| along.value),
+            "translation_sigmas": station.translation_m.map(|along| along.sigmas),
+            "distance_m": station.distance_m.value,
+            "distance_sigmas": station.distance_m.sigmas,
+            "yaw_rad": station.yaw_rad.value,
+            "yaw_sigmas": station.yaw_rad.sigmas,
+        })
+    });
+    Some(json!({
+        "method": published.method.name(),
+        "verdict": published.verdict,
+        "independently_checked": published.is_independently_checked(),
+        "findings": published.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "transforms": [transform(published, 1), transform(published, 2)],
+        "covariance": published.covariance.map(|covariance| rows(&covariance)),
+        // The joint estimate minus this, in m, rad and σ of the joint estimate.
+        "moved": moved,
+    }))
+}
+
+/// One of the minima of the cost.
+fn minimum(details: &InterPrismDetails, basin: &Basin) -> Value {
+    json!({
+        "is": details.role(basin),
+        "rms_mm": basin.mean_square_m2.sqrt() * 1e3,
+        "cost_ratio": details.cost_ratio(basin),
+        "transforms": level_transforms(basin),
+    })
+}
+
+/// A minimum's transforms, without σ.
+fn level_transforms(basin: &Basin) -> Vec<Value> {
+    (1..3)
+        .map(|station| {
+            let transform = &basin.station1_from_station[station];
+            json!({
+                "from": station + 1,
+                "to": 1,
+                "translation_m": transform.translation_m.as_slice(),
+                "yaw_rad": transform.yaw_rad,
+            })
+        })
+        .collect()
+}
+
+/// `station1_from_station` of station 2 or 3 (1 or 2 in the array).
+pub fn transform(calibration: &Calibration, station: usize) -> Value {
+    transform_of(
+        station + 1,
+        &calibration.station1_from_station[station],
+        calibration.sigma.map(|sigma| sigma[station - 1]),
+    )
+}
+
+/// A transform of the station with this number into station 1, with its σ if there is one.
+pub fn transform_of(
+    number: usize,
+    station1_from_station: &RigidTransform,
+    sigma: Option<TransformSigma>,
+) -> Value {
+    json!({
+        "from": number,
+        "to": 1,
+        "translation_m": station1_from_station.translation_m.as_slice(),
+        "yaw_rad": station1_from_station.yaw_rad(),
+        "tilt_rad": station1_from_station.tilt_rad(),
+        "matrix": rows(&station1_from_station.matrix()),
+        "sigma": sigma.map(|sigma| json!({
+            "translation_m": sigma.translation_m.as_slice(),
+            "yaw_rad": sigma.yaw_rad,
+        })),
+    })
+}
+
+/// A matrix, row by row.
+pub fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
+    (0..N).map(|row| matrix.row(row).iter().copied().collect()).collect()
+}
+
+/// What only the method knows.
+fn details(calibration: &Calibration) -> Value {
+    let mm = |metres: &[f64]| metres.iter().map(|m| m * 1e3).collect::<Vec<_>>();
+    match &calibration.details {
+        Details::TwoPoint(details) => {
+            let pair = |pair: &PairResection| {
+                json!({
+                    "file": pair.file,
+                    "markers": pair.markers,
+                    "baseline_m": pair.baseline_m,
+                    "baseline_errors_mm": mm(&pair.baseline_errors_m),
+                    "left_out_mm": mm(&pair.left_out_m),
+                    "left_out_from_known_mm": pair
+                        .left_out
+                        .iter()
+                        .map(|left_out| json!({ "marker": left_out.marker, "mm": left_out.from_known_m * 1e3 }))
+                        .collect::<Vec<_>>(),
+                })
+            };
+            json!({
+                "pairs": details.pairs.iter().map(pair).collect::<Vec<_>>(),
+                "chosen": details.chosen,
+            })
+        }
+        Details::StaticGcp(details) => json!({
+            "points": details.points,
+            "rms_mm": details.rms_m * 1e3,
+            "world_from_station1": details.world_from_station1.map(|world| json!({
+                "translation_m": world.translation_m.as_slice(),
+                "yaw_rad": world.yaw_rad(),
+                "tilt_rad": world.tilt_rad(),
+            })),
+        }),
+        Details::DynamicGcp(details) => {
+            json!({
+                "rms_mm": details.rms_m * 1e3,
+                "blocks": details.blocks,
+                "joint": details.joint.as_deref().map(joint),
+            })
+        }
+        Details::InterPrism(details) => {
+            json!({
+                "prior_search": details.prior_search.as_ref().map(prior_search),
+                "refinement": details.refinement.as_ref().map(refinement),
+            })
+        }
+    }
+}
+
+fn refinement(refined: &Refinement) -> Value {
+    let estimate = |e: &Estimate| json!({ "value": e.value, "sigma": e.sigma });
+    let estimates = |all: &[Estimate]| all.iter().map(estimate).collect::<Vec<_>>();
+    json!({
+        "clock_offsets_s": refined.clock_offsets_s.map(|clocks| estimates(&clocks)),
+        "inter_prism_m": refined.distances_m.map(|distances| estimates(&distances)),
+        "tilts_rad": refined.tilts_rad.map(|tilts| tilts.each_ref().map(|t| estimates(t))),
+        "clock_drifts": refined.clock_drifts.map(|drifts| estimates(&drifts)),
+        "prism_constant_error_m": refined.prism_constant_error_m.as_ref().map(estimate),
+        "joint": refined.joint.as_deref().map(joint),
+        "support": refined.support.iter().map(|support| json!({
+            "what": support.what,
+            "chi_square": support.chi_square,
+            "unknowns": support.unknowns,
+            "supported": support.supported,
+        })).collect::<Vec<_>>(),
+        "moves_sigmas": refined.moves_sigmas,
+        "converged": refined.converged,
+    })
+}
+
+/// What only a joint estimate knows: instruments by station 1 to 3, clocks of stations 2 and 3.
+fn joint(found: &JointEstimate) -> Value {
+    let estimate = |e: &Estimate| json!({ "value": e.value, "sigma": e.sigma });
+    let estimates = |all: &[Estimate]| all.iter().map(estimate).collect::<Vec<_>>();
+    let sigma_by_source: serde_json::Map<String, Value> = found
+        .budget
+        .iter()
+        .map(|(what, variances)| {
+            (what.replace([' ', '-'], "_"), json!(variances.map(|v| v.max(0.0).sqrt()).as_slice()))
+        })
+        .collect();
+    let steps: Vec<Value> = found
+        .stepped
+        .iter()
+        .map(|step| match &step.what {
+            Stepped::Clock(by_s) => json!({
+                "station": step.station + 1, "after_s": step.after_s, "clock_s": estimate(by_s),
+            }),
+            Stepped::Station { turned_rad, moved_m } => json!({
+                "station": step.station + 1,
+                "after_s": step.after_s,
+                "slowly": step.slowly,
+                "turned_rad": estimate(turned_rad),
+                "moved_m": estimates(moved_m),
+            }),
+        })
+        .collect();
+    let drive = |drive: &DriveClocks| {
+        json!({
+            "from_s": drive.span_s[0],
+            "to_s": drive.span_s[1],
+            "clock_offsets_s": estimates(&drive.late_s),
+        })
+    };
+    json!({
+        "clock_offsets_s": estimates(&found.clock_offsets_s),
+        "clock_drifts": estimates(&found.clock_drifts),
+        "drives": found.drives.iter().map(drive).collect::<Vec<_>>(),
+        "latencies_s": estimates(&found.latencies_s),
+        "range_offsets_m": estimates(&found.range_offsets_m),
+        "range_scales": estimates(&found.range_scales),
+        "indices_rad": estimates(&found.indices_rad),
+        "leans_rad": found.leans_rad.each_ref().map(|leans| estimates(leans)),
+        "noise": {
+            "range_m": found.levels.range_m(),
+            "angle_rad": found.levels.angle_rad,
+            "stamp_s": found.levels.jitter_s,
+            "jerk_m_per_s3": found.levels.jerk_m_per_s3,
+            "range_wander_m": found.wander.sigma_m,
+            "range_wander_correlation_s": found.wander.correlation_s,
+        },
+        "steps": steps,
+        // x, y, z (m) and yaw (rad) of station 2, then of station 3.
+        "sigma_by_source": sigma_by_source,
+        "converged": found.converged,
+    })
+}
+
+fn prior_search(search: &PriorSearch) -> Value {
+    let steps: Vec<Value> = search
+        .steps
+        .iter()
+        .zip(search.best)
+        .map(|(runs, best)| {
+            let runs: Vec<Value> = runs
+                .iter()
+                .map(|run| {
+                    json!({
+                        "tau_v_m_per_s": run.tau_v_m_per_s,
+                        "triplets": run.triplets,
+                        "rms_mm": run.rms_m * 1e3,
+                        "median_mm": run.metric_m * 1e3,
+                        "agreeing": run.agreeing,
+                    })
+                })
+                .collect();
+            json!({ "runs": runs, "best": best })
+        })
+        .collect();
+    json!({ "steps": steps, "agreed": search.agreed })
+}

@@ -1,0 +1,58 @@
+//! What the drive holds, as JSON.
+
+use serde_json::{Value, json};
+
+use resect_core::calibration::inter_prism::drive_shape::{DriveShape, Plan};
+use resect_core::calibration::inter_prism::observability::{Direction, Observability};
+
+/// `relative_eigenvalue` is of the scaled JᵀJ, over the largest; `motion` is what each station does for one metre along
+/// the direction, in station 1's frame.
+pub fn observability(observed: &Observability) -> Value {
+    json!({
+        "drive": drive(&observed.drive),
+        "directions": observed.directions.iter().map(direction).collect::<Vec<_>>(),
+        "advice": observed.advice,
+    })
+}
+
+fn direction(direction: &Direction) -> Value {
+    let motion = |slot: usize| {
+        json!({
+            "station": slot + 2,
+            "translation_m": direction.motion[slot].translation_m.as_slice(),
+            "yaw_rad": direction.motion[slot].yaw_rad,
+        })
+    };
+    json!({
+        "words": direction.words,
+        "hold": direction.hold.name(),
+        "relative_eigenvalue": direction.relative,
+        "sigma_m": direction.sigma_m,
+        "motion": [motion(0), motion(1)],
+    })
+}
+
+fn drive(shape: &DriveShape) -> Value {
+    let mut value = json!({
+        "shape": shape.name(),
+        "flat": shape.is_flat(),
+        "height_range_m": shape.relief_m,
+        "tilt_rad": shape.tilt_rad,
+    });
+    let plan = match shape.plan {
+        Plan::Standing | Plan::Winding => json!({}),
+        Plan::StraightLine { length_m, bends_m } => {
+            json!({ "length_m": length_m, "bends_m": bends_m })
+        }
+        Plan::Circle { centre_m, radius_m, driven_rad } => {
+            json!({ "centre_m": centre_m.as_slice(), "radius_m": radius_m, "driven_rad": driven_rad })
+        }
+        Plan::TwoLegs { corner_m, turn_rad } => {
+            json!({ "corner_m": corner_m.as_slice(), "turn_rad": turn_rad })
+        }
+    };
+    if let (Some(value), Value::Object(plan)) = (value.as_object_mut(), plan) {
+        value.extend(plan);
+    }
+    value
+}

@@ -1,0 +1,200 @@
+//! What is said of a plan, as plain text and as JSON.
+
+use std::fmt::Write;
+
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+
+use super::json::{SCHEMA, rows};
+use super::text::sigma_text;
+use resect_core::calibration::inter_prism::observability::{Direction, Observability};
+use resect_core::planning::locks::{Lock, WhyNotRead};
+use resect_core::planning::{Held, Improvement, Plan, Prediction};
+use resect_core::statistics::median;
+
+/// Verdict and reasons, the way, each σ with what most of it comes from, and what improves it most.
+pub fn text(plan: &Plan, found: &Prediction, better: &[Improvement]) -> String {
+    let name = if plan.name.is_empty() { "plan" } else { &plan.name };
+    let mut text = format!("{name} · plan · verdict: {}\n\n", found.verdict.name().to_uppercase());
+    let of_station = |s: usize| format!("{}/{}", found.kept[s], found.readings[s]);
+    _ = writeln!(
+        text,
+        "way           {:.0} m in {:.0} s; readings that count (stations 1–3): {}, {}, {}",
+        found.length_m,
+        found.duration_s,
+        of_station(0),
+        of_station(1),
+        of_station(2),
+    );
+    if let Some(held) = &found.held {
+        text += "\npredicted σ   x (mm)         y (mm)         z (mm)         yaw (mrad)     most of it comes from\n";
+        for slot in 0..2 {
+            text += &sigma_row(held, slot);
+        }
+        let (far, at) = (&held.far_end, &held.far_end.position_m);
+        _ = writeln!(
+            text,
+            "\nfar end       {:.1} mm where {:.1} mm are wanted: station {}'s prism at ({:.1}, {:.1}, {:.1})",
+            far.sigma_m * 1e3,
+            plan.target_mm,
+            far.station + 1,
+            at.x,
+            at.y,
+            at.z,
+        );
+    }
+    text += &vehicle(found);
+    if let Some(ratio) = found.mirror_cost_ratio {
+        _ = writeln!(text, "mirror twin   costs {ratio:.2} times the answer");
+    }
+    text.push('\n');
+    for finding in &found.findings {
+        _ = writeln!(text, "  {} {finding}", finding.severity.mark());
+    }
+    if !better.is_empty() {
+        text += "\nwhat improves the far end most\n";
+    }
+    for one in better {
+        _ = writeln!(text, "  {}", one.sentence);
+    }
+    text
+}
+
+fn sigma_row(held: &Held, slot: usize) -> String {
+    let sigma = &held.sigma[slot];
+    let mut row = format!("T1{}        ", slot + 2);
+    for axis in 0..3 {
+        _ = write!(row, "{:>9}      ", sigma_text(Some(sigma.translation_m[axis]), 1));
+    }
+    _ = write!(row, "{:>9}         ", sigma_text(Some(sigma.yaw_rad), 3));
+    let mut parts: Vec<&str> = Vec::new();
+    for place in 4 * slot..4 * slot + 4 {
+        if !parts.contains(&held.dominant[place].what) {
+            parts.push(held.dominant[place].what);
+        }
+    }
+    row + &parts.join(", ") + "\n"
+}
+
+/// What the vehicle's poses are worth along the way; empty where no motion is known.
+fn vehicle(found: &Prediction) -> String {
+    let positions_m = || found.way.iter().filter_map(|at| at.position_sigma_m);
+    let Some(middle_m) = median(positions_m()) else { return String::new() };
+    let mut text = format!(
+        "vehicle       position {:.1} mm (median), {:.1} mm at most",
+        middle_m * 1e3,
+        positions_m().fold(0.0, f64::max) * 1e3
+    );
+    if let Some(middle_rad) = median(found.way.iter().filter_map(|at| at.rotation_sigma_rad)) {
+        _ = write!(text, "; rotation {:.1} mrad (median)", middle_rad * 1e3);
+    }
+    text + "\n"
+}
+
+/// One object for one plan. Lengths m, angles rad, times s of the drive; what cannot be said is null.
+///
+/// `plan` is what was asked, with the fields of its file. `verdict` and `findings` are for people; `held` has the predicted
+/// `covariance` of (x, y, z, yaw) of stations 2 and 3 along the axes of the plan, `sigma` by station, `dominant` (what most of
+/// each of the eight σ comes from, with that part's σ), and `far_end`: the `station` whose prism is known worst, where, and how
+/// well. `observability` has the eight directions with `hold` free, weak or held and how each station moves along them;
+/// `mirror_cost_ratio` is what the twin in height costs over the answer. `way` has the vehicle about once a second with the σ of
+/// its position and rotation; `locks` what each station meets, with the spans in which its readings do not count and `why`.
+/// `improvements` are ranked, each with its `kind`, `sentence`, what is open at the far end `before_m` and `after_m`, what it
+/// costs (`more_s`), and the `plan` that it makes.
+pub fn json(plan: &Plan, found: &Prediction, better: &[Improvement]) -> Value {
+    json!({
+        "schema": SCHEMA,
+        "plan": plan,
+        "verdict": found.verdict,
+        "findings": found.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "held": found.held.as_ref().map(held),
+        "observability": found.observability.as_ref().map(observability),
+        "mirror_cost_ratio": found.mirror_cost_ratio,
+        "way": {
+            "length_m": found.length_m,
+            "duration_s": found.duration_s,
+            "vehicle": found.way.iter().map(|at| json!({
+                "time_s": at.time_s,
+                "position_m": place(&at.position_m),
+                "position_sigma_m": at.position_sigma_m,
+                "rotation_sigma_rad": at.rotation_sigma_rad,
+            })).collect::<Vec<_>>(),
+        },
+        "readings": found.readings,
+        "kept": found.kept,
+        "locks": found.locks.each_ref().map(lock),
+        "improvements": better.iter().map(|one| json!({
+            "kind": one.kind.name(),
+            "sentence": one.sentence,
+            "before_m": one.before_m,
+            "after_m": one.after_m,
+            "more_s": one.more_s,
+            "plan": one.plan,
+        })).collect::<Vec<_>>(),
+    })
+}
+
+fn place(at: &Vector3<f64>) -> &[f64] {
+    at.as_slice()
+}
+
+fn held(held: &Held) -> Value {
+    json!({
+        "covariance": rows(&held.covariance),
+        "sigma": held.sigma.map(|sigma| json!({
+            "translation_m": sigma.translation_m.as_slice(),
+            "yaw_rad": sigma.yaw_rad,
+        })),
+        "dominant": held.dominant.map(|one| json!({ "what": one.what, "sigma": one.part })),
+        "far_end": {
+            "station": held.far_end.station + 1,
+            "position_m": place(&held.far_end.position_m),
+            "sigma_m": held.far_end.sigma_m,
+        },
+    })
+}
+
+fn observability(found: &Observability) -> Value {
+    let direction = |one: &Direction| {
+        json!({
+            "hold": one.hold.name(),
+            "words": one.words,
+            "relative": one.relative,
+            "sigma_m": one.sigma_m,
+            // How stations 2 and 3 move along it, by one metre.
+            "motion": one.motion.map(|moved| json!({
+                "translation_m": moved.translation_m.as_slice(),
+                "yaw_rad": moved.yaw_rad,
+            })),
+        })
+    };
+    json!({
+        "drive": found.drive.name(),
+        "advice": found.advice,
+        "directions": found.directions.each_ref().map(direction),
+    })
+}
+
+fn lock(lock: &Lock) -> Value {
+    json!({
+        "range_m": lock.range_m,
+        "fastest_range_m_per_s": lock.fastest_range_m_per_s,
+        "fastest_azimuth_deg_per_s": lock.fastest_azimuth_deg_per_s,
+        "fastest_zenith_deg_per_s": lock.fastest_zenith_deg_per_s,
+        "failures": lock.failures.iter().map(|failure| json!({
+            "why": match failure.why {
+                WhyNotRead::TooNear => "too-near",
+                WhyNotRead::TooFar => "too-far",
+                WhyNotRead::Hidden(_) => "hidden",
+                WhyNotRead::TooFast(_) => "too-fast",
+            },
+            "by_prism": match failure.why {
+                WhyNotRead::Hidden(prism) => Some(prism + 1),
+                _ => None,
+            },
+            "span_s": failure.span_s,
+            "readings": failure.readings,
+            "position_m": place(&failure.position_m),
+        })).collect::<Vec<_>>(),
+    })
+}

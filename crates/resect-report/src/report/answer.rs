@@ -1,0 +1,377 @@
+//! An answer: transforms with their σ, the mirror, what was estimated beside, metrics, pictures.
+
+use maud::{Markup, html};
+
+use super::joint::joint;
+use super::{charts, correlation};
+use crate::difference::moved_from_published;
+use crate::text;
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::calibration::Estimate;
+use resect_core::calibration::inter_prism::{InterPrismDetails, Refinement};
+use resect_core::calibration::static_gcp::StaticGcpDetails;
+use resect_core::calibration::two_point::TwoPointDetails;
+use resect_core::calibration::{Calibration, Details, ResolvedBy, Targets};
+use resect_core::deployment::{Deployment, pair_label};
+use resect_core::evaluation::{Evaluation, Spread};
+use resect_core::geometry::LevelTransform;
+
+/// Gon a radian: 400 to the circle.
+const GON_PER_RAD: f64 = 200.0 / std::f64::consts::PI;
+
+pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
+    let Answer { calibration, evaluation, .. } = answer;
+    html! {
+        (transforms(calibration))
+        (published(calibration))
+        @match &calibration.details {
+            Details::TwoPoint(details) => (two_point(details)),
+            Details::StaticGcp(details) => (static_gcp(details)),
+            Details::DynamicGcp(_) => {}
+            Details::InterPrism(details) => {
+                (mirror(details))
+                @if let Some(refinement) = &details.refinement {
+                    (refined(refinement, deployment, calibration.published.is_none()))
+                }
+            }
+        }
+        @if let Some(found) = calibration.joint() { (joint(found)) }
+        (metrics(evaluation, analysis.offer.targets))
+        h3 { "Plan view" }
+        (charts::plan(deployment, analysis, answer))
+        h3 { "Distance errors" }
+        (charts::residuals(deployment, analysis, answer))
+        h3 { "Correlation" }
+        @match &calibration.covariance {
+            Some(covariance) => (correlation::table(covariance)),
+            None => p.weak { "There is none: the data leaves a direction free, so nothing bounds the numbers." },
+        }
+    }
+}
+
+fn transforms(calibration: &Calibration) -> Markup {
+    let stations = || (1..3).map(|station| (station, &calibration.station1_from_station[station]));
+    let sigma = |station: usize| calibration.sigma.map(|sigma| sigma[station - 1]);
+    let thousandths = |sigma: Option<f64>, digits, unit: &str| match sigma {
+        Some(_) => format!("± {} {unit}", text::sigma_text(sigma, digits)),
+        None => "–".to_owned(),
+    };
+    let degrees = |sigma: Option<f64>| match sigma {
+        Some(sigma) => format!("± {:.5} deg", sigma.to_degrees()),
+        None => "–".to_owned(),
+    };
+    let tilted = stations().any(|(_, transform)| transform.tilt_rad() > 0.0);
+    html! {
+        h3 { "Transforms" }
+        table {
+            thead { tr {
+                th {}
+                @for (station, _) in stations() {
+                    th.number { "T1" (station + 1) }
+                    th { "σ" }
+                }
+            } }
+            tbody {
+                @for (axis, name) in ["x (m)", "y (m)", "z (m)"].into_iter().enumerate() { tr {
+                    th { (name) }
+                    @for (station, transform) in stations() {
+                        td.number { (format!("{:.4}", transform.translation_m[axis])) }
+                        td.sigma { (thousandths(sigma(station).map(|s| s.translation_m[axis]), 1, "mm")) }
+                    }
+                } }
+                tr {
+                    th { "yaw (rad)" }
+                    @for (station, transform) in stations() {
+                        td.number { (format!("{:.6}", transform.yaw_rad())) }
+                        td.sigma { (thousandths(sigma(station).map(|s| s.yaw_rad), 3, "mrad")) }
+                    }
+                }
+                tr {
+                    th { "yaw (deg)" }
+                    @for (station, transform) in stations() {
+                        td.number { (format!("{:.5}", transform.yaw_rad().to_degrees())) }
+                        td.sigma { (degrees(sigma(station).map(|s| s.yaw_rad))) }
+                    }
+                }
+                tr {
+                    th { "yaw (gon)" }
+                    @for (station, transform) in stations() {
+                        td.number { (format!("{:.5}", transform.yaw_rad() * GON_PER_RAD)) }
+                        td.sigma { (thousandths(sigma(station).map(|s| s.yaw_rad * GON_PER_RAD), 2, "mgon")) }
+                    }
+                }
+                @if tilted { tr {
+                    th { "tilt (mrad)" }
+                    @for (_, transform) in stations() {
+                        td.number { (format!("{:.4}", transform.tilt_rad() * 1e3)) }
+                        td {}
+                    }
+                } }
+            }
+        }
+        div.matrices {
+            @for (station, _) in stations() {
+                figure {
+                    figcaption { "T1" (station + 1) ", frame of station " (station + 1) " into station 1's (m)" }
+                    pre { (text::matrix(calibration, station).trim_end()) }
+                }
+            }
+        }
+    }
+}
+
+fn mirror(details: &InterPrismDetails) -> Markup {
+    let (Some(twin), Some(ratio)) = (&details.mirror.twin, details.mirror.cost_ratio) else {
+        return html! {
+            h3 { "Mirror twin" }
+            p { "No second minimum: pitch and roll of the vehicle rule it out." }
+        };
+    };
+    let solutions = [(&details.basin, "answer"), (twin, "twin")];
+    let numbers = |transform: &LevelTransform| {
+        let metres = transform.translation_m.map(|metres| format!("{metres:.4}"));
+        let [[x, y, z]] = metres.data.0;
+        [x, y, z, format!("{:.6}", transform.yaw_rad)]
+    };
+    html! {
+        h3 { "Mirror twin" }
+        p { (resolved(details.mirror.resolved_by)) }
+        table {
+            thead { tr {
+                th {}
+                @for heading in ["x (m)", "y (m)", "z (m)", "yaw (rad)", "RMS error (mm)", "cost ratio"] {
+                    th.number { (heading) }
+                }
+            } }
+            tbody {
+                @for station in 1..3 {
+                    @for ((solution, name), ratio) in solutions.into_iter().zip([1.0, ratio]) { tr {
+                        th { "T1" (station + 1) ", " (name) }
+                        @for number in numbers(&solution.station1_from_station[station]) {
+                            td.number { (number) }
+                        }
+                        @if station == 1 {
+                            td.number { (format!("{:.2}", solution.mean_square_m2.sqrt() * 1e3)) }
+                            td.number { (format!("{ratio:.2}")) }
+                        } @else {
+                            td {}
+                            td {}
+                        }
+                    } }
+                }
+            }
+        }
+        @if details.refinement.is_some() {
+            p.weak { "Both on the readings as the refinement below puts them right." }
+        }
+    }
+}
+
+fn resolved(by: ResolvedBy) -> &'static str {
+    match by {
+        ResolvedBy::Rig => "Told apart by the rig: by which prism stands higher on the vehicle.",
+        ResolvedBy::ControlPoints => "Told apart by the control points.",
+        ResolvedBy::Cost => {
+            "Told apart by the cost: pitch and roll of the vehicle make the twin fit worse."
+        }
+        ResolvedBy::Nothing => "Nothing tells the two apart: the answer is one of them.",
+    }
+}
+
+/// The paper's answer beside a joint estimate: what it was moved by.
+fn published(joint: &Calibration) -> Markup {
+    let (Some(published), Some(moved)) = (&joint.published, moved_from_published(joint)) else {
+        return html! {};
+    };
+    let mm = |m: f64| format!("{:+.2}", m * 1e3);
+    let cells = |value: String, sigmas: Option<f64>| {
+        html! {
+            td.number { (value) }
+            td.sigma { (sigmas.map_or("–".to_owned(), |sigmas| format!("{sigmas:.1} σ"))) }
+        }
+    };
+    html! {
+        h3 { "The paper's " (published.method.short_name()) }
+        p {
+            (published.method.title()) ", as published; its verdict: " (published.verdict_in_words())
+            ". The joint estimate moved it by:"
+        }
+        table {
+            thead { tr {
+                th {}
+                @for heading in ["distance (mm)", "x (mm)", "y (mm)", "z (mm)", "yaw (mrad)"] {
+                    th.number { (heading) }
+                    th {}
+                }
+            } }
+            tbody {
+                @for station in &moved { tr {
+                    th { "T1" (station.station) }
+                    (cells(format!("{:.2}", station.distance_m.value * 1e3), station.distance_m.sigmas))
+                    @for along in station.translation_m { (cells(mm(along.value), along.sigmas)) }
+                    (cells(format!("{:+.4}", station.yaw_rad.value * 1e3), station.yaw_rad.sigmas))
+                } }
+            }
+        }
+        p.weak { "In σ of the joint estimate: both come from the same readings." }
+    }
+}
+
+/// What was estimated beside the transforms, and how far that moved them unless that is said elsewhere.
+fn refined(refined: &Refinement, deployment: &Deployment, say_moves: bool) -> Markup {
+    let row = |name: String, value: String, sigma: String, sigmas: f64| {
+        html! { tr {
+            th { (name) }
+            td.number { (value) }
+            td.sigma { "± " (sigma) }
+            td.number { (format!("{sigmas:+.1}")) }
+        } }
+    };
+    let measured_m = deployment.rig.as_ref().map(|rig| rig.inter_prism_m);
+    let arcseconds = |rad: f64| rad.to_degrees() * 3600.0;
+    let any = refined.clock_offsets_s.is_some()
+        || refined.distances_m.is_some()
+        || refined.tilts_rad.is_some();
+    html! {
+        h3 { "Refinement" }
+        @if !refined.converged { p { "It stopped before it reached the minimum." } }
+        @if any { table {
+            thead { tr {
+                th { "estimated" }
+                th.number { "value" }
+                th { "σ" }
+                th.number { "in σ from what was assumed" }
+            } }
+            tbody {
+                @for (slot, clock) in refined.clock_offsets_s.iter().flatten().enumerate() {
+                    (row(
+                        format!("stamps of station {} late by (ms)", slot + 2),
+                        format!("{:+.2}", clock.value * 1e3),
+                        format!("{:.2} ms", clock.sigma * 1e3),
+                        clock.sigmas_from(0.0),
+                    ))
+                }
+                @for (pair, distance) in refined.distances_m.iter().flatten().enumerate() {
+                    (row(
+                        format!("distance of prisms {} (m)", pair_label(pair)),
+                        format!("{:.4}", distance.value),
+                        format!("{:.1} mm", distance.sigma * 1e3),
+                        distance.sigmas_from(measured_m.map_or(f64::NAN, |measured| measured[pair])),
+                    ))
+                }
+                @for (slot, tilts) in refined.tilts_rad.iter().flatten().enumerate() {
+                    @for (axis, tilt) in tilts.iter().enumerate() {
+                        (row(
+                            format!("tilt of station {} about {} (arcsec)", slot + 2, ["x", "y"][axis]),
+                            format!("{:+.1}", arcseconds(tilt.value)),
+                            format!("{:.1}″", arcseconds(tilt.sigma)),
+                            Estimate::sigmas_from(tilt, 0.0),
+                        ))
+                    }
+                }
+            }
+        } }
+        @if say_moves { table {
+            thead { tr {
+                th { "moved against the published method, in σ" }
+                @for name in ["x", "y", "z", "yaw"] { th.number { (name) } }
+            } }
+            tbody {
+                @for (slot, moves) in refined.moves_sigmas.chunks(4).enumerate() { tr {
+                    th { "T1" (slot + 2) }
+                    @for sigmas in moves { td.number { (format!("{sigmas:+.1}")) } }
+                } }
+            }
+        } }
+    }
+}
+
+/// Every pair of known points, and what the stations make of the points that it leaves out.
+fn two_point(details: &TwoPointDetails) -> Markup {
+    let widest = |metres: Option<f64>| {
+        metres.map_or("–".to_owned(), |metres| format!("{:.1}", metres * 1e3))
+    };
+    html! {
+        h3 { "Pairs of known points" }
+        table {
+            thead { tr {
+                th { "points" }
+                th { "file" }
+                th.number { "apart (m)" }
+                th.number { "baseline errors of stations 1, 2, 3 (mm)" }
+                th.number { "left out, largest (mm)" }
+                th.number { "from known, largest (mm)" }
+            } }
+            tbody {
+                @for (index, pair) in details.pairs.iter().enumerate() {
+                    tr.chosen[index == details.chosen] {
+                        th { (pair.markers[0]) "–" (pair.markers[1]) }
+                        td { (pair.file) }
+                        td.number { (format!("{:.3}", pair.baseline_m)) }
+                        td.number { (pair.baseline_errors_m.map(|m| format!("{:+.1}", m * 1e3)).join(", ")) }
+                        td.number { (widest(pair.left_out_m.last().copied())) }
+                        td.number { (widest(pair.largest_from_known_m())) }
+                    }
+                }
+            }
+        }
+        p.weak { "Marked: the pair that the answer comes from." }
+    }
+}
+
+fn static_gcp(details: &StaticGcpDetails) -> Markup {
+    html! {
+        @if let Some(world) = &details.world_from_station1 {
+            @let t = world.translation_m;
+            h3 { "Station 1 in the points' frame" }
+            p {
+                (format!("x {:.4} m, y {:.4} m, z {:.4} m, yaw {:.6} rad", t.x, t.y, t.z, world.yaw_rad()))
+            }
+        }
+    }
+}
+
+fn metrics(evaluation: &Evaluation, targets: Targets) -> Markup {
+    // Of one prism, what the distances compare are the stations' versions of it.
+    let (all, each) = match targets {
+        Targets::OnePrism => ("same prism", "stations"),
+        _ => ("inter-prism distances", "prisms"),
+    };
+    let row = |name: Markup, spread: &Spread| {
+        html! { tr {
+            th { (name) }
+            @for mm in [spread.median, spread.q25, spread.q75, spread.iqr] {
+                td.number { (format!("{mm:.2}")) }
+            }
+            td.number { (spread.n) }
+        } }
+    };
+    html! {
+        h3 { "Metrics" }
+        table {
+            thead { tr {
+                th { "sizes of errors (mm)" }
+                @for heading in ["median", "lower quartile", "upper quartile", "IQR", "n"] {
+                    th.number { (heading) }
+                }
+            } }
+            tbody {
+                @if let Some(spread) = &evaluation.inter_prism_mm { (row(html! { (all) }, spread)) }
+                @for (pair, spread) in evaluation.inter_prism_by_pair_mm.iter().enumerate() {
+                    @if let Some(spread) = spread {
+                        (row(html! { span.indent { (each) " " (pair_label(pair)) } }, spread))
+                    }
+                }
+                @if let Some(spread) = &evaluation.against_measured_mm {
+                    (row(html! { "against the measured distances" }, spread))
+                }
+                @for metric in &evaluation.control_points_mm {
+                    (row(html! { "control points of " (metric.file) }, &metric.spread))
+                }
+            }
+        }
+        @if evaluation.control_points_mm.is_empty() {
+            p.weak { "No control points: no control-point metric." }
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! The pictures of an answer, in the colours of the page.
+
+use maud::{Markup, PreEscaped, html};
+use nalgebra::Vector3;
+
+use crate::drawing::Drawing;
+use crate::plan_view;
+use crate::plan_view::Tracks;
+use crate::residual_chart;
+use crate::svg::{Colours, to_svg};
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::calibration::Targets;
+use resect_core::deployment::Deployment;
+use resect_core::pipeline::{SampleFate, Triplets};
+
+/// Width at which texts have their own size on the screen, and on paper nearly.
+const WIDTH: f32 = 800.0;
+
+pub fn plan(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
+    let calibration = &answer.calibration;
+    let points = calibration.placing_control_points(deployment);
+    let points = points.map_or(&[][..], |_| &deployment.control_points);
+    let nothing = Triplets::default();
+    let tracks = calibration.placing_tracks(deployment);
+    let triplets = tracks.map_or(&nothing, |_| &*answer.triplets);
+    let unused_m = tracks.map_or_else(Default::default, |_| unused_m(deployment, analysis));
+    let tracks_m = Tracks { triplets, unused_m: &unused_m };
+    let drawing = plan_view::draw(points, &tracks_m, &calibration.station1_from_station, WIDTH);
+    let unused = unused_m.iter().map(Vec::len).sum::<usize>();
+    let caption = html! {
+        "From above, both axes to the same scale."
+        @if unused > 0 {
+            " Crosses in a station's colour: the " (unused) " readings that are not used, where they lie inside the plan; "
+            "the table of the pipeline says why."
+        }
+        @if tracks.is_none() { " The tracks are in another frame than this answer, and are not drawn." }
+        @if points.is_empty() && !deployment.control_points.is_empty() {
+            " The control points are in another frame than the tracks, and are not drawn."
+        }
+    };
+    figure(&drawing, "plan view", &caption)
+}
+
+/// Each station's readings that were rejected, left out or in no interval that is used, in its own frame (m).
+fn unused_m(deployment: &Deployment, analysis: &Analysis) -> [Vec<Vector3<f64>>; 3] {
+    std::array::from_fn(|station| {
+        let track = &deployment.tracks[station];
+        let fates = &analysis.pipeline.fates[station].each;
+        let unused = track.measurements.iter().zip(fates);
+        let unused = unused.filter(|(_, fate)| **fate != SampleFate::Kept);
+        unused.map(|(measurement, _)| track.position_m(measurement)).collect()
+    })
+}
+
+pub fn residuals(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
+    let errors_mm = &answer.evaluation.distance_errors_mm;
+    if answer.evaluation.inter_prism_mm.is_none() {
+        return html! { p.weak { "There is none: either no triplet was found, or the distances are not known." } };
+    }
+    let start_s = deployment.start_s().unwrap_or(0.0);
+    let time_s: Vec<f64> = answer.triplets.time_s.iter().map(|time_s| time_s - start_s).collect();
+    let (each, what) = match analysis.offer.targets {
+        Targets::OnePrism => {
+            ("stations", "Distance between two stations' versions of the one prism")
+        }
+        _ => ("prisms", "Apparent minus known distance between two prisms"),
+    };
+    let drawing = residual_chart::draw(errors_mm, &time_s, each, WIDTH);
+    let beyond = residual_chart::beyond(errors_mm, residual_chart::range_mm(errors_mm));
+    let all = errors_mm.iter().map(Vec::len).sum::<usize>();
+    figure(
+        &drawing,
+        "distance errors over time",
+        &html! {
+            (what) ". Thin strokes reach from the lowest to the highest error of a short time, thick ones between its "
+            "quartiles. "
+            @if beyond > 0 { (beyond) " of " (all) " errors lie beyond the axis; their strokes end at its edge." }
+        },
+    )
+}
+
+pub fn figure(drawing: &Drawing, name: &str, caption: &Markup) -> Markup {
+    html! {
+        figure {
+            div.picture role="img" aria-label=(name) { (PreEscaped(to_svg(drawing, Colours::Page))) }
+            figcaption { (caption) }
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Which of the eight numbers of an answer can only be wrong together.
+
+use maud::{Markup, html};
+use nalgebra::SMatrix;
+
+use resect_core::palette;
+
+const NAMES: [&str; 4] = ["x", "y", "z", "yaw"];
+/// Ground of a correlation of 1; less where it would swallow the number.
+const STRONGEST: f64 = 0.6;
+
+/// A shaded table, in the colours of the window's.
+pub fn table(covariance: &SMatrix<f64, 8, 8>) -> Markup {
+    let name = |place: usize| format!("{} T1{}", NAMES[place % 4], place / 4 + 2);
+    html! {
+        div.wide { table.correlation {
+            thead { tr {
+                th {}
+                @for place in 0..8 { th.number { (name(place)) } }
+            } }
+            tbody {
+                @for row in 0..8 { tr {
+                    th { (name(row)) }
+                    @for column in 0..8 {
+                        @let correlation = correlation(covariance, row, column);
+                        td.number style=[correlation.map(ground)] {
+                            @match correlation {
+                                Some(correlation) => (format!("{correlation:+.2}")),
+                                None => "–",
+                            }
+                        }
+                    }
+                } }
+            }
+        } }
+        p.weak {
+            "Near ±1, the one cannot be told without the other. Vermilion: both are too large together; blue: one as the              other is too small."
+        }
+    }
+}
+
+/// `None` where a number has no spread at all.
+fn correlation(covariance: &SMatrix<f64, 8, 8>, row: usize, column: usize) -> Option<f64> {
+    let spread = (covariance[(row, row)] * covariance[(column, column)]).sqrt();
+    (spread > 0.0).then(|| covariance[(row, column)] / spread)
+}
+
+fn ground(correlation: f64) -> String {
+    let [r, g, b] = palette::correlation(correlation);
+    format!("background:rgba({r},{g},{b},{:.2})", STRONGEST * correlation.abs().min(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_the_covariance_over_both_spreads() {
+        let mut covariance = SMatrix::<f64, 8, 8>::from_diagonal_element(4.0);
+        covariance[(7, 7)] = 0.0;
+        covariance[(1, 2)] = -3.0;
+        assert_eq!(correlation(&covariance, 0, 0), Some(1.0));
+        assert_eq!(correlation(&covariance, 1, 2), Some(-0.75));
+        assert_eq!(correlation(&covariance, 7, 0), None);
+        assert!(table(&covariance).into_string().contains("rgba(60,130,200,0.45)\">-0.75<"));
+    }
+}

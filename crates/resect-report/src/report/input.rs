@@ -1,0 +1,168 @@
+//! What an answer was made from: the pipeline's counts, the data, the settings.
+
+use maud::{Markup, html};
+use serde_json::Value;
+
+use super::findings;
+use resect_core::analysis::{Analysis, Settings};
+use resect_core::deployment::{Deployment, pair_label};
+use resect_core::pipeline::SampleFate;
+use resect_io::file_mark::FileMark;
+
+pub fn markup(deployment: &Deployment, analysis: &Analysis, files: &[FileMark]) -> Markup {
+    html! {
+        (pipeline(deployment, analysis))
+        (data(deployment))
+        (hashes(files))
+        (settings(&analysis.settings))
+    }
+}
+
+/// Counts from raw readings to triplets, one column a station.
+fn pipeline(deployment: &Deployment, analysis: &Analysis) -> Markup {
+    let out = &analysis.pipeline;
+    let row = |name: &str, counts: [usize; 3]| {
+        html! { tr {
+            th { (name) }
+            @for count in counts { td.number { (count) } }
+            td.number { (counts.iter().sum::<usize>()) }
+        } }
+    };
+    let dropped = SampleFate::ALL.into_iter().filter(|fate| *fate != SampleFate::Kept);
+    html! {
+        h3 { "Pipeline" }
+        table {
+            thead { tr {
+                th { "readings" }
+                @for station in 1..4 { th.number { "station " (station) } }
+                th.number { "all" }
+            } }
+            tbody {
+                (row("raw", deployment.tracks.each_ref().map(|track| track.measurements.len())))
+                @for fate in dropped {
+                    (row(fate.label(), std::array::from_fn(|station| out.count(station, fate))))
+                }
+                (row(SampleFate::Kept.label(), out.kept()))
+            }
+        }
+        p {
+            (out.intervals.len()) " intervals, " (out.kept_intervals.len()) " of them kept; "
+            (out.triplets.len()) " triplets."
+        }
+    }
+}
+
+fn data(deployment: &Deployment) -> Markup {
+    html! {
+        h3 { "Data" }
+        table {
+            thead { tr { th { "file" } th { "content" } th { "" } } }
+            tbody {
+                @for ingredient in &deployment.ingredients { tr {
+                    td { code { (ingredient.file) } }
+                    td { (ingredient.what) }
+                    td.weak[!ingredient.used] { @if ingredient.used { "used" } @else { "ignored" } }
+                } }
+            }
+        }
+        p {
+            "Prism constants of stations 1, 2, 3: "
+            (deployment.tracks.each_ref().map(|track| format!("{:+.1}", track.prism_constant_m * 1e3)).join(", "))
+            " mm. "
+            @match &deployment.rig {
+                Some(rig) => {
+                    "Inter-prism distances: "
+                    @for (pair, metres) in rig.inter_prism_m.iter().enumerate() {
+                        @if pair > 0 { ", " }
+                        (pair_label(pair)) " " (format!("{metres:.4}")) " m"
+                    }
+                    "."
+                }
+                None => "The inter-prism distances are not known.",
+            }
+        }
+        (findings(&deployment.findings))
+    }
+}
+
+/// What was in the files, so that anyone can tell whether he has the same.
+fn hashes(files: &[FileMark]) -> Markup {
+    html! {
+        @if !files.is_empty() {
+            table.hashes {
+                thead { tr { th { "file" } th.number { "bytes" } th { "SHA-256" } } }
+                tbody {
+                    @for file in files { tr {
+                        td { code { (file.path.display()) } }
+                        td.number { (file.bytes) }
+                        td { code { (file.sha256) } }
+                    } }
+                }
+            }
+        }
+    }
+}
+
+/// All settings by the names of a `--config` file; those that are not the defaults stand out.
+fn settings(settings: &Settings) -> Markup {
+    let rows = listed(settings).into_iter().zip(listed(&Settings::default()));
+    html! {
+        h3 { "Settings" }
+        table.settings {
+            thead { tr { th { "setting" } th.number { "value" } th.number { "default" } } }
+            tbody {
+                @for ((name, value), (_, default)) in rows {
+                    tr.chosen[value != default] {
+                        td { code { (name) } }
+                        td.number { (value) }
+                        td.number.weak { (default) }
+                    }
+                }
+            }
+        }
+        p.weak { "Marked: what is not the default." }
+    }
+}
+
+/// Names with their tables' before them, and values as a person writes them.
+fn listed(settings: &Settings) -> Vec<(String, String)> {
+    let mut list = Vec::new();
+    let mut settings = *settings;
+    settings.calibration.method.get_or_insert_default();
+    // Settings are plain numbers, words and switches: JSON holds them all.
+    let value = serde_json::to_value(settings).unwrap_or_default();
+    list_into(&mut list, "", &value);
+    list
+}
+
+fn list_into(list: &mut Vec<(String, String)>, name: &str, value: &Value) {
+    match value {
+        Value::Object(object) => {
+            for (key, value) in object {
+                let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
+                list_into(list, &name, value);
+            }
+        }
+        Value::Bool(on) => list.push((name.to_owned(), if *on { "yes" } else { "no" }.to_owned())),
+        Value::String(word) => list.push((name.to_owned(), word.clone())),
+        other => list.push((name.to_owned(), other.to_string())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_is_listed_and_a_changed_one_stands_out() {
+        let mut changed = Settings::default();
+        changed.pipeline.thresholds.tau_s_seconds = 1.5;
+        changed.calibration.estimate.clocks = true;
+        let list = listed(&changed);
+        assert!(list.contains(&("calibration.method".to_owned(), "joint".to_owned())));
+        assert!(list.contains(&("pipeline.thresholds.tau_s_seconds".to_owned(), "1.5".to_owned())));
+        let html = settings(&changed).into_string();
+        assert_eq!(html.matches("class=\"chosen\"").count(), 2, "{html}");
+        assert_eq!(html.matches("<code>").count(), list.len());
+    }
+}

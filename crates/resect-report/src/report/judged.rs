@@ -1,0 +1,60 @@
+//! Trajectories of other systems against the deployment's own.
+
+use maud::{Markup, html};
+
+use super::charts::figure;
+use super::findings;
+use crate::estimates::{Angles, compared, contradiction, draw, rows};
+use resect_core::deployment::Finding;
+use resect_core::estimates::Judgement;
+
+const WIDTH: f32 = 800.0;
+
+/// Who is better, who is wrong where, all numbers, and the errors over time; `start_s` is when the drive began.
+pub fn markup(judgement: &Judgement, start_s: f64) -> Markup {
+    let judged = &judgement.judged;
+    let notes: Vec<Finding> = judged
+        .iter()
+        .flat_map(|one| one.estimate.findings.iter().chain(&one.fit.findings).cloned())
+        .chain(judgement.unjudged.iter().map(|(_, why)| why.finding()))
+        .collect();
+    html! {
+        h3 { "Trajectories of other systems" }
+        @for two in &judgement.comparisons { p { (compared(judgement, two)) } }
+        (findings(&notes))
+        @if !judged.is_empty() {
+            div.wide { table {
+                thead { tr {
+                    th { "" }
+                    @for one in judged { th.number { (one.estimate.name) } }
+                } }
+                tbody {
+                    @for (label, cells) in rows(judgement, Angles::DEGREES) {
+                        tr {
+                            td { (label) }
+                            @for cell in cells { td.number { (cell) } }
+                        }
+                    }
+                }
+            } }
+            (figure(
+                &draw(judgement, start_s, WIDTH),
+                "position errors over time",
+                &html! { "Length of the position error of each, and 1.96 σ of the ground truth along an axis." },
+            ))
+        }
+        @for one in judged {
+            @for span in &one.odd {
+                p {
+                    strong { (one.estimate.name) }
+                    (format!(
+                        ", {:.1} to {:.1} s: {}",
+                        span.span_s[0] - start_s,
+                        span.span_s[1] - start_s,
+                        contradiction(span, Angles::DEGREES)
+                    ))
+                }
+            }
+        }
+    }
+}

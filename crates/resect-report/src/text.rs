@@ -1,0 +1,237 @@
+//! An answer as plain text, for the terminal and the clipboard.
+
+use std::fmt::Write;
+
+use crate::difference::moved_from_published;
+use crate::of_run;
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::calibration::inter_prism::PriorSearch;
+use resect_core::calibration::{Calibration, Details, Targets};
+use resect_core::deployment::Deployment;
+use resect_core::evaluation::Spread;
+
+/// Verdict, transforms with their σ, metrics and findings.
+pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> String {
+    let Answer { calibration, evaluation, .. } = answer;
+    let out = &analysis.pipeline;
+    let raw = deployment.tracks.each_ref().map(|track| track.measurements.len());
+    let mut text = format!(
+        "{} · {} · verdict: {}{}\n\n",
+        deployment.name,
+        calibration.method.in_words(),
+        calibration.verdict.name().to_uppercase(),
+        calibration.verdict.caveat(calibration.is_independently_checked())
+    );
+    let kept = out.kept();
+    _ = writeln!(
+        text,
+        "pipeline    {} of {} readings kept (stations 1–3: {}/{}, {}/{}, {}/{}), {} intervals, {} triplets",
+        kept.iter().sum::<usize>(),
+        raw.iter().sum::<usize>(),
+        kept[0],
+        raw[0],
+        kept[1],
+        raw[1],
+        kept[2],
+        raw[2],
+        out.kept_intervals.len(),
+        out.triplets.len(),
+    );
+    text.push('\n');
+    text += &transforms(calibration);
+    if let Some(twin) = calibration.inter_prism().and_then(|details| details.mirror.twin) {
+        for station in 1..3 {
+            let transform = &twin.station1_from_station[station];
+            _ = write!(text, "twin T1{}", station + 1);
+            for axis in 0..3 {
+                let width = if axis == 0 { 13 } else { 20 };
+                _ = write!(text, "{:>width$.4}", transform.translation_m[axis]);
+            }
+            _ = writeln!(text, "{:>20.5}", transform.yaw_rad);
+        }
+    }
+    text.push('\n');
+    text += &published(calibration);
+    text += &details(calibration);
+    if let Some(spread) = &evaluation.inter_prism_mm {
+        let name = match analysis.offer.targets {
+            Targets::OnePrism => "same prism ",
+            _ => "inter-prism",
+        };
+        _ = writeln!(text, "{name}   {}", spread_text(spread));
+    }
+    if let Some(spread) = &evaluation.against_measured_mm {
+        _ = writeln!(
+            text,
+            "as measured   {}   distances as measured, not as estimated",
+            spread_text(spread)
+        );
+    }
+    for metric in &evaluation.control_points_mm {
+        _ = writeln!(text, "control pts   {}   {}", spread_text(&metric.spread), metric.file);
+    }
+    text.push('\n');
+    // What speaks against every answer from this data stands among the answer's own as well.
+    let of_data = deployment.findings.iter().filter(|finding| !finding.doubt);
+    for finding in of_data.chain(&calibration.findings) {
+        _ = writeln!(text, "  {} {finding}", finding.severity.mark());
+    }
+    text
+}
+
+/// How long the answer took, as a line below it; nothing where outputs are compared.
+pub fn durations(analysis: &Analysis, answer: &Answer) -> String {
+    if !of_run::tells_durations() {
+        return String::new();
+    }
+    format!(
+        "\n{:.1} ms: pipeline {:.1}, prior {:.1}, solve {:.1}, metrics {:.1}\n",
+        analysis.total_ms(),
+        analysis.pipeline_ms,
+        answer.calibration.prior_ms,
+        answer.calibration.solve_ms,
+        analysis.evaluation_ms
+    )
+}
+
+/// The paper's answer beside a joint estimate: what it was moved by; empty beside any other.
+fn published(joint: &Calibration) -> String {
+    let (Some(published), Some(moved)) = (&joint.published, moved_from_published(joint)) else {
+        return String::new();
+    };
+    let mut text = format!(
+        "the paper's {} (method {}, verdict {}): moved by\n",
+        published.method.short_name(),
+        published.method.name(),
+        published.verdict_in_words()
+    );
+    for station in moved {
+        _ = writeln!(text, "  {}", station.in_words());
+    }
+    text.push('\n');
+    text
+}
+
+/// What only the method knows; empty where the rest says it all.
+fn details(calibration: &Calibration) -> String {
+    let mut text = String::new();
+    match &calibration.details {
+        Details::TwoPoint(details) => {
+            text += "pairs of known points     apart (m)   baseline errors of stations 1–3 (mm)   left out, largest (mm)   from known (mm)\n";
+            for (index, pair) in details.pairs.iter().enumerate() {
+                let [first, second] = pair.markers;
+                let chosen = if index == details.chosen { "*" } else { " " };
+                let [e1, e2, e3] = pair.baseline_errors_m.map(|error| error * 1e3);
+                let largest = |sorted: &[f64]| {
+                    sorted.last().map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3))
+                };
+                _ = writeln!(
+                    text,
+                    "{chosen} {first:>3}–{second:<3} {:<16} {:>9.3}   {e1:>+10.1} {e2:>+10.1} {e3:>+10.1}   {:>22}   {:>15}",
+                    pair.file,
+                    pair.baseline_m,
+                    largest(&pair.left_out_m),
+                    pair.largest_from_known_m()
+                        .map_or("–".to_owned(), |m| format!("{:.1}", m * 1e3)),
+                );
+            }
+            text.push('\n');
+        }
+        Details::StaticGcp(details) => {
+            if let Some(world) = &details.world_from_station1 {
+                let t = world.translation_m;
+                _ = writeln!(
+                    text,
+                    "station 1 in the points' frame: {:.4}, {:.4}, {:.4} m, yaw {:.6} rad\n",
+                    t.x,
+                    t.y,
+                    t.z,
+                    world.yaw_rad()
+                );
+            }
+        }
+        Details::DynamicGcp(_) => {}
+        Details::InterPrism(details) => {
+            if let Some(search) = &details.prior_search {
+                text += &search_table(search);
+            }
+            let next = details.basins.iter().find(|basin| **basin != details.basin);
+            let next = next.map_or(String::new(), |basin| {
+                format!("; the next best costs {:.2} times the answer", details.cost_ratio(basin))
+            });
+            _ = writeln!(text, "minima        {} found{next}", details.basins.len());
+        }
+    }
+    text
+}
+
+/// Both steps of the search of the prior, a line for each speed limit.
+fn search_table(search: &PriorSearch) -> String {
+    let mut text = String::from(
+        "search of the prior   τ_v (m/s)   triplets   cost rms (mm)   median of all (mm)   runs that agree\n",
+    );
+    for (step, (runs, best)) in search.steps.iter().zip(search.best).enumerate() {
+        for (index, run) in runs.iter().enumerate() {
+            let chosen = if best == Some(index) { "*" } else { " " };
+            _ = writeln!(
+                text,
+                "{chosen} step {}              {:>9.2}   {:>8}   {:>13.2}   {:>18.2}   {:>15}",
+                step + 1,
+                run.tau_v_m_per_s,
+                run.triplets,
+                run.rms_m * 1e3,
+                run.metric_m * 1e3,
+                run.agreeing,
+            );
+        }
+    }
+    text.push('\n');
+    text
+}
+
+/// The two transforms as a table; a missing σ is a dash.
+pub fn transforms(calibration: &Calibration) -> String {
+    let mut text = String::from(
+        "              x (m) ± mm          y (m) ± mm          z (m) ± mm          yaw (rad) ± mrad\n",
+    );
+    for station in 1..3 {
+        let transform = &calibration.station1_from_station[station];
+        let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
+        _ = write!(text, "T1{}     ", station + 1);
+        for axis in 0..3 {
+            let value = transform.translation_m[axis];
+            let sigma = sigma_text(sigma.map(|s| s.translation_m[axis]), 1);
+            _ = write!(text, "{value:>11.4} ± {sigma:<6}");
+        }
+        let sigma = sigma_text(sigma.map(|s| s.yaw_rad), 3);
+        _ = writeln!(text, "{:>11.5} ± {sigma}", transform.yaw_rad());
+    }
+    text
+}
+
+/// A σ in thousandths (mm or mrad) with `digits` decimals, more where those would show nothing but zeros.
+pub fn sigma_text(sigma: Option<f64>, digits: usize) -> String {
+    sigma.map_or("–".to_owned(), |sigma| {
+        let thousandths = sigma * 1e3;
+        let least = 0.95 * 10_f64.powi(-(digits as i32));
+        let digits = if thousandths < least { digits + 1 } else { digits };
+        format!("{thousandths:.digits$}")
+    })
+}
+
+/// The homogeneous matrix of a station's frame into station 1's, four rows.
+pub fn matrix(calibration: &Calibration, station: usize) -> String {
+    let matrix = calibration.station1_from_station[station].matrix();
+    (0..4)
+        .map(|row| {
+            let cells: Vec<_> =
+                (0..4).map(|column| format!("{:>12.8}", matrix[(row, column)])).collect();
+            cells.join(" ") + "\n"
+        })
+        .collect()
+}
+
+/// "1.31 mm median, 2.54 mm IQR, n 6096".
+pub fn spread_text(spread: &Spread) -> String {
+    format!("{:.2} mm median, {:.2} mm IQR, n {}", spread.median, spread.iqr, spread.n)
+}

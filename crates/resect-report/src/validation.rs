@@ -1,0 +1,133 @@
+//! A validation as plain text and as JSON.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+
+use super::json::{SCHEMA, rows};
+use super::text::spread_text;
+use resect_core::calibration::Estimate;
+use resect_core::validation::in_words::chance;
+use resect_core::validation::{Cause, LEVEL, Outcome, StationMove, Validation};
+
+/// Verdict and reason, the difference, a test for each station, the metric.
+pub fn text(found: &Validation) -> String {
+    let mut text = format!(
+        "{} · {} · {}\n\n{}\n",
+        found.deployment,
+        found.earlier,
+        found.outcome.name().to_uppercase(),
+        found.why()
+    );
+    if let Some(difference) = &found.difference {
+        text += "\nown − earlier        x (mm)            y (mm)            z (mm)          yaw (mrad)\n";
+        for slot in 0..2 {
+            let parts = [0, 1, 2, 3].map(|part| {
+                let k = 4 * slot + part;
+                let sigma = difference.covariance[(k, k)].max(0.0).sqrt();
+                Estimate { value: difference.values[k], sigma }
+            });
+            _ = writeln!(text, "T1{}        {}", slot + 2, four(&parts).trim_end());
+        }
+        _ = writeln!(text, "all together: {}", chance(difference.p_value));
+        text += "\nif it alone moved    x (mm)            y (mm)            z (mm)          yaw (mrad)         not moved     moved alone\n";
+        for (station, moved) in difference.stations.iter().enumerate() {
+            let parts = [0, 1, 2, 3].map(|part| moved.part(part));
+            _ = writeln!(
+                text,
+                "station {}  {}   {:<12}  {:<12}  {}",
+                station + 1,
+                four(&parts),
+                chance(moved.p_value),
+                chance(moved.rest_p_value),
+                moved.verdict()
+            );
+        }
+    }
+    if let Some(metric) = &found.metric {
+        _ = writeln!(text, "\ninter-prism, earlier   {}", spread_text(&metric.earlier_mm));
+        _ = writeln!(text, "inter-prism, own       {}", spread_text(&metric.own_mm));
+        _ = writeln!(
+            text,
+            "distances apart        {:.2} mm rms, where σ allows {:.2}",
+            metric.apart_m * 1e3,
+            metric.allowed_m * 1e3
+        );
+    }
+    if !found.caveats.is_empty() {
+        text.push('\n');
+    }
+    for finding in &found.caveats {
+        _ = writeln!(text, "  {} {finding}", finding.severity.mark());
+    }
+    text
+}
+
+/// Four numbers in words: x, y, z in mm and yaw in mrad, each with its σ.
+fn four(parts: &[Estimate; 4]) -> String {
+    let [x, y, z, yaw] = parts.map(|part| (part.value * 1e3, part.sigma * 1e3));
+    let mm = |(value, sigma): (f64, f64)| format!("{value:>+9.1} ± {sigma:<6.1}");
+    format!("{}{}{}{:>+9.3} ± {:<6.3}", mm(x), mm(y), mm(z), yaw.0, yaw.1)
+}
+
+/// One object for one run. Lengths m, angles rad, metrics mm; what could not be asked is null.
+pub fn json(found: &Validation) -> Value {
+    json!({
+        "schema": SCHEMA,
+        "earlier": found.earlier,
+        "deployment": found.deployment,
+        "verdict": found.outcome.name().replace(' ', "-"),
+        "why": found.why(),
+        "cause": match &found.outcome {
+            Outcome::DoesNotHold(cause) => Some(of_cause(cause)),
+            _ => None,
+        },
+        "own_verdict": found.own_verdict,
+        // How often a calibration that holds is said not to, in all.
+        "level": LEVEL,
+        // Own minus earlier: x, y, z, yaw of station 2, then of station 3, with its covariance.
+        "difference": found.difference.as_ref().map(|difference| json!({
+            "values": difference.values.as_slice(),
+            "covariance": rows(&difference.covariance),
+            "chi_square": difference.chi_square,
+            "p_value": difference.p_value,
+        })),
+        "stations": found.difference.as_ref().map(|difference| {
+            difference.stations.iter().enumerate().map(|(k, moved)| station(k, moved)).collect::<Vec<_>>()
+        }),
+        "metrics": found.metric.as_ref().map(|metric| json!({
+            "inter_prism_mm": { "earlier": metric.earlier_mm, "own": metric.own_mm },
+            "distances_apart_mm": metric.apart_m * 1e3,
+            "allowed_mm": metric.allowed_m * 1e3,
+            "worse": metric.is_worse(),
+        })),
+        "findings": found.caveats.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    })
+}
+
+fn of_cause(cause: &Cause) -> Value {
+    let (is, stations) = match cause {
+        Cause::Station(station) => ("station", vec![station + 1]),
+        Cause::OneOf(stations) => ("one-of", stations.iter().map(|station| station + 1).collect()),
+        Cause::NoneAlone => ("none-alone", Vec::new()),
+        Cause::OtherSetUp => ("other-set-up", Vec::new()),
+        Cause::Metric => ("metric", Vec::new()),
+    };
+    json!({ "is": is, "stations": stations })
+}
+
+/// What a station did, were it the only one that moved.
+fn station(index: usize, moved: &StationMove) -> Value {
+    let sigma = [0, 1, 2].map(|axis| moved.part(axis).sigma);
+    json!({
+        "station": index + 1,
+        "moved_m": moved.by.xyz().as_slice(),
+        "turned_rad": moved.turned_rad().value,
+        "sigma": { "moved_m": sigma, "turned_rad": moved.turned_rad().sigma },
+        "chi_square": moved.chi_square,
+        "p_value": moved.p_value,
+        "rest_p_value": moved.rest_p_value,
+        "explains_more_than_chance": moved.rejects(),
+        "explains_all": moved.explains_all(),
+    })
+}

@@ -1,0 +1,147 @@
+//! Flags whose value is one of a few words: each word with its meaning in the help.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use resect_core::calibration::{Alignment, Loss, Method, PriorMethod};
+use resect_core::estimates::Alignment as EstimateAlignment;
+use resect_core::experiment::Parameter;
+use resect_core::pipeline::Interpolation;
+use resect_core::simulation::Preset;
+
+/// Values with their words and their help (may be empty).
+type Choices<T> = &'static [(T, &'static str, &'static str)];
+
+/// Parses one of the words.
+pub fn choice<T>(choices: Choices<T>) -> impl TypedValueParser<Value = T> + Clone
+where
+    T: Copy + Send + Sync + 'static,
+{
+    let words = choices.iter().map(|(_, word, help)| match *help {
+        "" => PossibleValue::new(*word),
+        help => PossibleValue::new(*word).help(help),
+    });
+    PossibleValuesParser::new(words).map(move |word| {
+        let chosen = choices.iter().find(|(_, own, _)| *own == word);
+        chosen.expect("clap accepts these words only").0
+    })
+}
+
+pub const METHODS: Choices<Method> = &[
+    (Method::TwoPoint, "two-point", "A: two points whose relative position is known"),
+    (Method::StaticGcp, "static-gcp", "B: static control points"),
+    (Method::DynamicGcp, "dynamic-gcp", "C: one moving prism that all three stations follow"),
+    (Method::InterPrism, "inter-prism", "D: three prisms of a rig with known distances"),
+    (
+        Method::Joint,
+        "joint",
+        "Beyond the paper: clocks and instrument errors are estimated with the transforms, for one prism or three",
+    ),
+];
+
+pub const INTERPOLATIONS: Choices<Interpolation> = &[
+    (Interpolation::Linear, "linear", "Straight lines between readings"),
+    (
+        Interpolation::Gp,
+        "gp",
+        "Gaussian process with a squared-exponential kernel and learned noise",
+    ),
+    (
+        Interpolation::Wnoa,
+        "wnoa",
+        "Gaussian process with white noise on acceleration: the motion model",
+    ),
+];
+
+pub const PRIORS: Choices<PriorMethod> = &[
+    (
+        PriorMethod::ClosedForm,
+        "closed-form",
+        "One small linear least squares per pair; needs no guess",
+    ),
+    (PriorMethod::Search, "search", "The paper's two-step search over the speed limit τ_v"),
+];
+
+pub const LOSSES: Choices<Loss> = &[
+    (Loss::Squared, "squared", "The square of the error, as published"),
+    (Loss::Huber, "huber", "Beyond 1.345 σ only its size"),
+    (Loss::Cauchy, "cauchy", "Hardly more than a middling one"),
+];
+
+pub const ALIGNMENTS: Choices<Alignment> = &[
+    (Alignment::Level, "level", "Translation and yaw: the stations are levelled"),
+    (Alignment::Rigid, "rigid", "Roll and pitch as well"),
+];
+
+pub const ESTIMATE_ALIGNMENTS: Choices<EstimateAlignment> = &[
+    (EstimateAlignment::None, "none", "Nothing: the estimate is in station 1's frame"),
+    (EstimateAlignment::Rigid, "rigid", "A rotation and a translation (evo's `--align`)"),
+    (
+        EstimateAlignment::Similarity,
+        "similarity",
+        "A scale too, for one camera alone (evo's `--align --correct_scale`)",
+    ),
+];
+
+pub const PARAMETERS: Choices<Parameter> = &[
+    (Parameter::TauR, "tau-r", ""),
+    (Parameter::TauA, "tau-a", ""),
+    (Parameter::TauE, "tau-e", ""),
+    (Parameter::TauS, "tau-s", ""),
+    (Parameter::TauL, "tau-l", ""),
+    (Parameter::Rate, "rate", ""),
+];
+
+pub const PRESETS: Choices<Preset> = &[
+    (
+        Preset::Warthog,
+        "warthog",
+        "A Warthog-like rig (about 0.9, 0.8 and 1.0 m) wandering over uneven ground, with control points",
+    ),
+    (Preset::Hd2Tunnel, "hd2-tunnel", "A small HD2-like rig (0.35 m) up and down a tunnel"),
+    (
+        Preset::FlatFloor,
+        "flat-floor",
+        "The Warthog on flat ground, where only the rig excludes the mirror twin",
+    ),
+    (Preset::UnevenGround, "uneven-ground", "The Warthog where it pitches and rolls more"),
+    (Preset::SinglePrism, "single-prism", "One prism that all three stations follow, for method C"),
+    (Preset::FigureEight, "figure-eight", "Eights: turns to both sides"),
+    (
+        Preset::ShortBaselines,
+        "short-baselines",
+        "Eights with prisms a hand's breadth apart, sensitive to each millimetre of a distance",
+    ),
+    (
+        Preset::StraightLine,
+        "straight-line",
+        "One straight line on flat ground: most directions are not observable",
+    ),
+    (Preset::Circle, "circle", "Round and round on flat ground"),
+    (Preset::LShape, "l-shape", "Two straight legs on flat ground with one turn between them"),
+    (
+        Preset::FieldErrors,
+        "field-errors",
+        "The Warthog with all the errors of real instruments, drawn from the seed as large as in the field",
+    ),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fails where a method or preset is missing here, or its word differs from its name elsewhere.
+    #[test]
+    fn every_value_has_its_own_name_as_a_word() {
+        fn check<T: Copy + PartialEq + std::fmt::Debug>(
+            choices: Choices<T>,
+            all: &[T],
+            name: impl Fn(T) -> &'static str,
+        ) {
+            assert_eq!(choices.iter().map(|(value, ..)| *value).collect::<Vec<_>>(), all);
+            assert!(choices.iter().all(|(value, word, _)| name(*value) == *word), "{choices:?}");
+        }
+        check(METHODS, &Method::ALL, Method::name);
+        check(PRESETS, &Preset::ALL, Preset::name);
+        check(PARAMETERS, &Parameter::ALL, Parameter::name);
+        check(INTERPOLATIONS, &Interpolation::ALL, Interpolation::name);
+    }
+}
