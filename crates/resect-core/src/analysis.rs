@@ -7,7 +7,6 @@ mod setting_change;
 pub use setting_change::{SettingChange, changes_in_words, setting_changes};
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +17,7 @@ use crate::evaluation;
 use crate::evaluation::Evaluation;
 use crate::pipeline::{PipelineOutput, PipelineSettings, StagedPipeline, Triplets};
 use crate::progress::{Cancelled, Progress};
+use crate::stopwatch::Stopwatch;
 
 /// Everything a user can set; a `--config` file and the window's sliders are this.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -98,9 +98,9 @@ impl Analyst {
         settings: &Settings,
         progress: &Progress,
     ) -> Result<Analysis, Cancelled> {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let pipeline = self.pipeline.run_while(&self.deployment, &settings.pipeline, progress)?;
-        let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
+        let pipeline_ms = started.elapsed_ms();
         let triplets = &pipeline.triplets;
         let offer = Offer::of(&self.deployment, triplets);
         progress.check()?;
@@ -112,7 +112,7 @@ impl Analyst {
             progress,
         );
         progress.check()?;
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let answer = calibration.map(|calibration| {
             let (corrected, evaluation) = evaluation::evaluate_answer(
                 &self.deployment,
@@ -123,7 +123,7 @@ impl Analyst {
             let triplets = corrected.map_or_else(|| Arc::clone(triplets), Arc::new);
             Arc::new(Answer { calibration, evaluation, triplets })
         });
-        let evaluation_ms = started.elapsed().as_secs_f64() * 1e3;
+        let evaluation_ms = started.elapsed_ms();
         Ok(Analysis { settings: *settings, pipeline, offer, answer, pipeline_ms, evaluation_ms })
     }
 
@@ -137,9 +137,9 @@ impl Analyst {
         if settings.calibration.method.unwrap_or_default() != Method::Joint {
             return Ok(None);
         }
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let pipeline = self.pipeline.run_while(&self.deployment, &settings.pipeline, progress)?;
-        let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
+        let pipeline_ms = started.elapsed_ms();
         let method = Offer::of(&self.deployment, &pipeline.triplets).published_method();
         let calibration = settings.calibration.plain(method);
         let mut analysis = self.run_while(&Settings { calibration, ..*settings }, progress)?;

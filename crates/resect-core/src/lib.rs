@@ -14,6 +14,7 @@
 //! | [`geometry`] | polar and geodetic coordinates, level and rigid transforms, alignment | |
 //! | [`statistics`] | medians, robust losses, covariances of data that is correlated in time | another small-sample correction: `sandwich.rs` |
 //! | [`progress`] | progress and cancellation of long work | |
+//! | [`stopwatch`] | wall time of a calculation, on targets that have a clock | |
 //! | [`palette`] | colours of stations, pairs, fates and verdicts, for window, report and pictures alike | |
 //! | [`deployment`] | the data model: tracks, control points, rig, overrides, findings | a remedy that a finding advises: `remedy.rs`; a prism constant per type of prism: `overrides.rs` |
 //! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field of `settings.rs`, compared in `staged.rs`; an interpolation: a file in `interpolation/`, a variant of `Interpolation` |
@@ -39,4 +40,5 @@ pub mod planning;
 pub mod progress;
 pub mod simulation;
 pub mod statistics;
+pub mod stopwatch;
 pub mod validation;

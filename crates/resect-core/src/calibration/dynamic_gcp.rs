@@ -18,6 +18,7 @@ use crate::deployment::{Deployment, Finding, Overrides, Remedy};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
+use crate::stopwatch::Stopwatch;
 
 use super::targets::Targets;
 
@@ -44,7 +45,7 @@ pub fn solve(
     settings: &CalibrationSettings,
     offer: &Offer,
 ) -> Result<Calibration, CalibrationError> {
-    let started = std::time::Instant::now();
+    let started = Stopwatch::start();
     if offer.lack(Method::DynamicGcp).is_some() {
         return Err(CalibrationError::lacking(deployment, Method::DynamicGcp, offer));
     }
@@ -200,7 +201,7 @@ pub fn solve(
         solve_ms: 0.0,
     };
     checks::hold_against_the_rest(&mut calibration, deployment, triplets);
-    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
+    calibration.solve_ms = started.elapsed_ms();
     Ok(calibration)
 }
 
@@ -212,7 +213,7 @@ pub fn solve_jointly(
     offer: &Offer,
     progress: &Progress,
 ) -> Result<Calibration, CalibrationError> {
-    let started = std::time::Instant::now();
+    let started = Stopwatch::start();
     let mut calibration = solve(deployment, triplets, settings, offer)?;
     let plain = calibration
         .station1_from_station
@@ -237,7 +238,7 @@ pub fn solve_jointly(
         details.clocks = None;
         details.joint = Some(Box::new(joint));
     }
-    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
+    calibration.solve_ms = started.elapsed_ms();
     Ok(calibration)
 }
 

@@ -1,7 +1,5 @@
 //! The way from triplets to an answer: by which method, beside which other, and held against what.
 
-use std::time::Instant;
-
 use super::{
     Alignment, Calibration, CalibrationError, CalibrationSettings, Estimated, Loss, Method, Offer,
     Targets, Verdict, Witness, checks, disagreements, dynamic_gcp, inter_prism, sense, static_gcp,
@@ -10,6 +8,7 @@ use super::{
 use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
+use crate::stopwatch::Stopwatch;
 
 /// Calibrates a deployment by the method of the settings: the joint estimate if they name none.
 pub fn solve(
@@ -52,7 +51,7 @@ fn jointly_beside_published(
     offer: &Offer,
     progress: &Progress,
 ) -> Result<Calibration, CalibrationError> {
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let published_method = offer.published_method();
     let by = |method: Method| {
         let settings = settings.plain(method);
@@ -91,7 +90,7 @@ fn jointly_beside_published(
             why.finding().message
         ))),
     }
-    joint.solve_ms = started.elapsed().as_secs_f64() * 1e3 - joint.prior_ms;
+    joint.solve_ms = started.elapsed_ms() - joint.prior_ms;
     Ok(joint)
 }
 

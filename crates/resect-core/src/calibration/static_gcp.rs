@@ -15,6 +15,7 @@ use crate::deployment::{ControlPoint, Deployment, Finding, Remedy};
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
+use crate::stopwatch::Stopwatch;
 
 const FEWEST_FOR_SANDWICH: usize = 10;
 /// A point this many times further off than half of the others, and by more than the second (m), is named.
@@ -40,7 +41,7 @@ pub fn solve(
     settings: &CalibrationSettings,
     offer: &Offer,
 ) -> Result<Calibration, CalibrationError> {
-    let started = std::time::Instant::now();
+    let started = Stopwatch::start();
     let lacking = || CalibrationError::lacking(deployment, Method::StaticGcp, offer);
     let points: Vec<&ControlPoint> = numbered_points(deployment).map(|(_, point)| point).collect();
     let reading =
@@ -136,7 +137,7 @@ pub fn solve(
         solve_ms: 0.0,
     };
     checks::hold_against_the_rest(&mut calibration, deployment, triplets);
-    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
+    calibration.solve_ms = started.elapsed_ms();
     Ok(calibration)
 }
 

@@ -13,6 +13,7 @@ use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIR
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::{median, quantile_of_sorted};
+use crate::stopwatch::Stopwatch;
 
 /// Range accuracy of the instruments (m) and what an arcsecond is: the nominal values of the paper.
 const RANGE_SIGMA_M: f64 = 0.002;
@@ -82,7 +83,7 @@ pub fn solve(
     triplets: &Triplets,
     offer: &Offer,
 ) -> Result<Calibration, CalibrationError> {
-    let started = std::time::Instant::now();
+    let started = Stopwatch::start();
     let mut pairs = Vec::new();
     let mut placed = Vec::new();
     for set in &deployment.control_points {
@@ -155,7 +156,7 @@ pub fn solve(
         solve_ms: 0.0,
     };
     checks::hold_against_the_rest(&mut calibration, deployment, triplets);
-    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
+    calibration.solve_ms = started.elapsed_ms();
     Ok(calibration)
 }
 

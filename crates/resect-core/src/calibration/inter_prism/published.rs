@@ -1,7 +1,5 @@
 //! The published solution: a prior, all minima, and which of the two twins is real.
 
-use std::time::Instant;
-
 use super::minima::{self, Minima, THINNED};
 use super::mirror::{self, Choice};
 use super::used::Used;
@@ -11,6 +9,7 @@ use super::{
 };
 use crate::calibration::Basin;
 use crate::deployment::{ControlPointSet, Finding, Remedy, Rig};
+use crate::stopwatch::Stopwatch;
 
 /// What the published method finds on some triplets.
 pub struct Published {
@@ -33,7 +32,7 @@ pub fn solve(
     data: &CentredTriplets,
     search: Option<&Used<'_>>,
 ) -> Published {
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let mut findings = Vec::new();
     let thinned = data.thinned(THINNED);
     let squared = SquaredCost::of(&thinned);
@@ -54,7 +53,7 @@ pub fn solve(
             priors
         }
     };
-    let prior_ms = started.elapsed().as_secs_f64() * 1e3;
+    let prior_ms = started.elapsed_ms();
     let minima = minima::find(data, &thinned, &squared, &priors);
     let basins = minima.basins(data);
     let Minima { lowest, twin, others } = minima;

@@ -1,7 +1,6 @@
 //! Method D from triplets to an answer that is judged, step by step.
 
 use std::borrow::Cow;
-use std::time::Instant;
 
 use super::diagnosis::{self, Evidence};
 use super::observability::Observability;
@@ -22,6 +21,7 @@ use crate::deployment::{Deployment, Finding, Rig};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
+use crate::stopwatch::Stopwatch;
 
 /// Rounds of leaving out what does not fit the answer; the second one is usually the last.
 const MOST_SCREENINGS: usize = 4;
@@ -44,7 +44,7 @@ pub fn solve(
 ) -> Result<Calibration, CalibrationError> {
     let rig = what_it_takes(deployment, triplets, offer)?;
     let task = Task { deployment, rig, settings, progress };
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let (published, data, used) = published_answer(&task, triplets)?;
     let prior_ms = published.prior_ms;
     let plain = published.choice.answer.station1_from_station;
@@ -96,7 +96,7 @@ pub fn solve(
         })),
         published: None,
         prior_ms,
-        solve_ms: started.elapsed().as_secs_f64() * 1e3 - prior_ms,
+        solve_ms: started.elapsed_ms() - prior_ms,
     })
 }
 
