@@ -30,7 +30,7 @@ pub fn of_field(name: &str) -> PathBuf {
 }
 
 pub fn sample_folder(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/samples").join(name)
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("crates/resect-io/assets/samples").join(name)
 }
 
 /// The one path, from a fresh start.

@@ -13,7 +13,7 @@ pub fn lay_out(folder: &Path) -> Vec<PathBuf> {
     let mut things = Vec::new();
     for sample in ["warthog", "hd2-tunnel"] {
         let to = data.join(sample);
-        copy_files(&crate_folder.join("assets/samples").join(sample), &to);
+        copy_files(&crate_folder.join("crates/resect-io/assets/samples").join(sample), &to);
         things.push(to);
     }
     for (name, preset) in [
