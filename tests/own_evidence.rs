@@ -6,12 +6,11 @@ use common::{analyse, answer, by, of_field};
 use nalgebra::{Rotation3, Vector3};
 use resect_core::calibration::{Calibration, ErrorSizes, Method, Verdict};
 use resect_core::deployment::Deployment;
+use resect_core::geometry::FOOT_M;
 use resect_core::geometry::Polar;
 use resect_core::simulation::{Preset, Scenario, Settling, simulate_scenario};
 use resect_io::open::open;
 use resect_io::sample::Sample;
-
-const FOOT_M: f64 = 0.3048;
 
 fn solved(deployment: &Deployment, method: Method) -> Calibration {
     answer(&analyse(deployment, &by(method))).calibration.clone()

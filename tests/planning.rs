@@ -11,13 +11,14 @@ use nalgebra::{Matrix3, Rotation2, SVector, Vector2, Vector3};
 use rayon::prelude::*;
 use resect_core::calibration::inter_prism::observability::Hold;
 use resect_core::calibration::{ErrorSizes, Method, Verdict};
+use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::geometry::{RigidTransform, wrap_to_pi};
 use resect_core::planning::locks::WhyNotRead;
 use resect_core::planning::{
-    FigureEight, ImprovementKind, Loop, Piece, Plan, Prediction, Ramp, Waypoint, improvements,
-    predict,
+    FigureEight, ImprovementKind, Loop, Piece, Plan, Prediction, Waypoint, improvements, predict,
 };
-use resect_core::simulation::{ARCSECOND_RAD, ErrorKind, Preset, Scenario, simulate_scenario};
+use resect_core::simulation::Ramp;
+use resect_core::simulation::{ErrorKind, Preset, Scenario, simulate_scenario};
 use resect_io::plan_file;
 
 /// Presets whose drives hold all eight numbers well.

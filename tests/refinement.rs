@@ -14,11 +14,12 @@ use resect_core::calibration::joint::Stepped;
 use resect_core::calibration::{
     CalibrationSettings, Estimated, Loss, Method, Offer, Verdict, solve, time_blocks,
 };
+use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::pipeline;
 use resect_core::pipeline::PipelineSettings;
 use resect_core::progress::{Cancelled, Progress};
 use resect_core::simulation::{
-    ARCSECOND_RAD, ClockStep, ErrorKind, Preset, SystematicErrors, simulate, simulate_scenario,
+    ClockStep, ErrorKind, Preset, SystematicErrors, simulate, simulate_scenario,
 };
 use resect_io::open::open;
 

@@ -7,11 +7,10 @@ use rayon::prelude::*;
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Calibration, Method, Verdict, Witness};
 use resect_core::deployment::{Deployment, Finding};
+use resect_core::geometry::FOOT_M;
 use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
 use resect_io::sample::Sample;
-
-const FOOT_M: f64 = 0.3048;
 
 /// A mistake in the tracks, and the words that name it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,9 +15,8 @@ use super::choice::{PRESETS, choice};
 use super::output::{kind_of, spare};
 use super::{Failure, print};
 use resect_core::evaluation::trajectory::{Pose, Trajectory};
-use resect_core::simulation::{
-    ARCSECOND_RAD, EPOCH_S, Preset, Scenario, Simulated, simulate_scenario,
-};
+use resect_core::geometry::ARCSECOND_RAD;
+use resect_core::simulation::{EPOCH_S, Preset, Scenario, Simulated, simulate_scenario};
 use resect_io::atomic;
 use resect_io::simulation_files::write_folder;
 use resect_report::trajectory as trajectory_file;

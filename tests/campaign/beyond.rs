@@ -9,7 +9,8 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use resect_core::simulation::{ARCSECOND_RAD, ClockStep, Curvature, Scenario, Settling, Wander};
+use resect_core::geometry::ARCSECOND_RAD;
+use resect_core::simulation::{ClockStep, Curvature, Scenario, Settling, Wander};
 
 type Spoil = fn(&mut Scenario, &mut ChaCha8Rng);
 

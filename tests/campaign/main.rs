@@ -22,10 +22,9 @@ use rayon::prelude::*;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::ErrorSizes;
 use resect_core::calibration::{Method, Verdict};
+use resect_core::geometry::ARCSECOND_RAD;
 use resect_core::geometry::wrap_to_pi;
-use resect_core::simulation::{
-    ARCSECOND_RAD, ErrorKind, Preset, Scenario, Simulated, simulate_scenario,
-};
+use resect_core::simulation::{ErrorKind, Preset, Scenario, Simulated, simulate_scenario};
 
 const PRESETS: [Preset; 10] = [
     Preset::Warthog,

@@ -6,9 +6,10 @@ use nalgebra::{Rotation2, Vector2};
 
 use super::made::Made;
 use resect_core::planning::{
-    FigureEight, Improvement, Loop, Piece, Plan, PlanError, Prediction, Ramp, Waypoint,
+    FigureEight, Improvement, Loop, Piece, Plan, PlanError, Prediction, Waypoint,
 };
 use resect_core::simulation::Preset;
+use resect_core::simulation::Ramp;
 
 /// A plan, and what is made of it beside the window.
 pub struct Planning {

@@ -7,7 +7,8 @@ use nalgebra::Vector3;
 
 use super::super::Failure;
 use super::limits::{Limits, List, replace, replace_row, station};
-use resect_core::simulation::{ARCSECOND_RAD, ClockStep, Curvature, Scenario, Settling, Wander};
+use resect_core::geometry::ARCSECOND_RAD;
+use resect_core::simulation::{ClockStep, Curvature, Scenario, Settling, Wander};
 
 #[derive(Args)]
 #[command(next_help_heading = "Errors of instruments")]

@@ -1,5 +1,6 @@
 //! What differs between two sets of settings, in words: for undo, for pinned results and for the history of runs.
 
+use crate::geometry::ARCSECOND_RAD;
 use std::fmt;
 
 use super::Settings;
@@ -93,7 +94,7 @@ fn named_values(settings: &Settings) -> [NamedValue; 29] {
         settling_m,
         ranges_wander,
     } = errors;
-    let arcseconds = |rad: f64| rad.to_degrees() * 3600.0;
+    let arcseconds = |rad: f64| rad / ARCSECOND_RAD;
     let method = method.unwrap_or_default();
     let method = method
         .letter()

@@ -1,8 +1,7 @@
 //! What is known of total stations before a drive says anything about them.
 
+use crate::geometry::ARCSECOND_RAD;
 use serde::{Deserialize, Serialize};
-
-const ARCSECOND_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 
 /// Compensators hold a station upright to about this (rad, 1 σ): an arcsecond.
 pub const TILT_SIGMA_RAD: f64 = ARCSECOND_RAD;

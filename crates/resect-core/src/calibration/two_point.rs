@@ -4,6 +4,7 @@
 //! is placed in the frame of the points by a level alignment (Vaidis et al. 2022, section "Static methods", "Two-point
 //! resection"). Every pair of known points is tried, and judged by the points that it leaves out.
 
+use crate::geometry::ARCSECOND_RAD;
 use nalgebra::Vector3;
 
 use super::checks;
@@ -17,7 +18,7 @@ use crate::stopwatch::Stopwatch;
 
 /// Range accuracy of the instruments (m) and what an arcsecond is: the nominal values of the paper.
 const RANGE_SIGMA_M: f64 = 0.002;
-const ANGLE_SIGMA_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+const ANGLE_SIGMA_RAD: f64 = ARCSECOND_RAD;
 /// Readings that are off by more than this between two points hint at the atmosphere: parts per million, and metres,
 /// which three stations' noise hardly reaches together.
 const NOTABLE_PPM: f64 = 10.0;

@@ -7,9 +7,11 @@ mod geodetic;
 mod level_transform;
 mod polar;
 mod rigid_transform;
+mod units;
 
 pub use alignment::{align_level, align_rigid, align_similar};
 pub use geodetic::Geodetic;
 pub use level_transform::LevelTransform;
 pub use polar::{LONGEST_RANGE_M, Polar, wrap_to_pi};
 pub use rigid_transform::RigidTransform;
+pub use units::{ARCSECOND_RAD, FOOT_M, US_SURVEY_FOOT_M};

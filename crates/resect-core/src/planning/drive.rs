@@ -5,12 +5,12 @@ use super::plan::Instrument;
 use super::prediction::PlanError;
 use super::{Plan, way};
 use crate::deployment::Deployment;
+use crate::geometry::ARCSECOND_RAD;
 use crate::pipeline;
 use crate::pipeline::{PipelineOutput, PipelineSettings};
 use crate::simulation;
 use crate::simulation::{
-    ARCSECOND_RAD, Ground, Motion, Mound, Noise, Path, Preset, Scenario, Simulated,
-    simulate_scenario,
+    Ground, Motion, Noise, Path, Preset, Ramp, Scenario, Simulated, simulate_scenario,
 };
 
 /// Every prediction is of the same bumps of the ground.
@@ -41,10 +41,9 @@ impl Plan {
             ..at
         };
         let waypoints: Vec<_> = self.waypoints().into_iter().map(moved).collect();
-        let mounds = self.ground.ramps.iter().map(|ramp| Mound {
+        let ramps = self.ground.ramps.iter().map(|ramp| Ramp {
             centre_m: [ramp.centre_m[0] - first_m.x, ramp.centre_m[1] - first_m.y],
-            radius_m: ramp.radius_m,
-            height_m: ramp.height_m,
+            ..*ramp
         });
         let mean_range_m = waypoints.iter().map(|at| at.place_m().norm()).sum::<f64>()
             / waypoints.len().max(1) as f64;
@@ -54,10 +53,10 @@ impl Plan {
             duration_s: AFTER_S + duration_s(&waypoints, self.turn_radius_m),
             cruise_m_per_s: self.speed_m_per_s,
             ground: Ground {
-                slope_rms_rad: self.ground.slope_rms_rad,
-                wavelengths_m: self.ground.wavelengths_m,
+                height_m: self.ground.height_m - first_m.z,
+                ramps: ramps.collect(),
+                ..self.ground
             },
-            mounds: mounds.collect(),
             path: Path::Waypoints { waypoints, turn_radius_m: self.turn_radius_m },
             noise: Noise {
                 range_sigma_m: 1e-3 * range_mm + 1e-6 * range_ppm * mean_range_m,
@@ -70,7 +69,6 @@ impl Plan {
             prisms_m: self.rig.prisms_m,
             antennas_m: None,
             stations_m: [second_m - first_m, third_m - first_m],
-            instrument_height_m: first_m.z - self.ground.height_m,
             control_point_sets: 0,
             pillars: false,
             ..Preset::Warthog.scenario()

@@ -8,11 +8,12 @@ use nalgebra::{Rotation2, Vector2, Vector3};
 use super::drive::drive_with;
 use super::manoeuvres::{FigureEight, Loop, once_around_m, slalom_m};
 use super::past::AsDriven;
-use super::plan::{Ground, Instrument, Plan, Rig};
+use super::plan::{Instrument, Plan, Rig};
 use super::so_far::SoFar;
 use super::way::{Piece, Waypoint};
 use crate::deployment::pairwise_distances;
 use crate::pipeline::{FilteredTrack, Triplets};
+use crate::simulation::Ground;
 
 /// Tips of the figure-eights that are tried are so far apart (m).
 const EIGHTS_M: [f64; 2] = [16.0, 28.0];

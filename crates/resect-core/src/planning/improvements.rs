@@ -6,13 +6,14 @@ use nalgebra::{Rotation2, Vector2, Vector3};
 use rayon::prelude::*;
 
 use super::manoeuvres::{FigureEight, Loop};
-use super::plan::{Plan, Ramp};
+use super::plan::Plan;
 use super::predict::{Looked, look};
 use super::prediction::PlanError;
 use super::way::{Piece, Waypoint};
 use crate::evaluation::far_end::far_end;
 use crate::geometry::RigidTransform;
 use crate::simulation;
+use crate::simulation::Ramp;
 
 /// Tips of the figure-eights that are tried are so far apart (m).
 const EIGHTS_M: [f64; 2] = [16.0, 28.0];

@@ -26,7 +26,7 @@ mod what_next;
 pub use improvements::{Improvement, ImprovementKind, improvements};
 pub use manoeuvres::{FigureEight, Loop};
 pub use opening::{OPENING, opening_m};
-pub use plan::{Ground, Instrument, Plan, Ramp, Rig};
+pub use plan::{Instrument, Plan, Rig};
 pub use predict::predict;
 pub use prediction::{Held, OnTheWay, PlanError, Prediction};
 pub use so_far::SoFar;

@@ -3,15 +3,16 @@
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use super::way::{Piece, waypoints_along};
-use super::{Ground, Instrument, Plan, Rig};
+use super::{Instrument, Plan, Rig};
 use crate::analysis::Analysis;
 use crate::calibration::joint::JointEstimate;
 use crate::calibration::{Targets, Verdict};
 use crate::deployment::Deployment;
 use crate::evaluation::vehicle::prisms_in_vehicle;
+use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::{RigidTransform, align_rigid};
 use crate::pipeline::Thresholds;
-use crate::simulation::{ARCSECOND_RAD, Preset, Scenario, simulate_scenario};
+use crate::simulation::{Ground, Preset, Scenario, simulate_scenario};
 
 /// Waypoints of a way that was driven are this far apart (m).
 const APART_M: f64 = 2.0;
@@ -46,12 +47,7 @@ impl Plan {
             stations_m: [Vector3::zeros(), scenario.stations_m[0], scenario.stations_m[1]],
             speed_m_per_s: scenario.cruise_m_per_s,
             turn_radius_m: 1.0,
-            ground: Ground {
-                height_m: -scenario.instrument_height_m,
-                slope_rms_rad: scenario.ground.slope_rms_rad,
-                wavelengths_m: scenario.ground.wavelengths_m,
-                ramps: Vec::new(),
-            },
+            ground: scenario.ground,
             rig: Rig { prisms_m: scenario.prisms_m, ..Rig::default() },
             instrument: Instrument {
                 range_mm: 1e3 * noise.range_sigma_m,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::way::Piece;
 use crate::calibration::ErrorSizes;
 use crate::pipeline::Thresholds;
+use crate::simulation::Ground;
 
 /// A deployment that is not driven yet.
 ///
@@ -42,29 +43,6 @@ pub struct Plan {
     pub way: Vec<Piece>,
 }
 
-/// The ground that the vehicle drives on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Ground {
-    /// Its mean height in the frame of the plan.
-    pub height_m: f64,
-    /// How steep its bumps are (root mean square), which is what pitches and rolls the vehicle.
-    pub slope_rms_rad: f64,
-    /// The shortest and the longest of them.
-    pub wavelengths_m: [f64; 2],
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub ramps: Vec<Ramp>,
-}
-
-/// A rise that is driven up and down again.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Ramp {
-    pub centre_m: [f64; 2],
-    pub radius_m: f64,
-    pub height_m: f64,
-}
-
 /// The prisms on the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -97,12 +75,6 @@ pub struct Instrument {
     pub lost_locks_per_minute: f64,
     /// Share of readings that are grossly wrong.
     pub outlier_share: f64,
-}
-
-impl Default for Ground {
-    fn default() -> Self {
-        Self { height_m: -1.6, slope_rms_rad: 0.05, wavelengths_m: [7.0, 30.0], ramps: Vec::new() }
-    }
 }
 
 impl Default for Rig {

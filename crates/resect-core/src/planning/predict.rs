@@ -16,9 +16,10 @@ use crate::calibration::{ErrorSizes, Verdict};
 use crate::deployment::PAIRS;
 use crate::evaluation::far_end::{FarEnd, far_end};
 use crate::evaluation::rig_motion::rig_pose;
+use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::RigidTransform;
 use crate::progress::Progress;
-use crate::simulation::{ARCSECOND_RAD, EPOCH_S, Scenario, Simulated};
+use crate::simulation::{EPOCH_S, Scenario, Simulated};
 
 /// The vehicle's own σ are told at so many instants at most.
 const MOST_INSTANTS: f64 = 400.0;

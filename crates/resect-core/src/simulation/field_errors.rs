@@ -8,7 +8,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::errors::{ClockStep, Curvature, Settling, Wander};
 use super::random::{Stream, normal};
-use super::scenario::{ARCSECOND_RAD, Scenario};
+use super::scenario::Scenario;
+use crate::geometry::ARCSECOND_RAD;
 
 // Where nothing else is said, a size is 1 σ of a normal distribution about nothing; `[a, b]` is from a to b.
 

@@ -9,6 +9,7 @@ mod errors;
 mod field_errors;
 mod follow;
 mod gnss;
+mod ground;
 mod instrument;
 mod motion;
 mod random;
@@ -18,9 +19,10 @@ mod tests;
 
 pub use errors::{ClockStep, Curvature, Settling, SystematicErrors, Wander};
 pub use field_errors::{ErrorKind, draw};
+pub use ground::{Ground, Ramp};
 pub use instrument::EPOCH_S;
 pub use motion::Motion;
-pub use scenario::{ARCSECOND_RAD, Ground, Mound, Noise, Path, Preset, Scenario, Waypoint};
+pub use scenario::{Noise, Path, Preset, Scenario, Waypoint};
 
 use nalgebra::Vector3;
 

@@ -7,7 +7,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::follow::Follower;
-use super::scenario::{Mound, Path, Scenario, Waypoint};
+use super::ground::Ramp;
+use super::scenario::{Path, Scenario, Waypoint};
 use crate::geometry::wrap_to_pi;
 
 const STEP_S: f64 = 0.01;
@@ -123,7 +124,7 @@ struct Terrain {
     waves: Vec<Wave>,
     /// Where the waves count from.
     from: Planar,
-    mounds: Vec<Mound>,
+    ramps: Vec<Ramp>,
 }
 
 #[derive(Clone, Debug)]
@@ -149,10 +150,10 @@ impl Terrain {
             })
             .collect();
         Self {
-            mean_m: -scenario.instrument_height_m,
+            mean_m: ground.height_m,
             waves,
             from: Planar::default(),
-            mounds: scenario.mounds.clone(),
+            ramps: ground.ramps.clone(),
         }
     }
 
@@ -172,16 +173,16 @@ impl Terrain {
         }
         let mut slope =
             [own[0] * cos_from - own[1] * sin_from, own[0] * sin_from + own[1] * cos_from];
-        for mound in &self.mounds {
-            let (dx, dy) = (x_m - mound.centre_m[0], y_m - mound.centre_m[1]);
+        for ramp in &self.ramps {
+            let (dx, dy) = (x_m - ramp.centre_m[0], y_m - ramp.centre_m[1]);
             let away_m = dx.hypot(dy);
-            if away_m >= mound.radius_m {
+            if away_m >= ramp.radius_m {
                 continue;
             }
-            let phase = PI * away_m / mound.radius_m;
-            height += 0.5 * mound.height_m * (1.0 + phase.cos());
+            let phase = PI * away_m / ramp.radius_m;
+            height += 0.5 * ramp.height_m * (1.0 + phase.cos());
             // By the distance over itself: at the top it is level.
-            let falls = 0.5 * mound.height_m * PI / mound.radius_m * phase.sin() / away_m.max(1e-9);
+            let falls = 0.5 * ramp.height_m * PI / ramp.radius_m * phase.sin() / away_m.max(1e-9);
             slope[0] -= falls * dx;
             slope[1] -= falls * dy;
         }

@@ -4,6 +4,8 @@ use nalgebra::{Vector2, Vector3};
 
 use super::errors::SystematicErrors;
 use super::field_errors::ErrorKind;
+use super::ground::Ground;
+use crate::geometry::ARCSECOND_RAD;
 
 /// The ready-made scenarios.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,15 +64,6 @@ impl Waypoint {
     }
 }
 
-/// A rise of the ground, as a ramp is driven up and down: the square of a cosine about its middle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mound {
-    /// Its middle, in station 1's frame (m).
-    pub centre_m: [f64; 2],
-    pub radius_m: f64,
-    pub height_m: f64,
-}
-
 /// A piece of the way with constant curvature (1/m, left positive).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bend {
@@ -88,13 +81,6 @@ const STRAIGHT: &[Bend] = &[bend(1000.0, 0.0)];
 const CIRCLE: &[Bend] = &[bend(1000.0, 0.1)];
 /// A quarter turn of radius 1 m between the legs, as a skid-steered vehicle does it.
 const TWO_LEGS: &[Bend] = &[bend(45.0, 0.0), bend(1.57, 1.0), bend(1000.0, 0.0)];
-
-/// Bumps of the ground: root-mean-square slope and the range of wavelengths.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ground {
-    pub slope_rms_rad: f64,
-    pub wavelengths_m: [f64; 2],
-}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
@@ -114,9 +100,8 @@ pub struct Scenario {
     pub duration_s: f64,
     pub cruise_m_per_s: f64,
     pub path: Path,
+    /// In the frame of station 1.
     pub ground: Ground,
-    /// Rises of the ground beside its bumps.
-    pub mounds: Vec<Mound>,
     pub noise: Noise,
     /// Readings per second of each station.
     pub rate_hz: f64,
@@ -130,8 +115,6 @@ pub struct Scenario {
     pub stations_m: [Vector3<f64>; 2],
     /// Yaws of stations 2 and 3; `None` for any, from the seed.
     pub yaws_rad: Option<[f64; 2]>,
-    /// Height of the ground's mean below station 1 (m).
-    pub instrument_height_m: f64,
     /// Sets of ten control points.
     pub control_point_sets: usize,
     /// Surveyed pillars on a line, for method A.
@@ -145,8 +128,6 @@ pub struct Scenario {
     /// Kinds of errors that the seed draws, in place of those above.
     pub drawn_errors: Vec<ErrorKind>,
 }
-
-pub const ARCSECOND_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 
 impl Preset {
     pub const ALL: [Self; 11] = [
@@ -180,13 +161,13 @@ impl Preset {
     }
 
     pub fn scenario(self) -> Scenario {
-        let flat = Ground { slope_rms_rad: 0.0, wavelengths_m: [7.0, 30.0] };
+        let flat = || Ground { slope_rms_rad: 0.0, ..Ground::default() };
         let warthog = || Self::Warthog.scenario();
         // Bends are driven on flat ground, so that nothing but their shape matters.
         let driven = |bends: &'static [Bend], duration_s: f64| Scenario {
             name: self.name(),
             duration_s,
-            ground: flat,
+            ground: flat(),
             path: Path::Bends { start_m: [50.0, -25.0], bends },
             ..warthog()
         };
@@ -203,8 +184,7 @@ impl Preset {
                 duration_s: 420.0,
                 cruise_m_per_s: 0.9,
                 path: Path::Wander { centre_m: [62.0, 8.0], radius_m: 24.0 },
-                ground: Ground { slope_rms_rad: 0.05, wavelengths_m: [7.0, 30.0] },
-                mounds: Vec::new(),
+                ground: Ground::default(),
                 noise,
                 rate_hz: 2.5,
                 stagger_s: None,
@@ -220,7 +200,6 @@ impl Preset {
                 ]),
                 stations_m: [Vector3::new(5.2, -2.6, -0.28), Vector3::new(-5.4, 0.4, -0.22)],
                 yaws_rad: None,
-                instrument_height_m: 1.6,
                 control_point_sets: 2,
                 pillars: true,
                 pauses_s: Vec::new(),
@@ -228,10 +207,10 @@ impl Preset {
                 errors: SystematicErrors::default(),
                 drawn_errors: Vec::new(),
             },
-            Self::FlatFloor => Scenario { name: self.name(), ground: flat, ..warthog() },
+            Self::FlatFloor => Scenario { name: self.name(), ground: flat(), ..warthog() },
             Self::UnevenGround => Scenario {
                 name: self.name(),
-                ground: Ground { slope_rms_rad: 0.09, wavelengths_m: [7.0, 30.0] },
+                ground: Ground { slope_rms_rad: 0.09, ..Ground::default() },
                 ..warthog()
             },
             Self::SinglePrism => Scenario {
@@ -266,8 +245,12 @@ impl Preset {
                     amplitude_m: 0.9,
                     wavelength_m: 17.0,
                 },
-                ground: Ground { slope_rms_rad: 0.012, wavelengths_m: [4.0, 20.0] },
-                mounds: Vec::new(),
+                ground: Ground {
+                    height_m: -1.5,
+                    slope_rms_rad: 0.012,
+                    wavelengths_m: [4.0, 20.0],
+                    ..Ground::default()
+                },
                 noise: Noise { lost_locks_per_minute: 0.25, ..noise },
                 rate_hz: 2.5,
                 stagger_s: None,
@@ -279,7 +262,6 @@ impl Preset {
                 antennas_m: None,
                 stations_m: [Vector3::new(1.6, 1.3, -0.05), Vector3::new(-0.9, -1.2, 0.04)],
                 yaws_rad: None,
-                instrument_height_m: 1.5,
                 control_point_sets: 0,
                 pillars: false,
                 pauses_s: Vec::new(),

@@ -13,6 +13,7 @@
 //! line without ends of lines), not on a calibration of three stations. There are no stamps finer than whole seconds, so
 //! a file of it is no track.
 
+use resect_core::geometry::FOOT_M;
 use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
@@ -21,8 +22,6 @@ use super::survey::{Sighting, Survey};
 use crate::error::OpenError;
 use resect_core::deployment::Finding;
 use resect_core::geometry::Polar;
-
-const FOOT_M: f64 = 0.3048;
 
 /// Whether a line is a block of words.
 pub fn looks_like(line: &str) -> bool {

@@ -7,6 +7,7 @@
 //! height and rotation are taken from the same transform.
 
 use nalgebra::Vector3;
+use resect_core::geometry::ARCSECOND_RAD;
 
 use super::found::FoundFile;
 use crate::error::{OpenError, Question};
@@ -44,7 +45,7 @@ const SHOWN: f64 = 0.35;
 const A_LITTLE_M: f64 = 0.001;
 const WORSE_BY: f64 = 0.8;
 /// A compensator leaves less tilt than this (rad): 20″.
-const COMPENSATOR_RAD: f64 = 20.0 / 3600.0 * std::f64::consts::PI / 180.0;
+const COMPENSATOR_RAD: f64 = 20.0 * ARCSECOND_RAD;
 
 /// The three files of stations 1, 2, 3, where the tracks are of this kind; `None` leaves the choice to others.
 pub fn choose<'a>(

@@ -1,6 +1,7 @@
 //! What is observed: readings, the rig's distances, and how smooth a drive is, each with its error about where everything is
 //! taken to be.
 
+use crate::geometry::ARCSECOND_RAD;
 use nalgebra::{Matrix3, Vector3};
 
 use super::band::PartVector;
@@ -13,7 +14,7 @@ pub const RIGID_M: f64 = 0.00035;
 /// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, "Experiments").
 const RANGE_M: f64 = 0.002;
 const RANGE_SHARE: f64 = 2e-6;
-pub const ANGLE_RAD: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+pub const ANGLE_RAD: f64 = ARCSECOND_RAD;
 
 /// How well stations read, and how jerky a drive is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,6 @@
 //! The mistakes that a reader can make about sense, numbers and units, and what was measured if one was made.
 
+use crate::geometry::FOOT_M;
 use nalgebra::Vector3;
 
 use crate::deployment::{
@@ -8,7 +9,6 @@ use crate::deployment::{
 use crate::pipeline::Triplets;
 
 /// The international foot (m). The US survey foot is 2 ppm longer, which no drive tells.
-const FOOT_M: f64 = 0.3048;
 
 /// One mistake in how readings were understood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,15 +2,11 @@
 //!
 //! An error is the end of a sentence that begins with the field: "is not a number".
 
+use resect_core::geometry::{FOOT_M, US_SURVEY_FOOT_M};
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use resect_core::deployment::{TableAngle, TableLength};
-
-/// The international foot (m).
-const FOOT_M: f64 = 0.3048;
-/// The US survey foot (m).
-const US_SURVEY_FOOT_M: f64 = 1200.0 / 3937.0;
 
 /// A number; NaN of an empty field.
 pub fn number(field: &str, decimal_comma: bool) -> Result<f64, String> {
