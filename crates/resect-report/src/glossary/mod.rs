@@ -83,7 +83,6 @@ const EVERYDAY: [&str; 14] = [
     "time stamp",
     "gap",
     "silence",
-    "loss",
     "jump",
     "verdict",
 ];
