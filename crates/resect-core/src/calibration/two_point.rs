@@ -4,13 +4,15 @@
 //! is placed in the frame of the points by a level alignment (Vaidis et al. 2022, section "Static methods", "Two-point
 //! resection"). Every pair of known points is tried, and judged by the points that it leaves out.
 
-use crate::geometry::ARCSECOND_RAD;
 use nalgebra::Vector3;
 
 use super::checks;
+use super::judgement::Judgement;
 use super::point_to_point::{self, Errors, Matches};
-use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer, Verdict};
+use super::unchecked::UncheckedAnswer;
+use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS, Remedy};
+use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::{median, quantile_of_sorted};
@@ -122,8 +124,7 @@ pub fn solve(
         covariance.as_ref(),
     );
     let covariance = covariance.map(|c| point_to_point::level_part(&c));
-    let mut findings = findings(&pairs, chosen);
-    let mut verdict = Verdict::Good;
+    let mut judgement = Judgement::good(findings(&pairs, chosen));
     let doubt = match pairs[chosen].median_left_out_m() {
         None => Some(
             "no third known point checks this resection; a wrong coordinate or a wrong marker would not show"
@@ -136,29 +137,16 @@ pub fn solve(
             )
         }),
     };
-    let doubt =
-        doubt.map(Finding::warning).into_iter().chain(misplaced.map(|point| point.in_words()));
-    for doubt in doubt {
-        verdict = Verdict::Weak;
-        findings.push(doubt);
-    }
-    let details = Details::TwoPoint(TwoPointDetails { pairs, chosen });
-    let mut calibration = Calibration {
+    judgement.doubt(doubt.map(Finding::warning));
+    judgement.doubt(misplaced.map(|point| point.in_words()));
+    let answer = UncheckedAnswer {
         method: Method::TwoPoint,
         station1_from_station,
-        sigma: covariance.as_ref().map(point_to_point::sigmas),
         covariance,
-        verdict,
-        findings,
-        checked_by: Vec::new(),
-        details,
-        published: None,
-        prior_ms: 0.0,
-        solve_ms: 0.0,
+        judgement,
+        details: Details::TwoPoint(TwoPointDetails { pairs, chosen }),
     };
-    checks::hold_against_the_rest(&mut calibration, deployment, triplets);
-    calibration.solve_ms = started.elapsed_ms();
-    Ok(calibration)
+    Ok(answer.checked(deployment, triplets, started))
 }
 
 struct Placed {
