@@ -14,7 +14,10 @@ use criterion::{BenchmarkGroup, Criterion, SamplingMode, criterion_group, criter
 use eframe::App;
 use eframe::egui_wgpu::{RenderState, WgpuSetup};
 use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect};
-use resect::app::{Colouring, Command, Pane, ResectWindow, SceneView, Start, State};
+use resect::app::{
+    Colouring, Command, Pane, ResectWindow, SceneCommand, SceneView, Start, State, TimeCommand,
+    WorkspaceCommand,
+};
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
 use resect_core::simulation::{Preset, simulate_scenario};
@@ -146,9 +149,9 @@ fn scene(criterion: &mut Criterion) {
         let mut commands: Vec<Command> = command.into_iter().collect();
         frames.frame(events, |ui| {
             commands.drain(..).for_each(|command| state.handle(command, ui.ctx()));
-            let mut view = std::mem::take(&mut state.view);
+            let mut view = std::mem::take(&mut state.scene.view);
             scene.ui(ui, &state, &mut view, &mut commands);
-            state.view = view;
+            state.scene.view = view;
         })
     };
     for _ in 0..5 {
@@ -159,7 +162,10 @@ fn scene(criterion: &mut Criterion) {
     bench(&mut group, "orbit", |i| frame(None, drag(i)));
     frame(None, press(false));
     bench(&mut group, "cursor", |i| {
-        frame(Some(Command::MoveCursor(times_s[(i * 37) % times_s.len()])), Vec::new())
+        frame(
+            Some(Command::Time(TimeCommand::MoveCursor(times_s[(i * 37) % times_s.len()]))),
+            Vec::new(),
+        )
     });
     bench(&mut group, "hover", |i| {
         let at = Pos2::new((i * 7 % 900) as f32 + 50.0, (i * 3 % 600) as f32 + 50.0);
@@ -168,7 +174,7 @@ fn scene(criterion: &mut Criterion) {
     for colouring in [Colouring::Fate, Colouring::Residual, Colouring::Interval] {
         bench(&mut group, &format!("colour-by-{}", colouring.title().to_lowercase()), |i| {
             let other = if i % 2 == 0 { colouring } else { Colouring::Station };
-            frame(Some(Command::Colour(other)), Vec::new())
+            frame(Some(Command::Scene(SceneCommand::Colour(other))), Vec::new())
         });
     }
     group.finish();
@@ -199,14 +205,17 @@ fn window(criterion: &mut Criterion) {
     let mut group = configure(criterion, "window");
     for pane in [Pane::Residuals, Pane::Rates, Pane::Intervals, Pane::Channels] {
         for _ in 0..5 {
-            frame(Some(Command::ShowPane(pane)), Vec::new());
+            frame(Some(Command::Workspace(WorkspaceCommand::ShowPane(pane))), Vec::new());
         }
         let name = format!("{pane:?}").to_lowercase();
         frame(None, press(true));
         bench(&mut group, &format!("orbit-{name}"), |i| frame(None, drag(i)));
         frame(None, press(false));
         bench(&mut group, &format!("cursor-{name}"), |i| {
-            frame(Some(Command::MoveCursor(times_s[(i * 37) % times_s.len()])), Vec::new())
+            frame(
+                Some(Command::Time(TimeCommand::MoveCursor(times_s[(i * 37) % times_s.len()]))),
+                Vec::new(),
+            )
         });
     }
     group.finish();

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use egui_kittest::Harness;
-use resect::app::{Command, Pane, ResectWindow, Start, offscreen_renderer};
+use resect::app::{Pane, ResectWindow, Start, WorkspaceCommand, offscreen_renderer};
 use resect_core::analysis::Settings;
 use resect_core::progress::Progress;
 use resect_io::sample::Sample;
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .build_eframe(|creation| ResectWindow::new(creation, &start, Settings::default()));
     window.run_steps(1);
     let ctx = window.ctx.clone();
-    window.state_mut().send(Command::ShowPane(pane), &ctx);
+    window.state_mut().send(WorkspaceCommand::ShowPane(pane), &ctx);
     // The answer is computed beside the window; then the panes are drawn with it.
     window.state_mut().settle();
     window.run_steps(4);

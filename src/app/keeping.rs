@@ -70,18 +70,18 @@ impl Keeping {
     ///
     /// Where the user asked for something else (`restores` is false), what a window that died had open stays for the next.
     pub fn begin(&mut self, ctx: &egui::Context, state: &mut State, restores: bool) -> bool {
-        state.theme = self.preferences.theme.into();
-        ctx.set_theme(state.theme);
-        state.in_the_sun = self.preferences.in_the_sun;
-        theme::in_the_sun(ctx, state.in_the_sun);
-        state.units = self.preferences.units;
+        state.workspace.theme = self.preferences.theme.into();
+        ctx.set_theme(state.workspace.theme);
+        state.workspace.in_the_sun = self.preferences.in_the_sun;
+        theme::in_the_sun(ctx, state.workspace.in_the_sun);
+        state.workspace.units = self.preferences.units;
         state.session.recent = self.preferences.recent.clone();
         state.session.last = Some(self.last.clone());
         state.session.share(Arc::clone(&self.cache));
         let mut findings = std::mem::take(&mut self.findings);
         if let Some(description) = &self.preferences.layout {
             let (kept, found) = Layout::of_description(description);
-            state.layout = kept;
+            state.workspace.layout = kept;
             findings.extend(found);
         }
         let mut restored = false;
@@ -141,10 +141,11 @@ impl Keeping {
         });
         self.preferences = Preferences {
             theme: ctx.options(|options| options.theme_preference).into(),
-            in_the_sun: state.in_the_sun,
-            units: state.units,
+            in_the_sun: state.workspace.in_the_sun,
+            units: state.workspace.units,
             // The first layout stays the program's: a newer one may have a better.
-            layout: Some(state.layout.describe()).filter(|it| *it != Layout::default().describe()),
+            layout: Some(state.workspace.layout.describe())
+                .filter(|it| *it != Layout::default().describe()),
             window_points: size.or(self.preferences.window_points),
             recent: state.session.recent.clone(),
         };

@@ -10,7 +10,7 @@
 //! │  └─ actions               menus, palette and keys: which command, when it is possible
 //! ├─ keeping                  when a running window writes its preferences and its session, for the case that it dies
 //! ├─ scene, plots             panes that are drawn: the lines that are seen, from series made in `prepared`
-//! └─ state                    everything, and the one place where it changes
+//! └─ state                    everything by its parts, and the one place where it changes
 //!    ├─ persist               what is in the files of sessions, preferences, autosave, and how they are read again
 //!    ├─ layout                where the panes are
 //!    └─ model                 plain data: commands, what is open, timeline, undo, units, toasts, view
@@ -22,12 +22,27 @@
 //!                             made short
 //! ```
 //!
+//! The state has parts, each with its commands in `model/command.rs` and a handler in `state/`:
+//!
+//! | part | data | commands, handler |
+//! |---|---|---|
+//! | open deployments, undo | `state/deployments.rs`, `model/open_deployment.rs` | `DeploymentCommand`, `handle_deployment.rs` |
+//! | time: cursor, selection, playback, plotted values | `state/time_state.rs`, `model/timeline.rs` | `TimeCommand`, `handle_time.rs` |
+//! | scene: camera, visibility, colouring, options | `state/scene_state.rs` | `SceneCommand`, `handle_scene.rs` |
+//! | results: runs, pins, studies, validation | `model/results.rs` | `ResultsCommand`, `results.rs` |
+//! | judging of trajectories | `model/judging.rs`, by deployment | `JudgingCommand`, `judging.rs` |
+//! | planning | `model/planning.rs` | `PlanCommand`, `planning.rs` |
+//! | live deployment | `model/live.rs` | `LiveCommand`, `live.rs` |
+//! | session | `state/session_state.rs` | `SessionCommand`, `sessions.rs` |
+//! | dialogs, questions, sheets | `state/dialogs.rs` | `DialogCommand`, `handle_dialog.rs` |
+//! | workspace: layout, units, colours, toasts | `state/workspace.rs`, `model/toasts.rs` | `WorkspaceCommand`, `handle_workspace.rs` |
+//!
 //! `panels` draws on `plots` too, where a study is a chart, and any room may take from `theme`, `words` and `short`.
 //! `tests/structure.rs` holds the order of these rooms against the imports.
 //!
 //! | what is new | where it goes |
 //! |---|---|
-//! | something that can be done | a variant of `model/command.rs`, an arm in `state/handle.rs`, a line with its key in `actions/`: `file.rs`, `edit.rs`, `time.rs` (the cursor, what is selected) and `view.rs`, other menus in `mod.rs` |
+//! | something that can be done | a variant of its part's commands in `model/command.rs`, an arm in the handler of that part in `state/`, a line with its key in `actions/`: `file.rs`, `edit.rs`, `time.rs` (the cursor, what is selected) and `view.rs`, `help.rs` |
 //! | where plots over time lie and how high they are | `plots/strips.rs`, for all panes alike |
 //! | a setting of the scene | a field of `model/scene_options.rs`; sessions keep it whole (`persist/session.rs`) |
 //! | a colouring of the points | a variant of `model/colouring.rs`, its colours in `scene/colouring.rs`, its legend in `scene/legend_rows.rs` |
@@ -58,10 +73,12 @@ mod words;
 
 pub use layout::Layout;
 pub use model::{
-    AngleUnit, Asked, AskedAnswer, Camera, Colouring, Command, LayoutDescription, LayoutPreset,
-    LengthUnit, LiveCommand, LiveForm, OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin,
-    PlanCommand, Playback, Plotted, Results, Ruler, RulerEnd, Run, SceneOptions, StudyKind,
-    StudyOptions, StudyResult, TimeUnit, Timeline, Units, ViewPreset, Visibility, WayPlots, toasts,
+    AngleUnit, Asked, AskedAnswer, Camera, Colouring, Command, DeploymentCommand, DialogCommand,
+    JudgingCommand, LayoutDescription, LayoutPreset, LengthUnit, LiveCommand, LiveForm,
+    OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, PlanCommand, Playback, Plotted, Results,
+    ResultsCommand, Ruler, RulerEnd, Run, SceneCommand, SceneOptions, SessionCommand, StudyKind,
+    StudyOptions, StudyResult, TimeCommand, TimeUnit, Timeline, Units, ViewPreset, Visibility,
+    WayPlots, WorkspaceCommand, toasts,
 };
 pub use picture::{offscreen_renderer, picture};
 pub use prepared::channels::Channel;

@@ -17,7 +17,7 @@ use super::persist::Folders;
 use super::scene::SceneView;
 use super::state::State;
 use super::theme;
-use crate::app::model::{Command, Commands, Overlay, Pane};
+use crate::app::model::{Command, Commands, DeploymentCommand, Overlay, Pane};
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
 use resect_io::sample::Sample;
@@ -62,7 +62,7 @@ impl ResectWindow {
         let ctx = &creation.egui_ctx;
         theme::apply(ctx);
         let mut state = State::new(ctx.clone());
-        state.start_settings = settings;
+        state.deployments.start_settings = settings;
         // What the user asks for by name is not mixed with what another window had open.
         let restores = matches!(start, Start::Sample(_));
         let restored =
@@ -83,7 +83,7 @@ impl ResectWindow {
     }
 
     pub fn layout(&self) -> &Layout {
-        &self.state.layout
+        &self.state.workspace.layout
     }
 
     /// Waits until nothing is under way; for pictures and tests.
@@ -92,7 +92,7 @@ impl ResectWindow {
     }
 
     /// Carries out a command as if a pane had sent it.
-    pub fn send(&mut self, command: Command, ctx: &egui::Context) {
+    pub fn send(&mut self, command: impl Into<Command>, ctx: &egui::Context) {
         self.state.handle(command, ctx);
     }
 }
@@ -114,15 +114,10 @@ impl eframe::App for ResectWindow {
         }
         self.state.begin_picture();
         let mut commands = Commands::new();
-        let dropped = ui.input(|input| {
-            input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
-        });
-        if !dropped.is_empty() {
-            commands.push(Command::OpenPaths(dropped));
-        }
+        commands.extend(dropped(ui));
         let ctx = ui.ctx().clone();
-        let is_asking = self.state.overlay != Overlay::None
-            || self.state.prompt.is_some()
+        let is_asking = self.state.dialogs.overlay != Overlay::None
+            || self.state.dialogs.prompt.is_some()
             || self.state.asked().is_some();
         self.shell.hide_pointer(&ctx, is_asking);
         if !is_asking {
@@ -130,12 +125,12 @@ impl eframe::App for ResectWindow {
         }
         panels::top_bar::ui(ui, &self.state, &mut commands);
         panels::time_bar::ui(ui, &self.state, &mut commands);
-        panels::toasts::ui(ui, &self.state.toasts, self.state.units, &mut commands);
+        panels::toasts::ui(ui, &self.state.toasts, self.state.workspace.units, &mut commands);
         let frame = egui::Frame::new().fill(ui.visuals().panel_fill);
         egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
             // Panes may move the layout and the camera while they read all the rest.
-            let mut layout = std::mem::replace(&mut self.state.layout, Layout::empty());
-            let mut view = std::mem::take(&mut self.state.view);
+            let mut layout = std::mem::replace(&mut self.state.workspace.layout, Layout::empty());
+            let mut view = std::mem::take(&mut self.state.scene.view);
             let mut panes = Panes {
                 state: &self.state,
                 commands: &mut commands,
@@ -143,31 +138,18 @@ impl eframe::App for ResectWindow {
                 view: &mut view,
             };
             layout.ui(ui, &mut |pane, ui| panes.pane(pane, ui));
-            (self.state.layout, self.state.view) = (layout, view);
+            (self.state.workspace.layout, self.state.scene.view) = (layout, view);
         });
         self.shell.show_pointer(&ctx);
         panels::drop_hint::ui(ui, &self.state, &mut commands);
-        match &self.state.overlay {
-            Overlay::None => {}
-            Overlay::Palette(palette) => {
-                panels::command_palette::ui(&ctx, &self.state, palette, &mut commands);
-            }
-            Overlay::Shortcuts => panels::shortcuts::ui(&ctx, &self.state, &mut commands),
-            Overlay::Glossary(lookup) => panels::glossary::ui(&ctx, lookup, &mut commands),
-        }
-        if let Some(prompt) = &self.state.prompt {
-            panels::path_prompt::ui(&ctx, &prompt.shown, &mut commands);
-        }
-        if let Some(asked) = self.state.asked() {
-            panels::asked::ui(&ctx, asked, &mut commands);
-        }
+        dialogs(&ctx, &self.state, &mut commands);
         let scene = self.scene.take_place();
         self.state.take_picture(&ctx, scene);
-        let hovered_s = self.state.hover_s.take();
+        let hovered_s = self.state.time.hover_s.take();
         for command in commands {
             self.send(command, &ctx);
         }
-        if self.state.playback.playing || self.state.hover_s != hovered_s {
+        if self.state.time.playback.playing || self.state.time.hover_s != hovered_s {
             // The other panes show where the pointer is, too.
             ctx.request_repaint();
         }
@@ -194,6 +176,32 @@ impl eframe::App for ResectWindow {
     }
 }
 
+/// Opens the files that were dropped in this frame.
+fn dropped(ui: &egui::Ui) -> Option<Command> {
+    let paths = ui.input(|input| {
+        input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
+    });
+    (!paths.is_empty()).then(|| DeploymentCommand::OpenPaths(paths).into())
+}
+
+/// Draws the sheets and the dialogs above the panes.
+fn dialogs(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    match &state.dialogs.overlay {
+        Overlay::None => {}
+        Overlay::Palette(palette) => {
+            panels::command_palette::ui(ctx, state, palette, commands);
+        }
+        Overlay::Shortcuts => panels::shortcuts::ui(ctx, state, commands),
+        Overlay::Glossary(lookup) => panels::glossary::ui(ctx, lookup, commands),
+    }
+    if let Some(prompt) = &state.dialogs.prompt {
+        panels::path_prompt::ui(ctx, &prompt.shown, commands);
+    }
+    if let Some(asked) = state.asked() {
+        panels::asked::ui(ctx, asked, commands);
+    }
+}
+
 /// What a pane is drawn from.
 struct Panes<'a> {
     state: &'a State,
@@ -208,7 +216,10 @@ impl Panes<'_> {
         match pane {
             Pane::Deployment => panels::deployment::ui(ui, self.state, self.commands),
             Pane::Pipeline => panels::pipeline::ui(ui, self.state, self.commands),
-            Pane::Scene if self.state.open.is_empty() && self.state.opening.is_empty() => {
+            Pane::Scene
+                if self.state.deployments.open.is_empty()
+                    && self.state.deployments.opening.is_empty() =>
+            {
                 panels::empty_state::ui(ui, &self.state.session, self.commands);
             }
             Pane::Scene => self.scene.ui(ui, self.state, self.view, self.commands),

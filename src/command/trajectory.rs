@@ -13,6 +13,7 @@ use resect_core::calibration::joint::prisms::Instant;
 use resect_core::calibration::{Calibration, Targets};
 use resect_core::deployment::Deployment;
 use resect_core::evaluation::site::SiteFrame;
+use resect_core::evaluation::trajectory::Trajectory;
 use resect_core::evaluation::vehicle::{
     Instants, LARGEST_POSE_ERROR_M, NoTrajectory, prism_by, trajectory_by,
 };
@@ -62,14 +63,7 @@ const MOST_HZ: f64 = 10_000.0;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings.settings()?;
-    if !(arguments.max_error > 0.0 && arguments.max_error.is_finite()) {
-        let line = format!("--max-error is {} mm; it must be above zero", arguments.max_error);
-        return Err(Failure::Usage(line));
-    }
-    if let Some(hz) = arguments.pose_rate.filter(|hz| !(0.0..=MOST_HZ).contains(hz) || *hz == 0.0) {
-        let line = format!("--pose-rate is {hz} Hz; it must be above 0 and {MOST_HZ} at most");
-        return Err(Failure::Usage(line));
-    }
+    check(arguments)?;
     // Before anything that takes long.
     arguments.out.as_deref().map(kind_of).transpose()?;
     let times_s = arguments.at.as_deref().map(times_of).transpose()?;
@@ -107,10 +101,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         trajectory.poses.iter_mut().for_each(|pose| *pose = site.pose(pose));
         frame_id = "site";
     }
-    let of = match arguments.lever_arm {
-        None => frame.in_words().to_owned(),
-        Some(at) => format!("at {}, {}, {} m in: {}", at.x, at.y, at.z, frame.in_words()),
-    };
     if trajectory.poses.is_empty() {
         return Err(Failure::Input(anyhow::anyhow!(
             "{}: no pose: all {} epochs have an inter-prism error above {} mm or lie outside of the drive; check the \
@@ -120,48 +110,89 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             arguments.max_error,
         )));
     }
-    let calibration = &answer.calibration;
-    let without = left_out(&analysis, calibration);
-    let header = format!(
-        "{}: {frame_of_poses}, by {}, verdict {}; vehicle: {}",
-        deployment.name,
-        calibration.method.in_words(),
-        calibration.verdict_in_words(),
-        of,
-    );
-    let Some(file) = &arguments.out else {
-        return Ok(print(&trajectory_file::tum(&trajectory, &header))?);
+    let vehicle = match arguments.lever_arm {
+        None => frame.in_words().to_owned(),
+        Some(at) => format!("at {}, {}, {} m in: {}", at.x, at.y, at.z, frame.in_words()),
     };
-    let content = trajectory_file::file(kind_of(file)?, &trajectory, &header, frame_id)
-        .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
-    spare(file, used_files(&deployment))?;
-    atomic::write(file, content)?;
-    print(&format!(
-        "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\
-         poses in the {frame_of_poses}; of the vehicle: {}\n\
-         by {}, verdict {}\n{}",
-        file.display(),
-        trajectory.poses.len(),
-        trajectory.dropped,
-        arguments.max_error,
-        of,
-        calibration.method.in_words(),
-        calibration.verdict_in_words(),
-        without,
-    ))?;
-    if let Some(sigma) = trajectory.middle_sigma() {
-        print(&format!(
-            "typical σ, {}: {:.1} mm in position, {:.2} mrad in orientation\n",
-            if calibration.joint().is_some() {
-                "from readings, calibration, clocks and rig"
-            } else {
-                "from the spread of the inter-prism errors and given the calibration"
-            },
-            sigma.position_m * 1e3,
-            sigma.orientation_rad * 1e3
-        ))?;
+    let written =
+        FramedTrajectory { trajectory: &trajectory, frame: &frame_of_poses, frame_id, vehicle };
+    written.write(arguments, (&deployment, &analysis), &answer.calibration)
+}
+
+/// Refuses arguments out of their range.
+fn check(arguments: &Arguments) -> Result<(), Failure> {
+    if !(arguments.max_error > 0.0 && arguments.max_error.is_finite()) {
+        let line = format!("--max-error is {} mm; it must be above zero", arguments.max_error);
+        return Err(Failure::Usage(line));
+    }
+    if let Some(hz) = arguments.pose_rate.filter(|hz| !(0.0..=MOST_HZ).contains(hz) || *hz == 0.0) {
+        let line = format!("--pose-rate is {hz} Hz; it must be above 0 and {MOST_HZ} at most");
+        return Err(Failure::Usage(line));
     }
     Ok(())
+}
+
+/// A trajectory with the names of its frames.
+struct FramedTrajectory<'a> {
+    trajectory: &'a Trajectory,
+    /// The frame of the poses, in words, and its id.
+    frame: &'a str,
+    frame_id: &'a str,
+    /// The point of the vehicle and its axes, in words.
+    vehicle: String,
+}
+
+impl FramedTrajectory<'_> {
+    /// Writes the file, or prints it where none is named.
+    fn write(
+        &self,
+        arguments: &Arguments,
+        (deployment, analysis): (&Deployment, &Analysis),
+        calibration: &Calibration,
+    ) -> Result<(), Failure> {
+        let Self { trajectory, frame, frame_id, vehicle } = self;
+        let without = left_out(analysis, calibration);
+        let header = format!(
+            "{}: {frame}, by {}, verdict {}; vehicle: {}",
+            deployment.name,
+            calibration.method.in_words(),
+            calibration.verdict_in_words(),
+            vehicle,
+        );
+        let Some(file) = &arguments.out else {
+            return Ok(print(&trajectory_file::tum(trajectory, &header))?);
+        };
+        let content = trajectory_file::file(kind_of(file)?, trajectory, &header, frame_id)
+            .map_err(|why| anyhow::anyhow!("{}: {why}", file.display()))?;
+        spare(file, used_files(deployment))?;
+        atomic::write(file, content)?;
+        print(&format!(
+            "{}: {} poses, {} epochs dropped (inter-prism error above {} mm)\n\
+             poses in the {frame}; of the vehicle: {}\n\
+             by {}, verdict {}\n{}",
+            file.display(),
+            trajectory.poses.len(),
+            trajectory.dropped,
+            arguments.max_error,
+            vehicle,
+            calibration.method.in_words(),
+            calibration.verdict_in_words(),
+            without,
+        ))?;
+        if let Some(sigma) = trajectory.middle_sigma() {
+            print(&format!(
+                "typical σ, {}: {:.1} mm in position, {:.2} mrad in orientation\n",
+                if calibration.joint().is_some() {
+                    "from readings, calibration, clocks and rig"
+                } else {
+                    "from the spread of the inter-prism errors and given the calibration"
+                },
+                sigma.position_m * 1e3,
+                sigma.orientation_rad * 1e3
+            ))?;
+        }
+        Ok(())
+    }
 }
 
 /// Positions of the prism that all stations follow.

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect, Theme, Vec2};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use resect::app::{Command, Picked, StudyKind, StudyOptions, actions};
+use resect::app::{
+    Command, DeploymentCommand, Picked, ResultsCommand, SessionCommand, StudyKind, StudyOptions,
+    TimeCommand, actions,
+};
 
 use crate::act::Act;
 use crate::screen::Screen;
@@ -187,7 +190,7 @@ impl Dice {
     }
 
     fn text(&mut self, screen: &Screen, things: &[PathBuf]) -> Act {
-        if screen.state().prompt.is_some() && self.chance(0.7) {
+        if screen.state().dialogs.prompt.is_some() && self.chance(0.7) {
             let path = self.one_of(things).unwrap_or_default();
             let new = path.join(format!("new-{}", self.below(5)));
             return Act::TypePath(if self.chance(0.5) { path } else { new });
@@ -230,7 +233,7 @@ impl Dice {
     /// What is in no menu, with numbers that are good and numbers that were so before.
     fn command(&mut self, screen: &Screen) -> Act {
         let state = screen.state();
-        let open: Vec<u64> = state.open.iter().map(|open| open.id).collect();
+        let open: Vec<u64> = state.deployments.open.iter().map(|open| open.id).collect();
         let open = self.one_of(&open).unwrap_or(self.below(9) as u64);
         let pins: Vec<u64> = state.results.pins.iter().map(|pin| pin.id).collect();
         let pin = self.one_of(&pins).unwrap_or(self.below(9) as u64);
@@ -239,27 +242,29 @@ impl Dice {
         let times_s = [self.time_s(screen), self.time_s(screen)];
         let picked = Picked { station: self.below(4), index: self.below(4000) };
         Act::Send(Box::new(match self.below(24) {
-            0 | 1 => Command::Close(open),
-            2 | 3 => Command::Activate(open),
-            4 => Command::CancelAnalysis(open),
-            5 => Command::CancelOpening(self.below(50) as u64),
-            6 => Command::Unpin(pin),
-            7 => Command::ShowPin(pin, self.chance(0.5)),
-            8 => Command::UsePinned(pin),
-            9 => Command::PinRun(run),
-            10 => Command::RestoreRun(run),
-            11 => Command::ForgetMissing(self.below(3)),
-            12 => Command::MoveCursor(times_s[0]),
-            13 => Command::ShowTimes(times_s),
-            14 => Command::Select(Some(times_s)),
-            15 => Command::LookAtTimes(times_s),
-            16 => Command::PickInScene(picked),
-            17 => Command::PickInPlot(picked),
-            18 => Command::StepCursor(self.0.random()),
-            19 => Command::SetStudy(self.study(state.studies.options)),
-            20 | 21 => Command::RunStudy,
-            22 => Command::CancelStudy,
-            _ => Command::SaveStudyDialog,
+            0 | 1 => Command::Deployment(DeploymentCommand::Close(open)),
+            2 | 3 => Command::Deployment(DeploymentCommand::Activate(open)),
+            4 => Command::Deployment(DeploymentCommand::CancelAnalysis(open)),
+            5 => Command::Deployment(DeploymentCommand::CancelOpening(self.below(50) as u64)),
+            6 => Command::Results(ResultsCommand::Unpin(pin)),
+            7 => Command::Results(ResultsCommand::ShowPin(pin, self.chance(0.5))),
+            8 => Command::Results(ResultsCommand::UsePinned(pin)),
+            9 => Command::Results(ResultsCommand::PinRun(run)),
+            10 => Command::Results(ResultsCommand::RestoreRun(run)),
+            11 => Command::Session(SessionCommand::ForgetMissing(self.below(3))),
+            12 => Command::Time(TimeCommand::MoveCursor(times_s[0])),
+            13 => Command::Time(TimeCommand::ShowTimes(times_s)),
+            14 => Command::Time(TimeCommand::Select(Some(times_s))),
+            15 => Command::Time(TimeCommand::LookAtTimes(times_s)),
+            16 => Command::Time(TimeCommand::PickInScene(picked)),
+            17 => Command::Time(TimeCommand::PickInPlot(picked)),
+            18 => Command::Time(TimeCommand::StepCursor(self.0.random())),
+            19 => Command::Results(ResultsCommand::SetStudy(
+                self.study(state.results.studies.options),
+            )),
+            20 | 21 => Command::Results(ResultsCommand::RunStudy),
+            22 => Command::Results(ResultsCommand::CancelStudy),
+            _ => Command::Results(ResultsCommand::SaveStudyDialog),
         }))
     }
 

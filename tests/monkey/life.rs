@@ -7,8 +7,8 @@ use std::sync::{Mutex, Once, PoisonError};
 use std::time::Duration;
 
 use eframe::egui_wgpu::RenderState;
-use resect::app::Command;
 use resect::app::persist::session_file;
+use resect::app::{Command, DeploymentCommand, ResultsCommand, SessionCommand};
 use resect_io::sample::Sample;
 
 use crate::act::Act;
@@ -116,8 +116,13 @@ impl Life {
 
     fn close_all(&mut self) {
         let state = self.screen.state();
-        let close = state.open.iter().map(|open| Command::Close(open.id));
-        let unpin = state.results.pins.iter().map(|pin| Command::Unpin(pin.id));
+        let close = state
+            .deployments
+            .open
+            .iter()
+            .map(|open| Command::Deployment(DeploymentCommand::Close(open.id)));
+        let unpin =
+            state.results.pins.iter().map(|pin| Command::Results(ResultsCommand::Unpin(pin.id)));
         let commands: Vec<Command> = close.chain(unpin).collect();
         commands.into_iter().for_each(|command| self.screen.send(command));
     }
@@ -128,7 +133,7 @@ impl Life {
         let path = self.sessions.join(format!("{number}.resect.toml"));
         self.screen.window().state.session.path = Some(path.clone());
         let session = self.screen.state().session();
-        self.screen.send(Command::SaveSession);
+        self.screen.send(SessionCommand::Save);
         self.screen.settle();
         let (saved, findings) = session_file::load(&path).expect("saved");
         assert_eq!(findings, [], "what was just saved is whole");
@@ -147,7 +152,7 @@ impl Life {
     }
 
     fn die(&mut self) {
-        self.screen.send(Command::CancelStudy);
+        self.screen.send(ResultsCommand::CancelStudy);
         let had = self.screen.state().session();
         self.screen.die();
         self.screen.start();
@@ -162,7 +167,7 @@ impl Life {
     }
 
     fn exit(&mut self) {
-        self.screen.send(Command::CancelStudy);
+        self.screen.send(ResultsCommand::CancelStudy);
         // What is being opened when the window closes may or may not be open then.
         self.screen.settle();
         let had = self.screen.state().session();
@@ -171,7 +176,7 @@ impl Life {
         self.screen.settle();
         assert!(self.screen.state().session().is_empty(), "a clean exit leaves nothing to restore");
         if !had.is_empty() {
-            self.screen.send(Command::ReopenLast);
+            self.screen.send(SessionCommand::ReopenLast);
             self.screen.settle();
             let has = self.screen.state().session();
             assert_same(&had, &has, "in what was open last");
@@ -182,12 +187,12 @@ impl Life {
     pub fn open_and_close(&mut self, rounds: usize) -> Vec<f64> {
         let round = |_| {
             for sample in Sample::ALL {
-                self.screen.send(Command::OpenSample(sample));
+                self.screen.send(DeploymentCommand::OpenSample(sample));
             }
             let folder = self.things.iter().find(|path| path.ends_with("eight"));
-            self.screen.send(Command::OpenPaths(folder.into_iter().cloned().collect()));
+            self.screen.send(DeploymentCommand::OpenPaths(folder.into_iter().cloned().collect()));
             self.screen.settle();
-            assert_eq!(self.screen.state().open.len(), 3);
+            assert_eq!(self.screen.state().deployments.open.len(), 3);
             self.close_all();
             self.screen.settle();
             resident_mb()

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use egui::{
     Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase,
 };
-use resect::app::Command;
+use resect::app::DialogCommand;
 use resect::app::file_dialog::PromptCommand;
 
 use crate::act::Act;
@@ -16,32 +16,9 @@ impl Screen {
     pub fn perform(&mut self, act: Act) {
         match act {
             Act::Move(at) => self.frame(vec![Event::PointerMoved(at)]),
-            Act::Click { at, button, modifiers, times } => {
-                self.hold(modifiers);
-                self.frame(vec![Event::PointerMoved(at)]);
-                // Several clicks in one frame: more time between them, and they are single ones.
-                let clicks = (0..times).flat_map(|_| [true, false]);
-                let events: Vec<Event> =
-                    clicks.map(|pressed| pointer(at, button, pressed, modifiers)).collect();
-                if times == 1 && self.state().prompt.is_none() {
-                    events.into_iter().for_each(|event| self.frame(vec![event]));
-                } else {
-                    self.frame(events);
-                }
-                self.hold(Modifiers::NONE);
-                self.frame(Vec::new());
-            }
+            Act::Click { at, button, modifiers, times } => self.click(at, button, modifiers, times),
             Act::Drag { from, to, button, modifiers, frames } => {
-                self.hold(modifiers);
-                self.frame(vec![Event::PointerMoved(from)]);
-                self.frame(vec![pointer(from, button, true, modifiers)]);
-                for frame in 1..=frames {
-                    let at = from.lerp(to, frame as f32 / frames as f32);
-                    self.frame(vec![Event::PointerMoved(at)]);
-                }
-                self.frame(vec![pointer(to, button, false, modifiers)]);
-                self.hold(Modifiers::NONE);
-                self.frame(Vec::new());
+                self.drag([from, to], button, modifiers, frames);
             }
             Act::Wheel { at, delta, modifiers } => {
                 self.hold(modifiers);
@@ -92,7 +69,7 @@ impl Screen {
             Act::Entry(_, command) | Act::Send(command) => self.send(*command),
             Act::TypePath(path) => {
                 let path = path.display().to_string();
-                self.send(Command::Prompt(PromptCommand::Type(path)));
+                self.send(DialogCommand::Prompt(PromptCommand::Type(path)));
                 self.frame(Vec::new());
             }
             Act::Wait { frames, each_s } => {
@@ -105,6 +82,41 @@ impl Screen {
                 unreachable!("of the window's life")
             }
         }
+    }
+
+    fn click(&mut self, at: Pos2, button: PointerButton, modifiers: Modifiers, times: usize) {
+        self.hold(modifiers);
+        self.frame(vec![Event::PointerMoved(at)]);
+        // Several clicks in one frame: more time between them, and they are single ones.
+        let clicks = (0..times).flat_map(|_| [true, false]);
+        let events: Vec<Event> =
+            clicks.map(|pressed| pointer(at, button, pressed, modifiers)).collect();
+        if times == 1 && self.state().dialogs.prompt.is_none() {
+            events.into_iter().for_each(|event| self.frame(vec![event]));
+        } else {
+            self.frame(events);
+        }
+        self.hold(Modifiers::NONE);
+        self.frame(Vec::new());
+    }
+
+    fn drag(
+        &mut self,
+        [from, to]: [Pos2; 2],
+        button: PointerButton,
+        modifiers: Modifiers,
+        frames: usize,
+    ) {
+        self.hold(modifiers);
+        self.frame(vec![Event::PointerMoved(from)]);
+        self.frame(vec![pointer(from, button, true, modifiers)]);
+        for frame in 1..=frames {
+            let at = from.lerp(to, frame as f32 / frames as f32);
+            self.frame(vec![Event::PointerMoved(at)]);
+        }
+        self.frame(vec![pointer(to, button, false, modifiers)]);
+        self.hold(Modifiers::NONE);
+        self.frame(Vec::new());
     }
 
     fn hover(&mut self, paths: Vec<PathBuf>) {

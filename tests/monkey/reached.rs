@@ -15,7 +15,7 @@ impl Reached {
                 self.0.insert(what.to_owned());
             }
         };
-        match &state.overlay {
+        match &state.dialogs.overlay {
             Overlay::None => {}
             Overlay::Palette(_) => note("command palette"),
             Overlay::Shortcuts => note("shortcuts"),
@@ -29,26 +29,27 @@ impl Reached {
             Some(Asked::Files(_)) => note("question: files"),
             Some(Asked::Toml(_)) => note("question: deployment.toml"),
         }
-        let shown = |pane: &&Pane| state.layout.place(**pane).is_some_and(|it| it.is_positive());
+        let shown =
+            |pane: &&Pane| state.workspace.layout.place(**pane).is_some_and(|it| it.is_positive());
         Pane::ALL.iter().filter(shown).for_each(|pane| note(&format!("pane {pane:?}")));
         let others = [
-            ("prompt", state.prompt.is_some()),
+            ("prompt", state.dialogs.prompt.is_some()),
             (
                 "prompt: overwrite",
-                state.prompt.as_ref().is_some_and(|it| it.shown.overwrite.is_some()),
+                state.dialogs.prompt.as_ref().is_some_and(|it| it.shown.overwrite.is_some()),
             ),
-            ("two open", state.open.len() > 1),
+            ("two open", state.deployments.open.len() > 1),
             ("pin", !state.results.pins.is_empty()),
             ("several runs", state.results.runs.len() > 3),
-            ("undo", state.undo.next_redo().is_some()),
-            ("study", state.studies.result.is_some()),
-            ("study runs", state.studies.running.is_some()),
+            ("undo", state.deployments.undo.next_redo().is_some()),
+            ("study", state.results.studies.result.is_some()),
+            ("study runs", state.results.studies.running.is_some()),
             ("missing", !state.session.missing.is_empty()),
             ("recovered", state.session.recovered),
-            ("playing", state.playback.playing),
+            ("playing", state.time.playback.playing),
             ("selection", state.active().is_some_and(|open| open.timeline.selection_s.is_some())),
             ("picked", state.active().is_some_and(|open| open.timeline.picked.is_some())),
-            ("ruler", !state.ruler.ends.is_empty()),
+            ("ruler", !state.scene.ruler.ends.is_empty()),
             ("written", state.toasts.shown().iter().any(|it| it.text.contains("written"))),
             ("error", state.toasts.errors().next().is_some()),
         ];

@@ -12,7 +12,7 @@ use egui::{
 use resect::app::file_dialog::PromptCommand;
 use resect::app::keeping::Keeping;
 use resect::app::persist::Folders;
-use resect::app::{Command, ResectWindow, Start, State};
+use resect::app::{Command, DialogCommand, ResectWindow, Start, State};
 use resect_core::analysis::Settings;
 use resect_io::sample::Sample;
 
@@ -95,7 +95,7 @@ impl Screen {
         let start = Start::Sample(Sample::Warthog);
         let mut window =
             ResectWindow::keeping(&creation, &start, Settings::default(), Some(keeping));
-        window.state.asks_in_window = true;
+        window.state.dialogs.asks_in_window = true;
         self.window = Some(window);
         self.frame(Vec::new());
     }
@@ -128,7 +128,7 @@ impl Screen {
         pixels / (self.scale * self.ctx.zoom_factor())
     }
 
-    pub fn send(&mut self, command: Command) {
+    pub fn send(&mut self, command: impl Into<Command>) {
         let ctx = self.ctx.clone();
         self.window().send(command, &ctx);
         self.stay_inside();
@@ -196,7 +196,9 @@ impl Screen {
     /// Brings a prompt back that looks at another folder than the monkey's own, before it can be answered.
     fn stay_inside(&mut self) {
         let inside = |path: &Path| path.starts_with(&self.folder);
-        let Some(prompt) = self.state().prompt.as_ref().map(|prompt| &prompt.shown) else { return };
+        let Some(prompt) = self.state().dialogs.prompt.as_ref().map(|prompt| &prompt.shown) else {
+            return;
+        };
         let text = &prompt.text;
         let relative = !text.starts_with(['/', '\\', '~']);
         let harmless = !text.contains("..") && (relative || inside(Path::new(text)));
@@ -205,7 +207,7 @@ impl Screen {
             let home = PromptCommand::GoTo(self.folder.join("data"));
             let ctx = self.ctx.clone();
             for command in [PromptCommand::KeepFile, home] {
-                self.window().send(Command::Prompt(command), &ctx);
+                self.window().send(DialogCommand::Prompt(command), &ctx);
             }
         }
     }

@@ -3,7 +3,10 @@
 use egui::Theme;
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
-use resect::app::{AngleUnit, Command, Pane, Units};
+use resect::app::{
+    AngleUnit, DeploymentCommand, DialogCommand, Pane, SceneCommand, TimeCommand, Units,
+    WorkspaceCommand,
+};
 use resect_core::calibration::Method;
 use resect_core::simulation::{Preset, simulate, simulate_scenario};
 use resect_io::simulation_files::write_folder;
@@ -48,11 +51,11 @@ fn the_joint_estimate_is_taken_where_a_finding_advises_it_and_given_back() {
     press_first(&mut harness, "Use the joint estimate");
     assert_eq!(method(&harness), Method::Joint);
     assert!(!is_said(&harness, "Use the joint estimate"));
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     assert_eq!(method(&harness), Method::InterPrism);
 
     // The palette has it as well.
-    send(&mut harness, Command::ShowPalette);
+    send(&mut harness, DialogCommand::ShowPalette);
     harness.event(egui::Event::Text("advice joint".to_owned()));
     settle(&mut harness);
     harness.key_press(egui::Key::Enter);
@@ -63,7 +66,7 @@ fn the_joint_estimate_is_taken_where_a_finding_advises_it_and_given_back() {
 #[test]
 fn no_finding_shows_a_flag_and_the_copied_text_names_it() {
     let mut harness = pulled();
-    send(&mut harness, Command::ShowPane(Pane::Findings));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Findings));
     assert!(!is_said(&harness, "--"));
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     let findings = &analysis.answer.as_ref().expect("an answer").calibration.findings;
@@ -75,10 +78,10 @@ fn no_finding_shows_a_flag_and_the_copied_text_names_it() {
     deployment.rig = None;
     open(&mut harness, deployment);
     for pane in [Pane::Result, Pane::Findings, Pane::Runs] {
-        send(&mut harness, Command::ShowPane(pane));
+        send(&mut harness, WorkspaceCommand::ShowPane(pane));
         assert!(!is_said(&harness, "--"), "{pane:?}");
     }
-    send(&mut harness, Command::ShowPane(Pane::Result));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Result));
     // It came from no file, so it cannot be read again with one.
     let mut choose = harness.get_all_by_role_and_label(Role::Button, "Choose a rig file…");
     assert!(choose.all(|button| button.accesskit_node().is_disabled()));
@@ -90,21 +93,21 @@ fn exchanged_stations_are_exchanged_back_by_the_finding_that_sees_it() {
     let path = folder.path().join("drive");
     write_folder(&simulate(Preset::UnevenGround, 1), &path).expect("written");
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     let stations = |harness: &Window| {
         let source = shown(harness).source.as_ref().expect("a source");
         source.extras.put_right.stations
     };
     let mut extras = shown(&harness).source.as_ref().expect("a source").extras.clone();
     extras.put_right.stations = Some([1, 3, 2]);
-    send(&mut harness, Command::PutRight(extras));
+    send(&mut harness, DeploymentCommand::PutRight(extras));
     assert_eq!(stations(&harness), Some([1, 3, 2]));
 
     let back = "Put right: station numbers 1 3 2 → 1 2 3";
     press_first(&mut harness, back);
     assert_eq!(stations(&harness), None);
     assert!(!is_said(&harness, back));
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     assert_eq!(stations(&harness), Some([1, 3, 2]));
 }
 
@@ -118,14 +121,14 @@ fn a_point_and_a_time_that_a_finding_names_are_shown() {
     point.readings[1].as_mut().expect("measured").range_m += 0.3;
     open(&mut harness, deployment);
     set(&mut harness, |s| s.calibration.method = Some(Method::StaticGcp));
-    let mut visibility = harness.state().state.visibility;
+    let mut visibility = harness.state().state.scene.visibility;
     visibility.control_points = false;
-    send(&mut harness, Command::Show(visibility));
+    send(&mut harness, SceneCommand::Show(visibility));
     press_first(&mut harness, &name);
-    assert!(harness.state().state.visibility.control_points);
+    assert!(harness.state().state.scene.visibility.control_points);
 
     let [start_s, _] = shown(&harness).timeline.whole_s;
-    send(&mut harness, Command::LookAtTimes([start_s + 20.0, start_s + 40.0]));
+    send(&mut harness, TimeCommand::LookAtTimes([start_s + 20.0, start_s + 40.0]));
     let timeline = &shown(&harness).timeline;
     assert_eq!(timeline.selection_s, Some([start_s + 20.0, start_s + 40.0]));
     assert!(timeline.window_s[0] < start_s + 20.0 && timeline.window_s[1] > start_s + 40.0);
@@ -136,7 +139,7 @@ fn what_can_be_put_right_unfolds_on_request() {
     let mut harness = window(LARGE, Theme::Dark);
     let station_numbers = "Exchange stations 2 and 3";
     assert!(harness.query_by_label(station_numbers).is_none());
-    send(&mut harness, Command::ShowPutRight);
+    send(&mut harness, DeploymentCommand::ShowPutRight);
     assert!(harness.query_by_label(station_numbers).is_some());
 }
 
@@ -147,10 +150,10 @@ fn findings_tell_angles_in_the_users_unit() {
         &mut harness,
         resect_io::simulation_files::open(&simulate(Preset::LShape, 1)).expect("valid"),
     );
-    send(&mut harness, Command::ShowPane(Pane::Findings));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Findings));
     assert!(is_said(&harness, "one corner of 90°"));
     let units = Units { angle: AngleUnit::Gon, ..Units::default() };
-    send(&mut harness, Command::SetUnits(units));
+    send(&mut harness, WorkspaceCommand::SetUnits(units));
     assert!(
         is_said(&harness, "one corner of 100\u{a0}gon") && !is_said(&harness, "one corner of 90°")
     );

@@ -6,7 +6,7 @@ use std::path::Path;
 use egui::Theme;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use resect::app::{Asked, Command, Pane, ResectWindow, Units};
+use resect::app::{Asked, DeploymentCommand, Pane, ResectWindow, SessionCommand, Units};
 use resect_core::deployment::{ColumnMapping, OneOrMany, Overrides};
 use resect_core::simulation::{Preset, simulate};
 use resect_io::error::{Question, Topic};
@@ -49,7 +49,7 @@ fn two_recordings_in_a_folder_are_a_question() {
     write_folder(&simulate(Preset::UnevenGround, 1), &path).expect("written");
     copy("inter_prism.csv", &path.join("zz another.csv"));
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     assert!(harness.state().state.toasts.errors().next().is_none());
     harness.get_by_label("Which file holds the tracks?");
     // Nothing is chosen, so nothing is opened.
@@ -60,7 +60,7 @@ fn two_recordings_in_a_folder_are_a_question() {
     assert!(harness.state().state.asked().is_none());
     assert_eq!(put_right(&harness).tracks, Some(OneOrMany::One("zz another.csv".into())));
     // It is remembered: read again, nothing is asked.
-    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     assert!(harness.state().state.asked().is_none());
 }
 
@@ -76,23 +76,23 @@ fn a_session_waits_for_the_answer_to_what_its_data_leaves_open() {
     std::fs::write(&session, text).expect("written");
     for answered in [true, false] {
         let mut harness = window(LARGE, Theme::Dark);
-        send(&mut harness, Command::OpenPaths(vec![session.clone()]));
+        send(&mut harness, DeploymentCommand::OpenPaths(vec![session.clone()]));
         assert!(matches!(asked(&harness), Asked::Tracks(_)));
         assert!(harness.state().state.session.missing.is_empty());
         assert_eq!(harness.state().state.session().deployments.len(), 2, "it stays in the session");
         if answered {
             click(&mut harness, "b.csv");
             click(&mut harness, "Open");
-            let open = &harness.state().state.open;
+            let open = &harness.state().state.deployments.open;
             assert_eq!((open.len(), harness.state().state.session.missing.len()), (2, 0));
             let tracks = open[0].source.as_ref().and_then(|it| it.extras.put_right.tracks.clone());
             assert_eq!(tracks, Some(OneOrMany::One("b.csv".into())));
         } else {
             harness.key_press(egui::Key::Escape);
             settle(&mut harness);
-            assert_eq!(harness.state().state.open.len(), 1, "the others are opened");
+            assert_eq!(harness.state().state.deployments.open.len(), 1, "the others are opened");
             assert_eq!(harness.state().state.session.missing.len(), 1);
-            send(&mut harness, Command::RetryMissing);
+            send(&mut harness, SessionCommand::RetryMissing);
             assert!(matches!(asked(&harness), Asked::Tracks(_)));
         }
     }
@@ -108,7 +108,7 @@ fn a_question_can_be_left() {
     copy("inter_prism.csv", &drive.join("b.csv"));
     let mut harness = window(SMALL, Theme::Light);
     let name = shown(&harness).deployment.name.clone();
-    send(&mut harness, Command::OpenSource(Source::at(&drive)));
+    send(&mut harness, DeploymentCommand::OpenSource(Source::at(&drive)));
     snapshot_of(&mut harness, Part::Middle(Vec2::new(640.0, 320.0)), "asked-tracks-light");
     harness.key_press(egui::Key::Escape);
     settle(&mut harness);
@@ -165,7 +165,7 @@ fn columns_are_named_with_the_first_rows_in_sight() {
         (SMALL, Theme::Light, "asked-columns-small-light"),
     ] {
         let mut harness = window(size, theme);
-        send(&mut harness, Command::OpenSource(Source::at(&path)));
+        send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
         let Asked::Columns(columns) = asked(&harness) else { panic!("columns") };
         assert_eq!(columns.preview.header.len(), 5);
         // Not all of it can be guessed: it cannot be opened yet.
@@ -213,22 +213,25 @@ fn a_folder_with_only_a_rig_asks_what_it_is_for() {
     let mut harness = window(SMALL, Theme::Dark);
     let before = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
     let name = shown(&harness).deployment.name.clone();
-    send(&mut harness, Command::OpenPaths(vec![rig.clone()]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![rig.clone()]));
     snapshot_of(&mut harness, Part::Middle(Vec2::new(640.0, 320.0)), "asked-files-dark");
     assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
     click(&mut harness, "Cancel");
     assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
-    send(&mut harness, Command::OpenPaths(vec![rig.clone()]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![rig.clone()]));
     click(&mut harness, &format!("Use for {name}"));
     let now = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
     assert_eq!(now, [0.9, 1.0, 1.1]);
-    assert_eq!(harness.state().state.undo.undo_name(Units::default()), "Undo rig as read → rig");
-    send(&mut harness, Command::Undo);
+    assert_eq!(
+        harness.state().state.deployments.undo.undo_name(Units::default()),
+        "Undo rig as read → rig"
+    );
+    send(&mut harness, DeploymentCommand::Undo);
     assert_eq!(shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m, before);
     // As a deployment it has no tracks, which is said.
-    send(&mut harness, Command::OpenPaths(vec![rig]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![rig]));
     click(&mut harness, "Open as a deployment of its own");
-    assert_eq!(harness.state().state.open.len(), 1);
+    assert_eq!(harness.state().state.deployments.open.len(), 1);
     let (text, _) = harness.state().state.toasts.errors().next().expect("said");
     assert!(text.contains("no tracks of the stations"), "{text}");
 }
@@ -239,7 +242,7 @@ fn a_recording_without_a_rig_ends_in_a_calibration() {
     copy("inter_prism.csv", &folder.path().join("tracks.csv"));
     let mut harness = window(LARGE, Theme::Dark);
     let known = shown(&harness).deployment.rig.clone().expect("a rig").inter_prism_m;
-    send(&mut harness, Command::OpenSource(Source::at(folder.path().join("tracks.csv"))));
+    send(&mut harness, DeploymentCommand::OpenSource(Source::at(folder.path().join("tracks.csv"))));
     assert!(harness.state().state.analysed().expect("open").1.answer.is_err());
     snapshot_of(&mut harness, Part::Pane(Pane::Result), "no-rig-dark");
     for (pair, distance_m) in ["1–2", "1–3", "2–3"].iter().zip(known) {

@@ -4,14 +4,16 @@ use std::path::Path;
 
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
-use resect::app::{Channel, Command, LengthUnit, Pane, Plotted, Units};
+use resect::app::{
+    Channel, LengthUnit, Pane, Plotted, SceneCommand, TimeCommand, Units, WorkspaceCommand,
+};
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, send, settle, shown, snapshot_of, type_and_enter_at_once, window,
 };
 
 fn plot(harness: &mut Window, channel: Channel, against: Option<Channel>) {
-    send(harness, Command::Plot(Plotted { channel, against }));
+    send(harness, TimeCommand::Plot(Plotted { channel, against }));
 }
 
 #[test]
@@ -43,7 +45,7 @@ fn channels_are_drawn_with_their_units() {
     harness.get_all_by_label_contains("values; at the cursor").next().expect("a station");
     snapshot_of(&mut harness, Part::Pane(Pane::Channels), "channels-dark");
     let units = Units { length: LengthUnit::Millimetre, ..Units::default() };
-    send(&mut harness, Command::SetUnits(units));
+    send(&mut harness, WorkspaceCommand::SetUnits(units));
     assert!(harness.get_all_by_label_contains(" mm").count() >= 3);
     let mut harness = window(SMALL, Theme::Light);
     plot(&mut harness, Channel::Y, Some(Channel::X));
@@ -61,7 +63,7 @@ fn a_channel_is_chosen_in_the_menu_where_it_can_stand_against_the_other() {
     harness.run_steps(3);
     harness.get_by_label("distance error").click();
     settle(&mut harness);
-    let plotted = harness.state().state.plotted;
+    let plotted = harness.state().state.time.plotted;
     let expected = Plotted { channel: Channel::DistanceError, against: Some(Channel::Speed) };
     assert_eq!(plotted, expected);
     assert_eq!(plotted.with_channel(Channel::Range).against, Some(Channel::Speed));
@@ -70,7 +72,7 @@ fn a_channel_is_chosen_in_the_menu_where_it_can_stand_against_the_other() {
 }
 
 fn saved(harness: &mut Window, path: &Path) -> Vec<csv::StringRecord> {
-    send(harness, Command::SaveChannelsDialog);
+    send(harness, TimeCommand::SaveChannelsDialog);
     type_and_enter_at_once(harness, &path.display().to_string());
     settle(harness);
     // It is written beside the window, whole or not at all.
@@ -100,11 +102,11 @@ fn what_is_shown_is_written_as_a_table() {
     let time_s: f64 = rows[1][1].parse().expect("a number");
     assert!((time_s - first.time_s).abs() < 1e-6);
     // Of what is hidden or out of sight nothing is written.
-    let mut visibility = harness.state().state.visibility;
+    let mut visibility = harness.state().state.scene.visibility;
     visibility.stations = [false, true, false];
-    send(&mut harness, Command::Show(visibility));
+    send(&mut harness, SceneCommand::Show(visibility));
     let [from_s, to_s] = [100.0, 130.0].map(|t| shown(&harness).start_s() + t);
-    send(&mut harness, Command::ShowTimes([from_s, to_s]));
+    send(&mut harness, TimeCommand::ShowTimes([from_s, to_s]));
     plot(&mut harness, Channel::Range, Some(Channel::Speed));
     let rows = saved(&mut harness, &folder.path().join("some.csv"));
     assert_eq!(rows[0], vec!["series", "time_s", "speed_m_per_s", "range_m"]);

@@ -2,7 +2,7 @@
 
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Pane};
+use resect::app::{Pane, WorkspaceCommand};
 use resect_core::calibration::Method;
 use resect_core::deployment::TimeCorrection;
 use resect_core::simulation::{Preset, simulate};
@@ -28,7 +28,7 @@ fn with_clocks() -> resect_core::deployment::Deployment {
 }
 
 fn show_clocks(harness: &mut Window) {
-    send(harness, Command::ShowPane(Pane::Clocks));
+    send(harness, WorkspaceCommand::ShowPane(Pane::Clocks));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Drives of one set-up, solved together in the window.
 
 use egui::{Key, Modifiers, Theme};
-use resect::app::Command;
+use resect::app::DeploymentCommand;
 use resect_core::calibration::Verdict;
 use resect_core::simulation::Preset;
 use resect_io::simulation_files::write_folder;
@@ -24,12 +24,12 @@ fn the_palette_solves_two_drives_together_and_undo_parts_them() {
     let runs = two_runs(Preset::Warthog.scenario(), 3, &[]);
     for (name, run) in ["morning", "noon"].iter().zip(&runs) {
         write_folder(run, &folder.path().join(name)).expect("written");
-        send(&mut harness, Command::OpenSource(Source::at(folder.path().join(name))));
+        send(&mut harness, DeploymentCommand::OpenSource(Source::at(folder.path().join(name))));
     }
     let (alone_m, readings) = (sigma_m(&harness), crate::harness::triplets(&harness));
     press(&mut harness, Modifiers::COMMAND, Key::P);
     type_and_enter_at_once(&mut harness, "solve together");
-    assert_eq!(harness.state().state.open.len(), 2);
+    assert_eq!(harness.state().state.deployments.open.len(), 2);
     assert_eq!(shown(&harness).deployment.restarts_s.len(), 1);
     assert!(crate::harness::triplets(&harness) > readings * 3 / 2);
     assert!(sigma_m(&harness) < alone_m);

@@ -3,7 +3,7 @@
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, OutputCommand, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Overlay, Pane};
+use resect::app::{DeploymentCommand, DialogCommand, Overlay, Pane, WorkspaceCommand};
 use resect_core::simulation::{Preset, simulate};
 use resect_report::glossary;
 use resect_report::glossary::Term;
@@ -15,12 +15,12 @@ use crate::harness::{
 /// What F1 explains now.
 fn explained(harness: &mut Window) -> Vec<&'static Term> {
     press(harness, Modifiers::NONE, Key::F1);
-    let of = match &harness.state().state.overlay {
+    let of = match &harness.state().state.dialogs.overlay {
         Overlay::Glossary(lookup) => lookup.of.clone(),
         other => panic!("F1 opened {other:?}"),
     };
     press(harness, Modifiers::NONE, Key::Escape);
-    assert_eq!(harness.state().state.overlay, Overlay::None);
+    assert_eq!(harness.state().state.dialogs.overlay, Overlay::None);
     of
 }
 
@@ -60,7 +60,7 @@ fn f1_explains_what_is_under_the_pointer_or_else_has_the_focus() {
 #[test]
 fn a_threshold_in_a_plot_is_explained_too() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::ShowPane(Pane::Rates));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Rates));
     leave(&mut harness);
     harness.get_by_label("τ_e line").focus();
     harness.run_steps(2);
@@ -83,7 +83,7 @@ fn words_are_found_by_what_is_typed() {
     let mut harness = window(SMALL, Theme::Light);
     leave(&mut harness);
     assert_eq!(explained(&mut harness), [] as [&Term; 0], "nothing is pointed at: all words");
-    send(&mut harness, Command::Explain);
+    send(&mut harness, DialogCommand::Explain);
     harness.event(Event::Text("twice the height".to_owned()));
     settle(&mut harness);
     harness.get_by_label(glossary::MIRROR_TWIN.means);
@@ -100,7 +100,7 @@ fn words_are_found_by_what_is_typed() {
 #[test]
 fn the_guide_does_what_it_says() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::ShowPane(Pane::Guide));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Guide));
     harness.get_by_label_contains("Open now: warthog (simulated)");
     click(&mut harness, "3  Tune");
     let runs = harness.state().state.results.pins.len();
@@ -122,7 +122,7 @@ fn the_guide_does_what_it_says() {
 #[test]
 fn the_guide_is_searched_together_with_the_words() {
     let mut harness = window(SMALL, Theme::Light);
-    send(&mut harness, Command::ShowPane(Pane::Guide));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Guide));
     harness.get_by_label("Search the guide").focus();
     harness.run_steps(2);
     harness.event(Event::Text("millisecond".to_owned()));
@@ -141,7 +141,7 @@ fn the_guide_is_searched_together_with_the_words() {
 fn who_has_nothing_open_is_led_to_the_guide() {
     let mut harness = window(SMALL, Theme::Dark);
     let id = shown(&harness).id;
-    send(&mut harness, Command::Close(id));
+    send(&mut harness, DeploymentCommand::Close(id));
     harness.get_by_label("Show the guide").click();
     settle(&mut harness);
     harness.get_by_label("Nothing is open.");
@@ -158,7 +158,7 @@ fn the_guide_explains_the_doubts_that_there_are() {
         let straight =
             resect_io::simulation_files::open(&simulate(Preset::StraightLine, 1)).expect("valid");
         open(&mut harness, straight);
-        send(&mut harness, Command::ShowPane(Pane::Guide));
+        send(&mut harness, WorkspaceCommand::ShowPane(Pane::Guide));
         click(&mut harness, "4  Trust it?");
         harness.get_by_label("⚠ A direction is free or weakly held, here");
         click(&mut harness, "2  Is it right?");

@@ -6,7 +6,9 @@
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, image_snapshot_options};
-use resect::app::{Command, OpenDeployment, Pane, ResectWindow, Start, offscreen_renderer};
+use resect::app::{
+    Command, DeploymentCommand, OpenDeployment, Pane, ResectWindow, Start, offscreen_renderer,
+};
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
 use resect_io::sample::Sample;
@@ -26,8 +28,8 @@ pub fn window(size: Vec2, theme: Theme) -> Window {
         .build_eframe(|creation| {
             ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
         });
-    harness.state_mut().state.fixed_elapsed_ms = Some(1.0);
-    harness.state_mut().state.asks_in_window = true;
+    harness.state_mut().state.workspace.fixed_elapsed_ms = Some(1.0);
+    harness.state_mut().state.dialogs.asks_in_window = true;
     settle(&mut harness);
     harness
 }
@@ -42,7 +44,7 @@ pub fn settle(harness: &mut Window) {
 }
 
 /// Carries out a command as a pane would.
-pub fn send(harness: &mut Window, command: Command) {
+pub fn send(harness: &mut Window, command: impl Into<Command>) {
     let ctx = harness.ctx.clone();
     harness.state_mut().send(command, &ctx);
     settle(harness);
@@ -52,7 +54,7 @@ pub fn send(harness: &mut Window, command: Command) {
 pub fn set(harness: &mut Window, change: impl FnOnce(&mut Settings)) {
     let mut settings = settings(harness);
     change(&mut settings);
-    send(harness, Command::Set(settings));
+    send(harness, DeploymentCommand::Set(settings));
 }
 
 pub fn open(harness: &mut Window, deployment: Deployment) {

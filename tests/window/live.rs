@@ -2,7 +2,7 @@
 
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, LiveCommand, LiveForm, Pane};
+use resect::app::{DeploymentCommand, LiveCommand, LiveForm, Pane, TimeCommand, WorkspaceCommand};
 use resect_core::calibration::Method;
 
 use crate::common::sample_folder;
@@ -20,8 +20,8 @@ fn form(record: Option<std::path::PathBuf>) -> LiveForm {
 
 /// Begins a replay by the button, and lets frames pass until something is the case.
 fn replay(harness: &mut Window, record: Option<std::path::PathBuf>) {
-    send(harness, Command::Live(LiveCommand::Show));
-    send(harness, Command::Live(LiveCommand::Edit(form(record))));
+    send(harness, LiveCommand::Show);
+    send(harness, LiveCommand::Edit(form(record)));
     click(harness, "Replay");
     until(harness, |window| window.state().state.live.is_running());
 }
@@ -115,7 +115,7 @@ fn the_cursor_goes_with_what_comes_until_it_is_moved() {
     until(&mut harness, |window| now_s(window) > before_s + 5.0);
     assert_eq!(cursor_s(&harness), now_s(&harness));
     let early_s = shown(&harness).start_s() + 3.0;
-    send(&mut harness, Command::MoveCursor(early_s));
+    send(&mut harness, TimeCommand::MoveCursor(early_s));
     let before_s = now_s(&harness);
     until(&mut harness, |window| now_s(window) > before_s + 5.0);
     assert_eq!(cursor_s(&harness), early_s, "who looks back is left alone");
@@ -128,8 +128,8 @@ fn the_cursor_goes_with_what_comes_until_it_is_moved() {
 #[test]
 fn a_replay_that_ends_by_itself_is_the_whole_deployment() {
     let mut harness = window(SMALL, Theme::Light);
-    send(&mut harness, Command::Live(LiveCommand::Edit(LiveForm { speed: 1000.0, ..form(None) })));
-    send(&mut harness, Command::Live(LiveCommand::Connect));
+    send(&mut harness, LiveCommand::Edit(LiveForm { speed: 1000.0, ..form(None) }));
+    send(&mut harness, LiveCommand::Connect);
     until(&mut harness, |window| window.state().state.live.is_running());
     until(&mut harness, |window| {
         let live = &window.state().state.live;
@@ -143,15 +143,11 @@ fn a_replay_that_ends_by_itself_is_the_whole_deployment() {
 #[test]
 fn what_cannot_be_connected_is_said_where_it_is_asked() {
     let mut harness = window(LARGE, Theme::Light);
-    send(&mut harness, Command::Live(LiveCommand::Show));
+    send(&mut harness, LiveCommand::Show);
     let address = "http://robot".to_owned();
     send(
         &mut harness,
-        Command::Live(LiveCommand::Edit(LiveForm {
-            address,
-            records: false,
-            ..LiveForm::default()
-        })),
+        LiveCommand::Edit(LiveForm { address, records: false, ..LiveForm::default() }),
     );
     click(&mut harness, "Connect");
     until(&mut harness, |window| window.state().state.live.trouble.is_some());
@@ -163,11 +159,11 @@ fn what_cannot_be_connected_is_said_where_it_is_asked() {
 #[test]
 fn in_the_sun_type_is_large_and_back_again() {
     let mut harness = window(LARGE, Theme::Light);
-    send(&mut harness, Command::ReadInTheSun(true));
+    send(&mut harness, WorkspaceCommand::ReadInTheSun(true));
     assert!(harness.ctx.zoom_factor() > 1.2);
     let ink = harness.ctx.style_of(Theme::Light).visuals.override_text_color;
     assert_eq!(ink, Some(egui::Color32::BLACK));
-    send(&mut harness, Command::ReadInTheSun(false));
+    send(&mut harness, WorkspaceCommand::ReadInTheSun(false));
     assert_eq!(harness.ctx.zoom_factor(), 1.0);
     assert_ne!(harness.ctx.style_of(Theme::Light).visuals.override_text_color, ink);
 }
@@ -180,14 +176,14 @@ fn who_closes_what_grows_ends_it_and_keeps_what_was_recorded() {
     replay(&mut harness, Some(file.clone()));
     until(&mut harness, |window| window.state().state.live.id.is_some());
     let id = shown(&harness).id;
-    let others = harness.state().state.open.len() - 1;
-    send(&mut harness, Command::Close(id));
+    let others = harness.state().state.deployments.open.len() - 1;
+    send(&mut harness, DeploymentCommand::Close(id));
     until(&mut harness, |window| {
         let live = &window.state().state.live;
         !live.is_running() && !live.is_changing
     });
     settle(&mut harness);
-    assert_eq!(harness.state().state.open.len(), others);
+    assert_eq!(harness.state().state.deployments.open.len(), others);
     assert!(resect_io::open::open(&file).is_ok());
 }
 
@@ -210,7 +206,7 @@ fn a_window_that_is_closed_leaves_a_whole_recording() {
         assert!(!is_whole(&file), "it is still written");
         if stops_first {
             let ctx = harness.ctx.clone();
-            harness.state_mut().send(Command::Live(LiveCommand::Stop), &ctx);
+            harness.state_mut().send(LiveCommand::Stop, &ctx);
         }
         eframe::App::on_exit(harness.state_mut());
         assert!(is_whole(&file), "stopped first: {stops_first}");
@@ -237,10 +233,10 @@ fn what_is_put_right_while_it_is_live_holds_for_what_comes() {
     let exchanged = [before[0], before[2], before[1]];
     let mut extras = harness.state().state.extras().expect("recorded").clone();
     extras.put_right.stations = Some([1, 3, 2]);
-    send(&mut harness, Command::PutRight(extras.clone()));
+    send(&mut harness, DeploymentCommand::PutRight(extras.clone()));
     // A second change comes before the first one is read.
     extras.put_right.inter_prism_m = Some([0.4, 0.4, 0.4]);
-    send(&mut harness, Command::PutRight(extras.clone()));
+    send(&mut harness, DeploymentCommand::PutRight(extras.clone()));
     let rig_m =
         |window: &Window| shown(window).deployment.rig.as_ref().expect("a rig").inter_prism_m;
     until(&mut harness, |window| firsts(window) == exchanged && rig_m(window) == [0.4; 3]);
@@ -249,7 +245,7 @@ fn what_is_put_right_while_it_is_live_holds_for_what_comes() {
     until(&mut harness, |window| lengths(window)[0] > then[0] + 20);
     assert_eq!((firsts(&harness), rig_m(&harness)), (exchanged, [0.4; 3]));
     // And it is undone as any other change.
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     until(&mut harness, |window| rig_m(window) != [0.4; 3]);
     assert_eq!(firsts(&harness), exchanged);
     click_stop(&mut harness);
@@ -261,7 +257,7 @@ fn what_is_put_right_while_it_is_live_holds_for_what_comes() {
 }
 
 fn click_stop(harness: &mut Window) {
-    send(harness, Command::Live(LiveCommand::Stop));
+    send(harness, LiveCommand::Stop);
     until(harness, |window| {
         let live = &window.state().state.live;
         !live.is_running() && !live.is_changing

@@ -2,7 +2,7 @@
 
 use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Pane};
+use resect::app::{DeploymentCommand, Pane, WorkspaceCommand};
 use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
@@ -20,7 +20,7 @@ fn a_message_covers_no_pane() {
         let folder = tempfile::tempdir().expect("a folder");
         let broken = folder.path().join("broken.csv");
         std::fs::write(&broken, "timestamp;id;distance;ha;va\n0;1;10;0.1;1.5\n").expect("written");
-        send(&mut harness, Command::OpenPaths(vec![broken]));
+        send(&mut harness, DeploymentCommand::OpenPaths(vec![broken]));
         harness.run_steps(2);
         let message = harness.get_by_label_contains("semicolons").rect();
         for pane in [Pane::Scene, Pane::Result, Pane::Residuals] {
@@ -36,13 +36,13 @@ fn what_could_not_be_opened_is_said_until_it_is_open() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("drive");
     let mut harness = window(SMALL, Theme::Dark);
-    send(&mut harness, Command::OpenSource(Source::at(&path)));
-    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
+    send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     let toasts = harness.state().state.toasts.shown();
     assert_eq!(toasts.iter().map(|toast| toast.count).collect::<Vec<_>>(), [2], "{toasts:?}");
     harness.get_by_label_contains("(2×)");
     write_folder(&simulate(Preset::FigureEight, 1), &path).expect("written");
-    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     assert!(harness.state().state.toasts.errors().next().is_none(), "{:?}", texts(&harness));
 }
 
@@ -76,11 +76,11 @@ fn deployments_of_one_name_are_told_apart_wherever_they_are_listed() {
         let lines = text.lines().filter(|line| !line.starts_with("name"));
         std::fs::write(&toml, lines.map(|line| format!("{line}\n")).collect::<String>())
             .expect("written");
-        send(&mut harness, Command::OpenSource(Source::at(path)));
+        send(&mut harness, DeploymentCommand::OpenSource(Source::at(path)));
     }
     assert_eq!(shown(&harness).deployment.name, "data");
     assert_eq!(harness.state().state.names(), ["run1/data", "run2/data"]);
-    send(&mut harness, Command::ShowPane(Pane::SideBySide));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::SideBySide));
     for name in ["run1/data", "run2/data"] {
         assert!(harness.query_all_by_label(name).count() >= 2, "{name}: list and table");
     }

@@ -3,7 +3,9 @@
 use egui::accesskit::{Action, Node, Role};
 use egui::{Key, Modifiers, Theme};
 use egui_kittest::kittest::{NodeT, Queryable};
-use resect::app::{Command, LayoutPreset, Pane};
+use resect::app::{
+    Command, DeploymentCommand, DialogCommand, LayoutPreset, Pane, WorkspaceCommand,
+};
 
 use crate::harness::{LARGE, Window, press, send, window};
 
@@ -33,17 +35,20 @@ fn nameless(harness: &Window) -> Vec<String> {
 fn whatever_can_be_used_has_a_name() {
     let mut harness = window(LARGE, Theme::Dark);
     for preset in LayoutPreset::ALL {
-        send(&mut harness, Command::UseLayout(preset));
+        send(&mut harness, WorkspaceCommand::UseLayout(preset));
         assert_eq!(nameless(&harness), [""; 0], "{preset:?}");
     }
-    send(&mut harness, Command::ResetLayout);
+    send(&mut harness, WorkspaceCommand::ResetLayout);
     for pane in Pane::ALL {
-        send(&mut harness, Command::ShowPane(pane));
+        send(&mut harness, WorkspaceCommand::ShowPane(pane));
         assert_eq!(nameless(&harness), [""; 0], "{pane:?}");
     }
-    for overlay in
-        [Command::ShowPalette, Command::ShowShortcuts, Command::Explain, Command::OpenFileDialog]
-    {
+    for overlay in [
+        Command::Dialog(DialogCommand::ShowPalette),
+        Command::Dialog(DialogCommand::ShowShortcuts),
+        Command::Dialog(DialogCommand::Explain),
+        Command::Deployment(DeploymentCommand::OpenFileDialog),
+    ] {
         send(&mut harness, overlay.clone());
         assert_eq!(nameless(&harness), [""; 0], "{overlay:?}");
         press(&mut harness, Modifiers::NONE, Key::Escape);

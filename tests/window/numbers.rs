@@ -55,11 +55,11 @@ fn who_enters_garbage_types_on_in_the_same_place() {
     assert_eq!(below(&harness), next, "nothing moves");
     assert!(place(&harness, Role::TextInput).contains_rect(number.shrink(1.0)));
     // T would look from the top, and digits belong to no other widget.
-    let camera = harness.state().state.view.camera;
+    let camera = harness.state().state.scene.view.camera;
     harness.event(Event::Text("T".to_owned()));
     press(&mut harness, egui::Modifiers::NONE, Key::T);
     assert_eq!(left_in_the_field(&harness).as_deref(), Some("soonT"));
-    assert_eq!(harness.state().state.view.camera, camera);
+    assert_eq!(harness.state().state.scene.view.camera, camera);
     type_and_enter_at_once(&mut harness, "20 s");
     assert_eq!(settings(&harness).pipeline.thresholds.tau_l_seconds, 20.0);
 }

@@ -3,8 +3,8 @@
 use egui::accesskit::Role;
 use egui::{Event, HoveredFile, Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use resect::app::Command;
 use resect::app::file_dialog::PromptCommand;
+use resect::app::{DeploymentCommand, DialogCommand, ResultsCommand, SessionCommand};
 use resect_io::source::Source;
 
 use crate::common::sample_folder;
@@ -41,7 +41,7 @@ fn wait_until_told(harness: &mut Window, what: &str) {
 #[test]
 fn a_deployment_is_opened_by_typing_its_path() {
     let mut harness = window(SIZE, Theme::Dark);
-    send(&mut harness, Command::OpenFolderDialog);
+    send(&mut harness, DeploymentCommand::OpenFolderDialog);
     let folder = sample_folder("hd2-tunnel");
     let above = folder.parent().expect("in assets").display().to_string();
     type_path(&mut harness, &format!("{above}/"));
@@ -59,17 +59,17 @@ fn a_deployment_is_opened_by_typing_its_path() {
     harness.get_by_label("inter_prism.csv deployment");
     press(&mut harness, Modifiers::NONE, Key::Enter);
     settle(&mut harness);
-    assert!(harness.state().state.prompt.is_none());
+    assert!(harness.state().state.dialogs.prompt.is_none());
     assert_eq!(shown(&harness).deployment.name, "hd2-tunnel (simulated)");
 }
 
 #[test]
 fn a_file_is_found_by_arrows_alone() {
     let mut harness = window(SIZE, Theme::Dark);
-    send(&mut harness, Command::OpenFileDialog);
+    send(&mut harness, DeploymentCommand::OpenFileDialog);
     type_path(&mut harness, &format!("{}/", sample_folder("hd2-tunnel").display()));
     let line = |harness: &Window, name: &str| {
-        let shown = &harness.state().state.prompt.as_ref().expect("asked").shown;
+        let shown = &harness.state().state.dialogs.prompt.as_ref().expect("asked").shown;
         shown.shown().iter().position(|entry| entry.name == name).expect("there")
     };
     let wanted = line(&harness, "inter_prism.csv");
@@ -87,8 +87,8 @@ fn a_file_is_written_where_it_is_asked_for_and_not_over_another_unasked() {
     let path = folder.path().join("old.tum");
     std::fs::write(&path, "mine\n").expect("written");
     let mut harness = window(SIZE, Theme::Dark);
-    send(&mut harness, Command::SaveTrajectoryDialog);
-    let proposed = harness.state().state.prompt.as_ref().expect("asked").shown.text.clone();
+    send(&mut harness, ResultsCommand::SaveTrajectoryDialog);
+    let proposed = harness.state().state.dialogs.prompt.as_ref().expect("asked").shown.text.clone();
     assert!(proposed.ends_with("warthog (simulated).tum"), "{proposed}");
     type_path(&mut harness, &path.display().to_string());
     press(&mut harness, Modifiers::NONE, Key::Enter);
@@ -97,9 +97,9 @@ fn a_file_is_written_where_it_is_asked_for_and_not_over_another_unasked() {
     assert_eq!(std::fs::read_to_string(&path).expect("there"), "mine\n");
     harness.get_by_label("Cancel").click();
     settle(&mut harness);
-    assert!(harness.state().state.prompt.is_none());
+    assert!(harness.state().state.dialogs.prompt.is_none());
     let mut harness = window(SIZE, Theme::Dark);
-    send(&mut harness, Command::SaveTrajectoryDialog);
+    send(&mut harness, ResultsCommand::SaveTrajectoryDialog);
     type_path(&mut harness, &path.display().to_string());
     harness.get_by_label("Save").click();
     settle(&mut harness);
@@ -113,22 +113,22 @@ fn a_file_is_written_where_it_is_asked_for_and_not_over_another_unasked() {
 fn a_session_is_named_over_what_is_proposed_and_looked_for_where_it_was_saved() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = window(SIZE, Theme::Dark);
-    send(&mut harness, Command::SaveSessionAs);
-    send(&mut harness, Command::Prompt(PromptCommand::GoTo(folder.path().to_owned())));
+    send(&mut harness, SessionCommand::SaveAs);
+    send(&mut harness, DialogCommand::Prompt(PromptCommand::GoTo(folder.path().to_owned())));
     harness.event(Event::Text("monday".to_owned()));
     settle(&mut harness);
-    let text = harness.state().state.prompt.as_ref().expect("asked").shown.text.clone();
+    let text = harness.state().state.dialogs.prompt.as_ref().expect("asked").shown.text.clone();
     assert_eq!(text, folder.path().join("monday.resect.toml").display().to_string());
     press(&mut harness, Modifiers::NONE, Key::Enter);
     wait_until_told(&mut harness, "monday");
-    send(&mut harness, Command::OpenSessionDialog);
-    let asked = harness.state().state.prompt.as_ref().expect("asked");
+    send(&mut harness, SessionCommand::OpenDialog);
+    let asked = harness.state().state.dialogs.prompt.as_ref().expect("asked");
     assert_eq!(asked.shown.folder(), folder.path());
     assert!(harness.query_by_label("Open this folder").is_none(), "a session is a file");
     // Data are looked for where data were.
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    send(&mut harness, Command::OpenFolderDialog);
-    let asked = harness.state().state.prompt.as_ref().expect("asked");
+    send(&mut harness, DeploymentCommand::OpenFolderDialog);
+    let asked = harness.state().state.dialogs.prompt.as_ref().expect("asked");
     assert_ne!(asked.shown.folder(), folder.path());
     harness.get_by_label("Open this folder");
 }
@@ -136,31 +136,31 @@ fn a_session_is_named_over_what_is_proposed_and_looked_for_where_it_was_saved() 
 #[test]
 fn escape_cancels_and_a_wrong_path_is_said() {
     let mut harness = window(SIZE, Theme::Dark);
-    send(&mut harness, Command::OpenFileDialog);
+    send(&mut harness, DeploymentCommand::OpenFileDialog);
     type_path(&mut harness, "/nowhere/at/all");
     press(&mut harness, Modifiers::NONE, Key::Enter);
     harness.get_by_label_contains("there is no such file or folder");
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(harness.state().state.prompt.is_none());
+    assert!(harness.state().state.dialogs.prompt.is_none());
 }
 
 #[test]
 fn who_has_nothing_open_is_told_what_to_do() {
     for (theme, name) in THEMES {
         let mut harness = window(SIZE, theme);
-        let id = harness.state().state.open[0].id;
-        send(&mut harness, Command::Close(id));
+        let id = harness.state().state.deployments.open[0].id;
+        send(&mut harness, DeploymentCommand::Close(id));
         // Opened and closed again, it is among the recent ones.
-        send(&mut harness, Command::OpenSource(Source::at(sample_folder("warthog"))));
-        let id = harness.state().state.open[0].id;
-        send(&mut harness, Command::Close(id));
+        send(&mut harness, DeploymentCommand::OpenSource(Source::at(sample_folder("warthog"))));
+        let id = harness.state().state.deployments.open[0].id;
+        send(&mut harness, DeploymentCommand::Close(id));
         snapshot(&mut harness, &format!("empty-{name}"));
         harness.get_by_label("Open file…");
         harness.get_by_label("warthog").click();
         settle(&mut harness);
         assert_eq!(shown(&harness).deployment.name, "warthog (simulated)");
-        let id = harness.state().state.open[0].id;
-        send(&mut harness, Command::Close(id));
+        let id = harness.state().state.deployments.open[0].id;
+        send(&mut harness, DeploymentCommand::Close(id));
         harness.get_by_label("Try HD2 in a tunnel").click();
         settle(&mut harness);
         assert_eq!(shown(&harness).deployment.name, "hd2-tunnel (simulated)");
@@ -177,8 +177,8 @@ fn warnings_are_told_once_and_errors_until_they_are_dismissed() {
     std::fs::write(&broken, "timestamp;id;distance;ha;va\n0;1;10;0.1;1.5\n").expect("written");
     for (theme, name) in THEMES {
         let mut harness = window(SIZE, theme);
-        send(&mut harness, Command::OpenPaths(vec![folder.path().join("day 1.csv")]));
-        send(&mut harness, Command::OpenPaths(vec![broken.clone()]));
+        send(&mut harness, DeploymentCommand::OpenPaths(vec![folder.path().join("day 1.csv")]));
+        send(&mut harness, DeploymentCommand::OpenPaths(vec![broken.clone()]));
         let done = "warthog.tum written";
         harness.state_mut().state.toasts.done(done);
         harness.run_steps(2);
@@ -213,10 +213,10 @@ fn a_hovering_file_says_what_it_would_do() {
     assert!(harness.query_by_label_contains("Add the control points").is_none());
     // Dropped, it is used with what is open, once the user says so.
     let before = harness.state().state.active().expect("open").deployment.control_points.len();
-    send(&mut harness, Command::OpenPaths(vec![path]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![path]));
     click(&mut harness, "Use for warthog (simulated)");
     let deployment = harness.state().state.active().expect("open").deployment.clone();
-    assert_eq!(harness.state().state.open.len(), 1);
+    assert_eq!(harness.state().state.deployments.open.len(), 1);
     assert_eq!(deployment.control_points.len(), before + 1);
 }
 
@@ -228,7 +228,7 @@ fn files_that_are_added_one_after_the_other_are_all_kept() {
         let path = folder.path().join(name);
         std::fs::copy(sample_folder("warthog").join("GCP_raw_1.txt"), &path).expect("copied");
         let ctx = harness.ctx.clone();
-        harness.state_mut().send(Command::OpenPaths(vec![path]), &ctx);
+        harness.state_mut().send(DeploymentCommand::OpenPaths(vec![path]), &ctx);
     };
     let before = shown(&harness).deployment.control_points.len();
     add(&mut harness, "more 1.txt");
@@ -236,23 +236,23 @@ fn files_that_are_added_one_after_the_other_are_all_kept() {
     settle(&mut harness);
     click(&mut harness, "Use for warthog (simulated)");
     assert_eq!(shown(&harness).deployment.control_points.len(), before + 2);
-    assert_eq!(harness.state().state.open.len(), 1);
+    assert_eq!(harness.state().state.deployments.open.len(), 1);
 }
 
 #[test]
 fn a_folder_is_made_in_the_dialog_that_saves() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = window(SIZE, Theme::Dark);
-    send(&mut harness, Command::SaveTrajectoryDialog);
-    send(&mut harness, Command::Prompt(PromptCommand::GoTo(folder.path().to_owned())));
+    send(&mut harness, ResultsCommand::SaveTrajectoryDialog);
+    send(&mut harness, DialogCommand::Prompt(PromptCommand::GoTo(folder.path().to_owned())));
     click(&mut harness, "New folder…");
     type_and_enter_at_once(&mut harness, "results");
     assert!(folder.path().join("results").is_dir());
-    let prompt = &harness.state().state.prompt.as_ref().expect("still asked").shown;
+    let prompt = &harness.state().state.dialogs.prompt.as_ref().expect("still asked").shown;
     assert_eq!(prompt.folder(), folder.path().join("results"));
     assert!(prompt.text.ends_with("warthog (simulated).tum"), "{}", prompt.text);
     // Where one opens something there is nothing to make.
-    send(&mut harness, Command::OpenFolderDialog);
+    send(&mut harness, DeploymentCommand::OpenFolderDialog);
     assert!(harness.query_by_label("New folder…").is_none());
 }
 
@@ -277,9 +277,9 @@ fn what_is_typed_in_the_same_frame_as_enter_counts() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("here.tum");
     let mut harness = window(SIZE, Theme::Dark);
-    send(&mut harness, Command::SaveTrajectoryDialog);
+    send(&mut harness, ResultsCommand::SaveTrajectoryDialog);
     type_and_enter_at_once(&mut harness, &path.display().to_string());
-    assert!(harness.state().state.prompt.is_none());
+    assert!(harness.state().state.dialogs.prompt.is_none());
     wait_until_told(&mut harness, "here.tum written");
     assert!(path.exists(), "it was written where it was asked for");
 }

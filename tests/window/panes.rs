@@ -2,7 +2,8 @@
 
 use egui::{Event, Key, Modifiers, Theme, Vec2};
 use resect::app::{
-    Colouring, Command, LayoutPreset, Pane, Picked, PictureTo, Ruler, RulerEnd, ViewPreset,
+    Colouring, DeploymentCommand, LayoutPreset, Pane, Picked, PictureTo, ResultsCommand, Ruler,
+    RulerEnd, SceneCommand, TimeCommand, ViewPreset, WorkspaceCommand,
 };
 use resect_core::pipeline::{OutlierReason, SampleFate};
 
@@ -35,34 +36,34 @@ fn rejected(harness: &Window) -> Picked {
 #[test]
 fn inspect_explains_the_picked_reading() {
     both("inspect", LARGE, [Part::Window, Part::Pane(Pane::Reading)], |harness| {
-        send(harness, Command::UseLayout(LayoutPreset::Inspect));
+        send(harness, WorkspaceCommand::UseLayout(LayoutPreset::Inspect));
         let picked = rejected(harness);
-        send(harness, Command::PickInScene(picked));
+        send(harness, TimeCommand::PickInScene(picked));
     });
 }
 
 #[test]
 fn tune_has_rates_and_intervals_with_a_part_of_them_selected() {
     both("tune", LARGE, [Part::Window, Part::Pane(Pane::Rates)], |harness| {
-        send(harness, Command::UseLayout(LayoutPreset::Tune));
+        send(harness, WorkspaceCommand::UseLayout(LayoutPreset::Tune));
         let start_s = crate::harness::shown(harness).start_s();
-        send(harness, Command::ShowTimes([start_s + 60.0, start_s + 300.0]));
-        send(harness, Command::Select(Some([start_s + 120.0, start_s + 180.0])));
+        send(harness, TimeCommand::ShowTimes([start_s + 60.0, start_s + 300.0]));
+        send(harness, TimeCommand::Select(Some([start_s + 120.0, start_s + 180.0])));
     });
     let mut harness = window(SMALL, Theme::Light);
-    send(&mut harness, Command::UseLayout(LayoutPreset::Tune));
+    send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Tune));
     snapshot(&mut harness, "tune-small-light");
 }
 
 #[test]
 fn compare_has_deployments_runs_and_what_is_pinned() {
     both("compare", LARGE, [Part::Window, Part::Pane(Pane::SideBySide)], |harness| {
-        send(harness, Command::UseLayout(LayoutPreset::Compare));
-        send(harness, Command::Pin);
+        send(harness, WorkspaceCommand::UseLayout(LayoutPreset::Compare));
+        send(harness, ResultsCommand::Pin);
         set(harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 15.0);
     });
     let mut harness = window(SMALL, Theme::Dark);
-    send(&mut harness, Command::UseLayout(LayoutPreset::Compare));
+    send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Compare));
     snapshot(&mut harness, "compare-small-dark");
 }
 
@@ -70,14 +71,14 @@ fn compare_has_deployments_runs_and_what_is_pinned() {
 fn findings_are_listed() {
     both("findings", SMALL, [Part::Pane(Pane::Findings), Part::Pane(Pane::Findings)], |harness| {
         set(harness, |settings| settings.pipeline.outlier_filter = false);
-        send(harness, Command::ShowPane(Pane::Findings));
+        send(harness, WorkspaceCommand::ShowPane(Pane::Findings));
     });
 }
 
 #[test]
 fn the_scene_measures_and_colours_by_numbers() {
     both("scene-residual", SMALL, [Part::Pane(Pane::Scene), Part::Pane(Pane::Scene)], |harness| {
-        send(harness, Command::Colour(Colouring::Residual));
+        send(harness, SceneCommand::Colour(Colouring::Residual));
         let (_, analysis) = harness.state().state.analysed().expect("an answer");
         let at = &analysis.triplets().points_m[0];
         let end = |index: usize| RulerEnd {
@@ -86,8 +87,8 @@ fn the_scene_measures_and_colours_by_numbers() {
             prism: None,
         };
         let ends = vec![end(0), end(at.len() / 3)];
-        send(harness, Command::Measure(Ruler { active: true, ends }));
-        send(harness, Command::Look(ViewPreset::Top));
+        send(harness, SceneCommand::Measure(Ruler { active: true, ends }));
+        send(harness, SceneCommand::Look(ViewPreset::Top));
     });
 }
 
@@ -124,7 +125,7 @@ fn paths_are_asked_for_in_the_window() {
         SMALL,
         [Part::Middle(Vec2::new(760.0, 660.0)), Part::Middle(Vec2::new(760.0, 660.0))],
         |harness| {
-            send(harness, Command::OpenFileDialog);
+            send(harness, DeploymentCommand::OpenFileDialog);
             press(harness, Modifiers::COMMAND, Key::A);
             harness.event(Event::Text(format!("{}/", folder.display())));
             settle(harness);
@@ -139,9 +140,9 @@ fn paths_are_asked_for_in_the_window() {
 fn a_picture_of_the_scene_has_no_buttons() {
     let mut harness = window(SMALL, Theme::Dark);
     let ctx = harness.ctx.clone();
-    harness.state_mut().send(Command::ScenePicture(PictureTo::Clipboard), &ctx);
+    harness.state_mut().send(SceneCommand::Picture(PictureTo::Clipboard), &ctx);
     harness.run_steps(1);
-    assert!(harness.state().state.picturing);
+    assert!(harness.state().state.scene.picturing);
     use egui_kittest::kittest::Queryable;
     assert!(harness.query_by_label("Colour by").is_none());
     harness.run_steps(1);
@@ -152,11 +153,11 @@ fn a_picture_of_the_scene_has_no_buttons() {
 #[test]
 fn a_pane_of_any_size_breaks_nothing() {
     let mut harness = window(SMALL, Theme::Dark);
-    send(&mut harness, Command::Pin);
+    send(&mut harness, ResultsCommand::Pin);
     for preset in LayoutPreset::ALL {
-        send(&mut harness, Command::UseLayout(preset));
+        send(&mut harness, WorkspaceCommand::UseLayout(preset));
         for pane in Pane::ALL {
-            send(&mut harness, Command::ShowPane(pane));
+            send(&mut harness, WorkspaceCommand::ShowPane(pane));
             for side in [300.0, 180.0, 120.0, 90.0, 60.0, 30.0] {
                 harness.set_size(Vec2::splat(side));
                 harness.run_steps(1);

@@ -3,7 +3,7 @@
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use resect::app::{Command, LayoutPreset, Pane, PlanCommand};
+use resect::app::{LayoutPreset, Pane, PlanCommand, WorkspaceCommand};
 use resect_core::planning::{Plan, Prediction};
 use resect_core::simulation::Preset;
 use resect_io::plan_file;
@@ -49,7 +49,7 @@ fn drag(harness: &mut Window, name: &str, by: Vec2) {
 #[test]
 fn a_station_is_dragged_and_what_is_foreseen_follows() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::UseLayout(LayoutPreset::Plan));
+    send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Plan));
     settle(&mut harness);
     let (before, before_m) = (plan(&harness).clone(), far_end_m(&harness));
     assert!((0.0005..0.02).contains(&before_m), "{before_m}");
@@ -77,7 +77,7 @@ fn a_station_is_dragged_and_what_is_foreseen_follows() {
 #[test]
 fn what_improves_a_plan_can_be_taken_and_numbers_typed() {
     let mut harness = window(SMALL, Theme::Light);
-    send(&mut harness, Command::UseLayout(LayoutPreset::Plan));
+    send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Plan));
     settle(&mut harness);
     settle(&mut harness);
     let before_m = far_end_m(&harness);
@@ -103,7 +103,7 @@ fn what_improves_a_plan_can_be_taken_and_numbers_typed() {
 #[test]
 fn pieces_are_added_chosen_and_removed() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::UseLayout(LayoutPreset::Plan));
+    send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Plan));
     let before = plan(&harness).clone();
     click(&mut harness, "Add…");
     click(&mut harness, "loop");
@@ -119,11 +119,11 @@ fn pieces_are_added_chosen_and_removed() {
 #[test]
 fn what_cannot_be_is_never_the_plan() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::UseLayout(LayoutPreset::Plan));
+    send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Plan));
     let before = plan(&harness).clone();
     let mut impossible = before.clone();
     impossible.rig.prisms_m[2].x += 60.0;
-    send(&mut harness, Command::Plan(PlanCommand::Set(impossible.into(), "a prism moved")));
+    send(&mut harness, PlanCommand::Set(impossible.into(), "a prism moved"));
     assert_eq!(plan(&harness), &before);
     let told = harness.state().state.toasts.shown().iter();
     assert!(told.clone().any(|toast| toast.text.contains("prisms 1 and 3 are")), "{told:?}");
@@ -134,7 +134,7 @@ fn a_plan_comes_from_what_was_driven_and_is_kept_by_sessions_and_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = window(LARGE, Theme::Dark);
     assert!(harness.state().state.session().plan.is_none(), "nobody touched it");
-    send(&mut harness, Command::Plan(PlanCommand::FromDeployment));
+    send(&mut harness, PlanCommand::FromDeployment);
     settle(&mut harness);
     assert!(harness.state().layout().place(Pane::PlanMap).is_some(), "its panes are there");
     let driven = plan(&harness).clone();
@@ -153,12 +153,12 @@ fn a_plan_comes_from_what_was_driven_and_is_kept_by_sessions_and_files() {
     let path = folder.path().join("tunnel.toml");
     let tunnel = Plan::from_preset(Preset::Hd2Tunnel, 1);
     std::fs::write(&path, plan_file::text(&tunnel)).expect("written");
-    send(&mut harness, Command::Plan(PlanCommand::Open(path.clone())));
+    send(&mut harness, PlanCommand::Open(path.clone()));
     settle(&mut harness);
     assert_eq!(plan(&harness), &plan_file::read(&path).expect("sound"));
     std::fs::write(&path, "stations_m = 3\n").expect("written");
     let kept = plan(&harness).clone();
-    send(&mut harness, Command::Plan(PlanCommand::Open(path)));
+    send(&mut harness, PlanCommand::Open(path));
     settle(&mut harness);
     assert_eq!(plan(&harness), &kept);
     harness.get_by_label_contains("tunnel.toml:1");
@@ -168,7 +168,7 @@ fn a_plan_comes_from_what_was_driven_and_is_kept_by_sessions_and_files() {
 #[test]
 fn a_straight_line_is_said_to_leave_directions_free() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::Plan(PlanCommand::FromPreset(Preset::StraightLine)));
+    send(&mut harness, PlanCommand::FromPreset(Preset::StraightLine));
     settle(&mut harness);
     assert!(
         foreseen(&harness).held.is_none()

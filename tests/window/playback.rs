@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui::{Context, Event, Key, Modifiers, PointerButton, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use nalgebra::Vector3;
-use resect::app::{Camera, Command, Pane, SceneOptions, ViewPreset};
+use resect::app::{Camera, Pane, SceneCommand, SceneOptions, TimeCommand, ViewPreset};
 
 use crate::harness::{
     LARGE, Part, SMALL, Window, click, double_click, press, send, settle, snapshot_of, window,
@@ -17,7 +17,7 @@ fn strip(harness: &Window) -> String {
 }
 
 fn scene(harness: &Window) -> SceneOptions {
-    harness.state().state.scene
+    harness.state().state.scene.options
 }
 
 fn follows(harness: &Window) -> bool {
@@ -25,7 +25,7 @@ fn follows(harness: &Window) -> bool {
 }
 
 fn camera(harness: &Window) -> Camera {
-    harness.state().state.view.camera
+    harness.state().state.scene.view.camera
 }
 
 /// Lets the camera arrive.
@@ -66,7 +66,7 @@ fn drag(harness: &mut Window, button: PointerButton, by: Vec2) {
 fn following() -> Window {
     let mut harness = window(LARGE, Theme::Dark);
     let [gap_start_s, _] = gap_s(&harness);
-    send(&mut harness, Command::MoveCursor(gap_start_s));
+    send(&mut harness, TimeCommand::MoveCursor(gap_start_s));
     press(&mut harness, Modifiers::NONE, Key::C);
     arrive(&mut harness);
     assert!(follows(&harness));
@@ -78,7 +78,7 @@ fn the_camera_goes_with_the_rig_and_only_turns_and_zooms_beside() {
     let mut harness = window(LARGE, Theme::Dark);
     let before = camera(&harness);
     let [gap_start_s, gap_end_s] = gap_s(&harness);
-    send(&mut harness, Command::MoveCursor(gap_start_s));
+    send(&mut harness, TimeCommand::MoveCursor(gap_start_s));
     click(&mut harness, "Follow");
     arrive(&mut harness);
     let there = camera(&harness);
@@ -101,12 +101,12 @@ fn the_camera_goes_with_the_rig_and_only_turns_and_zooms_beside() {
     assert!(follows(&harness));
     assert!(near.distance_m < 0.8 * there.distance_m && near.yaw_rad != there.yaw_rad, "{near:?}");
     assert!((near.target_m - there.target_m).norm() < 1e-3, "{near:?}");
-    send(&mut harness, Command::Look(ViewPreset::Top));
+    send(&mut harness, SceneCommand::Look(ViewPreset::Top));
     assert!(follows(&harness) && camera(&harness).parallel);
     assert_eq!(camera(&harness).distance_m, near.distance_m);
 
     // Behind the gap the rig is elsewhere: the camera glides there.
-    harness.state_mut().state.handle(Command::MoveCursor(gap_end_s), &Context::default());
+    harness.state_mut().state.handle(TimeCommand::MoveCursor(gap_end_s), &Context::default());
     let mut last_m = camera(&harness).target_m;
     let whole_m = (prism_m(&harness, gap_end_s) - last_m).norm();
     for _ in 0..200 {
@@ -149,14 +149,14 @@ fn ghosts_and_a_trail_are_seen_where_the_rig_is_not() {
     let mut harness = window(SMALL, Theme::Dark);
     let [gap_start_s, _] = gap_s(&harness);
     let options = SceneOptions { trail_s: 30, follow: true, ..scene(&harness) };
-    send(&mut harness, Command::SetScene(options));
-    send(&mut harness, Command::MoveCursor(gap_start_s));
+    send(&mut harness, SceneCommand::SetOptions(options));
+    send(&mut harness, TimeCommand::MoveCursor(gap_start_s));
     assert!(strip(&harness).contains("heading"), "there is a pose: {}", strip(&harness));
-    send(&mut harness, Command::MoveCursor(gap_start_s + 1.0));
+    send(&mut harness, TimeCommand::MoveCursor(gap_start_s + 1.0));
     let said = strip(&harness);
     assert!(said.contains("no triplet; prisms 1, 2, 3 read"), "{said}");
     assert!(!said.contains("heading"), "{said}");
-    harness.state_mut().state.view.camera.distance_m = 20.0;
+    harness.state_mut().state.scene.view.camera.distance_m = 20.0;
     arrive(&mut harness);
     snapshot_of(&mut harness, Part::Pane(Pane::Scene), "playback");
 }

@@ -4,7 +4,10 @@ use egui::{
     Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Theme, TouchPhase, Vec2,
 };
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Pane, TimeUnit, Units};
+use resect::app::{
+    DeploymentCommand, Pane, ResultsCommand, SceneCommand, TimeCommand, TimeUnit, Units,
+    WorkspaceCommand,
+};
 use resect_core::calibration::Method;
 use resect_core::pipeline::{OutlierReason, SampleFate, Thresholds};
 use resect_core::simulation::{Preset, simulate_scenario};
@@ -14,7 +17,7 @@ use crate::harness::{LARGE, Window, double_click, open, send, set, settle, shown
 /// With a pane in front.
 fn window(size: Vec2, theme: Theme, pane: Pane) -> Window {
     let mut harness = crate::harness::window(size, theme);
-    send(&mut harness, Command::ShowPane(pane));
+    send(&mut harness, WorkspaceCommand::ShowPane(pane));
     harness
 }
 
@@ -126,7 +129,7 @@ fn without_the_filter_the_lines_rest_and_say_so() {
     let mut harness = window(LARGE, Theme::Light, Pane::Rates);
     let mut settings = *harness.state().state.settings();
     settings.pipeline.outlier_filter = false;
-    send(&mut harness, Command::Set(settings));
+    send(&mut harness, DeploymentCommand::Set(settings));
     let at = rect(&harness, "τ_r line").center();
     drag(&mut harness, at, at + Vec2::new(0.0, 20.0), PointerButton::Primary);
     assert_eq!(thresholds(&harness), Thresholds::default());
@@ -166,7 +169,7 @@ fn zoom_in_one_plot_is_zoom_in_all() {
         (Pane::Intervals, "readings, silences and intervals over time"),
         (Pane::Residuals, "distance errors 1–2 over time"),
     ] {
-        send(&mut harness, Command::ShowPane(pane));
+        send(&mut harness, WorkspaceCommand::ShowPane(pane));
         let frame = rect(&harness, name);
         let at = frame.left_center() + Vec2::new(0.5 * frame.width(), 4.0);
         click(&mut harness, at);
@@ -207,12 +210,12 @@ fn where_the_pointer_is_is_known_to_all_panes() {
     // Over a line, too.
     move_to(&mut harness, line.center());
     let open = shown(&harness);
-    let hover_s = harness.state().state.hover_s.expect("hovered") - open.start_s();
+    let hover_s = harness.state().state.time.hover_s.expect("hovered") - open.start_s();
     let [from, to] = window_s(&harness);
     assert!((hover_s - (from + to) / 2.0).abs() < 1.0, "{hover_s}");
     harness.input_mut().events.push(Event::PointerGone);
     harness.run_steps(2);
-    assert!(harness.state().state.hover_s.is_none());
+    assert!(harness.state().state.time.hover_s.is_none());
 }
 
 #[test]
@@ -222,10 +225,10 @@ fn a_click_on_a_reading_picks_it() {
         let open = shown(&harness);
         let index = 300;
         let time_s = open.deployment.tracks[0].measurements[index].time_s;
-        let mut visibility = harness.state().state.visibility;
+        let mut visibility = harness.state().state.scene.visibility;
         visibility.stations = [true, false, false];
-        send(&mut harness, Command::Show(visibility));
-        send(&mut harness, Command::ShowTimes([time_s - 3.0, time_s + 3.0]));
+        send(&mut harness, SceneCommand::Show(visibility));
+        send(&mut harness, TimeCommand::ShowTimes([time_s - 3.0, time_s + 3.0]));
         let name = if pane == Pane::Rates {
             "range rate over time"
         } else {
@@ -264,7 +267,7 @@ fn gaps_and_lengths_are_set_where_they_are_seen() {
     assert_eq!(intervals(&harness), before);
     // The bar of τ_l is as long as six seconds of the chart; twice as long are twelve.
     let start_s = shown(&harness).start_s();
-    send(&mut harness, Command::ShowTimes([start_s, start_s + 60.0]));
+    send(&mut harness, TimeCommand::ShowTimes([start_s, start_s + 60.0]));
     let bar = rect(&harness, "τ_l bar");
     let frame = rect(&harness, "readings, silences and intervals over time");
     let points = frame.width() / 10.0;
@@ -283,12 +286,12 @@ fn gaps_and_lengths_are_set_where_they_are_seen() {
 #[test]
 fn pinned_results_stand_behind_the_present_one() {
     let mut harness = window(LARGE, Theme::Dark, Pane::Residuals);
-    send(&mut harness, Command::Pin);
+    send(&mut harness, ResultsCommand::Pin);
     let pin = harness.state().state.results.pins[0].clone();
     harness.get_by_label(&format!("○ {}", pin.name));
     let mut settings = *harness.state().state.settings();
     settings.pipeline.thresholds.tau_l_seconds = 40.0;
-    send(&mut harness, Command::Set(settings));
+    send(&mut harness, DeploymentCommand::Set(settings));
     let frame = rect(&harness, "distance errors 1–2 over time");
     let coloured = |harness: &mut Window| {
         let picture = harness.render().expect("a picture");
@@ -300,7 +303,7 @@ fn pinned_results_stand_behind_the_present_one() {
         picture.enumerate_pixels().filter(|(x, y, p)| inside(*x, *y) && colours(p)).count()
     };
     let with = coloured(&mut harness);
-    send(&mut harness, Command::Unpin(pin.id));
+    send(&mut harness, ResultsCommand::Unpin(pin.id));
     assert!(harness.query_by_label(&format!("○ {}", pin.name)).is_none());
     let without = coloured(&mut harness);
     assert!(with > without + 200, "{with} {without}");
@@ -322,9 +325,9 @@ fn each_pair_has_a_strip_of_its_own_and_all_have_one_time_axis() {
         assert!((pair[0].height() - pair[1].height()).abs() < 1.0, "{pair:?}");
     }
     // A pair that is hidden leaves its room to the others.
-    let mut visibility = harness.state().state.visibility;
+    let mut visibility = harness.state().state.scene.visibility;
     visibility.pairs = [true, false, true];
-    send(&mut harness, Command::Show(visibility));
+    send(&mut harness, SceneCommand::Show(visibility));
     let two = strips(&harness);
     assert_eq!(two.len(), 2);
     assert!(two[0].height() > 1.3 * all[0].height());
@@ -339,7 +342,7 @@ fn one_time_is_at_one_place_in_all_panes_of_a_width() {
         (Pane::Residuals, "distance errors 2–3 over time"),
         (Pane::Clocks, "clocks over time"),
     ] {
-        send(&mut harness, Command::ShowPane(pane));
+        send(&mut harness, WorkspaceCommand::ShowPane(pane));
         let other = rect(&harness, name);
         assert_eq!(other.x_range(), first.x_range(), "{name}");
     }
@@ -354,13 +357,13 @@ fn times_are_read_as_the_user_chooses() {
     let minutes = ((end_s - start_s) / 60.0) as u32;
     harness.get_by_label_contains(&format!("/ 0:{minutes:02}:"));
     assert!(harness.query_by_label_contains(&format!("/ {seconds}")).is_none());
-    let units = harness.state().state.units;
-    send(&mut harness, Command::SetUnits(Units { time: TimeUnit::Seconds, ..units }));
+    let units = harness.state().state.workspace.units;
+    send(&mut harness, WorkspaceCommand::SetUnits(Units { time: TimeUnit::Seconds, ..units }));
     harness.get_by_label_contains(&format!("/ {seconds}"));
     // The sample's stamps are of the Unix epoch.
     let day_s = 86_400.0;
     let utc = |time_s: f64| ((time_s % day_s) / 3600.0) as u32;
-    send(&mut harness, Command::SetUnits(Units { time: TimeUnit::Utc, ..units }));
+    send(&mut harness, WorkspaceCommand::SetUnits(Units { time: TimeUnit::Utc, ..units }));
     harness.get_by_label_contains(&format!("/ {:02}:", utc(end_s)));
     // Stamps that begin at zero tell no time of day: the menu says so, and a choice made before counts from the start.
     let mut deployment = (*shown(&harness).deployment).clone();
@@ -369,15 +372,15 @@ fn times_are_read_as_the_user_chooses() {
     }
     crate::harness::open(&mut harness, deployment);
     harness.get_by_label_contains(&format!("/ 0:{minutes:02}:"));
-    send(&mut harness, Command::SetUnits(Units { time: TimeUnit::Seconds, ..units }));
+    send(&mut harness, WorkspaceCommand::SetUnits(Units { time: TimeUnit::Seconds, ..units }));
     harness.get_by_label("View").click();
     harness.run_steps(3);
     harness.get_by_label("Times in UTC").click();
     settle(&mut harness);
-    assert_eq!(harness.state().state.units.time, TimeUnit::Seconds);
+    assert_eq!(harness.state().state.workspace.units.time, TimeUnit::Seconds);
     harness.get_by_label("Times in h:m:s").click();
     settle(&mut harness);
-    assert_eq!(harness.state().state.units.time, TimeUnit::Elapsed);
+    assert_eq!(harness.state().state.workspace.units.time, TimeUnit::Elapsed);
 }
 
 #[test]
@@ -385,7 +388,7 @@ fn what_is_selected_is_counted_beside_all() {
     let mut harness = window(LARGE, Theme::Dark, Pane::Histogram);
     assert!(harness.query_by_label_contains("selected: median").is_none());
     let [from_s, to_s] = shown(&harness).timeline.whole_s;
-    send(&mut harness, Command::Select(Some([from_s, (from_s + to_s) / 2.0])));
+    send(&mut harness, TimeCommand::Select(Some([from_s, (from_s + to_s) / 2.0])));
     let first = harness.get_all_by_label_contains("selected: median").count();
     // All pairs and each, in the histogram and, but for all, beside the errors over time.
     assert_eq!(first, 7);
@@ -393,7 +396,7 @@ fn what_is_selected_is_counted_beside_all() {
     let all = analysis.answer.as_ref().expect("an answer").evaluation.inter_prism_mm;
     let all = all.expect("a rig").n;
     assert!(harness.query_by_label_contains(&format!("n\u{a0}{all}")).is_some());
-    send(&mut harness, Command::Select(None));
+    send(&mut harness, TimeCommand::Select(None));
     assert!(harness.query_by_label_contains("selected: median").is_none());
 }
 
@@ -409,7 +412,7 @@ fn shapes_by_pane(harness: &mut Window) -> Vec<(Pane, usize)> {
     let panes = [Pane::Residuals, Pane::Rates, Pane::Intervals, Pane::Channels].into_iter();
     panes
         .map(|pane| {
-            send(harness, Command::ShowPane(pane));
+            send(harness, WorkspaceCommand::ShowPane(pane));
             let shapes = harness.output().shapes.iter();
             (pane, shapes.map(|clipped| count_shapes(&clipped.shape)).sum())
         })

@@ -8,7 +8,9 @@ use egui::{Event, Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable;
 use resect::app::persist::hashes::HashCache;
 use resect::app::persist::session_file;
-use resect::app::{Command, LayoutPreset, Pane, Picked, Units};
+use resect::app::{
+    DeploymentCommand, LayoutPreset, Pane, Picked, TimeCommand, Units, WorkspaceCommand,
+};
 use resect_core::deployment::{AzimuthSense, Overrides, PrismConstants};
 use resect_core::simulation::{Preset, simulate};
 use resect_io::simulation_files::write_folder;
@@ -41,8 +43,8 @@ fn opened(folder: &Path) -> (Window, PathBuf) {
     let path = folder.join("drive");
     write_folder(&simulate(Preset::UnevenGround, 1), &path).expect("written");
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::UseLayout(LayoutPreset::Inspect));
-    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Inspect));
+    send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     click(&mut harness, "Put right");
     (harness, path)
 }
@@ -58,7 +60,7 @@ fn station3(harness: &Window) -> Option<[f64; 3]> {
 }
 
 fn undo_name(harness: &Window) -> String {
-    harness.state().state.undo.undo_name(Units::default())
+    harness.state().state.deployments.undo.undo_name(Units::default())
 }
 
 /// Does something, expects another answer, takes it back, and expects the first.
@@ -77,9 +79,9 @@ fn changes_and_comes_back(
     assert!(undo_name(harness).starts_with(&format!("Undo {name}")), "{}", undo_name(harness));
     assert_eq!(shown(harness).settings, settings);
     assert_eq!(shown(harness).timeline.cursor_s, cursor_s);
-    send(harness, Command::Undo);
+    send(harness, DeploymentCommand::Undo);
     assert_eq!(station3(harness), before, "{name} is taken back");
-    send(harness, Command::Redo);
+    send(harness, DeploymentCommand::Redo);
     assert_eq!(station3(harness), after, "{name} is done again");
     click(harness, &format!("Take back: {}", line_of(name)));
     assert!(put_right(harness).is_empty(), "{:?}", put_right(harness));
@@ -129,7 +131,7 @@ fn each_correction_changes_the_answer_and_can_be_taken_back() {
     );
     let [start_s, end_s] = shown(harness).timeline.whole_s;
     let half = [start_s, 0.5 * (start_s + end_s)];
-    send(harness, Command::Select(Some(half)));
+    send(harness, TimeCommand::Select(Some(half)));
     let all = triplets(harness);
     changes_and_comes_back(
         harness,
@@ -168,11 +170,11 @@ fn a_sample_can_be_put_right_and_nonsense_is_refused() {
     click(&mut harness, "Exchange stations 1 and 2");
     assert_ne!(station3(&harness), before);
     assert!(!shown(&harness).placeholder);
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     assert_eq!(station3(&harness), before);
     let mut extras = Extras::default();
     extras.put_right.prism_constant_m = Some(PrismConstants::All(f64::NAN));
-    send(&mut harness, Command::PutRight(extras));
+    send(&mut harness, DeploymentCommand::PutRight(extras));
     let (text, _) = harness.state().state.toasts.errors().next().expect("refused");
     assert!(text.contains("prism_constant_m is NaN"), "{text}");
     assert!(put_right(&harness).is_empty());
@@ -184,16 +186,16 @@ fn a_reading_is_left_out_and_used_again() {
     let folder = tempfile::tempdir().expect("a folder");
     let (mut harness, _) = opened(folder.path());
     let picked = Picked { station: 1, index: 40 };
-    send(&mut harness, Command::ShowPane(Pane::Reading));
-    send(&mut harness, Command::PickInPlot(picked));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Reading));
+    send(&mut harness, TimeCommand::PickInPlot(picked));
     let before = triplets(&harness);
     click(&mut harness, "Leave this reading out");
     assert!(shown(&harness).deployment.tracks[1].is_left_out(40));
     assert_eq!(shown(&harness).timeline.picked, Some(picked));
     harness.get_by_label("left out by hand");
-    send(&mut harness, Command::ShowPane(Pane::Pipeline));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Pipeline));
     harness.get_by_label_contains("(1 left out by hand)");
-    send(&mut harness, Command::ShowPane(Pane::Reading));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Reading));
     assert_eq!(triplets(&harness), before);
     // By its key, too.
     press(&mut harness, Modifiers::NONE, Key::X);
@@ -223,7 +225,7 @@ fn the_session_keeps_what_was_put_right() {
     assert!(findings.is_empty(), "{findings:?}");
     assert_eq!(session.deployments[0].source.extras.put_right, expected);
     let mut harness = window(SMALL, Theme::Dark);
-    send(&mut harness, Command::OpenPaths(vec![path]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![path]));
     assert_eq!(put_right(&harness), expected);
     assert_eq!(station3(&harness), answer);
 }
@@ -255,7 +257,7 @@ fn it_is_written_to_the_folder_which_then_says_it() {
     assert_eq!(put_right(&harness).stations, Some([1, 2, 3]));
     // Another window reads it by itself.
     let mut harness = window(SMALL, Theme::Dark);
-    send(&mut harness, Command::OpenSource(Source::at(&path)));
+    send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path)));
     assert_eq!(station3(&harness), answer);
 }
 
@@ -282,11 +284,11 @@ fn the_lines_are_drawn() {
         (SMALL, Theme::Dark, "put-right-small-dark"),
     ] {
         let mut harness = window(size, theme);
-        send(&mut harness, Command::UseLayout(LayoutPreset::Inspect));
+        send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Inspect));
         let mut extras = Extras::default();
         extras.put_right.azimuth = Some(AzimuthSense::CounterClockwise);
         extras.put_right.prism_constant_m = Some(PrismConstants::Each([0.010, 0.0, -0.0345]));
-        send(&mut harness, Command::OpenSource(Source::at(&path).with(extras)));
+        send(&mut harness, DeploymentCommand::OpenSource(Source::at(&path).with(extras)));
         click(&mut harness, "Put right (2)");
         harness.get_by_label("Station numbers").scroll_to_me();
         settle(&mut harness);

@@ -3,7 +3,9 @@
 
 use egui::{OutputCommand, Theme, accesskit::Role};
 use egui_kittest::kittest::{NodeT, Queryable};
-use resect::app::{AngleUnit, Command, LengthUnit, Pane, Picked, Units};
+use resect::app::{
+    AngleUnit, DeploymentCommand, LengthUnit, Pane, Picked, TimeCommand, Units, WorkspaceCommand,
+};
 use resect_core::calibration::{Method, PriorMethod};
 use resect_core::pipeline::{Interpolation, OutlierReason, SampleFate};
 use resect_core::simulation::{Preset, simulate};
@@ -117,9 +119,9 @@ fn the_joint_estimate_is_said_to_follow() {
     let seen = (0..20).any(|step| {
         let mut settings = *harness.state().state.settings();
         settings.pipeline.thresholds.tau_l_seconds = 5.0 + 0.1 * f64::from(step);
-        harness.state_mut().send(Command::Set(settings), &ctx);
+        harness.state_mut().send(DeploymentCommand::Set(settings), &ctx);
         harness.run_steps(2);
-        let follows = |harness: &Window| harness.state().state.open[0].joint_follows();
+        let follows = |harness: &Window| harness.state().state.deployments.open[0].joint_follows();
         while !follows(&harness) && harness.state().state.is_busy() {
             harness.state_mut().state.take_outcomes();
             std::thread::yield_now();
@@ -141,7 +143,7 @@ fn the_result_follows_the_units() {
         |harness: &Window, text: &str| harness.query_all_by_label_contains(text).next().is_some();
     assert!(has(&harness, " rad") && !has(&harness, " gon"));
     let units = Units { length: LengthUnit::Millimetre, angle: AngleUnit::Gon, ..Units::default() };
-    send(&mut harness, Command::SetUnits(units));
+    send(&mut harness, WorkspaceCommand::SetUnits(units));
     assert!(has(&harness, " gon") && !has(&harness, " rad"));
     let summary = harness.state().state.active().and_then(|o| o.summary.clone()).expect("one");
     // As many decimals as σ has, which has two digits.
@@ -150,7 +152,7 @@ fn the_result_follows_the_units() {
     let x = format!("{:.1} ", summary.stations[0].translation_m[0] * 1e3);
     assert!(has(&harness, &x) && has(&harness, &format!(" ± {sigma_mm:.1}")), "{x}");
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
-    send(&mut harness, Command::ShowPane(Pane::Result));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Result));
     snapshot_of(&mut harness, Part::Pane(Pane::Result), "gon");
 }
 
@@ -166,7 +168,7 @@ fn the_history_names_what_changed_and_brings_it_back() {
             s.calibration.prior = PriorMethod::Search;
         });
         set(&mut harness, |s| s.pipeline.outlier_filter = false);
-        send(&mut harness, Command::ShowPane(Pane::Runs));
+        send(&mut harness, WorkspaceCommand::ShowPane(Pane::Runs));
         assert_eq!(harness.state().state.results.runs.len(), 4);
         click(&mut harness, "Pin run 1");
         click(&mut harness, "Pin run 3");
@@ -213,7 +215,7 @@ fn another_deployment_and_a_doubtful_answer_are_named_as_such() {
     assert!(text.contains("WARNING: verdict DEGENERATE"), "{text}");
     snapshot_of(&mut harness, Part::Pane(Pane::Result), "other-data-dark");
     // Runs of several deployments name their own.
-    send(&mut harness, Command::ShowPane(Pane::Runs));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Runs));
     let first = harness.get_by_role_and_label(Role::Button, "Run 1, good: warthog (simulated)");
     first.click();
     settle(&mut harness);
@@ -235,7 +237,7 @@ fn find(harness: &Window, wanted: SampleFate) -> Picked {
 #[test]
 fn the_picked_reading_is_explained_and_can_be_let_in() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::ShowPane(Pane::Reading));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Reading));
     click(&mut harness, "First rejected reading");
     let picked = |harness: &Window| {
         harness.state().state.active().and_then(|open| open.timeline.picked).expect("picked")
@@ -251,7 +253,7 @@ fn the_picked_reading_is_explained_and_can_be_let_in() {
     click(&mut harness, "Previous reading");
 
     let azimuth = find(&harness, SampleFate::Rejected(OutlierReason::Azimuth));
-    send(&mut harness, Command::PickInPlot(azimuth));
+    send(&mut harness, TimeCommand::PickInPlot(azimuth));
     assert!(harness.query_by_label_contains("Rejected by the azimuth rate").is_some());
     snapshot_of(&mut harness, Part::Pane(Pane::Reading), "reading-rejected-dark");
     let remedy = harness.get_by_label_contains("Set τ_a");
@@ -268,14 +270,14 @@ fn every_fate_has_its_explanation_in_the_pane() {
         [(LARGE, Theme::Light, "reading-light"), (SMALL, Theme::Dark, "reading-small-dark")]
     {
         let mut harness = window(size, theme);
-        send(&mut harness, Command::ShowPane(Pane::Reading));
+        send(&mut harness, WorkspaceCommand::ShowPane(Pane::Reading));
         for (fate, words) in [
             (SampleFate::Kept, "Kept: "),
             (SampleFate::InNoInterval, "In no interval: "),
             (SampleFate::IntervalTooShort, "and τ_l asks for more than"),
         ] {
             let picked = find(&harness, fate);
-            send(&mut harness, Command::PickInScene(picked));
+            send(&mut harness, TimeCommand::PickInScene(picked));
             assert!(harness.query_by_label_contains(words).is_some(), "{words}");
             snapshot_of(
                 &mut harness,
@@ -294,8 +296,8 @@ fn a_calibration_that_is_stopped_leaves_the_answer_and_its_settings() {
     let ctx = harness.ctx.clone();
     let mut slow = before;
     slow.pipeline.interpolation = Interpolation::Gp;
-    harness.state_mut().send(Command::Set(slow), &ctx);
-    harness.state_mut().send(Command::CancelAnalysis(id), &ctx);
+    harness.state_mut().send(DeploymentCommand::Set(slow), &ctx);
+    harness.state_mut().send(DeploymentCommand::CancelAnalysis(id), &ctx);
     settle(&mut harness);
     assert_eq!(settings(&harness), before);
     let (_, analysis) = harness.state().state.analysed().expect("the answer from before");
@@ -317,6 +319,6 @@ fn what_was_estimated_besides_stands_in_a_table_and_not_in_sentences() {
     assert!(harness.query_by_label("σ of T13").is_some());
     snapshot_of(&mut harness, Part::Pane(Pane::Result), "extras-dark");
     // The pane of findings tells all in words.
-    send(&mut harness, Command::ShowPane(Pane::Findings));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Findings));
     assert!(harness.query_all_by_label_contains("stamps are").next().is_some());
 }

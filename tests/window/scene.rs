@@ -3,7 +3,9 @@
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{Colouring, Command, Picked, Ruler, RulerEnd, Timeline, ViewPreset};
+use resect::app::{
+    Colouring, Picked, Ruler, RulerEnd, SceneCommand, TimeCommand, Timeline, ViewPreset,
+};
 
 use crate::harness::{LARGE, Window, send, window};
 
@@ -35,7 +37,7 @@ pub fn seen(harness: &Window, picked: Picked) -> Option<Pos2> {
     let (open, analysis) = harness.state().state.analysed().expect("an answer");
     let place_m = picked.place_m(&open.deployment, analysis).expect("placed").cast::<f32>();
     let rect = picture(harness);
-    let camera = &harness.state().state.view.camera;
+    let camera = &harness.state().state.scene.view.camera;
     let clip = camera.clip_from_world(rect.width() / rect.height()) * place_m.push(1.0);
     let at = Vec2::new(clip.x / clip.w, -clip.y / clip.w) * 0.5 * rect.size();
     Some(rect.center() + at).filter(|at| rect.contains(*at))
@@ -47,7 +49,7 @@ fn find(harness: &mut Window, from: usize, not_s: Option<f64>) -> (Pos2, f64) {
         let Some(at) = seen(harness, Picked { station: 0, index }) else { continue };
         harness.hover_at(at);
         harness.run_steps(2);
-        let hovered_s = harness.state().state.hover_s;
+        let hovered_s = harness.state().state.time.hover_s;
         if let Some(time_s) = hovered_s.filter(|time_s| Some(*time_s) != not_s) {
             return (at, time_s);
         }
@@ -95,15 +97,15 @@ fn a_click_on_a_reading_picks_it_and_one_beside_everything_lets_go() {
 fn what_is_not_shown_is_not_under_the_pointer() {
     let mut harness = window(LARGE, Theme::Dark);
     let (at, _) = find(&mut harness, 300, None);
-    let mut visibility = harness.state().state.visibility;
+    let mut visibility = harness.state().state.scene.visibility;
     (visibility.raw, visibility.tracks) = (false, false);
-    send(&mut harness, Command::Show(visibility));
+    send(&mut harness, SceneCommand::Show(visibility));
     harness.hover_at(at);
     harness.run_steps(2);
-    assert_eq!(harness.state().state.hover_s, None);
+    assert_eq!(harness.state().state.time.hover_s, None);
     // Of tracks alone a click moves the cursor, and picks nothing.
     visibility.tracks = true;
-    send(&mut harness, Command::Show(visibility));
+    send(&mut harness, SceneCommand::Show(visibility));
     let before_s = timeline(&harness).cursor_s;
     let (at, hovered_s) = find(&mut harness, 500, before_s);
     click_at(&mut harness, at);
@@ -117,17 +119,17 @@ fn each_colouring_is_another_picture_and_a_selection_dims_the_rest() {
     let scene = picture(&harness);
     let mut pictures = Vec::new();
     for colouring in Colouring::ALL {
-        send(&mut harness, Command::Colour(colouring));
+        send(&mut harness, SceneCommand::Colour(colouring));
         pictures.push((format!("{colouring:?}"), harness.render().expect("a picture")));
     }
     assert_all_differ(scene, &pictures);
     let (_, last) = &pictures[pictures.len() - 1];
     let [start_s, end_s] = timeline(&harness).whole_s;
     let third_s = (end_s - start_s) / 3.0;
-    send(&mut harness, Command::Select(Some([start_s + third_s, end_s - third_s])));
+    send(&mut harness, TimeCommand::Select(Some([start_s + third_s, end_s - third_s])));
     let selected = harness.render().expect("a picture");
     assert!(differing(scene, &selected, last) > 1000);
-    send(&mut harness, Command::Select(None));
+    send(&mut harness, TimeCommand::Select(None));
     assert_eq!(differing(scene, &harness.render().expect("a picture"), last), 0);
 }
 
@@ -138,7 +140,7 @@ fn the_colouring_is_chosen_in_the_scene() {
     harness.run_steps(3);
     harness.get_by_label("Residual").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().state.colouring, Colouring::Residual);
+    assert_eq!(harness.state().state.scene.colouring, Colouring::Residual);
 }
 
 #[test]
@@ -177,8 +179,8 @@ fn stations_can_be_stood_at() {
     }
     assert_all_differ(scene, &pictures);
     // The palette's command is the button's.
-    send(&mut harness, Command::Look(ViewPreset::Fit));
-    send(&mut harness, Command::Look(ViewPreset::Top));
+    send(&mut harness, SceneCommand::Look(ViewPreset::Fit));
+    send(&mut harness, SceneCommand::Look(ViewPreset::Top));
     let (_, top) = &pictures[pictures.len() - 1];
     assert_eq!(differing(scene, top, &harness.render().expect("a picture")), 0);
 }
@@ -188,7 +190,7 @@ fn the_camera_flies_to_what_is_picked_in_a_plot() {
     let mut harness = window(LARGE, Theme::Dark);
     let scene = picture(&harness);
     let before = harness.render().expect("a picture");
-    send(&mut harness, Command::PickInPlot(Picked { station: 1, index: 300 }));
+    send(&mut harness, TimeCommand::PickInPlot(Picked { station: 1, index: 300 }));
     harness.run_steps(4);
     let near = harness.render().expect("a picture");
     assert!(differing(scene, &before, &near) > 1000);
@@ -202,14 +204,14 @@ fn the_ruler_snaps_to_what_is_clicked_and_esc_clears_it() {
     let mut harness = window(LARGE, Theme::Dark);
     harness.get_by_label("Ruler").click();
     harness.run_steps(2);
-    assert!(harness.state().state.ruler.active);
+    assert!(harness.state().state.scene.ruler.active);
     let (first, first_s) = find(&mut harness, 300, None);
     click_at(&mut harness, first);
     let (second, _) = find(&mut harness, 600, Some(first_s));
     click_at(&mut harness, second);
     let beside = empty(&harness);
     click_at(&mut harness, beside);
-    let ends = harness.state().state.ruler.ends.clone();
+    let ends = harness.state().state.scene.ruler.ends.clone();
     assert_eq!(ends.len(), 2, "{ends:?}");
     assert!((ends[0].position_m - ends[1].position_m).norm() > 1.0);
     assert!(ends[0].what.contains("reading") && !ends[1].what.is_empty(), "{ends:?}");
@@ -217,11 +219,11 @@ fn the_ruler_snaps_to_what_is_clicked_and_esc_clears_it() {
     assert_eq!(timeline(&harness).picked, None);
     harness.key_press(Key::Escape);
     harness.run_steps(2);
-    let ruler = &harness.state().state.ruler;
+    let ruler = &harness.state().state.scene.ruler;
     assert!(ruler.active && ruler.ends.is_empty());
     harness.key_press(Key::Escape);
     harness.run_steps(2);
-    assert!(!harness.state().state.ruler.active);
+    assert!(!harness.state().state.scene.ruler.active);
 }
 
 #[test]
@@ -235,11 +237,11 @@ fn a_ruler_between_prisms_goes_with_the_cursor() {
     };
     let ruler = Ruler { active: true, ends: vec![end(0), end(1)] };
     // Near enough to see that it moves.
-    send(&mut harness, Command::PickInPlot(Picked { station: 0, index: 500 }));
+    send(&mut harness, TimeCommand::PickInPlot(Picked { station: 0, index: 500 }));
     harness.run_steps(4);
-    send(&mut harness, Command::Measure(ruler));
+    send(&mut harness, SceneCommand::Measure(ruler));
     let here = harness.render().expect("a picture");
     let cursor_s = timeline(&harness).cursor_s.expect("where it was picked");
-    send(&mut harness, Command::MoveCursor(cursor_s + 2.0));
+    send(&mut harness, TimeCommand::MoveCursor(cursor_s + 2.0));
     assert!(differing(scene, &here, &harness.render().expect("a picture")) > 300);
 }

@@ -3,13 +3,15 @@
 use egui::accesskit::Role;
 use egui::{Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use resect::app::{Command, LayoutPreset, SceneOptions, ViewPreset, Visibility};
+use resect::app::{
+    LayoutPreset, SceneCommand, SceneOptions, ViewPreset, Visibility, WorkspaceCommand,
+};
 use resect_core::pipeline::SampleFate;
 
 use crate::harness::{LARGE, SMALL, Window, click, send, set, window};
 
 fn visibility(harness: &Window) -> Visibility {
-    harness.state().state.visibility
+    harness.state().state.scene.visibility
 }
 
 /// Whether the strip under the scene says this.
@@ -24,13 +26,13 @@ fn the_legend_starts_folded_where_there_is_no_room_and_stays_as_it_was_chosen() 
     let unfolded = |harness: &Window| harness.query_by_label("Show station 2").is_some();
     let mut harness = window(LARGE, Theme::Dark);
     assert!(unfolded(&harness));
-    send(&mut harness, Command::UseLayout(LayoutPreset::Tune));
+    send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Tune));
     assert!(!unfolded(&harness));
     click(&mut harness, "Legend");
     assert!(unfolded(&harness));
-    send(&mut harness, Command::UseLayout(LayoutPreset::Inspect));
+    send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Inspect));
     click(&mut harness, "Legend");
-    send(&mut harness, Command::ResetLayout);
+    send(&mut harness, WorkspaceCommand::ResetLayout);
     assert!(!unfolded(&harness), "folded by hand");
     assert!(!unfolded(&window(SMALL, Theme::Light)));
 }
@@ -65,19 +67,19 @@ fn a_click_on_a_row_hides_what_it_names_and_the_strip_says_so() {
 #[test]
 fn fit_looks_at_what_is_shown() {
     let mut harness = window(LARGE, Theme::Dark);
-    let camera = |harness: &Window| harness.state().state.view.camera;
+    let camera = |harness: &Window| harness.state().state.scene.view.camera;
     let all = camera(&harness);
     // The stations stand within a few metres of each other, far from the drive.
     let hidden =
         Visibility { raw: false, tracks: false, control_points: false, ..Visibility::default() };
-    send(&mut harness, Command::Show(hidden));
+    send(&mut harness, SceneCommand::Show(hidden));
     assert_eq!(camera(&harness), all, "hiding moves nothing");
-    send(&mut harness, Command::Look(ViewPreset::Fit));
+    send(&mut harness, SceneCommand::Look(ViewPreset::Fit));
     let stations = camera(&harness);
     assert!(stations.distance_m < 0.5 * all.distance_m, "{stations:?}");
     assert!(stations.target_m.norm() < 15.0, "{stations:?}");
-    send(&mut harness, Command::Show(Visibility::default()));
-    send(&mut harness, Command::Look(ViewPreset::Fit));
+    send(&mut harness, SceneCommand::Show(Visibility::default()));
+    send(&mut harness, SceneCommand::Look(ViewPreset::Fit));
     let again = camera(&harness);
     assert!((again.distance_m - all.distance_m).abs() < 1e-2 * all.distance_m);
     // An open legend takes room from the picture: what is fitted in is smaller beside it.
@@ -95,11 +97,11 @@ fn ellipsoids_keep_their_scale_whatever_the_answer() {
     harness.get_by_role_and_label(Role::ComboBox, "Scale of the ellipsoids").click();
     harness.run_steps(3);
     click(&mut harness, "×1000");
-    assert_eq!(harness.state().state.scene.ellipsoid_scale, 1000);
+    assert_eq!(harness.state().state.scene.options.ellipsoid_scale, 1000);
     assert!(says(&harness, "ellipsoids ×1000"));
     assert_ne!(before, harness.render().expect("a picture"));
     let options = SceneOptions { ellipsoid_scale: 1, ..SceneOptions::default() };
-    send(&mut harness, Command::SetScene(options));
+    send(&mut harness, SceneCommand::SetOptions(options));
     assert!(says(&harness, "ellipsoids ×1:"));
 }
 
@@ -110,8 +112,11 @@ fn the_strip_is_as_high_whatever_it_says() {
         let picture =
             |harness: &Window| harness.get_by_role_and_label(Role::Image, "Scene").rect().size();
         let before = picture(&harness);
-        send(&mut harness, Command::Show(Visibility { raw: false, ..Visibility::default() }));
-        send(&mut harness, Command::Measure(resect::app::Ruler { active: true, ends: vec![] }));
+        send(&mut harness, SceneCommand::Show(Visibility { raw: false, ..Visibility::default() }));
+        send(
+            &mut harness,
+            SceneCommand::Measure(resect::app::Ruler { active: true, ends: vec![] }),
+        );
         assert!(says(&harness, "ruler: click its first end") && says(&harness, "hidden: readings"));
         assert_eq!(picture(&harness), before);
     }

@@ -3,7 +3,10 @@
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use resect::app::{Command, LayoutPreset, Pane, Picked, SceneOptions, ViewPreset};
+use resect::app::{
+    LayoutPreset, Pane, Picked, SceneCommand, SceneOptions, TimeCommand, ViewPreset,
+    WorkspaceCommand,
+};
 
 use crate::harness::{
     LARGE, SMALL, Window, click, double_click, press, send, settle, shown, window,
@@ -25,15 +28,15 @@ fn readings_are_found_where_they_are_drawn_from_every_side_and_however_high() {
         (ViewPreset::Slanted, 5),
     ] {
         let options = SceneOptions { height_scale, ..SceneOptions::default() };
-        send(&mut harness, Command::SetScene(options));
-        send(&mut harness, Command::Look(preset));
+        send(&mut harness, SceneCommand::SetOptions(options));
+        send(&mut harness, SceneCommand::Look(preset));
         assert_eq!(strip(&harness).contains("heights drawn"), height_scale != 1);
         let mut found = 0;
         for index in (0..900).step_by(45) {
             let Some(at) = seen(&harness, Picked { station: 0, index }) else { continue };
             harness.hover_at(at);
             harness.run_steps(2);
-            found += usize::from(harness.state().state.hover_s.is_some());
+            found += usize::from(harness.state().state.time.hover_s.is_some());
         }
         // A few lie under the legend, or were thrown far away.
         assert!(found >= 14, "{preset:?} ×{height_scale}: {found}");
@@ -44,14 +47,14 @@ fn readings_are_found_where_they_are_drawn_from_every_side_and_however_high() {
 #[test]
 fn a_double_click_comes_to_a_point_and_beside_everything_goes_back() {
     let mut harness = window(LARGE, Theme::Dark);
-    let camera = |harness: &Window| harness.state().state.view.camera;
+    let camera = |harness: &Window| harness.state().state.scene.view.camera;
     let all = camera(&harness);
     let found = (300..900).step_by(10).find_map(|index| {
         let picked = Picked { station: 0, index };
         let at = seen(&harness, picked)?;
         harness.hover_at(at);
         harness.run_steps(2);
-        harness.state().state.hover_s.map(|_| (picked, at))
+        harness.state().state.time.hover_s.map(|_| (picked, at))
     });
     let (picked, at) = found.expect("a reading that can be seen");
     double_click(&mut harness, at);
@@ -61,8 +64,8 @@ fn a_double_click_comes_to_a_point_and_beside_everything_goes_back() {
     let place_m = picked.place_m(&open.deployment, analysis).expect("placed");
     assert!((near.target_m.cast::<f64>() - place_m).norm() < 3.0, "{near:?} {place_m}");
     // The picked reading can be come to without a mouse.
-    send(&mut harness, Command::PickInPlot(picked));
-    send(&mut harness, Command::Look(ViewPreset::Fit));
+    send(&mut harness, TimeCommand::PickInPlot(picked));
+    send(&mut harness, SceneCommand::Look(ViewPreset::Fit));
     press(&mut harness, Modifiers::NONE, Key::G);
     assert!((camera(&harness).distance_m - near.distance_m).abs() < 1e-3);
     let nothing = |harness: &mut Window| {
@@ -70,7 +73,7 @@ fn a_double_click_comes_to_a_point_and_beside_everything_goes_back() {
         (1..40).map(|step| edge.right_bottom() - egui::vec2(20.0 * step as f32, 8.0)).find(|at| {
             harness.hover_at(*at);
             harness.run_steps(2);
-            harness.state().state.hover_s.is_none()
+            harness.state().state.time.hover_s.is_none()
         })
     };
     let beside = nothing(&mut harness).expect("a place beside everything");
@@ -88,7 +91,7 @@ fn grid(harness: &Window) -> String {
 #[test]
 fn the_camera_cannot_be_lost_and_the_grid_goes_with_it() {
     let mut harness = window(LARGE, Theme::Dark);
-    let all = harness.state().state.view.camera;
+    let all = harness.state().state.scene.view.camera;
     let at_first = grid(&harness);
     let middle = picture(&harness).center();
     harness.hover_at(middle);
@@ -104,12 +107,12 @@ fn the_camera_cannot_be_lost_and_the_grid_goes_with_it() {
             harness.run_steps(2);
         }
         settle(&mut harness);
-        let camera = harness.state().state.view.camera;
+        let camera = harness.state().state.scene.view.camera;
         assert!(camera.distance_m > 0.01 && camera.distance_m < 5000.0, "{camera:?}");
         assert_ne!(grid(&harness), at_first);
     }
     press(&mut harness, Modifiers::NONE, Key::F);
-    let back = harness.state().state.view.camera;
+    let back = harness.state().state.scene.view.camera;
     assert!((back.distance_m - all.distance_m).abs() < 0.05 * all.distance_m, "{back:?}");
     assert_eq!(grid(&harness), at_first);
 }
@@ -118,7 +121,7 @@ fn the_camera_cannot_be_lost_and_the_grid_goes_with_it() {
 fn under_the_pointer_the_strip_says_what_has_no_room_and_nothing_else() {
     let said = |size: Vec2| {
         let mut harness = window(size, Theme::Dark);
-        send(&mut harness, Command::UseLayout(LayoutPreset::Tune));
+        send(&mut harness, WorkspaceCommand::UseLayout(LayoutPreset::Tune));
         let at = harness.get_by_role(Role::Status).rect().center();
         harness.hover_at(at);
         harness.run_steps(8);
@@ -140,10 +143,10 @@ fn control_points_are_named_by_their_set_and_listed_with_what_is_left_at_them() 
     assert!(harness.query_by_label_contains(&format!("P  {file}")).is_some());
     let with = harness.render().expect("a picture");
     click(&mut harness, "Show residuals at control points");
-    assert!(!harness.state().state.visibility.residuals);
+    assert!(!harness.state().state.scene.visibility.residuals);
     assert_ne!(with, harness.render().expect("a picture"));
-    send(&mut harness, Command::ShowPane(Pane::ControlPoints));
-    let far = harness.state().state.view.camera;
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::ControlPoints));
+    let far = harness.state().state.scene.view.camera;
     click(&mut harness, &format!("Come to control point P{marker}"));
-    assert!(harness.state().state.view.camera.distance_m < far.distance_m);
+    assert!(harness.state().state.scene.view.camera.distance_m < far.distance_m);
 }

@@ -2,7 +2,7 @@
 
 use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Pane, StudyKind};
+use resect::app::{DeploymentCommand, Pane, ResultsCommand, StudyKind, WorkspaceCommand};
 use resect_core::analysis::Settings;
 use resect_core::calibration::Method;
 use resect_core::simulation::{Preset, simulate};
@@ -57,7 +57,7 @@ fn an_error_is_shown_and_what_was_open_stays() {
         let mut harness = window(SMALL, theme);
         let before = triplets(&harness);
         let ctx = harness.ctx.clone();
-        harness.state_mut().send(Command::OpenPaths(vec![file.clone()]), &ctx);
+        harness.state_mut().send(DeploymentCommand::OpenPaths(vec![file.clone()]), &ctx);
         settle(&mut harness);
         let (text, remedy) = harness.state().state.toasts.errors().next().expect("an error");
         assert!(text.contains("broken.csv:1") && text.contains("semicolons"), "{text}");
@@ -104,7 +104,7 @@ fn the_newest_request_wins() {
     for tau_l in [8.0, 12.0, 16.0, 20.0, 30.0] {
         let mut settings = Settings::default();
         settings.pipeline.thresholds.tau_l_seconds = tau_l;
-        harness.state_mut().send(Command::Set(settings), &ctx);
+        harness.state_mut().send(DeploymentCommand::Set(settings), &ctx);
     }
     settle(&mut harness);
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
@@ -174,7 +174,7 @@ fn hiding_a_station_takes_it_out_of_the_scene_and_back() {
     let shown = harness.render().expect("a picture");
     harness.get_by_label("Station 2").click();
     settle(&mut harness);
-    assert_eq!(harness.state().state.visibility.stations, [true, false, true]);
+    assert_eq!(harness.state().state.scene.visibility.stations, [true, false, true]);
     let hidden = harness.render().expect("a picture");
     harness.get_by_label("Station 2").click();
     settle(&mut harness);
@@ -192,13 +192,13 @@ fn hiding_a_station_takes_it_out_of_the_scene_and_back() {
 
 fn open_sample(harness: &mut Window, sample: Sample) {
     let ctx = harness.ctx.clone();
-    harness.state_mut().send(Command::OpenSample(sample), &ctx);
+    harness.state_mut().send(DeploymentCommand::OpenSample(sample), &ctx);
     settle(harness);
 }
 
 fn show(harness: &mut Window, pane: Pane) {
     let ctx = harness.ctx.clone();
-    harness.state_mut().send(Command::ShowPane(pane), &ctx);
+    harness.state_mut().send(WorkspaceCommand::ShowPane(pane), &ctx);
     settle(harness);
 }
 
@@ -214,7 +214,7 @@ fn a_comparison_is_run_and_drawn() {
         harness.run_steps(3);
         harness.get_by_label("Run").click();
         settle(&mut harness);
-        let result = harness.state().state.studies.result.clone().expect("it ran");
+        let result = harness.state().state.results.studies.result.clone().expect("it ran");
         assert_eq!(result.study().groups.len(), 5);
         // The README shows the whole window.
         let part = if name == "studies-light" { Part::Window } else { Part::Pane(Pane::Studies) };
@@ -230,7 +230,7 @@ fn an_ablation_can_be_chosen_and_judged_by_d() {
     harness.run_steps(3);
     harness.get_by_label("Run").click();
     settle(&mut harness);
-    let result = harness.state().state.studies.result.clone().expect("it ran");
+    let result = harness.state().state.results.studies.result.clone().expect("it ran");
     assert_eq!(result.study().name, "ablation");
     assert_eq!(result.study().series.len(), 3);
     snapshot_of(&mut harness, Part::Pane(Pane::Studies), "ablation-dark");
@@ -240,14 +240,14 @@ fn an_ablation_can_be_chosen_and_judged_by_d() {
 fn a_study_can_be_cancelled() {
     let mut harness = window(SMALL, Theme::Dark);
     let ctx = harness.ctx.clone();
-    let mut options = harness.state().state.studies.options;
+    let mut options = harness.state().state.results.studies.options;
     options.kind = StudyKind::Ablation;
-    harness.state_mut().send(Command::SetStudy(options), &ctx);
-    harness.state_mut().send(Command::RunStudy, &ctx);
-    assert!(harness.state().state.studies.running.is_some());
-    harness.state_mut().send(Command::CancelStudy, &ctx);
+    harness.state_mut().send(ResultsCommand::SetStudy(options), &ctx);
+    harness.state_mut().send(ResultsCommand::RunStudy, &ctx);
+    assert!(harness.state().state.results.studies.running.is_some());
+    harness.state_mut().send(ResultsCommand::CancelStudy, &ctx);
     settle(&mut harness);
-    let studies = &harness.state().state.studies;
+    let studies = &harness.state().state.results.studies;
     assert!(studies.running.is_none() && studies.result.is_none());
     assert!(harness.state().state.toasts.shown().is_empty());
 }
@@ -263,7 +263,7 @@ fn each_open_deployment_keeps_its_settings() {
         set(&mut harness, |s| s.calibration.method = Some(Method::StaticGcp));
         open_sample(&mut harness, Sample::Hd2Tunnel);
         set(&mut harness, |s| s.pipeline.thresholds.tau_l_seconds = 20.0);
-        assert_eq!(harness.state().state.open.len(), 2);
+        assert_eq!(harness.state().state.deployments.open.len(), 2);
         show(&mut harness, Pane::SideBySide);
         assert!(harness.query_by_label_contains("set up elsewhere").is_some());
         assert_eq!(
@@ -280,7 +280,9 @@ fn each_open_deployment_keeps_its_settings() {
         // Wherever it has been scrolled to.
         harness.get_by_label("Give all the active one's settings").click_accesskit();
         settle(&mut harness);
-        assert!(harness.state().state.open.iter().all(|open| open.settings == settings));
+        assert!(
+            harness.state().state.deployments.open.iter().all(|open| open.settings == settings)
+        );
     }
 }
 
@@ -288,12 +290,18 @@ fn each_open_deployment_keeps_its_settings() {
 fn the_sample_gives_way_to_what_the_user_opens() {
     let mut harness = window(SMALL, Theme::Dark);
     open_sample(&mut harness, Sample::Hd2Tunnel);
-    let names: Vec<_> =
-        harness.state().state.open.iter().map(|open| open.deployment.name.clone()).collect();
+    let names: Vec<_> = harness
+        .state()
+        .state
+        .deployments
+        .open
+        .iter()
+        .map(|open| open.deployment.name.clone())
+        .collect();
     assert_eq!(names, ["hd2-tunnel (simulated)"]);
-    let id = harness.state().state.open[0].id;
+    let id = harness.state().state.deployments.open[0].id;
     let ctx = harness.ctx.clone();
-    harness.state_mut().send(Command::Close(id), &ctx);
+    harness.state_mut().send(DeploymentCommand::Close(id), &ctx);
     settle(&mut harness);
     assert!(harness.state().state.active().is_none());
     snapshot(&mut harness, "nothing-open-dark");
@@ -384,7 +392,7 @@ fn what_the_drive_does_not_hold_is_shown_at_the_stations_and_in_the_result() {
         let shown = harness.render().expect("a picture");
         harness.get_by_label("weak directions").click();
         settle(&mut harness);
-        assert!(!harness.state().state.visibility.weak_directions);
+        assert!(!harness.state().state.scene.visibility.weak_directions);
         let hidden = harness.render().expect("a picture");
         // Under the legend, where the stations are.
         let bottom = (0.66 * size.y) as u32;

@@ -10,7 +10,8 @@ use resect::app::keeping::Keeping;
 use resect::app::persist::hashes::HashCache;
 use resect::app::persist::{Folders, session_file};
 use resect::app::{
-    Colouring, Command, LayoutPreset, Pane, ResectWindow, Start, offscreen_renderer,
+    Colouring, Command, DeploymentCommand, LayoutPreset, Pane, ResectWindow, ResultsCommand,
+    SceneCommand, SessionCommand, Start, TimeCommand, WorkspaceCommand, offscreen_renderer,
 };
 use resect_core::analysis::Settings;
 use resect_core::simulation::{Preset, simulate};
@@ -42,7 +43,7 @@ fn settle(harness: &mut Harness<'_, ResectWindow>) {
     harness.run_steps(2);
 }
 
-fn send(harness: &mut Harness<'_, ResectWindow>, command: Command) {
+fn send(harness: &mut Harness<'_, ResectWindow>, command: impl Into<Command>) {
     let ctx = harness.ctx.clone();
     harness.state_mut().send(command, &ctx);
     settle(harness);
@@ -56,34 +57,38 @@ fn data(folder: &Path, name: &str) -> PathBuf {
 }
 
 fn names(harness: &Harness<'_, ResectWindow>) -> Vec<String> {
-    harness.state().state.open.iter().map(|open| open.deployment.name.clone()).collect()
+    harness.state().state.deployments.open.iter().map(|open| open.deployment.name.clone()).collect()
 }
 
 /// Two deployments, the first of which is shown, tuned, pinned and looked at.
 fn prepare(harness: &mut Harness<'_, ResectWindow>, path: &Path) -> Settings {
-    send(harness, Command::OpenPaths(vec![path.to_owned()]));
-    send(harness, Command::OpenSample(Sample::Hd2Tunnel));
-    let first = harness.state().state.open[0].id;
-    send(harness, Command::Activate(first));
+    send(harness, DeploymentCommand::OpenPaths(vec![path.to_owned()]));
+    send(harness, DeploymentCommand::OpenSample(Sample::Hd2Tunnel));
+    let first = harness.state().state.deployments.open[0].id;
+    send(harness, DeploymentCommand::Activate(first));
     let mut settings = Settings::default();
     settings.pipeline.thresholds.tau_s_seconds = 1.5;
-    send(harness, Command::Set(settings));
-    send(harness, Command::Pin);
-    send(harness, Command::Colour(Colouring::Speed));
-    send(harness, Command::UseLayout(LayoutPreset::Tune));
+    send(harness, DeploymentCommand::Set(settings));
+    send(harness, ResultsCommand::Pin);
+    send(harness, SceneCommand::Colour(Colouring::Speed));
+    send(harness, WorkspaceCommand::UseLayout(LayoutPreset::Tune));
     settings
 }
 
 fn assert_is_back(harness: &Harness<'_, ResectWindow>, expected: &[String], settings: Settings) {
     let state = &harness.state().state;
     assert_eq!(names(harness), expected);
-    assert_eq!(state.active().map(|open| open.id), Some(state.open[0].id), "the first is shown");
-    assert_eq!(state.open[0].settings, settings);
-    assert_eq!(state.open[1].settings, Settings::default());
-    assert!(state.open.iter().all(|open| open.summary.is_some()), "all are calibrated");
+    assert_eq!(
+        state.active().map(|open| open.id),
+        Some(state.deployments.open[0].id),
+        "the first is shown"
+    );
+    assert_eq!(state.deployments.open[0].settings, settings);
+    assert_eq!(state.deployments.open[1].settings, Settings::default());
+    assert!(state.deployments.open.iter().all(|open| open.summary.is_some()), "all are calibrated");
     assert_eq!(state.results.pins.len(), 1);
     assert_eq!(state.results.pins[0].summary.settings, settings);
-    assert_eq!(state.colouring, Colouring::Speed);
+    assert_eq!(state.scene.colouring, Colouring::Speed);
     let now = harness.state().layout();
     assert!(now.holds(Pane::Rates) && !now.holds(Pane::SideBySide), "the layout for tuning");
 }
@@ -114,7 +119,7 @@ fn what_was_open_comes_back_after_a_crash_and_not_after_a_clean_exit() {
     assert_eq!(left, 0);
 
     let harness = window(&sample, kept);
-    assert_eq!(harness.state().state.open.len(), 1, "only the sample");
+    assert_eq!(harness.state().state.deployments.open.len(), 1, "only the sample");
     assert_eq!(harness.state().state.session.recent.len(), 1, "preferences stay");
     assert!(!harness.state().layout().holds(Pane::SideBySide), "the layout stays");
 }
@@ -137,7 +142,7 @@ fn what_a_crash_left_can_be_discarded_and_that_taken_back() {
     settle(&mut harness);
     assert!(names(&harness).is_empty() && harness.state().state.results.pins.is_empty());
     assert!(harness.query_by_label("Discard").is_none());
-    send(&mut harness, Command::ReopenLast);
+    send(&mut harness, SessionCommand::ReopenLast);
     assert_is_back(&harness, &expected, settings);
 }
 
@@ -147,19 +152,19 @@ fn the_title_says_what_is_shown_in_which_session_and_whether_that_is_saved() {
     let mut harness = window(&Start::Sample(Sample::Warthog), None);
     let title = |harness: &Harness<'_, ResectWindow>| harness.state().state.title();
     assert_eq!(title(&harness), "warthog (simulated) – resect");
-    send(&mut harness, Command::OpenPaths(vec![data(folder.path(), "figure-eight")]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![data(folder.path(), "figure-eight")]));
     assert_eq!(title(&harness), "figure-eight (simulated) – session not saved – resect");
     harness.state_mut().state.session.path = Some(folder.path().join("a.resect.toml"));
-    send(&mut harness, Command::SaveSession);
+    send(&mut harness, SessionCommand::Save);
     let saved = "figure-eight (simulated) – a.resect.toml – resect";
     assert_eq!(title(&harness), saved);
-    send(&mut harness, Command::StepCursor(5));
+    send(&mut harness, TimeCommand::StepCursor(5));
     assert_eq!(title(&harness), saved, "looking about changes nothing");
     let mut settings = Settings::default();
     settings.pipeline.thresholds.tau_s_seconds = 1.5;
-    send(&mut harness, Command::Set(settings));
+    send(&mut harness, DeploymentCommand::Set(settings));
     assert!(title(&harness).contains("changed since it was saved"));
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     assert_eq!(title(&harness), saved);
 }
 
@@ -186,7 +191,7 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     let shorter = text.trim_end().rsplit_once('\n').expect("lines").0;
     std::fs::write(&tracks, shorter).expect("written");
     let harness = window(&start, None);
-    let findings = &harness.state().state.open[0].deployment.findings;
+    let findings = &harness.state().state.deployments.open[0].deployment.findings;
     assert!(findings[0].message.contains("inter_prism.csv: changed"), "{findings:?}");
     drop(harness);
 
@@ -206,16 +211,16 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     std::fs::rename(&away, &path).expect("moved");
     let mut harness = window(&start, None);
     assert_eq!(names(&harness).len(), 2);
-    let back = harness.state().state.open.iter().find(|open| open.settings == settings);
+    let back = harness.state().state.deployments.open.iter().find(|open| open.settings == settings);
     assert!(back.is_some(), "with its settings");
-    send(&mut harness, Command::RetryMissing);
+    send(&mut harness, SessionCommand::RetryMissing);
     assert_eq!(names(&harness).len(), 2, "nothing is missing any more");
 }
 
 /// A window in this folder that dies with a deployment open; what it had open.
 fn die_with(folder: &Path, path: &Path) -> Vec<String> {
     let mut harness = window(&Start::Sample(Sample::Warthog), Some(folder));
-    send(&mut harness, Command::OpenPaths(vec![path.to_owned()]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![path.to_owned()]));
     names(&harness)
 }
 
@@ -231,7 +236,7 @@ fn what_a_dead_window_had_open_waits_while_the_user_asks_for_something_else() {
     let before = die_with(folder.path(), &data(folder.path(), "figure-eight"));
     let file = folder.path().join("other.resect.toml");
     let mut other = window(&Start::Sample(Sample::Warthog), None);
-    send(&mut other, Command::OpenSample(Sample::Hd2Tunnel));
+    send(&mut other, DeploymentCommand::OpenSample(Sample::Hd2Tunnel));
     other.state().state.session().save(&file, &HashCache::default()).expect("saved");
     let tunnel = Arc::new(Sample::Hd2Tunnel.open().expect("built in"));
     let named = vec![(Arc::clone(&tunnel), Source::sample(Sample::Hd2Tunnel))];
@@ -273,7 +278,7 @@ fn what_was_open_at_a_clean_exit_can_be_opened_again() {
 
     let mut harness = window(&sample, kept);
     assert!(has_entry(&mut harness));
-    send(&mut harness, Command::ReopenLast);
+    send(&mut harness, SessionCommand::ReopenLast);
     assert_is_back(&harness, &expected, settings);
     assert_eq!(harness.state().state.session.path, None, "the user saves elsewhere");
 }
@@ -283,23 +288,25 @@ fn what_a_session_takes_the_place_of_can_be_opened_again() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("other.resect.toml");
     let mut harness = window(&Start::Sample(Sample::Warthog), Some(folder.path()));
-    send(&mut harness, Command::OpenSample(Sample::Hd2Tunnel));
+    send(&mut harness, DeploymentCommand::OpenSample(Sample::Hd2Tunnel));
     let other = names(&harness);
     harness.state().state.session().save(&file, &HashCache::default()).expect("saved");
-    let id = harness.state().state.open[0].id;
-    send(&mut harness, Command::Close(id));
+    let id = harness.state().state.deployments.open[0].id;
+    send(&mut harness, DeploymentCommand::Close(id));
     let settings = prepare(&mut harness, &data(folder.path(), "figure-eight"));
     let expected = names(&harness);
-    send(&mut harness, Command::OpenPaths(vec![file.clone()]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![file.clone()]));
     assert_eq!(names(&harness), other);
     let state = &harness.state().state;
     assert!(state.results.pins.is_empty());
-    let here = |run: &resect::app::Run| state.open.iter().any(|open| open.id == run.deployment);
+    let here = |run: &resect::app::Run| {
+        state.deployments.open.iter().any(|open| open.id == run.deployment)
+    };
     assert!(state.results.runs.iter().all(here), "no run of what is gone");
-    send(&mut harness, Command::ReopenLast);
+    send(&mut harness, SessionCommand::ReopenLast);
     assert_is_back(&harness, &expected, settings);
     // And back again.
-    send(&mut harness, Command::ReopenLast);
+    send(&mut harness, SessionCommand::ReopenLast);
     assert_eq!(names(&harness), other);
 }
 
@@ -308,10 +315,10 @@ fn closing_the_window_waits_for_the_session_to_be_saved() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("a.resect.toml");
     let mut harness = window(&Start::Sample(Sample::Warthog), None);
-    send(&mut harness, Command::OpenPaths(vec![data(folder.path(), "figure-eight")]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![data(folder.path(), "figure-eight")]));
     harness.state_mut().state.session.path = Some(file.clone());
     let ctx = harness.ctx.clone();
-    harness.state_mut().send(Command::SaveSession, &ctx);
+    harness.state_mut().send(SessionCommand::Save, &ctx);
     assert!(harness.state().state.is_busy());
     eframe::App::on_exit(harness.state_mut());
     assert_eq!(session_file::load(&file).expect("saved").0.deployments.len(), 1);
@@ -323,14 +330,14 @@ fn type_that_is_large_in_the_sun_is_large_the_next_time() {
     let (start, kept) = (Start::Sample(Sample::Warthog), Some(folder.path()));
     let mut harness = window(&start, kept);
     assert_eq!(harness.ctx.zoom_factor(), 1.0);
-    send(&mut harness, Command::ReadInTheSun(true));
+    send(&mut harness, WorkspaceCommand::ReadInTheSun(true));
     eframe::App::on_exit(harness.state_mut());
     drop(harness);
     let mut harness = window(&start, kept);
-    assert!(harness.state().state.in_the_sun && harness.ctx.zoom_factor() > 1.2);
+    assert!(harness.state().state.workspace.in_the_sun && harness.ctx.zoom_factor() > 1.2);
     let ink = harness.ctx.style_of(egui::Theme::Light).visuals.override_text_color;
     assert_eq!(ink, Some(egui::Color32::BLACK));
-    send(&mut harness, Command::ReadInTheSun(false));
+    send(&mut harness, WorkspaceCommand::ReadInTheSun(false));
     eframe::App::on_exit(harness.state_mut());
     drop(harness);
     assert_eq!(window(&start, kept).ctx.zoom_factor(), 1.0);

@@ -3,7 +3,7 @@
 use egui::Theme;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Pane};
+use resect::app::{DeploymentCommand, Pane, WorkspaceCommand};
 use resect_core::calibration::Method;
 use resect_core::simulation::{Preset, simulate};
 use resect_io::sample::Sample;
@@ -20,7 +20,7 @@ fn pinned(size: egui::Vec2, theme: Theme) -> Window {
         s.calibration.method = Some(Method::InterPrism);
         s.pipeline.thresholds.tau_l_seconds = 20.0;
     });
-    send(&mut harness, Command::ShowPane(Pane::SideBySide));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::SideBySide));
     harness
 }
 
@@ -48,7 +48,7 @@ fn the_settings_of_a_pinned_result_are_taken_and_given_back() {
     buttons[0].click_accesskit();
     crate::harness::settle(&mut harness);
     assert_eq!(settings(&harness), resect_core::analysis::Settings::default());
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     assert_eq!(settings(&harness), changed);
 }
 
@@ -58,7 +58,7 @@ fn points_that_are_not_the_same_stand_in_rows_of_their_own() {
     set(&mut harness, |s| s.pipeline.rate_hz = 5.0);
     click(&mut harness, "Pin");
     set(&mut harness, |s| s.pipeline.rate_hz = 10.0);
-    send(&mut harness, Command::ShowPane(Pane::SideBySide));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::SideBySide));
     let rows = |harness: &Window| harness.query_all_by_label("GCP_raw_1.txt").count();
     let only = rows(&harness);
     // Another set-up with files of the same names.
@@ -71,7 +71,7 @@ fn points_that_are_not_the_same_stand_in_rows_of_their_own() {
     }
     "another".clone_into(&mut other.name);
     open(&mut harness, other);
-    send(&mut harness, Command::ShowPane(Pane::SideBySide));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::SideBySide));
     assert_eq!(rows(&harness), only + 1);
     assert!(harness.query_all_by_label("of another").count() > 0, "whose points they are");
 }

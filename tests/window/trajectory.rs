@@ -10,7 +10,10 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use resect::app::{Aspect, Command, Pane, Visibility, WayPlots};
+use resect::app::{
+    Aspect, DeploymentCommand, JudgingCommand, Pane, SceneCommand, TimeCommand, Visibility,
+    WayPlots, WorkspaceCommand,
+};
 use resect_core::calibration::Method;
 use resect_core::estimates::{Alignment, Body, Options};
 use resect_core::evaluation::trajectory::Trajectory;
@@ -71,7 +74,7 @@ fn rng_normal(rng: &mut ChaCha8Rng) -> f64 {
 #[test]
 fn the_vehicles_way_is_plotted_with_its_sigma() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::ShowPane(Pane::Trajectory));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Trajectory));
     for name in ["height over time", "heading over time", "σ position over time"] {
         harness.get_by_label(name);
     }
@@ -81,7 +84,7 @@ fn the_vehicles_way_is_plotted_with_its_sigma() {
     assert!(way.instants.len() > 2000);
     snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "trajectory-dark");
     let all = WayPlots { aspects: [true; Aspect::ALL.len()], ..WayPlots::default() };
-    send(&mut harness, Command::PlotWay(all));
+    send(&mut harness, TimeCommand::PlotWay(all));
     for aspect in Aspect::ALL {
         harness.get_by_label(&format!("{} over time", aspect.name()));
     }
@@ -100,7 +103,7 @@ fn of_two_dropped_trajectories_the_window_says_which_is_better_and_where_one_is_
     let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
     let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.4);
     let before = shown(&harness).analysis_run;
-    send(&mut harness, Command::OpenPaths(vec![vio.clone(), lio.clone()]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![vio.clone(), lio.clone()]));
     // Reading, judging and drawing are one after the other.
     settle(&mut harness);
     assert_eq!(shown(&harness).analysis_run, before, "the deployment itself is as it was");
@@ -138,12 +141,12 @@ fn trajectories_are_drawn_in_the_scene_and_kept_by_sessions() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = window(LARGE, Theme::Light);
     let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
-    send(&mut harness, Command::AddEstimates(vec![lio.clone()]));
+    send(&mut harness, JudgingCommand::Add(vec![lio.clone()]));
     settle(&mut harness);
     harness.get_by_label("Show trajectories of other systems");
     snapshot_of(&mut harness, Part::Window, "estimates-light");
-    let hidden = Visibility { estimates: false, ..harness.state().state.visibility };
-    send(&mut harness, Command::Show(hidden));
+    let hidden = Visibility { estimates: false, ..harness.state().state.scene.visibility };
+    send(&mut harness, SceneCommand::Show(hidden));
     harness.get_by_label_contains("hidden: trajectories");
     let session = harness.state().state.session();
     assert_eq!(session.deployments[0].estimates.len(), 1);
@@ -169,7 +172,7 @@ fn what_cannot_be_judged_says_why() {
         )
     };
     std::fs::write(&elsewhere, (0..500).map(line).collect::<String>()).expect("written");
-    send(&mut harness, Command::OpenPaths(vec![elsewhere]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![elsewhere]));
     settle(&mut harness);
     harness.get_by_label_contains("not judged: elsewhere: ");
 }
@@ -179,16 +182,16 @@ fn what_cannot_be_judged_says_why() {
 fn a_tube_tells_how_well_the_way_is_known() {
     let mut harness = window(LARGE, Theme::Dark);
     click(&mut harness, "Show the tube of the vehicle");
-    assert!(harness.state().state.visibility.tube);
+    assert!(harness.state().state.scene.visibility.tube);
     assert!(shown(&harness).way.newest.is_some());
     let alone = Visibility {
         raw: false,
         tracks: false,
         poses: false,
         control_points: false,
-        ..harness.state().state.visibility
+        ..harness.state().state.scene.visibility
     };
-    send(&mut harness, Command::Show(alone));
+    send(&mut harness, SceneCommand::Show(alone));
     snapshot_of(&mut harness, Part::Pane(Pane::Scene), "tube-dark");
 }
 
@@ -215,7 +218,7 @@ fn the_pose_in_the_scene_says_what_it_is_from_and_how_well_it_is_known() {
 fn a_doubtful_ground_truth_is_said_above_what_it_judges() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::OpenSample(Sample::Warthog));
+    send(&mut harness, DeploymentCommand::OpenSample(Sample::Warthog));
     let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
     let mut deployment = Sample::Warthog.open().expect("built in");
     // Station 3 is turned by 3 mrad halfway.
@@ -223,7 +226,7 @@ fn a_doubtful_ground_truth_is_said_above_what_it_judges() {
     let half = readings.len() / 2;
     readings[half..].iter_mut().for_each(|reading| reading.azimuth_rad += 3e-3);
     open(&mut harness, deployment);
-    send(&mut harness, Command::AddEstimates(vec![lio]));
+    send(&mut harness, JudgingCommand::Add(vec![lio]));
     settle(&mut harness);
     harness.get_by_label_contains("The ground truth itself");
 }
@@ -235,7 +238,7 @@ fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() 
     let mut harness = window(LARGE, Theme::Dark);
     let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
     let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.4);
-    send(&mut harness, Command::AddEstimates(vec![lio, vio]));
+    send(&mut harness, JudgingCommand::Add(vec![lio, vio]));
     settle(&mut harness);
     click(&mut harness, "off by");
     click(&mut harness, "at");
@@ -269,7 +272,7 @@ fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() 
     click(&mut harness, "Show…");
     click(&mut harness, "one scale");
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(harness.state().state.way_plots.one_scale);
+    assert!(harness.state().state.time.way_plots.one_scale);
     snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "estimates-by-distance-dark");
 }
 
@@ -286,15 +289,15 @@ fn what_is_done_with_trajectories_can_be_undone() {
     };
     let next = |harness: &Window| {
         let state = &harness.state().state;
-        state.undo.undo_name(state.units)
+        state.deployments.undo.undo_name(state.workspace.units)
     };
-    send(&mut harness, Command::OpenPaths(vec![lio, vio]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![lio, vio]));
     settle(&mut harness);
     assert_eq!(next(&harness), "Undo trajectory added: lio, vio");
     click(&mut harness, "Take lio away");
     assert_eq!(names(&harness), ["vio 1"]);
     // The number of a colour that is free is given to the next, and comes back with its owner.
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     settle(&mut harness);
     assert_eq!(names(&harness), ["lio 0", "vio 1"]);
 
@@ -302,27 +305,27 @@ fn what_is_done_with_trajectories_can_be_undone() {
     assert_eq!(next(&harness), "Undo trajectory hidden: vio");
     harness.get_by_label_contains("hidden: trajectory vio");
     let run = shown(&harness).judging.version;
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     assert!(harness.query_by_label_contains("hidden: trajectory vio").is_none());
     assert_eq!(shown(&harness).judging.version, run, "what is hidden is judged as it was");
 
     click(&mut harness, "off by");
     assert_eq!(next(&harness), "Undo clock: lio, vio");
     click(&mut harness, "scale too");
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     let judging = &shown(&harness).judging;
     assert!(judging.added.iter().all(|one| one.options.alignment == Alignment::Rigid));
     assert!(judging.judged().all(|(_, one)| one.fit.time_offset_sigma_s.is_none()));
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     settle(&mut harness);
     let judging = &shown(&harness).judging;
     assert!(judging.judged().all(|(_, one)| one.fit.time_offset_sigma_s.is_some()));
 
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
     assert!(shown(&harness).judging.added.is_empty());
     assert!(harness.query_by_label("position errors of lio over time").is_none());
     for _ in 0..3 {
-        send(&mut harness, Command::Redo);
+        send(&mut harness, DeploymentCommand::Redo);
     }
     settle(&mut harness);
     let judging = &shown(&harness).judging;
@@ -338,7 +341,7 @@ fn each_trajectory_has_a_clock_and_a_body_of_its_own() {
     let mut harness = window(LARGE, Theme::Light);
     let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
     let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.4);
-    send(&mut harness, Command::AddEstimates(vec![lio, vio]));
+    send(&mut harness, JudgingCommand::Add(vec![lio, vio]));
     settle(&mut harness);
     click(&mut harness, "How vio alone is judged");
     click(&mut harness, "scale too");
@@ -363,7 +366,7 @@ fn each_trajectory_has_a_clock_and_a_body_of_its_own() {
     click(&mut harness, "nothing");
     assert!(options(&harness).iter().all(|one| one.alignment == Alignment::None));
     assert_eq!(options(&harness)[1].body, Body::Same);
-    send(&mut harness, Command::Undo);
+    send(&mut harness, DeploymentCommand::Undo);
 
     click(&mut harness, "Show the trajectory lio");
     let session = harness.state().state.session();
@@ -386,7 +389,7 @@ fn one_prism_judges_positions_and_claims_no_heading() {
     let [lio, vio] = ["lio.tum", "vio.tum"].map(|name| folder.path().join(name));
     write_tum(&Slam { drift_m: 0.0, ..SLAM }.drive(&simulated), &lio);
     write_tum(&Slam { noise_m: 0.04, drift_m: 0.0, seed: 2, ..SLAM }.drive(&simulated), &vio);
-    send(&mut harness, Command::AddEstimates(vec![lio, vio]));
+    send(&mut harness, JudgingCommand::Add(vec![lio, vio]));
     settle(&mut harness);
     harness.get_by_label(" lio is better ");
     harness.get_by_label("lever arm, z (mm)");
@@ -397,7 +400,7 @@ fn one_prism_judges_positions_and_claims_no_heading() {
         assert!(off_m.component_div(&sigma_m).amax() < 4.0, "{off_m} {sigma_m}");
     }
     let all = WayPlots { aspects: [true; Aspect::ALL.len()], ..WayPlots::default() };
-    send(&mut harness, Command::PlotWay(all));
+    send(&mut harness, TimeCommand::PlotWay(all));
     let unknown = harness.get_all_by_label_contains("not known at the cursor").count();
     assert_eq!(unknown, 4, "heading, roll, pitch and their σ");
 }
@@ -412,7 +415,7 @@ fn a_deployment_and_two_trajectories_are_dropped_together_and_judged() {
     write_folder(&simulated, &drive).expect("written");
     write_tum(&Slam { drift_m: 0.0, clock_s: 0.4, ..SLAM }.drive(&simulated), &lio);
     write_tum(&Slam { noise_m: 0.04, drift_m: 0.0, seed: 2, ..SLAM }.drive(&simulated), &vio);
-    send(&mut harness, Command::OpenPaths(vec![vio, drive, lio]));
+    send(&mut harness, DeploymentCommand::OpenPaths(vec![vio, drive, lio]));
     settle(&mut harness);
     settle(&mut harness);
     assert_eq!(shown(&harness).deployment.name, "figure-eight (simulated)");
@@ -434,10 +437,10 @@ fn trajectories_of_one_name_are_told_apart_by_their_folders() {
         std::fs::create_dir(&own).expect("made");
         write_slam(&harness, &own, "trajectory.tum", noise_m, 0.0)
     });
-    send(&mut harness, Command::AddEstimates(vec![lio.clone()]));
+    send(&mut harness, JudgingCommand::Add(vec![lio.clone()]));
     settle(&mut harness);
     harness.get_by_label("Take trajectory away");
-    send(&mut harness, Command::AddEstimates(vec![vio, lio]));
+    send(&mut harness, JudgingCommand::Add(vec![vio, lio]));
     settle(&mut harness);
     harness.get_by_label_contains("lio/trajectory is better than vio/trajectory: ");
     assert_eq!(shown(&harness).judging.added.len(), 2, "none is there twice");
@@ -456,7 +459,7 @@ fn the_paper_s_answer_has_no_motion_and_leads_to_one_that_has() {
     set(&mut harness, |settings| {
         settings.calibration = settings.calibration.with_method(Method::InterPrism);
     });
-    send(&mut harness, Command::AddEstimates(vec![lio, vio]));
+    send(&mut harness, JudgingCommand::Add(vec![lio, vio]));
     settle(&mut harness);
     click(&mut harness, "Use the joint estimate");
     settle(&mut harness);

@@ -2,7 +2,7 @@
 
 use egui::Theme;
 use egui_kittest::kittest::Queryable;
-use resect::app::{AngleUnit, Command, Pane, Units};
+use resect::app::{AngleUnit, DeploymentCommand, Pane, ResultsCommand, Units, WorkspaceCommand};
 use resect_core::simulation::Preset;
 use resect_core::validation::{Cause, Outcome};
 
@@ -23,7 +23,7 @@ fn a_calibration_is_applied_to_the_other_open_deployments() {
     for run in two_runs(Preset::Warthog.scenario(), 3, &[turned]) {
         open(&mut harness, resect_io::simulation_files::open(&run).expect("valid"));
     }
-    send(&mut harness, Command::ShowPane(Pane::SideBySide));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::SideBySide));
     assert_eq!(outcomes(&harness), []);
     assert!(harness.query_by_label("does not hold").is_none());
 
@@ -34,21 +34,21 @@ fn a_calibration_is_applied_to_the_other_open_deployments() {
     assert!(harness.query_by_label_contains("station 2 turned by").is_some());
     assert!(harness.query_by_label("explains it alone").is_some());
     let units = Units { angle: AngleUnit::Gon, ..Units::default() };
-    send(&mut harness, Command::SetUnits(units));
+    send(&mut harness, WorkspaceCommand::SetUnits(units));
     assert!(harness.query_by_label_contains("mgon and moved by").is_some(), "in the unit chosen");
-    send(&mut harness, Command::SetUnits(Units::default()));
+    send(&mut harness, WorkspaceCommand::SetUnits(Units::default()));
 
     // It is of the deployment shown, and of answers that are there.
-    let ids: Vec<u64> = harness.state().state.open.iter().map(|open| open.id).collect();
-    send(&mut harness, Command::Activate(ids[0]));
+    let ids: Vec<u64> = harness.state().state.deployments.open.iter().map(|open| open.id).collect();
+    send(&mut harness, DeploymentCommand::Activate(ids[0]));
     assert_eq!(outcomes(&harness), []);
-    send(&mut harness, Command::Activate(ids[1]));
+    send(&mut harness, DeploymentCommand::Activate(ids[1]));
     assert_eq!(outcomes(&harness), moved);
     set(&mut harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 5.0);
     assert_eq!(outcomes(&harness), []);
     click(&mut harness, APPLY);
     assert_eq!(outcomes(&harness), moved);
-    send(&mut harness, Command::Close(ids[0]));
+    send(&mut harness, DeploymentCommand::Close(ids[0]));
     assert_eq!(outcomes(&harness), []);
     assert!(
         harness.query_by_label_contains("calibration to the others").is_none(),
@@ -63,12 +63,12 @@ fn it_can_be_cancelled_and_asked_again() {
         open(&mut harness, resect_io::simulation_files::open(&run).expect("valid"));
     }
     let ctx = harness.ctx.clone();
-    harness.state_mut().send(Command::ValidateOthers, &ctx);
+    harness.state_mut().send(ResultsCommand::ValidateOthers, &ctx);
     let state = &harness.state().state;
     assert!(!state.can_validate() && state.is_busy());
-    state.validations.running.as_ref().expect("it runs").1.cancel();
+    state.results.validations.running.as_ref().expect("it runs").1.cancel();
     settle(&mut harness);
     assert_eq!(outcomes(&harness), []);
-    send(&mut harness, Command::ValidateOthers);
+    send(&mut harness, ResultsCommand::ValidateOthers);
     assert_eq!(outcomes(&harness), [Outcome::Holds]);
 }

@@ -3,7 +3,10 @@
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
-use resect::app::{Command, Overlay, Pane, Ruler, RulerEnd, StudyResult, Units};
+use resect::app::{
+    DeploymentCommand, DialogCommand, Overlay, Pane, ResultsCommand, Ruler, RulerEnd,
+    SceneCommand, StudyResult, TimeCommand, Units, WorkspaceCommand,
+};
 use resect_core::simulation::{Preset, simulate};
 
 use crate::harness::{
@@ -54,7 +57,7 @@ fn a_drag_of_a_slider_is_one_step() {
     harness.drop_at(slider.center() + Vec2::new(32.0, 0.0));
     settle(&mut harness);
     assert!(settings(&harness).pipeline.thresholds.tau_l_seconds > 6.5);
-    let step = harness.state().state.undo.undo_name(Units::default());
+    let step = harness.state().state.deployments.undo.undo_name(Units::default());
     assert!(step.starts_with("Undo τ_l 6 → "), "{step}");
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert_eq!(settings(&harness), at_first);
@@ -64,11 +67,11 @@ fn a_drag_of_a_slider_is_one_step() {
 fn the_palette_does_what_is_typed() {
     let mut harness = window(LARGE, Theme::Dark);
     press(&mut harness, Modifiers::COMMAND, Key::P);
-    assert!(matches!(harness.state().state.overlay, Overlay::Palette(_)));
+    assert!(matches!(harness.state().state.dialogs.overlay, Overlay::Palette(_)));
     harness.event(egui::Event::Text("method b".to_owned()));
     harness.run_steps(2);
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    assert_eq!(harness.state().state.overlay, Overlay::None);
+    assert_eq!(harness.state().state.dialogs.overlay, Overlay::None);
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     let method = analysis.answer.as_ref().expect("an answer").calibration.method;
     assert_eq!(method, resect_core::calibration::Method::StaticGcp);
@@ -76,7 +79,10 @@ fn the_palette_does_what_is_typed() {
     let before = settings(&harness);
     press(&mut harness, Modifiers::COMMAND, Key::P);
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert_eq!((&harness.state().state.overlay, settings(&harness)), (&Overlay::None, before));
+    assert_eq!(
+        (&harness.state().state.dialogs.overlay, settings(&harness)),
+        (&Overlay::None, before)
+    );
 }
 
 #[test]
@@ -95,17 +101,17 @@ fn the_palette_is_walked_with_the_arrows() {
 fn the_sheet_of_shortcuts_opens_by_its_key_and_names_them() {
     let mut harness = window(LARGE, Theme::Dark);
     press(&mut harness, Modifiers::NONE, Key::Questionmark);
-    assert_eq!(harness.state().state.overlay, Overlay::Shortcuts);
+    assert_eq!(harness.state().state.dialogs.overlay, Overlay::Shortcuts);
     assert!(harness.query_by_label("Ctrl+P").is_some());
     harness.get_by_label("Close").click();
     settle(&mut harness);
-    assert_eq!(harness.state().state.overlay, Overlay::None);
+    assert_eq!(harness.state().state.dialogs.overlay, Overlay::None);
 }
 
 #[test]
 fn the_sheet_of_shortcuts_is_seen_whole_in_a_small_window() {
     let mut harness = window(SMALL, Theme::Dark);
-    send(&mut harness, Command::ShowShortcuts);
+    send(&mut harness, DialogCommand::ShowShortcuts);
     let lowest = |name: &str| harness.get_by_label(name).rect().bottom();
     // The sheet stands in the middle.
     let end = SMALL.y - (harness.get_by_label("Close").rect().top() - 8.0);
@@ -118,7 +124,7 @@ fn the_sheet_of_shortcuts_is_seen_whole_in_a_small_window() {
 fn the_tab_of_a_pane_that_comes_to_the_front_is_in_sight() {
     let mut harness = window(SMALL, Theme::Dark);
     for pane in [Pane::ControlPoints, Pane::Histogram, Pane::PriorSearch, Pane::Residuals] {
-        send(&mut harness, Command::ShowPane(pane));
+        send(&mut harness, WorkspaceCommand::ShowPane(pane));
         let place = harness.state().layout().place(pane).expect("shown");
         let tab = harness.get_by_role_and_label(Role::Button, pane.title()).rect();
         assert!(place.x_range().contains(tab.left() + 1.0), "{pane:?}: {tab:?} in {place:?}");
@@ -135,8 +141,8 @@ fn a_study_of_deployments_of_one_name_tells_them_apart() {
             resect_io::simulation_files::open(&simulate(Preset::FigureEight, seed)).expect("valid"),
         );
     }
-    send(&mut harness, Command::RunStudy);
-    let Some(result) = &harness.state().state.studies.result else { panic!("it ran") };
+    send(&mut harness, ResultsCommand::RunStudy);
+    let Some(result) = &harness.state().state.results.studies.result else { panic!("it ran") };
     let StudyResult::Comparison(comparison) = &**result else { panic!("a comparison") };
     let names: Vec<&str> = comparison.deployments.iter().map(|c| c.deployment.as_str()).collect();
     let [first, second] = names[..] else { panic!("{names:?}") };
@@ -147,7 +153,7 @@ fn a_study_of_deployments_of_one_name_tells_them_apart() {
 fn undo_shows_what_it_acts_on_and_the_menu_says_which() {
     let mut harness = window(LARGE, Theme::Dark);
     set(&mut harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 12.0);
-    send(&mut harness, Command::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
+    send(&mut harness, DeploymentCommand::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
     harness.get_by_label("Edit").click();
     harness.run_steps(3);
     harness.get_by_label_contains("Undo τ_l 6 → 12 s in warthog (simulated)").click();
@@ -160,9 +166,9 @@ fn undo_shows_what_it_acts_on_and_the_menu_says_which() {
 fn the_sheet_of_shortcuts_keeps_its_width_whatever_can_be_undone() {
     let mut harness = window(LARGE, Theme::Dark);
     let width = |harness: &mut Window| {
-        send(harness, Command::ShowShortcuts);
+        send(harness, DialogCommand::ShowShortcuts);
         let width = harness.get_by_label("Plots over time").rect().left();
-        send(harness, Command::CloseOverlay);
+        send(harness, DialogCommand::CloseOverlay);
         width
     };
     let before = width(&mut harness);
@@ -216,7 +222,7 @@ fn keys_move_through_time_unless_a_widget_has_them() {
 fn escape_closes_an_open_menu_and_leaves_what_is_selected() {
     let mut harness = window(LARGE, Theme::Dark);
     let start_s = shown(&harness).start_s();
-    send(&mut harness, Command::Select(Some([start_s + 60.0, start_s + 120.0])));
+    send(&mut harness, TimeCommand::Select(Some([start_s + 60.0, start_s + 120.0])));
     let is_open = |harness: &Window| egui::Popup::is_any_open(&harness.ctx);
     click(&mut harness, "Edit");
     assert!(is_open(&harness));
@@ -302,7 +308,7 @@ fn runs_are_remembered_and_one_can_be_gone_back_to() {
     assert_eq!(changes[0], None);
     assert_eq!(changes[2].as_deref(), Some("interval filter on → off"));
     let first = results.runs[0].id;
-    send(&mut harness, Command::RestoreRun(first));
+    send(&mut harness, ResultsCommand::RestoreRun(first));
     assert_eq!(settings(&harness), at_first);
 }
 
@@ -316,25 +322,25 @@ fn what_was_measured_in_one_deployment_is_not_shown_in_another() {
     };
     let measure = |harness: &mut Window| {
         let ends = vec![end(1.0, None), end(2.0, Some(0))];
-        send(harness, Command::Measure(Ruler { active: true, ends }));
+        send(harness, SceneCommand::Measure(Ruler { active: true, ends }));
     };
     measure(&mut harness);
     // Another answer puts everything but the prisms elsewhere.
     set(&mut harness, |settings| settings.pipeline.thresholds.tau_l_seconds = 12.0);
-    let kept: Vec<_> = harness.state().state.ruler.ends.iter().map(|end| end.prism).collect();
+    let kept: Vec<_> = harness.state().state.scene.ruler.ends.iter().map(|end| end.prism).collect();
     assert_eq!(kept, [Some(0)]);
     measure(&mut harness);
-    send(&mut harness, Command::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
-    assert!(harness.state().state.ruler.ends.is_empty());
+    send(&mut harness, DeploymentCommand::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
+    assert!(harness.state().state.scene.ruler.ends.is_empty());
 }
 
 #[test]
 fn settings_without_a_deployment_are_those_of_the_next() {
     let mut harness = window(LARGE, Theme::Dark);
-    let id = harness.state().state.open[0].id;
-    send(&mut harness, Command::Close(id));
+    let id = harness.state().state.deployments.open[0].id;
+    send(&mut harness, DeploymentCommand::Close(id));
     set(&mut harness, |settings| settings.pipeline.thresholds.tau_s_seconds = 1.7);
-    send(&mut harness, Command::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
+    send(&mut harness, DeploymentCommand::OpenSample(resect_io::sample::Sample::Hd2Tunnel));
     let (_, analysis) = harness.state().state.analysed().expect("an answer");
     assert_eq!(analysis.settings.pipeline.thresholds.tau_s_seconds, 1.7);
 }
@@ -342,10 +348,10 @@ fn settings_without_a_deployment_are_those_of_the_next() {
 #[test]
 fn a_picture_brings_the_scene_to_the_front() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, Command::ShowPane(Pane::Studies));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Studies));
     let scene = |harness: &Window| harness.query_by_role_and_label(Role::Image, "Scene").is_some();
     assert!(!scene(&harness));
-    send(&mut harness, Command::ScenePicture(resect::app::PictureTo::Clipboard));
+    send(&mut harness, SceneCommand::Picture(resect::app::PictureTo::Clipboard));
     assert!(scene(&harness));
 }
 

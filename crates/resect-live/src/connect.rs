@@ -156,41 +156,10 @@ fn listen(
         let received_s =
             SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |t| t.as_secs_f64());
         let mut events = Vec::new();
-        match message {
-            Message::Text(text) => {
-                if matches!(protocol, Protocol::Unknown) {
-                    protocol = recognise(expected, &text, &mut events)?;
-                }
-                let answer = match &mut protocol {
-                    Protocol::Foxglove(protocol) => {
-                        let (said, answer) = protocol.text(&text);
-                        events.extend(said);
-                        answer
-                    }
-                    Protocol::Bonn(protocol) => {
-                        events.extend(protocol.text(&text, received_s));
-                        None
-                    }
-                    Protocol::Unknown => None,
-                };
-                if let Some(answer) = answer {
-                    send(&mut socket, Message::Text(answer.into()))?;
-                }
-            }
-            Message::Binary(bytes) => match &protocol {
-                Protocol::Foxglove(protocol) => events.extend(protocol.binary(&bytes, received_s)),
-                _ => {
-                    let first =
-                        format!("a binary frame of {} bytes, where text is sent", bytes.len());
-                    events.push(Event::LeftOut { what: LeftOut::Frame, count: 1, first });
-                }
-            },
-            Message::Close(frame) => {
-                let reason = frame.map_or(String::new(), |frame| frame.reason.to_string());
-                let reason = if reason.is_empty() { reason } else { format!(" ({reason})") };
-                return Err(format!("the server ended it{reason}").into());
-            }
-            Message::Ping(_) | Message::Pong(_) | Message::Frame(_) => {}
+        if let Some(answer) =
+            take_message(&mut protocol, expected, message, received_s, &mut events)?
+        {
+            send(&mut socket, Message::Text(answer.into()))?;
         }
         for event in events {
             *heard |= matches!(event, Event::Connected(_));
@@ -203,6 +172,49 @@ fn listen(
     _ = socket.close(None);
     _ = socket.flush();
     Ok(())
+}
+
+/// Gathers the events of a message, and returns the answer to it.
+fn take_message(
+    protocol: &mut Protocol,
+    expected: &Expected,
+    message: Message,
+    received_s: f64,
+    events: &mut Vec<Event>,
+) -> Result<Option<String>, Broken> {
+    match message {
+        Message::Text(text) => {
+            if matches!(protocol, Protocol::Unknown) {
+                *protocol = recognise(expected, &text, events)?;
+            }
+            return Ok(match protocol {
+                Protocol::Foxglove(protocol) => {
+                    let (said, answer) = protocol.text(&text);
+                    events.extend(said);
+                    answer
+                }
+                Protocol::Bonn(protocol) => {
+                    events.extend(protocol.text(&text, received_s));
+                    None
+                }
+                Protocol::Unknown => None,
+            });
+        }
+        Message::Binary(bytes) => match protocol {
+            Protocol::Foxglove(protocol) => events.extend(protocol.binary(&bytes, received_s)),
+            _ => {
+                let first = format!("a binary frame of {} bytes, where text is sent", bytes.len());
+                events.push(Event::LeftOut { what: LeftOut::Frame, count: 1, first });
+            }
+        },
+        Message::Close(frame) => {
+            let reason = frame.map_or(String::new(), |frame| frame.reason.to_string());
+            let reason = if reason.is_empty() { reason } else { format!(" ({reason})") };
+            return Err(format!("the server ended it{reason}").into());
+        }
+        Message::Ping(_) | Message::Pong(_) | Message::Frame(_) => {}
+    }
+    Ok(None)
 }
 
 /// What speaks without a subprotocol, by the first thing that it says.

@@ -21,7 +21,7 @@ use sha2::{Digest, Sha256};
 use self::blueprint::{DISTANCE_ERRORS, RATES, VERDICT};
 use self::chunks::Chunks;
 use super::text;
-use resect_core::analysis::Analysis;
+use resect_core::analysis::{Analysis, Answer};
 use resect_core::deployment::{Deployment, PAIRS, Track};
 use resect_core::geometry::RigidTransform;
 use resect_core::palette;
@@ -121,52 +121,92 @@ fn log_all(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
     let places_tracks = answer.is_none_or(|a| a.calibration.placing_tracks(deployment).is_some());
     let places_points =
         answer.is_none_or(|a| a.calibration.placing_control_points(deployment).is_some());
-    let triplets = analysis.triplets();
     recording.log_static("world", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
     for station in 0..3 {
-        let to_world = |p: nalgebra::Vector3<f64>| {
-            let p = transforms[station].apply(&p);
-            [p.x as f32, p.y as f32, p.z as f32]
-        };
-        let root = format!("world/station_{}", station + 1);
-        let colour = palette::STATIONS[station];
-        let here = to_world(nalgebra::Vector3::zeros());
-        recording.log_static(
-            root.as_str(),
-            &points([here], colour, 5.0).with_labels([format!("station {}", station + 1)]),
-        )?;
-        if !places_tracks {
-            continue;
-        }
-        let track = &deployment.tracks[station];
-        for fate in SampleFate::ALL {
-            let readings = track.measurements.iter().zip(&analysis.pipeline.fates[station].each);
-            let positions: Vec<_> = readings
-                .filter(|(_, own)| **own == fate)
-                .map(|(m, _)| to_world(track.position_m(m)))
-                .collect();
-            let path = format!("{root}/raw/{}", fate.label().replace([' ', ':'], "_"));
-            recording.log_static(path, &points(positions, palette::fate(fate), 1.5))?;
-        }
-        let strips: Vec<Vec<[f32; 3]>> = (0..triplets.len())
-            .collect::<Vec<_>>()
-            .chunk_by(|a, b| triplets.interval[*a] == triplets.interval[*b])
-            .map(|part| part.iter().map(|i| to_world(triplets.points_m[station][*i])).collect())
-            .collect();
-        recording.log_static(
-            format!("{root}/track"),
-            &LineStrips3D::new(strips)
-                .with_colors([colour])
-                .with_radii([Radius::new_ui_points(1.0)]),
-        )?;
-        let prism = triplets.points_m[station].iter().map(|p| to_world(*p));
-        recording.send_columns(
-            format!("{root}/prism"),
-            time_column(&triplets.time_s),
-            Points3D::new(prism).columns_of_unit_batches()?,
+        log_station(
+            &mut recording,
+            (deployment, analysis),
+            station,
+            &transforms[station],
+            places_tracks,
         )?;
     }
-    for set in deployment.control_points.iter().filter(|_| places_points) {
+    if places_points {
+        log_control_points(&mut recording, deployment, &transforms)?;
+    }
+    for (station, track) in deployment.tracks.iter().enumerate() {
+        log_rates(&mut recording, station, track)?;
+    }
+    let verdict = match &analysis.answer {
+        Ok(answer) => text::calibration(deployment, analysis, answer),
+        Err(error) => error.to_string(),
+    };
+    // Its columns stand one below the other only in letters of one width.
+    let verdict = format!("```text\n{verdict}\n```");
+    recording.log_static(VERDICT, &TextDocument::from_markdown(verdict))?;
+    if let Some(answer) = answer {
+        log_distance_errors(&mut recording, answer, &analysis.triplets().time_s)?;
+    }
+    Ok(recording)
+}
+
+/// A station, its readings and its track, moved into the world.
+fn log_station(
+    recording: &mut Chunks,
+    (deployment, analysis): (&Deployment, &Analysis),
+    station: usize,
+    transform: &RigidTransform,
+    places_tracks: bool,
+) -> Result<()> {
+    let triplets = analysis.triplets();
+    let to_world = |p: nalgebra::Vector3<f64>| {
+        let p = transform.apply(&p);
+        [p.x as f32, p.y as f32, p.z as f32]
+    };
+    let root = format!("world/station_{}", station + 1);
+    let colour = palette::STATIONS[station];
+    let here = to_world(nalgebra::Vector3::zeros());
+    recording.log_static(
+        root.as_str(),
+        &points([here], colour, 5.0).with_labels([format!("station {}", station + 1)]),
+    )?;
+    if !places_tracks {
+        return Ok(());
+    }
+    let track = &deployment.tracks[station];
+    for fate in SampleFate::ALL {
+        let readings = track.measurements.iter().zip(&analysis.pipeline.fates[station].each);
+        let positions: Vec<_> = readings
+            .filter(|(_, own)| **own == fate)
+            .map(|(m, _)| to_world(track.position_m(m)))
+            .collect();
+        let path = format!("{root}/raw/{}", fate.label().replace([' ', ':'], "_"));
+        recording.log_static(path, &points(positions, palette::fate(fate), 1.5))?;
+    }
+    let strips: Vec<Vec<[f32; 3]>> = (0..triplets.len())
+        .collect::<Vec<_>>()
+        .chunk_by(|a, b| triplets.interval[*a] == triplets.interval[*b])
+        .map(|part| part.iter().map(|i| to_world(triplets.points_m[station][*i])).collect())
+        .collect();
+    recording.log_static(
+        format!("{root}/track"),
+        &LineStrips3D::new(strips).with_colors([colour]).with_radii([Radius::new_ui_points(1.0)]),
+    )?;
+    let prism = triplets.points_m[station].iter().map(|p| to_world(*p));
+    recording.send_columns(
+        format!("{root}/prism"),
+        time_column(&triplets.time_s),
+        Points3D::new(prism).columns_of_unit_batches()?,
+    )?;
+    Ok(())
+}
+
+fn log_control_points(
+    recording: &mut Chunks,
+    deployment: &Deployment,
+    transforms: &[RigidTransform; 3],
+) -> Result<()> {
+    for set in &deployment.control_points {
         for station in 0..3 {
             let seen: Vec<_> =
                 set.points.iter().filter_map(|p| Some((p.marker, p.readings[station]?))).collect();
@@ -183,33 +223,26 @@ fn log_all(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
             )?;
         }
     }
-    for (station, track) in deployment.tracks.iter().enumerate() {
-        log_rates(&mut recording, station, track)?;
+    Ok(())
+}
+
+/// The errors of the inter-prism distances over time.
+fn log_distance_errors(recording: &mut Chunks, answer: &Answer, time_s: &[f64]) -> Result<()> {
+    for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
+        let name = format!("{}{}", a + 1, b + 1);
+        let path = format!("{DISTANCE_ERRORS}/{name}");
+        recording.log_static(
+            path.as_str(),
+            &SeriesPoints::new().with_colors([palette::PAIRS[pair]]).with_names([name]),
+        )?;
+        recording.send_columns(
+            path,
+            time_column(time_s),
+            Scalars::new(answer.evaluation.distance_errors_mm[pair].iter().copied())
+                .columns_of_unit_batches()?,
+        )?;
     }
-    let verdict = match &analysis.answer {
-        Ok(answer) => text::calibration(deployment, analysis, answer),
-        Err(error) => error.to_string(),
-    };
-    // Its columns stand one below the other only in letters of one width.
-    let verdict = format!("```text\n{verdict}\n```");
-    recording.log_static(VERDICT, &TextDocument::from_markdown(verdict))?;
-    if let Some(answer) = answer {
-        for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
-            let name = format!("{}{}", a + 1, b + 1);
-            let path = format!("{DISTANCE_ERRORS}/{name}");
-            recording.log_static(
-                path.as_str(),
-                &SeriesPoints::new().with_colors([palette::PAIRS[pair]]).with_names([name]),
-            )?;
-            recording.send_columns(
-                path,
-                time_column(&triplets.time_s),
-                Scalars::new(answer.evaluation.distance_errors_mm[pair].iter().copied())
-                    .columns_of_unit_batches()?,
-            )?;
-        }
-    }
-    Ok(recording)
+    Ok(())
 }
 
 /// What the outlier filter looks at: the rates of a station from each reading to the next.

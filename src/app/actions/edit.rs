@@ -3,8 +3,8 @@
 use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
-use crate::app::model::Command;
 use crate::app::model::undo::Step;
+use crate::app::model::{DeploymentCommand, ResultsCommand};
 use crate::app::state::{State, put_right};
 use resect_core::analysis::Settings;
 use resect_core::calibration::Method;
@@ -12,100 +12,135 @@ use resect_core::pipeline::Interpolation;
 use resect_io::source::Extras;
 
 pub fn actions(state: &State) -> Vec<Action> {
-    let open = state.active().is_some();
-    let undo = of_which(state, state.undo.undo_name(state.units), state.undo.next_undo());
-    let redo = of_which(state, state.undo.redo_name(state.units), state.undo.next_redo());
-    let mut actions = vec![
-        Action::new(Menu::Edit, "", undo, Command::Undo)
+    let mut actions = Vec::from(steps(state));
+    actions.extend(results(state));
+    actions.extend(data(state));
+    actions.extend(pipeline(state));
+    actions.extend(methods(state));
+    actions.extend(of_all_settings(state));
+    actions
+}
+
+/// Undo and redo.
+fn steps(state: &State) -> [Action; 2] {
+    let (undo, units) = (&state.deployments.undo, state.workspace.units);
+    let (undone, redone) = (undo.next_undo(), undo.next_redo());
+    let undo_name = of_which(state, undo.undo_name(units), undone);
+    let redo_name = of_which(state, undo.redo_name(units), redone);
+    [
+        Action::new(Menu::Edit, "", undo_name, DeploymentCommand::Undo)
             .in_general("Undo")
             .ctrl(Key::Z)
-            .possible(state.undo.next_undo().is_some()),
-        Action::new(Menu::Edit, "", redo, Command::Redo)
+            .possible(undone.is_some()),
+        Action::new(Menu::Edit, "", redo_name, DeploymentCommand::Redo)
             .in_general("Redo")
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
-            .possible(state.undo.next_redo().is_some()),
-    ];
+            .possible(redone.is_some()),
+    ]
+}
+
+/// Pins, the calibration under way, and the validation.
+fn results(state: &State) -> Vec<Action> {
+    let result =
+        |name: &str, command: ResultsCommand| Action::new(Menu::Edit, "Result", name, command);
     let answered =
         state.active().is_some_and(|open| open.summary.is_some() && !open.joint_follows());
-    actions.push(
-        Action::new(Menu::Edit, "Result", "Pin the result", Command::Pin)
+    let calibrated = state.active().filter(|open| open.analysing.is_some());
+    let stop = DeploymentCommand::CancelAnalysis(calibrated.map_or(0, |open| open.id));
+    let mut actions = vec![
+        result("Pin the result", ResultsCommand::Pin)
             .hint("Later results are seen against it")
             .key(Key::P)
             .possible(answered),
-    );
-    let calibrated = state.active().filter(|open| open.analysing.is_some());
-    let stop = Command::CancelAnalysis(calibrated.map_or(0, |open| open.id));
-    actions.push(
         Action::new(Menu::Edit, "Result", "Stop the calibration", stop)
             .hint("Back to the settings of the answer that is shown")
             .possible(calibrated.is_some()),
-    );
-    for pin in &state.results.pins {
+    ];
+    let open = state.active().is_some();
+    actions.extend(state.results.pins.iter().map(|pin| {
         let settings = state.settings_of_pin(pin.id);
         let name = format!("Use the settings of pinned {}", pin.name);
-        actions.push(
-            Action::new(Menu::Edit, "Result", name, Command::UsePinned(pin.id))
-                .possible(open && settings.is_some_and(|settings| settings != *state.settings())),
-        );
-    }
+        result(&name, ResultsCommand::UsePinned(pin.id))
+            .possible(open && settings.is_some_and(|settings| settings != *state.settings()))
+    }));
     actions.push(
-        Action::new(
-            Menu::Edit,
-            "Result",
-            "Apply the calibration to the others",
-            Command::ValidateOthers,
-        )
-        .hint("Whether it holds for the other deployments that are open")
-        .possible(state.can_validate()),
+        result("Apply the calibration to the others", ResultsCommand::ValidateOthers)
+            .hint("Whether it holds for the other deployments that are open")
+            .possible(state.can_validate()),
     );
-    actions.extend(data(state));
-    let now = state.settings();
-    let setting = |section, name: &str, on: bool, change: &dyn Fn(&mut Settings)| {
-        let mut settings = *now;
-        change(&mut settings);
-        Action::new(Menu::Edit, section, name, Command::Set(settings)).on(on).possible(open)
-    };
-    let pipeline = &now.pipeline;
-    actions.push(setting("Pipeline", "Outlier filter", pipeline.outlier_filter, &|settings| {
-        settings.pipeline.outlier_filter ^= true;
-    }));
-    actions.push(setting("Pipeline", "Interval filter", pipeline.interval_filter, &|settings| {
-        settings.pipeline.interval_filter ^= true;
-    }));
-    for choice in Interpolation::ALL {
+    actions
+}
+
+/// A change of the active deployment's settings.
+fn setting(
+    state: &State,
+    section: &'static str,
+    name: &str,
+    on: bool,
+    change: impl FnOnce(&mut Settings),
+) -> Action {
+    let mut settings = *state.settings();
+    change(&mut settings);
+    Action::new(Menu::Edit, section, name, DeploymentCommand::Set(settings))
+        .on(on)
+        .possible(state.active().is_some())
+}
+
+fn pipeline(state: &State) -> Vec<Action> {
+    let now = &state.settings().pipeline;
+    let mut actions = vec![
+        setting(state, "Pipeline", "Outlier filter", now.outlier_filter, |settings| {
+            settings.pipeline.outlier_filter ^= true;
+        }),
+        setting(state, "Pipeline", "Interval filter", now.interval_filter, |settings| {
+            settings.pipeline.interval_filter ^= true;
+        }),
+    ];
+    actions.extend(Interpolation::ALL.map(|choice| {
         let name = format!("Interpolation: {}", choice.title());
-        actions.push(setting("Pipeline", &name, pipeline.interpolation == choice, &|settings| {
+        setting(state, "Pipeline", &name, now.interpolation == choice, |settings| {
             settings.pipeline.interpolation = choice;
-        }));
-    }
+        })
+    }));
+    actions
+}
+
+fn methods(state: &State) -> Vec<Action> {
     let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
-    let method = now.calibration.method.unwrap_or_default();
-    for choice in Method::ALL {
+    let method = state.settings().calibration.method.unwrap_or_default();
+    let action = |choice: Method| {
         let name = match choice.letter() {
             Some(letter) => format!("Method {letter}: {}", choice.title()),
             None => format!("Method: {}", choice.title()),
         };
         let offered = offer.is_some_and(|offer| offer.lack(choice).is_none());
-        let action = setting("Calibration", &name, method == choice, &|settings| {
+        let action = setting(state, "Calibration", &name, method == choice, |settings| {
             settings.calibration.method = (choice != Method::default()).then_some(choice);
         });
-        actions.push(action.possible(offered));
-    }
-    let defaults = setting("All", "Reset to the defaults", false, &|settings| {
+        action.possible(offered)
+    };
+    Method::ALL.into_iter().map(action).collect()
+}
+
+/// The defaults, and the same settings for all open deployments.
+fn of_all_settings(state: &State) -> [Action; 2] {
+    let now = state.settings();
+    let defaults = setting(state, "All", "Reset to the defaults", false, |settings| {
         *settings = Settings::default();
     });
-    actions.push(Action { on: None, ..defaults }.possible(open && *now != Settings::default()));
-    actions.push(
-        Action::new(Menu::Edit, "All", "Give all the active one's settings", Command::SetAll)
-            .possible(state.open.iter().any(|open| open.settings != *now)),
-    );
-    actions
+    let tuned = state.active().is_some() && *now != Settings::default();
+    let name = "Give all the active one's settings";
+    [
+        Action { on: None, ..defaults }.possible(tuned),
+        Action::new(Menu::Edit, "All", name, DeploymentCommand::SetAll)
+            .possible(state.deployments.open.iter().any(|open| open.settings != *now)),
+    ]
 }
 
 /// "Undo τ_r 2 → 1.5 m/s", and where several are open of which; what it acts on is shown.
 fn of_which(state: &State, name: String, step: Option<&Step>) -> String {
     match step.map(|step| &step.changes[..]) {
-        Some([one]) if state.open.len() > 1 => {
+        Some([one]) if state.deployments.open.len() > 1 => {
             format!("{name} in {}", state.name_of(one.id).unwrap_or_default())
         }
         Some(several @ [_, _, ..]) => format!("{name} in {} deployments", several.len()),
@@ -118,7 +153,7 @@ fn data(state: &State) -> Vec<Action> {
     let extras = state.active().zip(state.extras());
     let data = |name: &str, extras: Option<Extras>| {
         let possible = extras.is_some();
-        let command = Command::PutRight(extras.unwrap_or_default());
+        let command = DeploymentCommand::PutRight(extras.unwrap_or_default());
         Action::new(Menu::Edit, "Data", name, command).possible(possible)
     };
     let of_picked = |leave_out: bool| {
@@ -146,8 +181,13 @@ fn data(state: &State) -> Vec<Action> {
         data("Use only the selected times", of_selection)
             .hint("Readings at other times do not count"),
         data("Use all times", all),
-        Action::new(Menu::Edit, "Data", "Write to deployment.toml…", Command::WriteDeploymentToml)
-            .hint("What is put right, into the folder")
-            .possible(can_write),
+        Action::new(
+            Menu::Edit,
+            "Data",
+            "Write to deployment.toml…",
+            DeploymentCommand::WriteDeploymentToml,
+        )
+        .hint("What is put right, into the folder")
+        .possible(can_write),
     ]
 }

@@ -3,83 +3,108 @@
 use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
-use crate::app::model::{Command, LiveCommand, PictureTo, PlanCommand};
+use crate::app::model::{
+    Command, DeploymentCommand, JudgingCommand, LiveCommand, PictureTo, PlanCommand,
+    ResultsCommand, SceneCommand, SessionCommand, TimeCommand,
+};
 use crate::app::state::State;
 use resect_io::sample::Sample;
 use resect_io::source::{Extras, Source};
 use resect_report::copy::{CopyFormat, Part};
 
+fn file(section: &'static str, name: &str, command: impl Into<Command>) -> Action {
+    Action::new(Menu::File, section, name, command)
+}
+
 pub fn actions(state: &State) -> Vec<Action> {
-    let file = |section, name: &str, command| Action::new(Menu::File, section, name, command);
     let mut actions = vec![
-        file("", "Open folder…", Command::OpenFolderDialog)
+        file("", "Open folder…", DeploymentCommand::OpenFolderDialog)
             .hint("A deployment's folder: tracks, control points, rig, GNSS")
             .ctrl(Key::O),
-        file("", "Open bag or CSV…", Command::OpenFileDialog)
+        file("", "Open bag or CSV…", DeploymentCommand::OpenFileDialog)
             .hint("A file of tracks, with what lies beside it")
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::O),
     ];
-    let (live, running) = (Command::Live(LiveCommand::Show), state.live.is_running());
+    let (live, running) = (LiveCommand::Show, state.live.is_running());
     actions.push(
         file("", "Connect…", live)
             .hint("To a stream of the network or a replay: answers while it is driven"),
     );
     if running {
-        let stop = Command::Live(LiveCommand::Stop);
+        let stop = LiveCommand::Stop;
         actions.push(file("", "Stop the live deployment", stop).hint("What it recorded is kept"));
     }
     if state.active().is_some() {
-        actions.push(file("", "Judge a trajectory…", Command::AddEstimateDialog).hint(
+        actions.push(file("", "Judge a trajectory…", JudgingCommand::AddDialog).hint(
             "SLAM's or odometry's (TUM, EuRoC, KITTI, CSV), by the deployment that is shown",
         ));
     }
     actions.extend([
-        file("Plan", "Open a plan…", Command::Plan(PlanCommand::OpenDialog))
+        file("Plan", "Open a plan…", PlanCommand::OpenDialog)
             .hint("Stations, way, rig and instruments of a drive to come (TOML)"),
-        file("Plan", "Save the plan…", Command::Plan(PlanCommand::SaveDialog)),
-        file("Plan", "Plan from what was driven", Command::Plan(PlanCommand::FromDeployment))
+        file("Plan", "Save the plan…", PlanCommand::SaveDialog),
+        file("Plan", "Plan from what was driven", PlanCommand::FromDeployment)
             .hint("Stations, way, rig and noise of the deployment that is shown")
             .possible(state.analysed().is_some()),
-        file("Session", "Open session…", Command::OpenSessionDialog)
+    ]);
+    actions.extend(sessions(state));
+    for (recent, name) in state.session.recent.iter().zip(state.session.recent_names()) {
+        let name = format!("Open {name}");
+        if !actions.iter().any(|action: &Action| action.name == name) {
+            actions.push(file(
+                "Recent",
+                &name,
+                DeploymentCommand::OpenSource(recent.source.clone()),
+            ));
+        }
+    }
+    for sample in Sample::ALL {
+        let name = format!("Sample: {}", sample.title());
+        actions.push(file("Samples", &name, DeploymentCommand::OpenSample(sample)));
+    }
+    actions.extend(deployments(state));
+    actions
+}
+
+fn sessions(state: &State) -> Vec<Action> {
+    let mut actions = vec![
+        file("Session", "Open session…", SessionCommand::OpenDialog)
             .hint("Deployments with their settings, view and pinned results"),
-        file("Session", "Save session", Command::SaveSession)
+        file("Session", "Save session", SessionCommand::Save)
             .hint("All that is open, with settings, view and pinned results")
             .ctrl(Key::S),
-        file("Session", "Save session as…", Command::SaveSessionAs)
+        file("Session", "Save session as…", SessionCommand::SaveAs)
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::S),
-    ]);
+    ];
     if state.session.last.as_ref().is_some_and(|last| last.path().is_some()) {
         actions.push(
-            file("Session", "Reopen what was open last", Command::ReopenLast)
+            file("Session", "Reopen what was open last", SessionCommand::ReopenLast)
                 .hint("Before another session took its place, or the last window was closed"),
         );
     }
     if state.session.recovered {
         actions.push(
-            file("Session", "Discard what was restored", Command::DiscardRecovered)
+            file("Session", "Discard what was restored", SessionCommand::DiscardRecovered)
                 .hint("What was open when resect stopped; it can be opened again"),
         );
     }
     if !state.session.missing.is_empty() {
         let hint = "Those of the session that could not be opened";
         actions.push(
-            file("Session", "Try missing deployments again", Command::RetryMissing).hint(hint),
+            file("Session", "Try missing deployments again", SessionCommand::RetryMissing)
+                .hint(hint),
         );
     }
-    for (recent, name) in state.session.recent.iter().zip(state.session.recent_names()) {
-        let name = format!("Open {name}");
-        if !actions.iter().any(|action: &Action| action.name == name) {
-            actions.push(file("Recent", &name, Command::OpenSource(recent.source.clone())));
-        }
-    }
-    for sample in Sample::ALL {
-        let name = format!("Sample: {}", sample.title());
-        actions.push(file("Samples", &name, Command::OpenSample(sample)));
-    }
+    actions
+}
+
+/// Solving the active deployment together with another, and closing it.
+fn deployments(state: &State) -> Vec<Action> {
+    let mut actions: Vec<Action> = Vec::new();
     if let Some((active, source)) =
         state.active().and_then(|open| Some((open, open.source.as_ref()?)))
     {
-        for (other, other_name) in state.open.iter().zip(state.names()) {
+        for (other, other_name) in state.deployments.open.iter().zip(state.names()) {
             let Some(path) = other.source.as_ref().and_then(Source::path) else { continue };
             if other.id != active.id {
                 let drives = vec![path.to_owned()];
@@ -87,13 +112,15 @@ pub fn actions(state: &State) -> Vec<Action> {
                 together.extras.add(Extras { drives, ..Extras::default() });
                 let name = format!("Solve together with {other_name}");
                 let hint = "As drives of one set-up: stations that nobody moved, and clocks of each drive's own";
-                actions.push(file("Deployment", &name, Command::OpenSource(together)).hint(hint));
+                actions.push(
+                    file("Deployment", &name, DeploymentCommand::OpenSource(together)).hint(hint),
+                );
             }
         }
     }
     if let Some(open) = state.active() {
         let name = format!("Close {}", state.name_of(open.id).unwrap_or_default());
-        let close = file("Deployment", &name, Command::Close(open.id)).ctrl(Key::W);
+        let close = file("Deployment", &name, DeploymentCommand::Close(open.id)).ctrl(Key::W);
         actions.push(close.in_general("Close the deployment"));
     }
     actions
@@ -106,27 +133,27 @@ pub fn exports(state: &State) -> Vec<Action> {
     let answered = last && state.active().is_some_and(|open| open.summary.is_some());
     let copies = CopyFormat::ALL.into_iter().map(|format| {
         let name = format!("Copy as {}", format.title());
-        let command = Command::CopyTransforms(format, Part::Both);
+        let command = ResultsCommand::CopyTransforms(format, Part::Both);
         Action::new(Menu::Export, "Copy both transforms", name, command).possible(answered)
     });
-    let export = |section, name: &str, command| {
+    let export = |section, name: &str, command: Command| {
         let possible = there && (last || section == "Picture");
         Action::new(Menu::Export, section, name, command).possible(possible)
     };
     let mut actions = vec![
-        export("Picture", "Picture of the scene…", Command::ScenePicture(PictureTo::File))
+        export("Picture", "Picture of the scene…", SceneCommand::Picture(PictureTo::File).into())
             .hint("As it is shown, with legend and labels (PNG)")
             .ctrl(Key::E),
-        export("Picture", "Copy picture of the scene", Command::ScenePicture(PictureTo::Clipboard))
+        export("Picture", "Copy picture of the scene", SceneCommand::Picture(PictureTo::Clipboard).into())
             .keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::E),
-        export("Files", "Report (HTML)…", Command::SaveReportDialog)
+        export("Files", "Report (HTML)…", ResultsCommand::SaveReportDialog.into())
             .hint("Verdict, transforms, residuals and data as one page"),
-        export("Files", "Trajectory…", Command::SaveTrajectoryDialog)
+        export("Files", "Trajectory…", ResultsCommand::SaveTrajectoryDialog.into())
             .hint("The vehicle's poses in six degrees of freedom: TUM, or CSV, PLY, MCAP or a bag of ROS 1 by the file's ending"),
-        export("Files", "Plotted channels (CSV)…", Command::SaveChannelsDialog)
+        export("Files", "Plotted channels (CSV)…", TimeCommand::SaveChannelsDialog.into())
             .hint("Every value of what the pane Channels shows"),
-        export("Rerun", "Open in Rerun", Command::OpenInRerun),
-        export("Rerun", "Recording for Rerun (.rrd)…", Command::SaveRecordingDialog),
+        export("Rerun", "Open in Rerun", ResultsCommand::OpenInRerun.into()),
+        export("Rerun", "Recording for Rerun (.rrd)…", ResultsCommand::SaveRecordingDialog.into()),
     ];
     actions.extend(copies);
     actions

@@ -1,7 +1,9 @@
 //! What findings advise, as commands with names.
 
 use super::{Action, Menu};
-use crate::app::model::{Command, Pane};
+use crate::app::model::{
+    Command, DeploymentCommand, Pane, SceneCommand, TimeCommand, WorkspaceCommand,
+};
 use crate::app::state::{State, put_right};
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Alignment, Method, PriorMethod};
@@ -34,17 +36,25 @@ pub fn offer(remedy: &Remedy, state: &State) -> Offer {
             "Turn about the vertical only",
             set(state, |settings| settings.calibration.alignment = Alignment::Level),
         ),
-        Remedy::RelaxFilters => ("Show the filters", Ok(Command::ShowPane(Pane::Pipeline))),
-        Remedy::GiveRig => ("Choose a rig file…", of_files(state, Command::ChooseRigDialog)),
-        Remedy::GiveControlPoints => {
-            ("Add control points…", of_files(state, Command::AddControlPointsDialog))
+        Remedy::RelaxFilters => {
+            ("Show the filters", Ok(WorkspaceCommand::ShowPane(Pane::Pipeline).into()))
         }
-        Remedy::PutRight => ("Show what can be put right", of_files(state, Command::ShowPutRight)),
+        Remedy::GiveRig => {
+            ("Choose a rig file…", of_files(state, DeploymentCommand::ChooseRigDialog))
+        }
+        Remedy::GiveControlPoints => {
+            ("Add control points…", of_files(state, DeploymentCommand::AddControlPointsDialog))
+        }
+        Remedy::PutRight => {
+            ("Show what can be put right", of_files(state, DeploymentCommand::ShowPutRight))
+        }
         Remedy::ReadWith(overrides) => return read_with(state, overrides),
-        Remedy::ShowTimes(span_s) => ("Show these times", Ok(Command::LookAtTimes(*span_s))),
+        Remedy::ShowTimes(span_s) => {
+            ("Show these times", Ok(TimeCommand::LookAtTimes(*span_s).into()))
+        }
         Remedy::ShowPoint { file, marker } => {
-            let command = Command::LookAtPoint { file: file.clone(), marker: *marker };
-            return Offer { name: format!("Show point {marker}"), command: Ok(command) };
+            let command = SceneCommand::LookAtPoint { file: file.clone(), marker: *marker };
+            return Offer { name: format!("Show point {marker}"), command: Ok(command.into()) };
         }
     };
     Offer { name: name.to_owned(), command }
@@ -56,7 +66,7 @@ fn set(state: &State, change: impl FnOnce(&mut Settings)) -> Result<Command, Str
     if settings == *state.settings() {
         return Err("It is so already".to_owned());
     }
-    Ok(Command::Set(settings))
+    Ok(DeploymentCommand::Set(settings).into())
 }
 
 fn method(state: &State, method: Method) -> Result<Command, String> {
@@ -70,14 +80,17 @@ fn method(state: &State, method: Method) -> Result<Command, String> {
 }
 
 /// What only data from files can be given.
-fn of_files(state: &State, command: Command) -> Result<Command, String> {
-    state.extras().map(|_| command).ok_or_else(|| "What is open came from no file".to_owned())
+fn of_files(state: &State, command: impl Into<Command>) -> Result<Command, String> {
+    state
+        .extras()
+        .map(|_| command.into())
+        .ok_or_else(|| "What is open came from no file".to_owned())
 }
 
 /// Reading the active deployment again with this said over its files.
 fn read_with(state: &State, overrides: &Overrides) -> Offer {
     let Some((open, extras)) = state.active().zip(state.extras()) else {
-        let command = of_files(state, Command::ShowPutRight);
+        let command = of_files(state, DeploymentCommand::ShowPutRight);
         return Offer { name: "Put right".to_owned(), command };
     };
     let mut changed: Extras = extras.clone();
@@ -96,7 +109,7 @@ fn read_with(state: &State, overrides: &Overrides) -> Offer {
     }
     Offer {
         name: format!("Put right: {}", words.join(", ")),
-        command: Ok(Command::PutRight(changed)),
+        command: Ok(DeploymentCommand::PutRight(changed).into()),
     }
 }
 
@@ -119,7 +132,7 @@ pub fn actions(state: &State) -> Vec<Action> {
         let Offer { name, command } = offer(remedy, state);
         if !actions.iter().any(|action| action.name == name) {
             let possible = command.is_ok();
-            let command = command.unwrap_or(Command::ShowPane(Pane::Findings));
+            let command = command.unwrap_or(WorkspaceCommand::ShowPane(Pane::Findings).into());
             let action = Action::new(Menu::Edit, "Advice", name, command);
             actions.push(action.hint("What a finding advises").possible(possible));
         }

@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers};
 
 use super::{Action, Menu};
-use crate::app::model::Command;
+use crate::app::model::TimeCommand;
 use crate::app::state::State;
 
 /// What Shift makes of a step.
@@ -14,29 +14,31 @@ pub fn actions(state: &State) -> Vec<Action> {
     let time = |section, name: &str, command| {
         Action::new(Menu::Time, section, name, command).possible(timeline.is_some())
     };
-    let play = if state.playback.playing { "Pause" } else { "Play" };
+    let play = if state.time.playback.playing { "Pause" } else { "Play" };
     let ends_s = timeline.map_or([0.0; 2], |timeline| timeline.whole_s);
     let selected = timeline.is_some_and(|timeline| timeline.selection_s.is_some());
     vec![
-        time("", play, Command::TogglePlay)
+        time("", play, TimeCommand::TogglePlay)
             .hint("Move the cursor through what is selected or shown")
             .key(Key::Space),
-        time("Cursor", "Step forwards", Command::StepCursor(1))
+        time("Cursor", "Step forwards", TimeCommand::StepCursor(1))
             .hint("To the next triplet")
             .key(Key::ArrowRight),
-        time("Cursor", "Step backwards", Command::StepCursor(-1)).key(Key::ArrowLeft),
-        time("Cursor", "Ten steps forwards", Command::StepCursor(LONG_STEP))
+        time("Cursor", "Step backwards", TimeCommand::StepCursor(-1)).key(Key::ArrowLeft),
+        time("Cursor", "Ten steps forwards", TimeCommand::StepCursor(LONG_STEP))
             .keys(Modifiers::SHIFT, Key::ArrowRight),
-        time("Cursor", "Ten steps backwards", Command::StepCursor(-LONG_STEP))
+        time("Cursor", "Ten steps backwards", TimeCommand::StepCursor(-LONG_STEP))
             .keys(Modifiers::SHIFT, Key::ArrowLeft),
-        time("Cursor", "To the start", Command::MoveCursor(ends_s[0])).key(Key::Home),
-        time("Cursor", "To the end", Command::MoveCursor(ends_s[1])).key(Key::End),
-        time("Window", "Show all times", Command::ShowAllTimes)
+        time("Cursor", "To the start", TimeCommand::MoveCursor(ends_s[0])).key(Key::Home),
+        time("Cursor", "To the end", TimeCommand::MoveCursor(ends_s[1])).key(Key::End),
+        time("Window", "Show all times", TimeCommand::ShowAllTimes)
             .hint("In every plot over time")
             .key(Key::A),
-        time("Window", "Zoom to the selection", Command::ZoomToSelection)
+        time("Window", "Zoom to the selection", TimeCommand::ZoomToSelection)
             .key(Key::Z)
             .possible(selected),
-        time("Window", "Select nothing", Command::Select(None)).key(Key::Escape).possible(selected),
+        time("Window", "Select nothing", TimeCommand::Select(None))
+            .key(Key::Escape)
+            .possible(selected),
     ]
 }

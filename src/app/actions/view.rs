@@ -6,42 +6,63 @@ use super::{Action, Menu};
 use crate::app::model::plotted::APART;
 use crate::app::model::time_scale::tells_time_of_day;
 use crate::app::model::{
-    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Plotted, Ruler, SceneOptions,
-    TimeUnit, Units, ViewPreset, Visibility,
+    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Plotted, Ruler, SceneCommand,
+    SceneOptions, TimeCommand, TimeUnit, Units, ViewPreset, Visibility, WorkspaceCommand,
 };
 use crate::app::prepared::channels::Channel;
 use crate::app::state::State;
 use resect_core::pipeline::SampleFate;
 
+fn view(section: &'static str, name: &str, command: impl Into<Command>) -> Action {
+    Action::new(Menu::View, section, name, command)
+}
+
 pub fn actions(state: &State) -> Vec<Action> {
-    let view = |section, name: &str, command| Action::new(Menu::View, section, name, command);
-    let measuring = state.ruler.active;
+    let mut actions = camera(state);
+    actions.extend(hiding(state));
+    actions.extend(Colouring::ALL.into_iter().map(|colouring| {
+        let name = format!("Colour by {}", colouring.title().to_lowercase());
+        view("Colours", &name, SceneCommand::Colour(colouring))
+            .one_of(state.scene.colouring == colouring)
+    }));
+    let pane = |pane: Pane| view("Panes", pane.title(), WorkspaceCommand::ShowPane(pane));
+    actions.extend(Pane::ALL.map(pane));
+    actions.extend(channels(state));
+    actions.extend(layouts());
+    actions.extend(colours_of_the_window(state));
+    actions.extend(units(state));
+    actions
+}
+
+/// The camera and the ruler.
+fn camera(state: &State) -> Vec<Action> {
+    let measuring = state.scene.ruler.active;
     let picked = state.active().and_then(|open| open.timeline.picked);
     let ruler = Ruler { active: !measuring, ends: Vec::new() };
-    let following = SceneOptions { follow: !state.scene.follow, ..state.scene };
+    let following = SceneOptions { follow: !state.scene.options.follow, ..state.scene.options };
     let mut actions = vec![
-        view("Scene", "Fit", Command::Look(ViewPreset::Fit))
+        view("Scene", "Fit", SceneCommand::Look(ViewPreset::Fit))
             .hint("Show all of the scene that is not hidden; the way back when it was lost")
             .key(Key::F),
-        view("Scene", "3D", Command::Look(ViewPreset::Slanted))
+        view("Scene", "3D", SceneCommand::Look(ViewPreset::Slanted))
             .hint("From above at a slant")
             .key(Key::D),
-        view("Scene", "Top", Command::Look(ViewPreset::Top)).key(Key::T),
-        view("Scene", "Front", Command::Look(ViewPreset::Front)).key(Key::R),
-        view("Scene", "Side", Command::Look(ViewPreset::Side)).key(Key::S),
+        view("Scene", "Top", SceneCommand::Look(ViewPreset::Top)).key(Key::T),
+        view("Scene", "Front", SceneCommand::Look(ViewPreset::Front)).key(Key::R),
+        view("Scene", "Side", SceneCommand::Look(ViewPreset::Side)).key(Key::S),
         view(
             "Scene",
             "Come to the picked reading",
-            picked.map_or(Command::Unpick, Command::PickInPlot),
+            picked.map_or(TimeCommand::Unpick, TimeCommand::PickInPlot),
         )
         .hint("The camera glides to it, as after a double-click")
         .key(Key::G)
         .possible(picked.is_some()),
-        view("Scene", "Follow the rig", Command::SetScene(following))
+        view("Scene", "Follow the rig", SceneCommand::SetOptions(following))
             .hint("The camera goes with the prisms at the time cursor; moving it or Fit ends that")
             .key(Key::C)
-            .on(state.scene.follow),
-        view("Scene", "Ruler", Command::Measure(ruler))
+            .on(state.scene.options.follow),
+        view("Scene", "Ruler", SceneCommand::Measure(ruler))
             .hint("Measure between two points of the scene")
             .key(Key::M)
             .on(measuring),
@@ -49,71 +70,80 @@ pub fn actions(state: &State) -> Vec<Action> {
     for station in 0..3 {
         let name = format!("From station {}", station + 1);
         let keys = [Key::Num1, Key::Num2, Key::Num3];
-        let look = Command::Look(ViewPreset::Station(station));
+        let look = SceneCommand::Look(ViewPreset::Station(station));
         actions.push(view("Scene", &name, look).key(keys[station]));
     }
-    actions.extend(hiding(state));
-    actions.extend(Colouring::ALL.into_iter().map(|colouring| {
-        let name = format!("Colour by {}", colouring.title().to_lowercase());
-        view("Colours", &name, Command::Colour(colouring)).one_of(state.colouring == colouring)
-    }));
-    actions.extend(
-        Pane::ALL.into_iter().map(|pane| view("Panes", pane.title(), Command::ShowPane(pane))),
-    );
-    actions.extend(channels(state));
+    actions
+}
+
+fn layouts() -> Vec<Action> {
     let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
-    for (preset, key) in LayoutPreset::ALL.into_iter().zip(keys) {
+    let layout = |(preset, key): (LayoutPreset, Key)| {
         let name = format!("Layout: {}", preset.title());
-        actions
-            .push(view("Layout", &name, Command::UseLayout(preset)).hint(preset.hint()).ctrl(key));
-    }
+        view("Layout", &name, WorkspaceCommand::UseLayout(preset)).hint(preset.hint()).ctrl(key)
+    };
+    let mut actions: Vec<Action> = LayoutPreset::ALL.into_iter().zip(keys).map(layout).collect();
     actions.push(
-        view("Layout", "Reset layout", Command::ResetLayout)
+        view("Layout", "Reset layout", WorkspaceCommand::ResetLayout)
             .hint("All panes back to where they were at first")
             .ctrl(Key::Num0),
     );
+    actions
+}
+
+fn colours_of_the_window(state: &State) -> Vec<Action> {
     use egui::ThemePreference::{Dark, Light, System};
-    for (name, theme) in
-        [("Theme: as the system", System), ("Theme: dark", Dark), ("Theme: light", Light)]
-    {
-        actions.push(view("Theme", name, Command::UseTheme(theme)).one_of(state.theme == theme));
-    }
+    let themes = [("Theme: as the system", System), ("Theme: dark", Dark), ("Theme: light", Light)];
+    let mut actions = Vec::from(themes.map(|(name, theme)| {
+        view("Theme", name, WorkspaceCommand::UseTheme(theme))
+            .one_of(state.workspace.theme == theme)
+    }));
     actions.push(
-        view("In the sun", "Readable in the sun", Command::ReadInTheSun(!state.in_the_sun))
-            .hint("Large type and full contrast, in either theme")
-            .on(state.in_the_sun),
+        view(
+            "In the sun",
+            "Readable in the sun",
+            WorkspaceCommand::ReadInTheSun(!state.workspace.in_the_sun),
+        )
+        .hint("Large type and full contrast, in either theme")
+        .on(state.workspace.in_the_sun),
     );
-    for length in LengthUnit::ALL {
+    actions
+}
+
+fn units(state: &State) -> Vec<Action> {
+    let now = state.workspace.units;
+    let action = |section, name: String, units: Units| {
+        view(section, &name, WorkspaceCommand::SetUnits(units)).one_of(now == units)
+    };
+    let mut actions: Vec<Action> = Vec::new();
+    actions.extend(LengthUnit::ALL.into_iter().map(|length| {
         let name = format!("Lengths in {}", length.name());
-        let units = Units { length, ..state.units };
-        actions.push(view("Lengths", &name, Command::SetUnits(units)).one_of(state.units == units));
-    }
-    for angle in AngleUnit::ALL {
+        action("Lengths", name, Units { length, ..now })
+    }));
+    actions.extend(AngleUnit::ALL.into_iter().map(|angle| {
         let name = format!("Angles in {}", angle.name());
-        let units = Units { angle, ..state.units };
-        actions.push(view("Angles", &name, Command::SetUnits(units)).one_of(state.units == units));
-    }
-    for time in TimeUnit::ALL {
+        action("Angles", name, Units { angle, ..now })
+    }));
+    let tells = state.active().is_none_or(|open| tells_time_of_day(open.start_s()));
+    actions.extend(TimeUnit::ALL.into_iter().map(|time| {
         let name = format!("Times in {}", time.name());
-        let units = Units { time, ..state.units };
-        let tells = state.active().is_none_or(|open| tells_time_of_day(open.start_s()));
-        let action = view("Times", &name, Command::SetUnits(units)).one_of(state.units == units);
-        actions.push(match time {
+        let action = action("Times", name, Units { time, ..now });
+        match time {
             TimeUnit::Utc if !tells => {
                 action.hint("This deployment's stamps do not tell the time of day").possible(false)
             }
             TimeUnit::Utc => action.hint("The time of day, by the stations' stamps"),
             _ => action.hint("Since the first measurement"),
-        });
-    }
+        }
+    }));
     actions
 }
 
 /// What the pane of channels plots, and against what.
 fn channels(state: &State) -> Vec<Action> {
-    let plotted = state.plotted;
+    let plotted = state.time.plotted;
     let action = |section, name: String, to: Plotted| {
-        Action::new(Menu::View, section, name, Command::Plot(to)).on(plotted == to)
+        Action::new(Menu::View, section, name, TimeCommand::Plot(to)).on(plotted == to)
     };
     let mut actions: Vec<Action> = (Channel::ALL.into_iter())
         .map(|channel| {
@@ -136,9 +166,9 @@ fn channels(state: &State) -> Vec<Action> {
 /// What of the scene is shown, the legend that says so, and how large errors are drawn.
 fn hiding(state: &State) -> Vec<Action> {
     let shown = |name: &str, on: bool, visibility: Visibility| {
-        Action::new(Menu::View, "Shown in the scene", name, Command::Show(visibility)).on(on)
+        Action::new(Menu::View, "Shown in the scene", name, SceneCommand::Show(visibility)).on(on)
     };
-    let (now, scene) = (&state.visibility, state.scene);
+    let (now, scene) = (&state.scene.visibility, state.scene.options);
     let mut actions = vec![
         shown("Everything in the scene", false, now.with_the_whole_scene())
             .hint("Show again what the legend or a switch has hidden")
@@ -158,7 +188,7 @@ fn hiding(state: &State) -> Vec<Action> {
         actions.push(shown(&name, now.shows_fate(place), now.with_fate_toggled(place)));
     }
     let set = |section, name: &str, options| {
-        Action::new(Menu::View, section, name, Command::SetScene(options))
+        Action::new(Menu::View, section, name, SceneCommand::SetOptions(options))
     };
     let legend = |name: &str, open: Option<bool>| {
         set("Legend", name, SceneOptions { legend_open: open, ..scene })

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::behaviour::SIMPLIFICATION;
+use super::super::behaviour::SIMPLIFICATION;
 use super::*;
 
 fn layouts() -> Vec<(&'static str, Layout)> {

@@ -1,4 +1,6 @@
-//! Everything that can be asked for. Panes send these; [`super::State::handle`] carries them out.
+//! Everything that can be asked for. Panes send these; `State::handle` carries them out.
+//!
+//! Each part of the state has its own commands: those of plans and of live deployments are in `planning.rs` and `live.rs`.
 
 use std::path::PathBuf;
 
@@ -13,34 +15,35 @@ use resect_io::sample::Sample;
 use resect_io::source::{Extras, Source};
 use resect_report::copy::{CopyFormat, Part};
 
-/// What a pane asks for.
+/// A request of a pane, by the part of the state that it changes.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// Opens whatever the readers know: tracks, folders, control points, a rig, GNSS, settings, sessions.
+    Deployment(DeploymentCommand),
+    Time(TimeCommand),
+    Scene(SceneCommand),
+    Results(ResultsCommand),
+    Judging(JudgingCommand),
+    Plan(PlanCommand),
+    Live(LiveCommand),
+    Session(SessionCommand),
+    Dialog(DialogCommand),
+    Workspace(WorkspaceCommand),
+}
+
+pub type Commands = Vec<Command>;
+
+/// The open deployments, their settings and data, and undo.
+#[derive(Clone, Debug)]
+pub enum DeploymentCommand {
+    /// Opens all that the readers know: tracks, folders, control points, a rig, GNSS, settings, sessions.
     OpenPaths(Vec<PathBuf>),
     OpenSample(Sample),
-    /// Opens what was open before.
+    /// Opens a former deployment again.
     OpenSource(Source),
     /// Stops reading a deployment, by its request's number.
     CancelOpening(u64),
     OpenFolderDialog,
     OpenFileDialog,
-    /// Something was done in the prompt for a path.
-    Prompt(PromptCommand),
-    OpenSessionDialog,
-    /// Closes what was restored after a crash.
-    DiscardRecovered,
-    /// What was open before a session took its place, or before the last window was closed.
-    ReopenLast,
-    /// Files hover over the window.
-    HoverPaths(Vec<PathBuf>),
-    /// Into its file, which is asked for the first time.
-    SaveSession,
-    SaveSessionAs,
-    /// Opens again what the session holds and could not be opened.
-    RetryMissing,
-    /// Takes a deployment that could not be opened out of the session, by its place among those.
-    ForgetMissing(usize),
     /// Shows another of the open deployments, by its id.
     Activate(u64),
     Close(u64),
@@ -49,36 +52,24 @@ pub enum Command {
     Set(Settings),
     /// Gives every open deployment the active one's settings.
     SetAll,
-    /// Stops calibrating a deployment, by its id, and goes back to the settings of the answer that is shown.
+    /// Stops calibrating a deployment, by its id, and returns to the settings of the answer that is shown.
     CancelAnalysis(u64),
     Undo,
     Redo,
 
     /// Reads the active deployment again with these beside its tracks, as a step that can be undone.
     PutRight(Extras),
-    /// Unfolds what can be put right, in its pane.
+    /// Unfolds the corrections of the data in their pane.
     ShowPutRight,
     ChooseRigDialog,
     AddControlPointsDialog,
-    /// Asks whether what is put right goes into the folder's `deployment.toml`.
+    /// Asks whether the corrections are written to the folder's `deployment.toml`.
     WriteDeploymentToml,
-    /// Something was chosen in what the window asks.
-    EditAsked(Asked),
-    AnswerAsked(AskedAnswer),
-    CancelAsked,
+}
 
-    /// Pins the active deployment's result.
-    Pin,
-    /// Pins the result of a run, by its id.
-    PinRun(u64),
-    Unpin(u64),
-    /// Shows or hides the residuals of a pinned result.
-    ShowPin(u64, bool),
-    /// Gives the active deployment the settings of a pinned result, by its id.
-    UsePinned(u64),
-    /// Gives the active deployment the settings of a run, by its id.
-    RestoreRun(u64),
-
+/// The time cursor, the selection, playback, and values over time.
+#[derive(Clone, Debug)]
+pub enum TimeCommand {
     /// Time under the pointer (s, in the stations' clock); sent in every frame while it is there.
     Hover(f64),
     MoveCursor(f64),
@@ -98,51 +89,48 @@ pub enum Command {
     Unpick,
     /// Selects a span of time (s, in the stations' clock) and shows it in the plots and the scene.
     LookAtTimes([f64; 2]),
+    /// Plots a channel in the pane of channels.
+    Plot(Plotted),
+    /// Chooses the plots of the pane of the trajectory.
+    PlotWay(WayPlots),
+    /// Saves every value that the pane of channels shows.
+    SaveChannelsDialog,
+}
+
+/// The camera and the content of the scene.
+#[derive(Clone, Debug)]
+pub enum SceneCommand {
+    Show(Visibility),
+    Colour(Colouring),
+    SetOptions(SceneOptions),
+    Measure(Ruler),
+    Look(ViewPreset),
+    /// The camera glides to a place (m, in station 1's frame).
+    ComeTo(nalgebra::Vector3<f64>),
     /// Brings a control point before the camera.
     LookAtPoint {
         file: String,
         marker: i64,
     },
+    Picture(PictureTo),
+}
 
-    /// Plots a channel in the pane of channels.
-    Plot(Plotted),
-    Show(Visibility),
-    Colour(Colouring),
-    SetScene(SceneOptions),
-    Measure(Ruler),
-    SetUnits(Units),
-    UseTheme(egui::ThemePreference),
-    /// Large type and full contrast, to be read in the sun.
-    ReadInTheSun(bool),
-    Look(ViewPreset),
-    /// The camera glides to a place (m, in station 1's frame).
-    ComeTo(nalgebra::Vector3<f64>),
-    ScenePicture(PictureTo),
+/// Answers: runs, pins, studies, the validation, and their export.
+#[derive(Clone, Debug)]
+pub enum ResultsCommand {
+    /// Pins the active deployment's result.
+    Pin,
+    /// Pins the result of a run, by its id.
+    PinRun(u64),
+    Unpin(u64),
+    /// Shows or hides the residuals of a pinned result.
+    ShowPin(u64, bool),
+    /// Gives the active deployment the settings of a pinned result, by its id.
+    UsePinned(u64),
+    /// Gives the active deployment the settings of a run, by its id.
+    RestoreRun(u64),
 
-    Copy(String),
-    /// Copies transforms of the active deployment's answer.
-    CopyTransforms(CopyFormat, Part),
-    OpenInRerun,
-    SaveRecordingDialog,
-    SaveTrajectoryDialog,
-    SaveReportDialog,
-    /// Every value of what the pane of channels shows.
-    SaveChannelsDialog,
-
-    /// Reads trajectories of other systems and holds them against the active deployment.
-    AddEstimates(Vec<PathBuf>),
-    AddEstimateDialog,
-    /// The trajectories that are held against the active deployment, and how each is.
-    Judge(Vec<Added>),
-    /// Chooses what the pane of the trajectory plots.
-    PlotWay(WayPlots),
-
-    /// Something about the plan.
-    Plan(PlanCommand),
-    /// Something about the live deployment.
-    Live(LiveCommand),
-
-    /// Holds the active deployment's calibration against the others that are open.
+    /// Validates the active deployment's calibration with the others that are open.
     ValidateOthers,
 
     SetStudy(StudyOptions),
@@ -150,30 +138,145 @@ pub enum Command {
     CancelStudy,
     SaveStudyDialog,
 
-    /// Brings a pane to the front.
-    ShowPane(Pane),
-    UseLayout(LayoutPreset),
-    ResetLayout,
+    /// Copies transforms of the active deployment's answer.
+    CopyTransforms(CopyFormat, Part),
+    OpenInRerun,
+    SaveRecordingDialog,
+    SaveTrajectoryDialog,
+    SaveReportDialog,
+}
+
+/// Trajectories of other systems that are judged by the active deployment.
+#[derive(Clone, Debug)]
+pub enum JudgingCommand {
+    /// Reads trajectories and adds them to those of the active deployment.
+    Add(Vec<PathBuf>),
+    AddDialog,
+    /// The trajectories of the active deployment, each with its options.
+    Set(Vec<Added>),
+}
+
+/// The session and its file.
+#[derive(Clone, Debug)]
+pub enum SessionCommand {
+    OpenDialog,
+    /// Closes all that was restored after a crash.
+    DiscardRecovered,
+    /// Opens the deployments that a session replaced, or that the last window had.
+    ReopenLast,
+    /// Saves to the session's file, which is asked for the first time.
+    Save,
+    SaveAs,
+    /// Opens again the session's deployments that could not be opened.
+    RetryMissing,
+    /// Takes a deployment that could not be opened out of the session, by its place among those.
+    ForgetMissing(usize),
+}
+
+/// Dialogs, questions, and sheets above the panes.
+#[derive(Clone, Debug)]
+pub enum DialogCommand {
+    /// An input in the prompt for a path.
+    Prompt(PromptCommand),
+    /// Files hover over the window.
+    HoverPaths(Vec<PathBuf>),
+    /// A choice in a question of the window.
+    EditAsked(Asked),
+    AnswerAsked(AskedAnswer),
+    CancelAsked,
+
     ShowPalette,
-    /// What is typed in the command palette and which of its lines is chosen.
+    /// The text of the command palette and its chosen line.
     EditPalette(Palette),
     ShowShortcuts,
     /// Explains the word under the pointer or with the focus; all words where there is none.
     Explain,
-    /// What is typed among the words of the field.
+    /// The text that is looked up in the glossary.
     LookUp(Lookup),
     /// Closes the palette, the sheet of shortcuts or the glossary.
     CloseOverlay,
+}
+
+/// The panes, units, colours, clipboard and toasts of the window itself.
+#[derive(Clone, Debug)]
+pub enum WorkspaceCommand {
+    /// Brings a pane to the front.
+    ShowPane(Pane),
+    UseLayout(LayoutPreset),
+    ResetLayout,
+    SetUnits(Units),
+    UseTheme(egui::ThemePreference),
+    /// Large type and full contrast, to be read in the sun.
+    ReadInTheSun(bool),
+    Copy(String),
     DismissToast(u64),
     /// The pointer is on a toast.
     HoldToast(u64),
 }
-
-pub type Commands = Vec<Command>;
 
 /// Where a picture of the scene goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureTo {
     File,
     Clipboard,
+}
+
+impl From<DeploymentCommand> for Command {
+    fn from(command: DeploymentCommand) -> Self {
+        Self::Deployment(command)
+    }
+}
+
+impl From<TimeCommand> for Command {
+    fn from(command: TimeCommand) -> Self {
+        Self::Time(command)
+    }
+}
+
+impl From<SceneCommand> for Command {
+    fn from(command: SceneCommand) -> Self {
+        Self::Scene(command)
+    }
+}
+
+impl From<ResultsCommand> for Command {
+    fn from(command: ResultsCommand) -> Self {
+        Self::Results(command)
+    }
+}
+
+impl From<JudgingCommand> for Command {
+    fn from(command: JudgingCommand) -> Self {
+        Self::Judging(command)
+    }
+}
+
+impl From<PlanCommand> for Command {
+    fn from(command: PlanCommand) -> Self {
+        Self::Plan(command)
+    }
+}
+
+impl From<LiveCommand> for Command {
+    fn from(command: LiveCommand) -> Self {
+        Self::Live(command)
+    }
+}
+
+impl From<SessionCommand> for Command {
+    fn from(command: SessionCommand) -> Self {
+        Self::Session(command)
+    }
+}
+
+impl From<DialogCommand> for Command {
+    fn from(command: DialogCommand) -> Self {
+        Self::Dialog(command)
+    }
+}
+
+impl From<WorkspaceCommand> for Command {
+    fn from(command: WorkspaceCommand) -> Self {
+        Self::Workspace(command)
+    }
 }

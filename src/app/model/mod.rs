@@ -41,7 +41,10 @@ pub use asked::{
 };
 pub use camera::{Camera, Frame, ViewPreset};
 pub use colouring::Colouring;
-pub use command::{Command, Commands, PictureTo};
+pub use command::{
+    Command, Commands, DeploymentCommand, DialogCommand, JudgingCommand, PictureTo, ResultsCommand,
+    SceneCommand, SessionCommand, TimeCommand, WorkspaceCommand,
+};
 pub use judging::{Added, Judging, SavedEstimate};
 pub use layout_description::LayoutDescription;
 pub use layout_presets::LayoutPreset;
@@ -60,7 +63,7 @@ pub use time_scale::TimeScale;
 pub use timeline::{Picked, Playback, Timeline};
 pub use undo::UndoStack;
 pub use units::{AngleUnit, LengthUnit, TimeUnit, Units};
-pub use validations::{AnswerOf, Validated, Validations};
+pub use validations::{AnswerOf, Validated};
 pub use view::{Look, View};
 pub use visibility::Visibility;
 pub use way_plots::WayPlots;

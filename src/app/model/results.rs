@@ -1,8 +1,10 @@
-//! Results of the session: each run, and those that were pinned to compare later ones with.
+//! Results of the session: each run, those that were pinned to compare later ones with, studies and validations.
 
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::studies::Studies;
+use super::validations::Validations;
 use crate::app::prepared::PreparedPlots;
 use resect_core::analysis::Settings;
 use resect_report::summary::ResultSummary;
@@ -40,6 +42,8 @@ pub struct Results {
     /// Runs of all deployments, the newest last.
     pub runs: Vec<Run>,
     pub pins: Vec<Pin>,
+    pub studies: Studies,
+    pub validations: Validations,
     newest_id: u64,
 }
 

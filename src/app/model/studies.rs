@@ -127,3 +127,12 @@ pub struct Studies {
     pub running: Option<(u64, Arc<Progress>)>,
     pub result: Option<Arc<StudyResult>>,
 }
+
+impl Studies {
+    /// Stops the study under way.
+    pub fn cancel(&self) {
+        if let Some((_, progress)) = &self.running {
+            progress.cancel();
+        }
+    }
+}

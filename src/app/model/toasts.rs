@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use super::Command;
 use super::Pane;
 use super::Units;
 use super::told::{self, new_findings};
+use super::{Command, WorkspaceCommand};
 use resect_core::deployment::{Finding, Severity};
 use resect_io::source::Place;
 
@@ -150,7 +150,8 @@ impl Toasts {
         });
         all.extend(new);
         let (level, lines) = in_words(name, &all, Units::default());
-        let show = Some(("Show findings", Command::ShowPane(Pane::Findings)));
+        let show =
+            Some(("Show findings", Command::Workspace(WorkspaceCommand::ShowPane(Pane::Findings))));
         self.push(level, lines, show, About::Findings(id, name.to_owned(), all));
     }
 

@@ -5,7 +5,7 @@ mod columns;
 use egui::RichText;
 
 use crate::app::model::{
-    Asked, AskedAnswer, AskedFiles, AskedStations, AskedToml, AskedTracks, Command, Commands,
+    Asked, AskedAnswer, AskedFiles, AskedStations, AskedToml, AskedTracks, Commands, DialogCommand,
     StationsAre,
 };
 use crate::app::theme;
@@ -35,14 +35,14 @@ pub fn ui(ctx: &egui::Context, asked: &Asked, commands: &mut Commands) {
         answered = commands.len() > before;
     });
     if !answered && response.should_close() {
-        commands.push(Command::CancelAsked);
+        commands.push(DialogCommand::CancelAsked.into());
     }
 }
 
 fn buttons(ui: &mut egui::Ui, asked: &Asked, commands: &mut Commands) {
     ui.horizontal(|ui| {
         if ui.button("Cancel").clicked() {
-            commands.push(Command::CancelAsked);
+            commands.push(DialogCommand::CancelAsked.into());
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let yes = match asked {
@@ -55,13 +55,13 @@ fn buttons(ui: &mut egui::Ui, asked: &Asked, commands: &mut Commands) {
             };
             let yes = ui.add_enabled(asked.is_answered(), egui::Button::new(yes));
             if yes.clicked() {
-                commands.push(Command::AnswerAsked(AskedAnswer::AsChosen));
+                commands.push(DialogCommand::AnswerAsked(AskedAnswer::AsChosen).into());
             }
             if let Asked::Files(files) = asked
                 && !files.folders.is_empty()
                 && ui.button("Open as a deployment of its own").clicked()
             {
-                commands.push(Command::AnswerAsked(AskedAnswer::OwnDeployment));
+                commands.push(DialogCommand::AnswerAsked(AskedAnswer::OwnDeployment).into());
             }
         });
     });
@@ -82,7 +82,7 @@ fn ask_tracks(ui: &mut egui::Ui, asked: &AskedTracks, commands: &mut Commands) {
         }
     });
     if edited != *asked {
-        commands.push(Command::EditAsked(Asked::Tracks(edited)));
+        commands.push(DialogCommand::EditAsked(Asked::Tracks(edited)).into());
     }
 }
 
@@ -128,7 +128,7 @@ fn ask_stations(ui: &mut egui::Ui, asked: &AskedStations, commands: &mut Command
         trouble(ui, &format!("Each station needs a {what} of its own."));
     }
     if edited != *asked {
-        commands.push(Command::EditAsked(Asked::Stations(edited)));
+        commands.push(DialogCommand::EditAsked(Asked::Stations(edited)).into());
     }
 }
 
@@ -162,7 +162,7 @@ fn ask_files(ui: &mut egui::Ui, asked: &AskedFiles, commands: &mut Commands) {
         ui.label(RichText::new(text).weak());
     }
     if edited != *asked {
-        commands.push(Command::EditAsked(Asked::Files(Box::new(edited))));
+        commands.push(DialogCommand::EditAsked(Asked::Files(Box::new(edited))).into());
     }
 }
 

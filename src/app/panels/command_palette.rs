@@ -4,7 +4,7 @@ use egui::{Event, Key};
 
 use crate::app::actions;
 use crate::app::actions::Action;
-use crate::app::model::{Command, Commands, Palette};
+use crate::app::model::{Command, Commands, DialogCommand, Palette};
 use crate::app::state::State;
 
 const WIDTH: f32 = 520.0;
@@ -60,9 +60,9 @@ pub fn ui(ctx: &egui::Context, state: &State, palette: &Palette, commands: &mut 
         done.and_then(|action| action.command.clone())
     });
     match response.inner {
-        Some(command) => commands.extend([Command::CloseOverlay, command]),
-        None if response.should_close() => commands.push(Command::CloseOverlay),
-        None if edited != *palette => commands.push(Command::EditPalette(edited)),
+        Some(command) => commands.extend([Command::Dialog(DialogCommand::CloseOverlay), command]),
+        None if response.should_close() => commands.push(DialogCommand::CloseOverlay.into()),
+        None if edited != *palette => commands.push(DialogCommand::EditPalette(edited).into()),
         None => {}
     }
 }

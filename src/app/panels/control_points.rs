@@ -2,7 +2,7 @@
 
 use egui::{RichText, Role, WidgetInfo};
 
-use crate::app::model::{Command, Commands, Pane};
+use crate::app::model::{Commands, Pane, SceneCommand, WorkspaceCommand};
 use crate::app::prepared::control_points::{PointResidual, residuals};
 use crate::app::state::State;
 use crate::app::theme;
@@ -90,8 +90,8 @@ fn rows(ui: &mut egui::Ui, point: &PointResidual, commands: &mut Commands) {
             let name = format!("Come to control point {}", point.name);
             button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
             if button.on_hover_text(name).clicked() {
-                commands.push(Command::ShowPane(Pane::Scene));
-                commands.push(Command::ComeTo(point.mean_m));
+                commands.push(WorkspaceCommand::ShowPane(Pane::Scene).into());
+                commands.push(SceneCommand::ComeTo(point.mean_m).into());
             }
         } else {
             ui.weak(&point.name);

@@ -1,7 +1,9 @@
 //! What is open: the deployments, and of the active one stations with their counts and visibility, files, rig.
 
 use super::{finding, heading, put_right, scrolled};
-use crate::app::model::{Command, Commands, OpenDeployment, Visibility};
+use crate::app::model::{
+    Commands, DeploymentCommand, OpenDeployment, SceneCommand, SessionCommand, Visibility,
+};
 use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
@@ -68,7 +70,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 /// Every open deployment: a click shows it, the cross closes it.
 fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    for (open, name) in state.open.iter().zip(state.names()) {
+    for (open, name) in state.deployments.open.iter().zip(state.names()) {
         let active = state.active().is_some_and(|active| active.id == open.id);
         ui.horizontal(|ui| {
             let close = ui
@@ -78,7 +80,7 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Close {name}"))
             });
             if close.clicked() {
-                commands.push(Command::Close(open.id));
+                commands.push(DeploymentCommand::Close(open.id).into());
             }
             let font = egui::TextStyle::Button.resolve(ui.style());
             let room = ui.available_width() - 2.0 * ui.spacing().button_padding.x;
@@ -89,7 +91,7 @@ fn list(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 egui::WidgetInfo::selected(egui::Role::Button, true, active, &name)
             });
             if short::whole_on_hover(button, &shown, &name).clicked() && !active {
-                commands.push(Command::Activate(open.id));
+                commands.push(DeploymentCommand::Activate(open.id).into());
             }
         });
     }
@@ -104,7 +106,7 @@ fn missing(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             let button = ui.add(egui::Button::new("×").small().frame(false)).on_hover_text(&out);
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &out));
             if button.clicked() {
-                commands.push(Command::ForgetMissing(index));
+                commands.push(SessionCommand::ForgetMissing(index).into());
             }
             let (colour, sign) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
             ui.label(egui::RichText::new(sign).color(colour));
@@ -113,13 +115,13 @@ fn missing(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         });
     }
     if !state.session.missing.is_empty() && ui.button("Try missing deployments again").clicked() {
-        commands.push(Command::RetryMissing);
+        commands.push(SessionCommand::RetryMissing.into());
     }
 }
 
 fn stations(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut Commands) {
     let dark = ui.visuals().dark_mode;
-    let mut visibility = state.visibility;
+    let mut visibility = state.scene.visibility;
     egui::Grid::new("stations").num_columns(3).spacing([10.0, 3.0]).show(ui, |ui| {
         for (station, track) in open.deployment.tracks.iter().enumerate() {
             let name = format!("Station {}", station + 1);
@@ -145,8 +147,8 @@ fn stations(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &
             .on_disabled_hover_text("Straight lines state no error: choose a Gaussian process");
     });
     what_is_known(ui, open, &mut visibility);
-    if visibility != state.visibility {
-        commands.push(Command::Show(visibility));
+    if visibility != state.scene.visibility {
+        commands.push(SceneCommand::Show(visibility).into());
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Align2, Color32, FontId};
 
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, DialogCommand};
 use crate::app::state::State;
 use resect_io::what_is::Sorted;
 
@@ -21,7 +21,7 @@ pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let rect = ctx.content_rect();
     painter.rect_filled(rect, 0.0, Color32::from_black_alpha(190));
     let active = state.active().and_then(|open| state.name_of(open.id));
-    let hovering = &state.hovering;
+    let hovering = &state.dialogs.hovering;
     let text = match &hovering.sorted {
         // Some systems tell what it is only when it is dropped.
         _ if paths.is_empty() => GENERAL.to_owned(),
@@ -29,7 +29,7 @@ pub fn ui(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         _ => format!("{}…", names(&paths)),
     };
     if !paths.is_empty() && hovering.paths != paths {
-        commands.push(Command::HoverPaths(paths));
+        commands.push(DialogCommand::HoverPaths(paths).into());
     }
     let galley = painter.layout(
         text,

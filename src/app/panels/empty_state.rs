@@ -2,7 +2,7 @@
 
 use egui::RichText;
 
-use crate::app::model::{Command, Commands, Pane};
+use crate::app::model::{Commands, DeploymentCommand, Pane, WorkspaceCommand};
 use crate::app::state::SessionState;
 use resect_io::sample::Sample;
 
@@ -59,16 +59,16 @@ fn content(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
     ui.add_space(8.0);
     ui.horizontal_wrapped(|ui| {
         if ui.button("Open folder…").clicked() {
-            commands.push(Command::OpenFolderDialog);
+            commands.push(DeploymentCommand::OpenFolderDialog.into());
         }
         if ui.button("Open file…").clicked() {
-            commands.push(Command::OpenFileDialog);
+            commands.push(DeploymentCommand::OpenFileDialog.into());
         }
         ui.label("or drop files anywhere on the window");
     });
     ui.horizontal_wrapped(|ui| {
         if ui.button("Show the guide").on_hover_text("The whole way, step by step").clicked() {
-            commands.push(Command::ShowPane(Pane::Guide));
+            commands.push(WorkspaceCommand::ShowPane(Pane::Guide).into());
         }
         ui.label("from your data to an answer that can be trusted");
     });
@@ -78,7 +78,7 @@ fn content(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
         for sample in Sample::ALL {
             let button = ui.button(format!("Try {}", sample.title()));
             if button.on_hover_text("A simulated deployment, part of the program").clicked() {
-                commands.push(Command::OpenSample(sample));
+                commands.push(DeploymentCommand::OpenSample(sample).into());
             }
         }
     });
@@ -91,7 +91,7 @@ fn content(ui: &mut egui::Ui, session: &SessionState, commands: &mut Commands) {
         let source = &recent.source;
         let where_it_is = source.path().map_or(String::new(), |path| path.display().to_string());
         if ui.link(name).on_hover_text(where_it_is).clicked() {
-            commands.push(Command::OpenSource(source.clone()));
+            commands.push(DeploymentCommand::OpenSource(source.clone()).into());
         }
     }
 }

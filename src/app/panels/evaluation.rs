@@ -4,7 +4,9 @@
 use egui::RichText;
 
 use super::{finding, heading, judging_options, scrolled};
-use crate::app::model::{AngleUnit, Command, Commands, OpenDeployment, TimeScale, Units};
+use crate::app::model::{
+    AngleUnit, Commands, JudgingCommand, OpenDeployment, TimeCommand, TimeScale, Units,
+};
 use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
@@ -50,7 +52,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             doubt(ui, open);
             ranking(ui, state, judgement, commands);
             odd(ui, state, open, judgement, commands);
-            table(ui, open, judgement, angles(state.units));
+            table(ui, open, judgement, angles(state.workspace.units));
             for one in &judgement.judged {
                 for said in one.estimate.findings.iter().chain(&one.fit.findings) {
                     finding(ui, state, said, commands);
@@ -85,12 +87,12 @@ fn added(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
             if button.clicked() {
                 let mut others = judging.added.clone();
                 others.remove(index);
-                commands.push(Command::Judge(others));
+                commands.push(JudgingCommand::Set(others).into());
             }
         });
     }
     if ui.button("Add a trajectory…").clicked() {
-        commands.push(Command::AddEstimateDialog);
+        commands.push(JudgingCommand::AddDialog.into());
     }
 }
 
@@ -142,7 +144,7 @@ fn odd(
     }
     spans.sort_by(|a, b| a.1.span_s[0].total_cmp(&b.1.span_s[0]));
     heading(ui, "Where they contradict each other");
-    let scale = TimeScale::new(state.units.time, open.start_s());
+    let scale = TimeScale::new(state.workspace.units.time, open.start_s());
     for (one, span) in spans {
         ui.horizontal_wrapped(|ui| {
             let [from, to] = span.span_s.map(|time_s| scale.text(time_s - open.start_s(), 1));
@@ -153,7 +155,7 @@ fn odd(
                 look_at(span, commands);
             }
             ui.strong(&one.estimate.name);
-            ui.label(contradiction(span, angles(state.units)));
+            ui.label(contradiction(span, angles(state.workspace.units)));
         });
     }
 }
@@ -161,14 +163,14 @@ fn odd(
 /// Where the readings are wrong, the errors of their distances are what tells it; else the trajectory stays in sight.
 fn look_at(span: &OddSpan, commands: &mut Commands) {
     if matches!(span.odd_one, OddOne::Readings | OddOne::LeftOut) {
-        commands.push(Command::LookAtTimes(span.span_s));
+        commands.push(TimeCommand::LookAtTimes(span.span_s).into());
         return;
     }
     let [from_s, to_s] = span.span_s;
     let room_s = (0.5 * (to_s - from_s)).max(2.0);
-    commands.push(Command::Select(Some(span.span_s)));
-    commands.push(Command::ShowTimes([from_s - room_s, to_s + room_s]));
-    commands.push(Command::MoveCursor(0.5 * (from_s + to_s)));
+    commands.push(TimeCommand::Select(Some(span.span_s)).into());
+    commands.push(TimeCommand::ShowTimes([from_s - room_s, to_s + room_s]).into());
+    commands.push(TimeCommand::MoveCursor(0.5 * (from_s + to_s)).into());
 }
 
 /// A column each.

@@ -1,6 +1,6 @@
 //! The words of the field, to be looked up: those that F1 was pressed on, or all that have what is typed.
 
-use crate::app::model::{Command, Commands, Lookup};
+use crate::app::model::{Commands, DialogCommand, Lookup};
 use crate::app::theme;
 use crate::app::words;
 use resect_report::glossary;
@@ -17,7 +17,7 @@ pub fn ui(ctx: &egui::Context, lookup: &Lookup, commands: &mut Commands) {
             ui.heading("Words");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if ui.button("Close").clicked() {
-                    commands.push(Command::CloseOverlay);
+                    commands.push(DialogCommand::CloseOverlay.into());
                 }
             });
         });
@@ -27,7 +27,7 @@ pub fn ui(ctx: &egui::Context, lookup: &Lookup, commands: &mut Commands) {
         ui.add(field).accessible_name("Word").request_focus();
         // One that is typed leaves the field only.
         if ui.input(|input| input.key_pressed(egui::Key::Escape)) {
-            commands.push(Command::CloseOverlay);
+            commands.push(DialogCommand::CloseOverlay.into());
         }
         ui.add_space(4.0);
         let some = edited.query.trim().is_empty() && !edited.of.is_empty();
@@ -50,8 +50,8 @@ pub fn ui(ctx: &egui::Context, lookup: &Lookup, commands: &mut Commands) {
         }
     });
     if response.should_close() {
-        commands.push(Command::CloseOverlay);
+        commands.push(DialogCommand::CloseOverlay.into());
     } else if edited != *lookup {
-        commands.push(Command::LookUp(edited));
+        commands.push(DialogCommand::LookUp(edited).into());
     }
 }

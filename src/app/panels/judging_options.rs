@@ -4,7 +4,7 @@ use egui::{Role, WidgetInfo};
 use nalgebra::Vector3;
 
 use super::number;
-use crate::app::model::{Added, Command, Commands};
+use crate::app::model::{Added, Commands, JudgingCommand};
 use crate::app::short;
 use resect_core::estimates::{Alignment, Body, Options};
 
@@ -23,7 +23,7 @@ pub fn ui(ui: &mut egui::Ui, added: &[Added], commands: &mut Commands) {
     body(ui, &mut some);
     clock(ui, &mut some);
     if after != added {
-        commands.push(Command::Judge(after));
+        commands.push(JudgingCommand::Set(after).into());
     }
 }
 

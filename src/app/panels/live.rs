@@ -6,9 +6,9 @@ mod form;
 use egui::{Color32, RichText, Vec2};
 
 use super::scrolled;
+use crate::app::model::Commands;
 use crate::app::model::live::{LiveCommand, LiveForm};
 use crate::app::model::units::unbroken;
-use crate::app::model::{Command, Commands};
 use crate::app::plots::live_sigma;
 use crate::app::state::State;
 use crate::app::theme;
@@ -52,10 +52,10 @@ fn running(ui: &mut egui::Ui, state: &State, view: &View, commands: &mut Command
         ui.label("Target");
         if form::target(ui, &mut target_mm).changed() {
             let form = LiveForm { target_mm, ..state.live.form.clone() };
-            commands.push(Command::Live(LiveCommand::Edit(form)));
+            commands.push(LiveCommand::Edit(form).into());
         }
         if ui.button(RichText::new("Stop").size(MIDDLE)).clicked() {
-            commands.push(Command::Live(LiveCommand::Stop));
+            commands.push(LiveCommand::Stop.into());
         }
     });
     below(ui, view);

@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers, RichText};
 
 use crate::app::file_dialog::{Entry, PathPrompt, PromptCommand, Wanted};
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, DialogCommand};
 use crate::app::theme;
 
 const WIDTH: f32 = 620.0;
@@ -43,7 +43,7 @@ pub fn ui(ctx: &egui::Context, prompt: &PathPrompt, commands: &mut Commands) {
             (None, None) => PromptCommand::Cancel,
         });
     }
-    commands.extend(asked.into_iter().map(Command::Prompt));
+    commands.extend(asked.into_iter().map(|input| DialogCommand::Prompt(input).into()));
 }
 
 struct Keys {

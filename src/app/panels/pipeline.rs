@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use egui::{Shape, Stroke};
 
 use super::scrolled;
-use crate::app::model::{AngleUnit, Command, Commands};
+use crate::app::model::{AngleUnit, Commands, DeploymentCommand};
 use crate::app::state::State;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Settings};
@@ -32,11 +32,11 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         {
             settings = Settings::default();
         }
-        modules(ui, &mut settings, counts.as_ref(), state.units.angle);
+        modules(ui, &mut settings, counts.as_ref(), state.workspace.units.angle);
         let offer = state.analysed().map(|(_, analysis)| &analysis.offer);
         calibration(ui, &mut settings.calibration, offer);
         if settings != *state.settings() {
-            commands.push(Command::Set(settings));
+            commands.push(DeploymentCommand::Set(settings).into());
         }
     });
 }
@@ -77,11 +77,24 @@ impl Counts {
 }
 
 fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, angle: AngleUnit) {
-    let PipelineSettings { outlier_filter, interval_filter, thresholds, .. } =
-        &mut settings.pipeline;
-    let paper = Thresholds::default();
-    let line = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
+    outlier_filter(ui, &mut settings.pipeline, counts, angle);
+    intervals(ui, &mut settings.pipeline, counts);
+    interpolation(ui, &mut settings.pipeline, counts);
+}
 
+/// The counts below a module; a dash until there are any.
+fn counted(ui: &mut egui::Ui, counts: Option<&Counts>, text: impl FnOnce(&Counts) -> String) {
+    ui.small(counts.map_or_else(|| "–".to_owned(), text));
+}
+
+fn outlier_filter(
+    ui: &mut egui::Ui,
+    settings: &mut PipelineSettings,
+    counts: Option<&Counts>,
+    angle: AngleUnit,
+) {
+    let PipelineSettings { outlier_filter, thresholds, .. } = settings;
+    let paper = Thresholds::default();
     module(ui, Some(outlier_filter), "1  Outlier filter", |ui, on| {
         ui.add_enabled_ui(on, |ui| {
             threshold(
@@ -107,13 +120,18 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, 
                 angle,
             );
         });
-        ui.small(line(counts.map(|c| match c.left_out {
+        counted(ui, counts, |c| match c.left_out {
             0 => format!("{} → {} readings", c.raw, c.filtered),
             left_out => {
                 format!("{} → {} readings ({left_out} left out by hand)", c.raw, c.filtered)
             }
-        })));
+        });
     });
+}
+
+fn intervals(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Option<&Counts>) {
+    let PipelineSettings { interval_filter, thresholds, .. } = settings;
+    let paper = Thresholds::default();
     module(ui, None, "2  Interval split", |ui, _| {
         threshold(
             ui,
@@ -123,7 +141,7 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, 
             " s",
             paper.tau_s_seconds,
         );
-        ui.small(line(counts.map(|c| format!("{} readings → {} intervals", c.filtered, c.split))));
+        counted(ui, counts, |c| format!("{} readings → {} intervals", c.filtered, c.split));
     });
     module(ui, Some(interval_filter), "3  Interval filter", |ui, on| {
         ui.add_enabled_ui(on, |ui| {
@@ -136,14 +154,15 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, 
                 paper.tau_l_seconds,
             );
         });
-        ui.small(line(
-            // The sum of nothing is -0.
-            counts.map(|c| {
-                format!("{} → {} intervals ({:.0} s)", c.split, c.kept, c.kept_seconds + 0.0)
-            }),
-        ));
+        // The sum of nothing is -0.
+        counted(ui, counts, |c| {
+            format!("{} → {} intervals ({:.0} s)", c.split, c.kept, c.kept_seconds + 0.0)
+        });
     });
-    let PipelineSettings { interpolation, rate_hz, .. } = &mut settings.pipeline;
+}
+
+fn interpolation(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Option<&Counts>) {
+    let PipelineSettings { interpolation, rate_hz, .. } = settings;
     module(ui, None, "4  Interpolation", |ui, _| {
         ui.horizontal_wrapped(|ui| {
             for choice in Interpolation::ALL {
@@ -167,7 +186,7 @@ fn modules(ui: &mut egui::Ui, settings: &mut Settings, counts: Option<&Counts>, 
             " Hz",
             PipelineSettings::default().rate_hz,
         );
-        ui.small(line(counts.map(|c| format!("{} intervals → {} triplets", c.kept, c.triplets))));
+        counted(ui, counts, |c| format!("{} intervals → {} triplets", c.kept, c.triplets));
     });
 }
 

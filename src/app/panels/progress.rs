@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Command, Commands, DeploymentCommand, ResultsCommand};
 use crate::app::state::State;
 use resect_core::progress::Progress;
 
@@ -44,6 +44,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 /// The jobs that have taken long enough to be worth a word.
 fn jobs(state: &State) -> Vec<Job<'_>> {
     let mut jobs: Vec<Job<'_>> = state
+        .deployments
         .opening
         .iter()
         .zip(state.opening_names())
@@ -52,20 +53,20 @@ fn jobs(state: &State) -> Vec<Job<'_>> {
             what: format!("opening {name}"),
             progress: &opening.progress,
             of_bytes: true,
-            stop: Command::CancelOpening(opening.number),
+            stop: DeploymentCommand::CancelOpening(opening.number).into(),
         })
         .collect();
-    jobs.extend(state.studies.running.iter().map(|(_, progress)| Job {
+    jobs.extend(state.results.studies.running.iter().map(|(_, progress)| Job {
         what: "running the study".to_owned(),
         progress,
         of_bytes: false,
-        stop: Command::CancelStudy,
+        stop: ResultsCommand::CancelStudy.into(),
     }));
     jobs.extend(state.calibrating(LONG_FOR_AN_ANSWER).map(|(open, progress)| Job {
         what: format!("calibrating {}", state.name_of(open.id).unwrap_or_default()),
         progress,
         of_bytes: false,
-        stop: Command::CancelAnalysis(open.id),
+        stop: DeploymentCommand::CancelAnalysis(open.id).into(),
     }));
     jobs
 }

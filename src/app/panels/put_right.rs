@@ -6,7 +6,7 @@ mod times;
 
 use egui::RichText;
 
-use crate::app::model::{Command, Commands, OpenDeployment};
+use crate::app::model::{Commands, DeploymentCommand, OpenDeployment};
 use crate::app::state::State;
 use crate::app::state::put_right::{effective, exchanged, take_unfold};
 use crate::app::theme;
@@ -40,7 +40,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
         ui.add_space(4.0);
         shown.keep(ui, commands);
         if changed != *extras {
-            commands.push(Command::PutRight(changed));
+            commands.push(DeploymentCommand::PutRight(changed).into());
         }
     });
     if unfold {
@@ -227,11 +227,11 @@ impl Shown<'_> {
                 if in_folder { "Nothing is put right" } else { "A built-in sample has no folder" };
             let hint = "Then the folder says it by itself. Until then it is kept in the session.";
             if write.on_hover_text(hint).on_disabled_hover_text(why_not).clicked() {
-                commands.push(Command::WriteDeploymentToml);
+                commands.push(DeploymentCommand::WriteDeploymentToml.into());
             }
             let all = ui.add_enabled(any, egui::Button::new("Take all back"));
             if all.on_hover_text("Everything as the files say").clicked() {
-                commands.push(Command::PutRight(Extras::default()));
+                commands.push(DeploymentCommand::PutRight(Extras::default()).into());
             }
         });
     }

@@ -4,7 +4,7 @@ use egui::RichText;
 
 use super::{heading, scrolled};
 use crate::app::model::units::without_negative_zero;
-use crate::app::model::{Command, Commands, OpenDeployment, Picked, Units};
+use crate::app::model::{Commands, DeploymentCommand, OpenDeployment, Picked, TimeCommand, Units};
 use crate::app::state::{State, put_right};
 use crate::app::theme;
 use crate::app::words;
@@ -48,7 +48,7 @@ fn how_to_pick(ui: &mut egui::Ui, analysis: &Analysis, commands: &mut Commands) 
     if let Some(first) = first
         && button.on_disabled_hover_text("No reading was rejected").clicked()
     {
-        commands.push(Command::PickInPlot(first));
+        commands.push(TimeCommand::PickInPlot(first).into());
     }
 }
 
@@ -72,15 +72,17 @@ fn show(
         ui.painter().circle_filled(dot.center(), 5.0, theme::rgb(palette::fate(fate)));
         words::explain(ui.strong(fate.label()), &glossary::FATE);
     });
-    ui.add(egui::Label::new(told_in(explained, state.units).in_words(open.start_s())).wrap());
+    ui.add(
+        egui::Label::new(told_in(explained, state.workspace.units).in_words(open.start_s())).wrap(),
+    );
     remedy(ui, state, explained, commands);
     leave_out(ui, state, open, Picked { station, index }, commands);
     neighbours(ui, analysis, Picked { station, index }, commands);
     heading(ui, "As measured");
-    numbers(ui, explained, open.start_s(), state.units);
+    numbers(ui, explained, open.start_s(), state.workspace.units);
     heading(ui, "Change from the reading before");
     match &explained.step {
-        Some(step) => rates(ui, step, state.units),
+        Some(step) => rates(ui, step, state.workspace.units),
         None => {
             ui.weak("The first of its station: nothing to compare it with.");
         }
@@ -108,13 +110,13 @@ fn rate_in(rate: Rate, units: Units) -> Rate {
 fn remedy(ui: &mut egui::Ui, state: &State, explained: &Explanation, commands: &mut Commands) {
     let Some(pipeline) = explained.remedy() else { return };
     let settings = Settings { pipeline, ..*state.settings() };
-    let changes = state.units.changes(state.settings(), &settings);
+    let changes = state.workspace.units.changes(state.settings(), &settings);
     let button = ui.button(format!("Set {changes}")).on_hover_text(
         "Would let this reading past the module that stopped it. The thresholds hold for all readings, not for this \
          one alone.",
     );
     if button.clicked() {
-        commands.push(Command::Set(settings));
+        commands.push(DeploymentCommand::Set(settings).into());
     }
 }
 
@@ -132,7 +134,7 @@ fn leave_out(
     let button = ui.button(name).on_hover_text("It is masked by its stamp (X), and can be undone");
     if button.clicked() {
         let extras = put_right::masked(extras, &open.deployment, [picked], !out);
-        commands.push(Command::PutRight(extras));
+        commands.push(DeploymentCommand::PutRight(extras).into());
     }
 }
 
@@ -148,7 +150,7 @@ fn neighbours(ui: &mut egui::Ui, analysis: &Analysis, at: Picked, commands: &mut
         if let Some(index) = index
             && button.clicked()
         {
-            commands.push(Command::PickInPlot(Picked { index, ..at }));
+            commands.push(TimeCommand::PickInPlot(Picked { index, ..at }).into());
         }
     };
     egui::Grid::new("other readings").num_columns(2).spacing([6.0, 4.0]).show(ui, |ui| {

@@ -5,7 +5,7 @@ use egui::{RichText, WidgetInfo};
 use super::result::badge;
 use super::{heading, scrolled, use_pinned};
 use crate::app::model::ago::ago;
-use crate::app::model::{Command, Commands, Pin, Run};
+use crate::app::model::{Commands, Pin, ResultsCommand, Run};
 use crate::app::short;
 use crate::app::state::State;
 use resect_core::analysis::Settings;
@@ -75,11 +75,11 @@ fn pinned(ui: &mut egui::Ui, state: &State, pin: &Pin, commands: &mut Commands) 
             .add(egui::Checkbox::new(&mut show, RichText::new(shown).strong()))
             .on_hover_text(format!("{of}\nShow its residuals behind the present ones"));
         if switch.changed() {
-            commands.push(Command::ShowPin(*id, show));
+            commands.push(ResultsCommand::ShowPin(*id, show).into());
         }
         right(ui, |ui| {
             if ui.small_button(format!("Unpin {name}")).clicked() {
-                commands.push(Command::Unpin(*id));
+                commands.push(ResultsCommand::Unpin(*id).into());
             }
         });
     });
@@ -87,7 +87,7 @@ fn pinned(ui: &mut egui::Ui, state: &State, pin: &Pin, commands: &mut Commands) 
         ui.add_space(INDENT);
         numbers(ui, summary);
     });
-    let changed = state.units.changes(&Settings::default(), &summary.settings);
+    let changed = state.workspace.units.changes(&Settings::default(), &summary.settings);
     let words = if changed.is_empty() { "the default settings".to_owned() } else { changed };
     ui.horizontal(|ui| {
         ui.add_space(INDENT);
@@ -129,7 +129,7 @@ fn one(
         button.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, current, &name));
         let button = button.on_hover_text(format!("{changed}\nClick: back to these settings"));
         if button.clicked() && !current {
-            commands.push(Command::RestoreRun(run.id));
+            commands.push(ResultsCommand::RestoreRun(run.id).into());
         }
         right(ui, |ui| {
             let pin = ui.add_enabled(run.result.is_ok(), egui::Button::new("Pin").small());
@@ -140,7 +140,7 @@ fn one(
                 .on_hover_text("Show later results against it")
                 .on_disabled_hover_text("There is no result to pin");
             if pin.clicked() {
-                commands.push(Command::PinRun(run.id));
+                commands.push(ResultsCommand::PinRun(run.id).into());
             }
             let time = ago(run.at.elapsed()).unwrap_or_else(|| "now".to_owned());
             ui.label(RichText::new(time).small().weak());
@@ -171,7 +171,7 @@ fn one(
 }
 
 fn first_in_words(state: &State, run: &Run) -> String {
-    let changed = state.units.changes(&Settings::default(), &run.settings);
+    let changed = state.workspace.units.changes(&Settings::default(), &run.settings);
     let name = run.result.as_ref().map_or("opened".to_owned(), |summary| {
         state.name_of(run.deployment).unwrap_or_else(|| summary.deployment.clone())
     });

@@ -4,7 +4,7 @@ use egui::RichText;
 
 use crate::app::actions;
 use crate::app::actions::Menu;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, DialogCommand};
 use crate::app::state::State;
 
 /// What the mouse does where.
@@ -50,7 +50,7 @@ pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
             ui.heading("Keyboard and mouse");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if ui.button("Close").clicked() {
-                    commands.push(Command::CloseOverlay);
+                    commands.push(DialogCommand::CloseOverlay.into());
                 }
             });
         });
@@ -95,7 +95,7 @@ pub fn ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
         });
     });
     if response.should_close() {
-        commands.push(Command::CloseOverlay);
+        commands.push(DialogCommand::CloseOverlay.into());
     }
 }
 

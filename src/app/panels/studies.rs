@@ -2,7 +2,7 @@
 
 use super::{MARGIN, finding, number, scrolled};
 use crate::app::model::studies::{StudyKind, StudyOptions};
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, ResultsCommand};
 use crate::app::plots::{chart, in_the_middle};
 use crate::app::state::State;
 use crate::app::words;
@@ -45,7 +45,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 }
 
 fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let mut options = state.studies.options;
+    let mut options = state.results.studies.options;
     ui.horizontal_wrapped(|ui| {
         for kind in StudyKind::ALL {
             let radio = ui.radio_value(&mut options.kind, kind, kind.title());
@@ -57,8 +57,12 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         ui.label("on");
         ui.radio_value(&mut options.all_open, false, "the active one");
-        ui.radio_value(&mut options.all_open, true, format!("all open ({})", state.open.len()))
-            .on_hover_text("All with the active one's settings");
+        ui.radio_value(
+            &mut options.all_open,
+            true,
+            format!("all open ({})", state.deployments.open.len()),
+        )
+        .on_hover_text("All with the active one's settings");
     });
     if options.kind == StudyKind::Sensitivity {
         sweep(ui, &mut options.sweep);
@@ -91,10 +95,10 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             .labelled_by(label.id);
         });
     }
-    if options != state.studies.options {
-        commands.push(Command::SetStudy(options));
+    if options != state.results.studies.options {
+        commands.push(ResultsCommand::SetStudy(options).into());
     }
-    if let Some(result) = &state.studies.result {
+    if let Some(result) = &state.results.studies.result {
         ui.separator();
         for one in &result.study().findings {
             finding(ui, state, one, commands);
@@ -104,13 +108,13 @@ fn options(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 /// Above the options, so that a small pane shows it too.
 fn run_or_cancel(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let options = &state.studies.options;
-    match &state.studies.running {
+    let options = &state.results.studies.options;
+    match &state.results.studies.running {
         Some((_, progress)) => {
             // In the line of Run: nothing moves under the pointer when the study ends.
             ui.horizontal(|ui| {
                 if ui.button("Cancel").clicked() {
-                    commands.push(Command::CancelStudy);
+                    commands.push(ResultsCommand::CancelStudy.into());
                 }
                 ui.add(egui::ProgressBar::new(progress.share().unwrap_or(0.0)).show_percentage());
             });
@@ -121,21 +125,22 @@ fn run_or_cancel(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     StudyKind::Sensitivity => options.sweep.check(&state.settings().pipeline).err(),
                     _ => None,
                 };
-                let wrong =
-                    wrong.or_else(|| state.open.is_empty().then(|| "Nothing is open".to_owned()));
+                let wrong = wrong.or_else(|| {
+                    state.deployments.open.is_empty().then(|| "Nothing is open".to_owned())
+                });
                 let run = ui.add_enabled(wrong.is_none(), egui::Button::new("Run"));
                 if let Some(wrong) = wrong {
                     run.on_disabled_hover_text(wrong);
                 } else if run.clicked() {
-                    commands.push(Command::RunStudy);
+                    commands.push(ResultsCommand::RunStudy.into());
                 }
                 let save = egui::Button::new("Save…");
                 if ui
-                    .add_enabled(state.studies.result.is_some(), save)
+                    .add_enabled(state.results.studies.result.is_some(), save)
                     .on_hover_text("CSV, SVG and PNG into a folder")
                     .clicked()
                 {
-                    commands.push(Command::SaveStudyDialog);
+                    commands.push(ResultsCommand::SaveStudyDialog.into());
                 }
             });
         }
@@ -190,7 +195,7 @@ fn reference(ui: &mut egui::Ui, options: &mut StudyOptions) {
 
 fn picture(ui: &mut egui::Ui, state: &State) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), egui::Sense::hover());
-    let Some(result) = &state.studies.result else {
+    let Some(result) = &state.results.studies.result else {
         let text = "Choose a study and run it: box plots as in the paper appear here.";
         in_the_middle(&mut ui.new_child(egui::UiBuilder::new().max_rect(rect)), text);
         return;
@@ -198,7 +203,7 @@ fn picture(ui: &mut egui::Ui, state: &State) {
     let study = result.study();
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &study.title));
     let painter = ui.painter_at(rect);
-    if state.studies.running.is_some() {
+    if state.results.studies.running.is_some() {
         ui.multiply_opacity(0.45);
     }
     // Its findings stand among the options, with what they advise.

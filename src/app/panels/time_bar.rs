@@ -4,7 +4,8 @@ use egui::{Align2, FontId, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Vec2};
 
 use crate::app::model::time_scale::decimals;
 use crate::app::model::{
-    Command, Commands, OpenDeployment, Playback, SceneOptions, TimeScale, Timeline,
+    Commands, OpenDeployment, Playback, SceneCommand, SceneOptions, TimeCommand, TimeScale,
+    Timeline,
 };
 use crate::app::plots::quads::Quads;
 use crate::app::prepared::gaps;
@@ -23,7 +24,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
             scene(ui, state, commands);
             let [start_s, end_s] = open.timeline.whole_s;
             let at_s = open.timeline.cursor_s.unwrap_or(start_s) - start_s;
-            let scale = TimeScale::new(state.units.time, start_s);
+            let scale = TimeScale::new(state.workspace.units.time, start_s);
             let (at, end) = (scale.number(at_s, 1), scale.text(end_s - start_s, 1));
             let hint = format!("The time cursor: {}", scale.text_and_seconds(at_s, 1));
             // As wide for every time: the strip beside it must not move.
@@ -35,25 +36,25 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 }
 
 fn transport(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let playing = state.playback.playing;
+    let playing = state.time.playback.playing;
     for (icon, name, command) in [
-        (Icon::Back, "Step backwards (←)", Command::StepCursor(-1)),
+        (Icon::Back, "Step backwards (←)", TimeCommand::StepCursor(-1)),
         if playing {
-            (Icon::Pause, "Pause (Space)", Command::TogglePlay)
+            (Icon::Pause, "Pause (Space)", TimeCommand::TogglePlay)
         } else {
-            (Icon::Play, "Play (Space)", Command::TogglePlay)
+            (Icon::Play, "Play (Space)", TimeCommand::TogglePlay)
         },
-        (Icon::Forward, "Step forwards (→)", Command::StepCursor(1)),
+        (Icon::Forward, "Step forwards (→)", TimeCommand::StepCursor(1)),
     ] {
         let button = ui.add(egui::Button::new("").min_size(Vec2::new(26.0, 0.0)));
         paint_icon(ui, button.rect.center(), icon);
         let button = button.on_hover_text(name);
         button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
         if button.clicked() {
-            commands.push(command);
+            commands.push(command.into());
         }
     }
-    let mut speed = state.playback.speed;
+    let mut speed = state.time.playback.speed;
     let combo = egui::ComboBox::from_id_salt("speed")
         .width(52.0)
         .selected_text(format!("{speed}×"))
@@ -65,8 +66,8 @@ fn transport(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let name = "Speed of playing";
     combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
     combo.response.on_hover_text("Seconds of the drive in a second");
-    if speed != state.playback.speed {
-        commands.push(Command::SetPlaySpeed(speed));
+    if speed != state.time.playback.speed {
+        commands.push(TimeCommand::SetPlaySpeed(speed).into());
     }
 }
 
@@ -77,13 +78,13 @@ fn now(ui: &mut egui::Ui, open: &OpenDeployment, commands: &mut Commands) {
     let button = egui::Button::selectable(follows, "Now").frame_when_inactive(true);
     let hint = "The time cursor goes with the newest readings (End); moving it ends that";
     if ui.add(button).on_hover_text(hint).clicked() {
-        commands.push(Command::MoveCursor(now_s));
+        commands.push(TimeCommand::MoveCursor(now_s).into());
     }
 }
 
 /// How the scene shows what is played.
 fn scene(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let mut options = state.scene;
+    let mut options = state.scene.options;
     let combo = egui::ComboBox::from_id_salt("trail")
         .width(74.0)
         .selected_text(format!("Trail {}", SceneOptions::trail_in_words(options.trail_s)))
@@ -101,8 +102,8 @@ fn scene(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if ui.add(follow).on_hover_text(hint).clicked() {
         options.follow ^= true;
     }
-    if options != state.scene {
-        commands.push(Command::SetScene(options));
+    if options != state.scene.options {
+        commands.push(SceneCommand::SetOptions(options).into());
     }
 }
 
@@ -169,7 +170,7 @@ fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut
     let size = Vec2::new(ui.available_width(), height + TIMES);
     let (whole, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     let (rect, below) = whole.split_top_bottom_at_y(whole.top() + height);
-    times(ui, below, &TimeScale::new(state.units.time, open.start_s()), &open.timeline);
+    times(ui, below, &TimeScale::new(state.workspace.units.time, open.start_s()), &open.timeline);
     let Timeline { whole_s, window_s, cursor_s, selection_s, .. } = open.timeline;
     let [start_s, end_s] = whole_s;
     response.widget_info(|| {
@@ -205,7 +206,7 @@ fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut
         let stroke = Stroke::new(1.0, visuals.text_color());
         painter.rect_stroke(band(window_s, 1.0), 2.0, stroke, StrokeKind::Inside);
     }
-    if let Some(hover_s) = state.hover_s {
+    if let Some(hover_s) = state.time.hover_s {
         painter.vline(x(hover_s), rect.y_range(), Stroke::new(1.0, theme::faint(dark)));
     }
     if let Some(cursor_s) = cursor_s {
@@ -217,7 +218,7 @@ fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut
         let pressed = |key| ui.input(|input| input.num_presses(key)) as i32;
         let steps = pressed(Key::ArrowRight) - pressed(Key::ArrowLeft);
         if steps != 0 {
-            commands.push(Command::StepCursor(steps));
+            commands.push(TimeCommand::StepCursor(steps).into());
         }
         let arrows = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
@@ -227,11 +228,11 @@ fn strip(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mut
         start_s + f64::from(share) * (end_s - start_s)
     };
     if let Some(at) = response.interact_pointer_pos() {
-        commands.push(Command::MoveCursor(time_at(at)));
+        commands.push(TimeCommand::MoveCursor(time_at(at)).into());
     } else if let Some(at) = response.hover_pos() {
         let time_s = time_at(at);
-        commands.push(Command::Hover(time_s));
-        let text = TimeScale::new(state.units.time, start_s).text(time_s - start_s, 1);
+        commands.push(TimeCommand::Hover(time_s).into());
+        let text = TimeScale::new(state.workspace.units.time, start_s).text(time_s - start_s, 1);
         let align = if at.x > rect.center().x { Align2::RIGHT_CENTER } else { Align2::LEFT_CENTER };
         let offset = if align == Align2::RIGHT_CENTER { -6.0 } else { 6.0 };
         let place = Pos2::new(at.x + offset, rect.center().y);

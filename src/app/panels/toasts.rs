@@ -3,7 +3,7 @@
 use egui::{Color32, RichText, accesskit};
 
 use crate::app::model::toasts::{Toast, ToastLevel, Toasts};
-use crate::app::model::{Command, Commands, Units};
+use crate::app::model::{Command, Commands, Units, WorkspaceCommand};
 use crate::app::theme;
 use resect_core::deployment::Severity;
 use resect_core::palette;
@@ -46,12 +46,15 @@ fn show(ui: &mut egui::Ui, toast: &Toast, units: Units, commands: &mut Commands)
     let (colour, sign) = colour_and_sign(toast.level, ui.visuals().dark_mode);
     let line = ui.with_layout(egui::Layout::right_to_left(egui::Align::TOP), |ui| {
         if ui.button("Dismiss").clicked() {
-            commands.push(Command::DismissToast(toast.id));
+            commands.push(WorkspaceCommand::DismissToast(toast.id).into());
         }
         if let Some((name, command)) = &toast.action
             && ui.button(*name).clicked()
         {
-            commands.extend([command.clone(), Command::DismissToast(toast.id)]);
+            commands.extend([
+                command.clone(),
+                Command::Workspace(WorkspaceCommand::DismissToast(toast.id)),
+            ]);
         }
         ui.with_layout(egui::Layout::left_to_right(egui::Align::TOP), |ui| {
             ui.label(RichText::new(sign).color(colour).strong());
@@ -59,7 +62,7 @@ fn show(ui: &mut egui::Ui, toast: &Toast, units: Units, commands: &mut Commands)
         });
     });
     if ui.rect_contains_pointer(line.response.rect) {
-        commands.push(Command::HoldToast(toast.id));
+        commands.push(WorkspaceCommand::HoldToast(toast.id).into());
     }
 }
 

@@ -3,7 +3,7 @@
 use egui::RichText;
 
 use super::{finding, heading};
-use crate::app::model::{Command, Commands, Units};
+use crate::app::model::{Commands, ResultsCommand, Units};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
@@ -14,7 +14,7 @@ use resect_report::glossary;
 
 /// Shows the validations; nothing where no other deployment is open. Sentences wrap at this width (points).
 pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands) {
-    let Some(active) = state.active().filter(|_| state.open.len() > 1) else { return };
+    let Some(active) = state.active().filter(|_| state.deployments.open.len() > 1) else { return };
     ui.add_space(6.0);
     heading(ui, "The same set-up?");
     ui.horizontal(|ui| {
@@ -25,9 +25,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, width: f32, commands: &mut Commands)
             .on_hover_text("Whether it holds there: the metric, and which station moved since")
             .on_disabled_hover_text("Once its answer is there");
         if button.clicked() {
-            commands.push(Command::ValidateOthers);
+            commands.push(ResultsCommand::ValidateOthers.into());
         }
-        if let Some((_, progress)) = &state.validations.running {
+        if let Some((_, progress)) = &state.results.validations.running {
             ui.spinner();
             if ui.button("Cancel").clicked() {
                 progress.cancel();
@@ -56,9 +56,9 @@ fn one(
         ui.label(word.color(ink).background_color(ground));
         ui.strong(format!("for {name}"));
     });
-    ui.add(egui::Label::new(found.why_with(&|angle| state.units.told(angle))).wrap());
+    ui.add(egui::Label::new(found.why_with(&|angle| state.workspace.units.told(angle))).wrap());
     if let Some(difference) = &found.difference {
-        stations(ui, (index, difference), state.units);
+        stations(ui, (index, difference), state.workspace.units);
     }
     if let Some(metric) = &found.metric {
         ui.monospace(format!(

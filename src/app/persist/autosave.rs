@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
+use super::damaged_file::keep_aside;
 use super::hashes::HashCache;
-use super::keep_aside;
 use super::session::{Session, SessionError};
 use super::session_file;
 use super::writer::Writer;

@@ -5,6 +5,8 @@
 //! [`super::keeping`] is all that a window needs of it.
 
 pub mod autosave;
+mod damaged_file;
+mod folders;
 pub mod hashes;
 pub mod last;
 pub mod preferences;
@@ -13,65 +15,4 @@ pub mod session_file;
 mod stored;
 mod writer;
 
-use std::path::{Path, PathBuf};
-
-use resect_core::deployment::Finding;
-
-/// Says where everything is kept instead of in the user's own folders.
-const FOLDER_VARIABLE: &str = "RESECT_CONFIG_DIR";
-
-/// Where resect keeps what is the user's.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Folders {
-    /// The folder of the preferences.
-    pub config: PathBuf,
-    /// The folder of the sessions of running windows.
-    pub autosave: PathBuf,
-}
-
-impl Folders {
-    /// The system's folders for this user, or the one that `RESECT_CONFIG_DIR` names; none on a system without a home.
-    pub fn of_user() -> Option<Self> {
-        if let Some(folder) = std::env::var_os(FOLDER_VARIABLE).filter(|name| !name.is_empty()) {
-            return Some(Self::inside(Path::new(&folder)));
-        }
-        let folders = directories::ProjectDirs::from("", "", "resect")?;
-        Some(Self {
-            config: folders.config_dir().to_owned(),
-            autosave: folders.data_local_dir().join("autosave"),
-        })
-    }
-
-    /// File of the session that was open last.
-    pub fn last(&self) -> PathBuf {
-        self.autosave.with_file_name("last.toml")
-    }
-
-    /// All inside one folder.
-    pub fn inside(folder: &Path) -> Self {
-        Self { config: folder.to_owned(), autosave: folder.join("autosave") }
-    }
-}
-
-/// Moves a file that cannot be used out of the way of the one that will be written; whether it could, and what to
-/// say. One that stays where it is must not be written over.
-fn keep_aside(path: &Path, why: &str) -> (bool, Finding) {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let free = (1..1000)
-        .map(|number| match number {
-            1 => path.with_file_name(format!("{name}.bak")),
-            _ => path.with_file_name(format!("{name}.{number}.bak")),
-        })
-        .find(|kept| !kept.exists());
-    let moved = free.and_then(|kept| std::fs::rename(path, &kept).ok().map(|()| kept));
-    let line = match &moved {
-        Some(kept) => format!("{why}; it is kept as {}", kept.display()),
-        None => format!("{why}; it could not be moved aside and stays as it is"),
-    };
-    (moved.is_some(), Finding::warning(line))
-}
-
-/// Line of a byte of a text, from 1.
-fn line_of(text: &str, byte: usize) -> usize {
-    1 + text.bytes().take(byte).filter(|byte| *byte == b'\n').count()
-}
+pub use folders::Folders;

@@ -6,9 +6,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use egui::ThemePreference;
 use serde::{Deserialize, Serialize};
 
+use super::damaged_file::{keep_aside, line_of};
 use super::stored::Lenient;
 use super::writer::Writer;
-use super::{keep_aside, line_of};
 use crate::app::model::{LayoutDescription, Units};
 use resect_core::deployment::Finding;
 use resect_io::atomic;

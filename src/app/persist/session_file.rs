@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::damaged_file::line_of;
 use super::hashes::{FileMark, HashCache};
 use super::session::{Files, Session, SessionError};
-use super::{line_of, stored};
+use super::stored;
 use resect_core::deployment::Finding;
 use resect_io::atomic;
 

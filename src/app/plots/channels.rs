@@ -12,7 +12,7 @@ use super::{
     LABELS, close_marks, in_the_middle, pair_switches, round_marks, station_switches, with_room,
 };
 use crate::app::model::plotted::{APART, SeenSeries};
-use crate::app::model::{Command, Commands, OpenDeployment, Plotted, Units};
+use crate::app::model::{Commands, OpenDeployment, Plotted, TimeCommand, Units};
 use crate::app::prepared::channels::{Channel, Of};
 use crate::app::state::State;
 use crate::app::theme;
@@ -32,7 +32,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         return;
     };
     let times = Times::of(open, state);
-    let plotted = state.plotted;
+    let plotted = state.time.plotted;
     let is_narrow = ui.available_width() < NARROW;
     if is_narrow {
         time_plot::head(ui, |ui| choice(ui, plotted, commands));
@@ -49,20 +49,20 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let name = "Save as CSV…";
         let button = ui.small_button(name);
         if button.on_hover_text("Every value of what is shown, not only those drawn").clicked() {
-            commands.push(Command::SaveChannelsDialog);
+            commands.push(TimeCommand::SaveChannelsDialog.into());
         }
         time_plot::selection(ui, &times, commands);
         if plotted.against.is_none() {
             time_plot::hint(ui, "");
         }
     });
-    let all = plotted.seen(&open.plots, &state.visibility);
+    let all = plotted.seen(&open.plots, &state.scene.visibility);
     if all.is_empty() {
         in_the_middle(ui, nothing(plotted));
         return;
     }
     let strip = strips(ui, 1, all.len())[0];
-    let pane = ChannelPlot { open, units: state.units, plotted, times, all };
+    let pane = ChannelPlot { open, units: state.workspace.units, plotted, times, all };
     match plotted.against {
         None => pane.over_time(ui, &strip, commands),
         Some(other) => pane.against(ui, &strip, other),
@@ -121,7 +121,7 @@ fn choice(ui: &mut egui::Ui, plotted: Plotted, commands: &mut Commands) {
     });
     named(combo.response, "What it is plotted against");
     if chosen != plotted {
-        commands.push(Command::Plot(chosen));
+        commands.push(TimeCommand::Plot(chosen).into());
     }
 }
 

@@ -1,6 +1,8 @@
 //! A drawing, as files show it, painted in the window.
 
-use egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, Vec2};
+use std::sync::Arc;
+
+use egui::{Align2, Color32, FontId, Galley, Pos2, Rect, Shape, Stroke, Vec2};
 
 use crate::app::theme;
 use resect_report::drawing::{Anchor, Drawing, Ink, Mark};
@@ -30,23 +32,15 @@ pub fn paint(painter: &egui::Painter, rect: Rect, drawing: &Drawing, dark: bool)
                 }
             }
             Mark::Text { at, text, size, ink, anchor, upwards, .. } => {
-                let font = FontId::proportional(*size);
-                write(painter, place(*at), text, font, colour(*ink), *anchor, *upwards);
+                let galley =
+                    painter.layout_no_wrap(text.clone(), FontId::proportional(*size), colour(*ink));
+                write(painter, place(*at), galley, *anchor, *upwards);
             }
         }
     }
 }
 
-fn write(
-    painter: &egui::Painter,
-    at: Pos2,
-    text: &str,
-    font: FontId,
-    colour: Color32,
-    anchor: Anchor,
-    upwards: bool,
-) {
-    let galley = painter.layout_no_wrap(text.to_owned(), font, colour);
+fn write(painter: &egui::Painter, at: Pos2, galley: Arc<Galley>, anchor: Anchor, upwards: bool) {
     let along = match anchor {
         Anchor::Left => 0.0,
         Anchor::Middle => 0.5,
@@ -56,7 +50,7 @@ fn write(
     if upwards {
         // Turned a quarter to the left about its own top left, text reads upwards from there.
         let corner = at + Vec2::new(-0.5 * size.y, along * size.x);
-        let shape = egui::epaint::TextShape::new(corner, galley, colour)
+        let shape = egui::epaint::TextShape::new(corner, galley, Color32::PLACEHOLDER)
             .with_angle(-std::f32::consts::FRAC_PI_2);
         painter.add(shape);
     } else {
@@ -65,6 +59,6 @@ fn write(
             Anchor::Middle => Align2::CENTER_CENTER,
             Anchor::Right => Align2::RIGHT_CENTER,
         };
-        painter.galley(align.anchor_size(at, size).min, galley, colour);
+        painter.galley(align.anchor_size(at, size).min, galley, Color32::PLACEHOLDER);
     }
 }

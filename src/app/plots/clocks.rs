@@ -52,7 +52,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     strip.words(ui, &caption, "");
     let bounds_ms = bounds_ms(open, state, estimated.as_ref());
     let columns = strip.plot.width() as usize;
-    let (readings, stations) = (&open.plots.readings, state.visibility.stations);
+    let (readings, stations) = (&open.plots.readings, state.scene.visibility.stations);
     let time_plot =
         TimePlot { strip: &strip, name: "clocks over time", times: &times, y_bounds: bounds_ms };
     let axis = strip.value_axis("clock", "ms");
@@ -127,7 +127,7 @@ impl Estimated {
 
 /// All that is shown, with some room about it.
 fn bounds_ms(open: &OpenDeployment, state: &State, estimated: Option<&Estimated>) -> [f64; 2] {
-    let stations = (0..3).filter(|station| state.visibility.stations[*station]);
+    let stations = (0..3).filter(|station| state.scene.visibility.stations[*station]);
     let [mut low, mut high] = [-0.5 * LEAST_MS, 0.5 * LEAST_MS];
     let mut widen = |ms: f64| (low, high) = (low.min(ms), high.max(ms));
     for station in stations {
@@ -153,7 +153,7 @@ fn caption(
     let in_colour = |station: usize, text: String| {
         RichText::new(text).color(theme::readable(palette::STATIONS[station], dark))
     };
-    let stations = || (0..3).filter(|station| state.visibility.stations[*station]);
+    let stations = || (0..3).filter(|station| state.scene.visibility.stations[*station]);
     for station in stations() {
         let clock = &open.plots.readings.clocks[station];
         let Some(median_s) = clock.median_s else { continue };

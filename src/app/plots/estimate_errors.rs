@@ -10,7 +10,7 @@ use super::strips::Strip;
 use super::time_plot::{TimePlot, still};
 use super::times::Times;
 use super::{close_marks, round_marks};
-use crate::app::model::{Command, Commands, OpenDeployment};
+use crate::app::model::{Commands, OpenDeployment, TimeCommand};
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::estimates::Judged;
@@ -38,7 +38,7 @@ pub fn show(
     judged: &[(usize, &Judged)],
     commands: &mut Commands,
 ) {
-    let plots = state.way_plots;
+    let plots = state.time.way_plots;
     let lines: Vec<ErrorLine> = judged
         .iter()
         .zip(strips)
@@ -192,7 +192,7 @@ impl ErrorStrip<'_> {
         {
             let wanted_m = transform.value_from_position(pointer).x;
             let there = driven_m.partition_point(|m| *m < wanted_m).min(errors.len() - 1);
-            commands.push(Command::MoveCursor(errors[there].time_s));
+            commands.push(TimeCommand::MoveCursor(errors[there].time_s).into());
         }
     }
 

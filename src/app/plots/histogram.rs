@@ -53,7 +53,7 @@ fn strips(ui: &mut egui::Ui, state: &State, open: &OpenDeployment) {
     ui.spacing_mut().item_spacing.y = 1.0;
     let two_lines = selected.is_some() && ui.available_width() < NARROW;
     let of_selected = |of: fn(&Distributions) -> Option<Spread>| selected.as_deref().map(of);
-    let pairs: Vec<usize> = (0..3).filter(|pair| state.visibility.pairs[*pair]).collect();
+    let pairs: Vec<usize> = (0..3).filter(|pair| state.scene.visibility.pairs[*pair]).collect();
     let lines = if two_lines { 2.0 } else { 1.0 } * LINE + 3.0;
     let rows = pairs.len().max(1) as f32;
     let height_over = |others: f32| (ui.available_height() - others - rows * lines) / rows;

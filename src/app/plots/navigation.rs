@@ -4,7 +4,7 @@ use egui::{Key, PointerButton};
 use egui_plot::PlotTransform;
 
 use super::times::Times;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, TimeCommand};
 
 /// What the user asks of an axis of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +35,7 @@ pub fn navigate(
     let pointer = ui.input(|i| i.pointer.latest_pos()).filter(|at| frame.contains(*at));
     if let Some(at) = pointer.filter(|_| response.contains_pointer()) {
         let value = transform.value_from_position(at);
-        commands.push(Command::Hover(value.x + times.start_s));
+        commands.push(TimeCommand::Hover(value.x + times.start_s).into());
         let speed = ui.ctx().options(|options| options.input_options.scroll_zoom_speed);
         let (scroll, zoom, in_y) =
             ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta(), i.modifiers.command));
@@ -58,10 +58,10 @@ pub fn navigate(
         window_s = by_keys(ui, window_s, times.cursor_s);
     }
     if window_s != times.window_s {
-        commands.push(Command::ShowTimes(window_s.map(|t| t + times.start_s)));
+        commands.push(TimeCommand::ShowTimes(window_s.map(|t| t + times.start_s)).into());
     }
     if response.double_clicked() {
-        commands.push(Command::ShowAllTimes);
+        commands.push(TimeCommand::ShowAllTimes.into());
         moved_y = Some(Moved::Back);
     }
     select(ui, response, transform, times, commands);
@@ -120,7 +120,7 @@ fn select(
     }
     let anchor_s: Option<f64> = ui.data(|data| data.get_temp(anchor_id));
     if let Some((anchor_s, at)) = anchor_s.zip(response.interact_pointer_pos()) {
-        commands.push(Command::Select(Some([anchor_s, time_at(at.x)])));
+        commands.push(TimeCommand::Select(Some([anchor_s, time_at(at.x)])).into());
     }
 }
 

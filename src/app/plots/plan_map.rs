@@ -7,7 +7,7 @@ use egui_plot::{Line, Plot, PlotBounds, PlotPoint, PlotPoints, PlotTransform, Pl
 use super::strips::{axis_below, bare_axis};
 use super::{LABELS, round_marks, time_plot};
 use crate::app::model::planning::{Addition, Handle, Planning};
-use crate::app::model::{Command, Commands, PlanCommand};
+use crate::app::model::{Commands, PlanCommand};
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::calibration::inter_prism::observability::Hold;
@@ -104,7 +104,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     handles(ui, state, &transform, commands);
     if response.clicked() {
-        commands.push(Command::Plan(PlanCommand::Select(None)));
+        commands.push(PlanCommand::Select(None).into());
     }
     key(ui, on_the_way);
     let centre = transform.value_from_position(transform.frame().center());
@@ -126,7 +126,7 @@ fn head(
         for addition in Addition::ALL {
             if ui.button(addition.name()).clicked() {
                 let plan = addition.put(&planning.plan, middle_m);
-                commands.push(Command::Plan(PlanCommand::Set(plan.into(), "something added")));
+                commands.push(PlanCommand::Set(plan.into(), "something added").into());
             }
         }
     })
@@ -141,7 +141,7 @@ fn head(
         && !ui.ctx().egui_wants_keyboard_input()
         && ui.input(|input| input.key_pressed(egui::Key::Delete));
     if let Some(plan) = without.filter(|_| remove.clicked() || by_key) {
-        commands.push(Command::Plan(PlanCommand::Set(plan.into(), "something removed")));
+        commands.push(PlanCommand::Set(plan.into(), "something removed").into());
     }
     if ui.button("Fit").on_hover_text("Shows all of the plan; so does a double click").clicked() {
         *fit = true;
@@ -359,10 +359,10 @@ fn handles(ui: &mut egui::Ui, state: &State, transform: &PlotTransform, commands
             // Centimetres: no tripod is put up better on purpose.
             let to_m = [to.x, to.y].map(|value| (1e2 * value).round() / 1e2);
             let plan = handle.moved(plan, to_m);
-            commands.push(Command::Plan(PlanCommand::Set(plan.into(), words(handle))));
+            commands.push(PlanCommand::Set(plan.into(), words(handle)).into());
         }
         if response.clicked() || response.drag_started() {
-            commands.push(Command::Plan(PlanCommand::Select(Some(handle))));
+            commands.push(PlanCommand::Select(Some(handle)).into());
         }
         let selected = state.planning.selected == Some(handle);
         let lit = selected || response.hovered() || response.dragged();

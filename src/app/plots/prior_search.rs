@@ -3,7 +3,7 @@
 use egui_plot::{AxisHints, HoverPosition, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
 
 use super::{GRID, LABELS, answer, in_the_middle, log_axis, round_marks};
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, DeploymentCommand};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
@@ -136,7 +136,7 @@ fn offer(ui: &mut egui::Ui, state: &State, searches: bool, commands: &mut Comman
         if ui.button("Search as published").clicked() {
             let mut settings = *state.settings();
             settings.calibration.prior = PriorMethod::Search;
-            commands.push(Command::Set(settings));
+            commands.push(DeploymentCommand::Set(settings).into());
         }
     });
 }

@@ -12,7 +12,7 @@ use super::threshold::{self, Threshold};
 use super::time_plot::{self, Shown, TimePlot};
 use super::times::Times;
 use super::{in_the_middle, log_axis, station_switches};
-use crate::app::model::{Command, Commands, OpenDeployment, Picked};
+use crate::app::model::{Commands, DeploymentCommand, OpenDeployment, Picked, TimeCommand};
 use crate::app::prepared::{Quantity, RawReadings, StationReadings};
 use crate::app::state::State;
 use crate::app::theme;
@@ -53,7 +53,7 @@ fn head(ui: &mut egui::Ui, state: &State, times: &Times, commands: &mut Commands
             ui.small("The outlier filter is off: nothing is rejected.");
             if ui.button("Switch it on").clicked() {
                 settings.pipeline.outlier_filter = true;
-                commands.push(Command::Set(settings));
+                commands.push(DeploymentCommand::Set(settings).into());
             }
         }
         time_plot::hint(ui, " · drag a line: set τ");
@@ -112,7 +112,7 @@ impl RatePlot<'_> {
         shown.on_click(&self.times, commands, |at| {
             let far = |dot: &Dot| shown.transform.position_from_point(&dot.at).distance(at);
             let near = dots.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
-            (far(near) < NEAR).then_some(Command::PickInPlot(near.picked))
+            (far(near) < NEAR).then_some(TimeCommand::PickInPlot(near.picked))
         });
     }
 
@@ -126,12 +126,12 @@ impl RatePlot<'_> {
     }
 
     fn unit(&self) -> &'static str {
-        if self.is_angular() { self.state.units.angle.rate_name() } else { "m/s" }
+        if self.is_angular() { self.state.workspace.units.angle.rate_name() } else { "m/s" }
     }
 
     /// What a stored rate is multiplied by to be shown.
     fn per_stored(&self) -> f64 {
-        if self.is_angular() { self.state.units.angle.rate_per_deg_per_s() } else { 1.0 }
+        if self.is_angular() { self.state.workspace.units.angle.rate_per_deg_per_s() } else { 1.0 }
     }
 
     /// Lowest and highest rate of the axis (log10): those of the data, and the threshold wherever it is.
@@ -151,7 +151,7 @@ impl RatePlot<'_> {
     fn dots(&self, pipeline: &PipelineSettings, bounds: [f64; 2], runs: usize) -> Vec<Dot> {
         let mut dots = Vec::new();
         for (station, own) in self.readings().stations.iter().enumerate() {
-            if !self.state.visibility.stations[station] {
+            if !self.state.scene.visibility.stations[station] {
                 continue;
             }
             let part = own.within(self.times.window_s);
@@ -247,7 +247,7 @@ impl RatePlot<'_> {
             // No noise from the change of unit.
             let stored = (value / self.per_stored() * 1e6).round() / 1e6;
             *self.quantity.threshold(&mut settings.pipeline.thresholds) = stored;
-            commands.push(Command::Set(settings));
+            commands.push(DeploymentCommand::Set(settings).into());
         }
     }
 }

@@ -50,7 +50,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         words::explain(ui.add(label), &glossary::INTER_PRISM_METRIC);
         time_plot::hint(ui, " · ctrl+scroll: zoom in mm");
     });
-    let pairs: Vec<usize> = (0..3).filter(|pair| state.visibility.pairs[*pair]).collect();
+    let pairs: Vec<usize> = (0..3).filter(|pair| state.scene.visibility.pairs[*pair]).collect();
     let selected = histogram::selected(ui, open);
     let mut moved = None;
     for (strip, pair) in strips(ui, pairs.len(), 1).iter().zip(pairs) {
@@ -103,7 +103,7 @@ impl PairPlot<'_> {
             let kept = gaps::visible(&plots.gaps.kept, times.window_s, s_per_column);
             let kept = kept.into_iter().map(|seen| seen.span).collect();
             plot_ui.add(Shades::new(kept, interval_shade(dark)));
-            if self.state.visibility.uncertainty {
+            if self.state.scene.visibility.uncertainty {
                 add_bands(plot_ui, &plots.bands[self.pair], theme::faint(dark));
             }
             plot_ui.hline(egui_plot::HLine::new("", 0.0).color(zero).width(0.8));

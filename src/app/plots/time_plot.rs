@@ -6,7 +6,7 @@ use egui_plot::{AxisHints, Plot, PlotTransform, PlotUi};
 use super::navigation::{self, Moved};
 use super::strips::{Strip, time_marks};
 use super::times::Times;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, TimeCommand};
 use crate::app::theme;
 
 /// A plot that was shown.
@@ -104,13 +104,13 @@ impl Shown {
         &self,
         times: &Times,
         commands: &mut Commands,
-        meant_for: impl FnOnce(Pos2) -> Option<Command>,
+        meant_for: impl FnOnce(Pos2) -> Option<TimeCommand>,
     ) {
         if self.response.clicked()
             && let Some(at) = self.response.interact_pointer_pos()
         {
             let time_s = self.transform.value_from_position(at).x + times.start_s;
-            commands.push(meant_for(at).unwrap_or(Command::MoveCursor(time_s)));
+            commands.push(meant_for(at).unwrap_or(TimeCommand::MoveCursor(time_s)).into());
         }
     }
 
@@ -163,14 +163,14 @@ pub fn selection(ui: &mut egui::Ui, times: &Times, commands: &mut Commands) {
     ui.small(format!("{:.1} s selected", to_s - from_s))
         .on_hover_text([from_s, to_s].map(|t| times.scale.text_and_seconds(t, 1)).join(" to "));
     for (text, name, command) in [
-        ("zoom", "Zoom to the selection", Command::ZoomToSelection),
-        ("clear", "Clear the selection", Command::Select(None)),
+        ("zoom", "Zoom to the selection", TimeCommand::ZoomToSelection),
+        ("clear", "Clear the selection", TimeCommand::Select(None)),
     ] {
         let button = ui.small_button(text).on_hover_text(name);
         let role = egui::accesskit::Role::Button;
         button.widget_info(|| egui::WidgetInfo::labeled(role, ui.is_enabled(), name));
         if button.clicked() {
-            commands.push(command);
+            commands.push(command.into());
         }
     }
 }

@@ -26,9 +26,9 @@ impl Times {
             start_s,
             window_s: timeline.window_s.map(since),
             cursor_s: timeline.cursor_s.map(since),
-            hover_s: state.hover_s.map(since),
+            hover_s: state.time.hover_s.map(since),
             selection_s: timeline.selection_s.map(|span_s| span_s.map(since)),
-            scale: TimeScale::new(state.units.time, start_s),
+            scale: TimeScale::new(state.workspace.units.time, start_s),
         }
     }
 }

@@ -11,7 +11,7 @@ use super::time_plot::{self, TimePlot};
 use super::times::Times;
 use super::{close_marks, in_the_middle, with_room};
 use crate::app::model::estimates::Shown;
-use crate::app::model::{Command, Commands, OpenDeployment, Units, WayPlots};
+use crate::app::model::{Commands, OpenDeployment, TimeCommand, Units, WayPlots};
 use crate::app::prepared::way::{Aspect, Instant, Way};
 use crate::app::state::State;
 use crate::app::theme;
@@ -31,7 +31,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         ui.multiply_opacity(0.45);
     }
     let times = Times::of(open, state);
-    let plots = state.way_plots;
+    let plots = state.time.way_plots;
     let judging = &open.judging;
     time_plot::head(ui, |ui| {
         let can_judge = !judging.added.is_empty();
@@ -73,7 +73,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let (of_errors, of_aspects) = places.split_at(judged.len());
     estimate_errors::show(ui, state, (open, &times), of_errors, &judged, commands);
     for (strip, aspect) in of_aspects.iter().zip(aspects) {
-        let plot = AspectPlot { open, times: &times, units: state.units, aspect };
+        let plot = AspectPlot { open, times: &times, units: state.workspace.units, aspect };
         plot.show(ui, strip, way, commands);
     }
 }
@@ -96,7 +96,7 @@ fn switches(ui: &mut egui::Ui, plots: WayPlots, can_judge: bool, commands: &mut 
         ui.checkbox(on, aspect.name()).on_hover_text(aspect.hint());
     }
     if chosen != plots {
-        commands.push(Command::PlotWay(chosen));
+        commands.push(TimeCommand::PlotWay(chosen).into());
     }
 }
 

@@ -2,7 +2,7 @@
 
 use egui::{Pos2, Rect, RichText, Role, Vec2, WidgetInfo};
 
-use crate::app::model::{Colouring, Command, Commands, Ruler, SceneOptions, ViewPreset};
+use crate::app::model::{Colouring, Commands, Ruler, SceneCommand, SceneOptions, ViewPreset};
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::palette;
@@ -67,7 +67,7 @@ const PRESETS: [Preset; 5] = [
 fn presets(ui: &mut egui::Ui, some: &[Preset], commands: &mut Commands) {
     for (name, preset, hint) in some {
         if ui.button(*name).on_hover_text(*hint).clicked() {
-            commands.push(Command::Look(*preset));
+            commands.push(SceneCommand::Look(*preset).into());
         }
     }
 }
@@ -81,7 +81,7 @@ fn stations(ui: &mut egui::Ui, commands: &mut Commands) {
         let button = ui.button(text);
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
         if button.on_hover_text(format!("{name}, towards the prisms at the cursor")).clicked() {
-            commands.push(Command::Look(ViewPreset::Station(station)));
+            commands.push(SceneCommand::Look(ViewPreset::Station(station)).into());
         }
     }
 }
@@ -89,10 +89,10 @@ fn stations(ui: &mut egui::Ui, commands: &mut Commands) {
 fn ruler(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let hint = "Click two places to measure between them: readings, tracks, stations, control points, prisms at the \
                 cursor. Esc clears";
-    let active = state.ruler.active;
+    let active = state.scene.ruler.active;
     let button = ui.add(egui::Button::selectable(active, "Ruler").frame_when_inactive(true));
     if button.on_hover_text(hint).clicked() {
-        commands.push(Command::Measure(Ruler { active: !active, ends: Vec::new() }));
+        commands.push(SceneCommand::Measure(Ruler { active: !active, ends: Vec::new() }).into());
     }
 }
 
@@ -100,7 +100,7 @@ fn colouring(ui: &mut egui::Ui, state: &State, labelled: bool, commands: &mut Co
     if labelled {
         ui.label(RichText::new("Colour by").small());
     }
-    let mut chosen = state.colouring;
+    let mut chosen = state.scene.colouring;
     let combo = egui::ComboBox::from_id_salt("colour by")
         .width(84.0)
         .selected_text(chosen.title())
@@ -112,13 +112,13 @@ fn colouring(ui: &mut egui::Ui, state: &State, labelled: bool, commands: &mut Co
         });
     combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Colour by"));
     combo.response.on_hover_text(format!("Colour by: {}", chosen.hint()));
-    if chosen != state.colouring {
-        commands.push(Command::Colour(chosen));
+    if chosen != state.scene.colouring {
+        commands.push(SceneCommand::Colour(chosen).into());
     }
 }
 
 fn heights(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let mut scale = state.scene.height_scale;
+    let mut scale = state.scene.options.height_scale;
     let combo = egui::ComboBox::from_id_salt("heights")
         .width(44.0)
         .selected_text(format!("z ×{scale}"))
@@ -129,7 +129,10 @@ fn heights(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         });
     combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Heights drawn"));
     combo.response.on_hover_text("How many times higher than true everything is drawn");
-    if scale != state.scene.height_scale {
-        commands.push(Command::SetScene(SceneOptions { height_scale: scale, ..state.scene }));
+    if scale != state.scene.options.height_scale {
+        commands.push(
+            SceneCommand::SetOptions(SceneOptions { height_scale: scale, ..state.scene.options })
+                .into(),
+        );
     }
 }

@@ -5,7 +5,7 @@ use egui::{EventFilter, Key, Modifiers, Rect};
 use super::content::SceneContent;
 use super::projection::Projection;
 use super::under_pointer::UnderPointer;
-use crate::app::model::{Command, Commands, View, ViewPreset};
+use crate::app::model::{Commands, SceneCommand, TimeCommand, View, ViewPreset};
 use crate::app::state::State;
 
 /// A press of a key turns or moves the camera as far as a drag so long (points).
@@ -42,7 +42,7 @@ pub fn move_camera(
             let factor = (-0.004 * scroll).exp() / pinch;
             view.camera.zoom(factor);
             // What is under the pointer stays there, unless the camera goes with the rig.
-            if let Some(pointer) = response.hover_pos().filter(|_| !state.scene.follow) {
+            if let Some(pointer) = response.hover_pos().filter(|_| !state.scene.options.follow) {
                 let shift = (pointer - rect.center()) * (1.0 - 1.0 / factor);
                 view.camera.pan(shift.into(), rect.height());
             }
@@ -62,7 +62,7 @@ pub fn take_keys(
     if !response.has_focus() {
         return;
     }
-    let measuring = state.ruler.active || !state.ruler.ends.is_empty();
+    let measuring = state.scene.ruler.active || !state.scene.ruler.ends.is_empty();
     // Without a ruler Esc leaves the scene, as everywhere.
     let filter = EventFilter {
         horizontal_arrows: true,
@@ -89,7 +89,7 @@ pub fn take_keys(
         view.camera.zoom(KEY_ZOOM.powf(further - closer));
     }
     if measuring && presses(Modifiers::NONE, Key::Escape) > 0.0 {
-        commands.push(Command::Measure(state.ruler.escaped()));
+        commands.push(SceneCommand::Measure(state.scene.ruler.escaped()).into());
     }
 }
 
@@ -111,23 +111,27 @@ pub fn click(
     if response.double_clicked() {
         let snapped = content.snap(projection, at).map(|end| end.position_m);
         let under = under.and_then(|under| under.position_m(open, analysis, content));
-        let fit = Command::Look(ViewPreset::Fit);
-        commands.push(snapped.or(under).map_or(fit, Command::ComeTo));
+        let fit = SceneCommand::Look(ViewPreset::Fit);
+        commands.push(snapped.or(under).map_or(fit, SceneCommand::ComeTo).into());
         return;
     }
-    if state.ruler.active {
+    if state.scene.ruler.active {
         let end = content
             .snap(projection, at)
             .or_else(|| under.and_then(|under| under.ruler_end(open, analysis, content)));
-        commands.extend(end.map(|end| Command::Measure(state.ruler.with(end))));
+        commands.extend(end.map(|end| SceneCommand::Measure(state.scene.ruler.with(end)).into()));
         return;
     }
     match under {
-        Some(UnderPointer::Reading(picked)) => commands.push(Command::PickInScene(picked)),
-        Some(track @ UnderPointer::Track { .. }) => {
-            commands.extend(track.time_s(open, analysis).map(Command::MoveCursor));
+        Some(UnderPointer::Reading(picked)) => {
+            commands.push(TimeCommand::PickInScene(picked).into())
         }
-        None if open.timeline.picked.is_some() => commands.push(Command::Unpick),
+        Some(track @ UnderPointer::Track { .. }) => {
+            commands.extend(
+                track.time_s(open, analysis).map(|time_s| TimeCommand::MoveCursor(time_s).into()),
+            );
+        }
+        None if open.timeline.picked.is_some() => commands.push(TimeCommand::Unpick.into()),
         None => {}
     }
 }

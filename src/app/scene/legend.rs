@@ -4,7 +4,9 @@ use egui::{Color32, Rect, RichText, Role, Sense, Vec2, WidgetInfo};
 
 use super::legend_rows::{self, Row, Swatch};
 use super::{SceneContent, labels};
-use crate::app::model::{Added, Command, Commands, OpenDeployment, SceneOptions};
+use crate::app::model::{
+    Added, Commands, JudgingCommand, OpenDeployment, SceneCommand, SceneOptions,
+};
 use crate::app::short;
 use crate::app::state::State;
 use crate::app::theme;
@@ -29,8 +31,8 @@ pub fn ui(
     content: &SceneContent,
     commands: &mut Commands,
 ) -> Option<Rect> {
-    let unfolded = is_open(&state.scene, picture.size());
-    if state.picturing && !unfolded {
+    let unfolded = is_open(&state.scene.options, picture.size());
+    if state.scene.picturing && !unfolded {
         return None;
     }
     let width = if unfolded { WIDTH } else { picture.width() - 2.0 * MARGIN };
@@ -44,7 +46,7 @@ pub fn ui(
         let inside = egui::Frame::new().inner_margin(egui::Margin::symmetric(6, 3));
         let inside = inside.show(ui, |ui| {
             ui.spacing_mut().item_spacing = Vec2::new(6.0, 1.0);
-            if !state.picturing {
+            if !state.scene.picturing {
                 header(ui, open, analysis, state, unfolded, commands);
             }
             if unfolded {
@@ -91,10 +93,10 @@ fn header(
         ui.painter().text(at, align, "Legend", egui::FontId::proportional(12.0), colour);
         let hint = if unfolded { "Fold the legend" } else { "Which colour is what" };
         if response.on_hover_text(hint).clicked() {
-            let options = SceneOptions { legend_open: Some(!unfolded), ..state.scene };
-            commands.push(Command::SetScene(options));
+            let options = SceneOptions { legend_open: Some(!unfolded), ..state.scene.options };
+            commands.push(SceneCommand::SetOptions(options).into());
         }
-        let hidden = legend_rows::hidden(open, analysis, &state.visibility);
+        let hidden = legend_rows::hidden(open, analysis, &state.scene.visibility);
         if hidden.is_empty() {
             return;
         }
@@ -103,11 +105,11 @@ fn header(
         let button = ui.add(button.small());
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Show everything"));
         if button.on_hover_text(hint).clicked() {
-            commands.push(Command::Show(state.visibility.with_the_whole_scene()));
+            commands.push(SceneCommand::Show(state.scene.visibility.with_the_whole_scene()).into());
             let added = &open.judging.added;
             if added.iter().any(|one| !one.shown) {
                 let shown = added.iter().map(|one| Added { shown: true, ..one.clone() });
-                commands.push(Command::Judge(shown.collect()));
+                commands.push(JudgingCommand::Set(shown.collect()).into());
             }
         }
     });
@@ -142,7 +144,7 @@ fn rows(
             row(ui, one, Vec2::new(ui.available_width(), ROW), commands);
         }
     }
-    let scene = state.scene;
+    let scene = state.scene.options;
     if legend_rows::states_errors(analysis) {
         let set = |scale| SceneOptions { ellipsoid_scale: scale, ..scene };
         scale(ui, ("ellipsoids", "Scale of the ellipsoids"), scene.ellipsoid_scale, set, commands);
@@ -250,7 +252,7 @@ fn scale(
         combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
         combo.response.on_hover_text("How many times larger than true; an answer never changes it");
         if scale != now {
-            commands.push(Command::SetScene(set(scale)));
+            commands.push(SceneCommand::SetOptions(set(scale)).into());
         }
     });
 }

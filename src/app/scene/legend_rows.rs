@@ -3,7 +3,9 @@
 use egui::Color32;
 
 use super::SceneContent;
-use crate::app::model::{Added, Colouring, Command, OpenDeployment, Visibility};
+use crate::app::model::{
+    Added, Colouring, Command, JudgingCommand, OpenDeployment, SceneCommand, Visibility,
+};
 use crate::app::prepared::control_points::set_letter;
 use crate::app::state::State;
 use crate::app::theme;
@@ -48,8 +50,8 @@ pub fn groups(
     content: &SceneContent,
     faint: Color32,
 ) -> Vec<Group> {
-    let visibility = &state.visibility;
-    let by_station = matches!(state.colouring, Colouring::Fate | Colouring::Station);
+    let visibility = &state.scene.visibility;
+    let by_station = matches!(state.scene.colouring, Colouring::Fate | Colouring::Station);
     let stations = (0..3).map(|station| Row {
         swatch: Swatch::Colour(theme::rgb(palette::STATIONS[station])),
         text: (station + 1).to_string(),
@@ -110,15 +112,15 @@ pub fn groups(
 
 /// The click that has this shown.
 fn shows(visibility: Visibility) -> Option<Command> {
-    Some(Command::Show(visibility))
+    Some(Command::Scene(SceneCommand::Show(visibility)))
 }
 
 /// Readings of the stations that are shown, by what became of them.
 fn of_fates(analysis: &Analysis, state: &State, faint: Color32) -> Vec<Row> {
-    let visibility = &state.visibility;
+    let visibility = &state.scene.visibility;
     let row = |(place, fate): (usize, SampleFate)| {
         let count = count(analysis, visibility, fate);
-        let coloured = state.colouring == Colouring::Fate;
+        let coloured = state.scene.colouring == Colouring::Fate;
         (count > 0).then(|| Row {
             swatch: Swatch::Colour(if coloured { theme::rgb(palette::fate(fate)) } else { faint }),
             text: format!("{}  {count}", fate.label()),
@@ -145,7 +147,7 @@ fn of_colours(analysis: &Analysis, state: &State, content: &SceneContent) -> Vec
         click: None,
     };
     let mut rows = Vec::new();
-    match state.colouring {
+    match state.scene.colouring {
         Colouring::Interval => rows.extend(
             of_intervals(analysis.pipeline.kept_intervals.len())
                 .into_iter()
@@ -158,10 +160,10 @@ fn of_colours(analysis: &Analysis, state: &State, content: &SceneContent) -> Vec
             .push(Row { swatch: Swatch::None, ..key(palette::NO_VALUE, "colours: scale below") }),
         Colouring::Fate | Colouring::Station => {}
     }
-    if content.colours.some_without_value && state.visibility.raw {
+    if content.colours.some_without_value && state.scene.visibility.raw {
         rows.push(key(
             palette::NO_VALUE,
-            match state.colouring {
+            match state.scene.colouring {
                 Colouring::Interval => "in no interval that was kept",
                 _ => "no triplet within 0.5 s",
             },
@@ -232,7 +234,7 @@ fn of_estimates(
             name: format!("Show the trajectory {}", one.estimate.name),
             shown: shown && one.shown,
             // Where none is seen, the switch of all is what hides it.
-            click: shown.then_some(Command::Judge(toggled)),
+            click: shown.then_some(Command::Judging(JudgingCommand::Set(toggled))),
         });
     }
     rows
@@ -240,10 +242,10 @@ fn of_estimates(
 
 /// The ways of other open runs, a colour each; one that is not drawn says why under the pointer.
 fn of_runs_beside(open: &OpenDeployment, state: &State, faint: Color32) -> Vec<Row> {
-    if state.open.len() < 2 {
+    if state.deployments.open.len() < 2 {
         return Vec::new();
     }
-    let visibility = &state.visibility;
+    let visibility = &state.scene.visibility;
     let shown = visibility.runs_beside;
     let mut rows = vec![Row {
         swatch: Swatch::Colour(faint),
@@ -264,7 +266,7 @@ fn of_runs_beside(open: &OpenDeployment, state: &State, faint: Color32) -> Vec<R
         rows.push(Row {
             swatch,
             text,
-            name: run.in_words(&|angle| state.units.told(angle)),
+            name: run.in_words(&|angle| state.workspace.units.told(angle)),
             shown: true,
             click: None,
         });

@@ -27,55 +27,11 @@ impl Pipelines {
     pub fn new(device: &wgpu::Device, layout: &wgpu::PipelineLayout) -> Self {
         let shader =
             device.create_shader_module(wgpu::include_wgsl!("../../../assets/shaders/scene.wgsl"));
-        let pipeline =
-            |name: &str, fragment: &str, buffers: &[(usize, &[wgpu::VertexAttribute])]| {
-                let buffers: Vec<_> = buffers
-                    .iter()
-                    .map(|(stride, attributes)| {
-                        Some(wgpu::VertexBufferLayout {
-                            array_stride: *stride as u64,
-                            step_mode: wgpu::VertexStepMode::Instance,
-                            attributes,
-                        })
-                    })
-                    .collect();
-                device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                    label: Some(name),
-                    layout: Some(layout),
-                    vertex: wgpu::VertexState {
-                        module: &shader,
-                        entry_point: Some(&format!("{name}_vertex")),
-                        compilation_options: Default::default(),
-                        buffers: &buffers,
-                    },
-                    primitive: wgpu::PrimitiveState {
-                        topology: wgpu::PrimitiveTopology::TriangleStrip,
-                        ..Default::default()
-                    },
-                    depth_stencil: Some(wgpu::DepthStencilState {
-                        format: DEPTH,
-                        depth_write_enabled: Some(true),
-                        depth_compare: Some(wgpu::CompareFunction::LessEqual),
-                        stencil: Default::default(),
-                        bias: Default::default(),
-                    }),
-                    multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
-                    fragment: Some(wgpu::FragmentState {
-                        module: &shader,
-                        entry_point: Some(&format!("{fragment}_fragment")),
-                        compilation_options: Default::default(),
-                        targets: &[Some(wgpu::ColorTargetState {
-                            format: COLOUR,
-                            blend: Some(wgpu::BlendState::ALPHA_BLENDING),
-                            write_mask: wgpu::ColorWrites::ALL,
-                        })],
-                    }),
-                    multiview_mask: None,
-                    cache: None,
-                })
-            };
+        let pipeline = |name: &str, fragment: &str, buffers: &[Buffer<'_>]| {
+            pipeline(device, layout, &shader, [name, fragment], buffers)
+        };
         let (place, colour) = (size_of::<TimedPoint>(), size_of::<PointColour>());
-        let along: [(usize, &[wgpu::VertexAttribute]); 3] = [
+        let along: [Buffer<'_>; 3] = [
             (place, &wgpu::vertex_attr_array![0 => Float32x4]),
             (place, &wgpu::vertex_attr_array![1 => Float32x4]),
             (colour, &wgpu::vertex_attr_array![2 => Uint8x4]),
@@ -110,4 +66,61 @@ impl Pipelines {
             trail: pipeline("trail", "line", &along),
         }
     }
+}
+
+/// Bytes of an instance, and its attributes.
+type Buffer<'a> = (usize, &'a [wgpu::VertexAttribute]);
+
+/// A pipeline from the functions of the shader that have these names.
+fn pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::PipelineLayout,
+    shader: &wgpu::ShaderModule,
+    [name, fragment]: [&str; 2],
+    buffers: &[Buffer<'_>],
+) -> wgpu::RenderPipeline {
+    let buffers: Vec<_> = buffers
+        .iter()
+        .map(|(stride, attributes)| {
+            Some(wgpu::VertexBufferLayout {
+                array_stride: *stride as u64,
+                step_mode: wgpu::VertexStepMode::Instance,
+                attributes,
+            })
+        })
+        .collect();
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(name),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some(&format!("{name}_vertex")),
+            compilation_options: Default::default(),
+            buffers: &buffers,
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            ..Default::default()
+        },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::LessEqual),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some(&format!("{fragment}_fragment")),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: COLOUR,
+                blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
 }

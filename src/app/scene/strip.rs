@@ -121,7 +121,7 @@ pub fn ui(
         ends[row] += item.width() + BETWEEN;
     }
     // A picture that is kept can't be hovered.
-    if !left_out.is_empty() && !state.picturing {
+    if !left_out.is_empty() && !state.scene.picturing {
         let more = format!("+{} more", left_out.len());
         painter.text(area.right_bottom(), Align2::RIGHT_BOTTOM, more, font.clone(), faint);
     }

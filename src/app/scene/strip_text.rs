@@ -28,19 +28,19 @@ pub fn texts(
     content: &SceneContent,
 ) -> Vec<Text> {
     let mut plain = ruler(open, state, content);
-    let mut cursor = cursor(open, analysis, content, state.units).into_iter();
+    let mut cursor = cursor(open, analysis, content, state.workspace.units).into_iter();
     plain.extend(cursor.next());
-    let hidden = legend_rows::hidden(open, analysis, &state.visibility);
+    let hidden = legend_rows::hidden(open, analysis, &state.scene.visibility);
     if !hidden.is_empty() {
         plain.push(format!("hidden: {}", hidden.join(", ")));
     }
-    if state.scene.height_scale != 1 {
-        plain.push(format!("heights drawn ×{}", state.scene.height_scale));
+    if state.scene.options.height_scale != 1 {
+        plain.push(format!("heights drawn ×{}", state.scene.options.height_scale));
     }
     plain.extend(ellipsoids(state, content));
     if let Some(cut) = content.residuals {
         let cut = if cut > 0 { format!(", {cut} cut short") } else { String::new() };
-        plain.push(format!("residuals ×{}{cut}", state.scene.residual_scale));
+        plain.push(format!("residuals ×{}{cut}", state.scene.options.residual_scale));
     }
     plain.extend(cursor);
     let grid = content.grid.as_ref().map(|grid| format!("grid {}", grid.spacing()));
@@ -52,14 +52,18 @@ pub fn texts(
 
 /// What the ruler measures, or what it waits for.
 fn ruler(open: &OpenDeployment, state: &State, content: &SceneContent) -> Vec<String> {
-    let Ruler { active, ends } = &state.ruler;
+    let Ruler { active, ends } = &state.scene.ruler;
     let inter_prism_m = open.deployment.rig.as_ref().map(|rig| &rig.inter_prism_m);
     match &ends[..] {
         [] if *active => vec!["ruler: click its first end".to_owned()],
         [] => Vec::new(),
         [end] => vec![format!("ruler: from {}; click its other end", end.what)],
         [from, .., to] => {
-            let lines = state.ruler.lines(content.prisms_m.as_ref(), inter_prism_m, state.units);
+            let lines = state.scene.ruler.lines(
+                content.prisms_m.as_ref(),
+                inter_prism_m,
+                state.workspace.units,
+            );
             let what = format!("ruler: {}", lines.join(", "));
             vec![what, format!("from {} to {}", from.what, to.what)]
         }
@@ -158,7 +162,7 @@ fn ellipsoids(state: &State, content: &SceneContent) -> Option<String> {
     if !content.tube.lines.is_empty() {
         of.push("tube of the vehicle 95 %");
     }
-    let scale = state.scene.ellipsoid_scale;
+    let scale = state.scene.options.ellipsoid_scale;
     (!of.is_empty()).then(|| format!("ellipsoids ×{scale}: {}", of.join(", ")))
 }
 

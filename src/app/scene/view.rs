@@ -13,8 +13,8 @@ use super::under_pointer::{self, UnderPointer};
 use super::{SceneContent, SceneRenderer, controls, free_part, ghosts, legend, strip};
 use crate::app::model::follow::Follow;
 use crate::app::model::{
-    Camera, Colouring, Command, Commands, Frame, Look, OpenDeployment, Picked, SceneOptions, View,
-    ViewPreset, Visibility,
+    Camera, Colouring, Commands, Frame, Look, OpenDeployment, Picked, SceneCommand, SceneOptions,
+    TimeCommand, View, ViewPreset, Visibility,
 };
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
@@ -105,9 +105,12 @@ impl SceneView {
         move_camera(view, ui, &response, rect, state);
         take_keys(view, ui, &response, rect, state, commands);
         // Who moves the camera from the rig wants to look elsewhere.
-        let following = state.scene.follow && view.camera.target_m == before.target_m;
-        if following != state.scene.follow {
-            commands.push(Command::SetScene(SceneOptions { follow: false, ..state.scene }));
+        let following = state.scene.options.follow && view.camera.target_m == before.target_m;
+        if following != state.scene.options.follow {
+            commands.push(
+                SceneCommand::SetOptions(SceneOptions { follow: false, ..state.scene.options })
+                    .into(),
+            );
         }
         if let Some((low_m, high_m)) = self.content.bounds_m.filter(|_| view.camera != before) {
             view.camera.stay_near([low_m, high_m]);
@@ -155,10 +158,10 @@ impl SceneView {
         let mut over = Vec::new();
         // The legend comes first for Tab; folded it leaves room for the controls beside it, or stands below them.
         let is_beside = rect.width() - self.controls_size.x > LEGEND_FOLDED;
-        let below = if is_beside || state.picturing { 0.0 } else { self.controls_size.y };
+        let below = if is_beside || state.scene.picturing { 0.0 } else { self.controls_size.y };
         let picture = rect.with_min_y(rect.top() + below);
         over.extend(legend::ui(ui, picture, (open, analysis), state, &self.content, commands));
-        if !state.picturing {
+        if !state.scene.picturing {
             over.insert(0, controls::ui(ui, rect, &mut self.controls_size, state, commands));
         }
         over
@@ -166,7 +169,7 @@ impl SceneView {
 
     /// Does what was asked of the camera since the last frame.
     fn look_and_fly(&self, view: &mut View, ui: &egui::Ui, frame: Frame, state: &State) {
-        let vertical = state.scene.height_scale.max(1) as f32;
+        let vertical = state.scene.options.height_scale.max(1) as f32;
         if view.camera.vertical != vertical {
             view.last_look.into_iter().for_each(|look| view.look_again(look));
             view.camera.vertical = vertical;
@@ -272,14 +275,15 @@ impl SceneView {
         // While the camera is turned nothing is meant.
         let Some(pointer) = response.hover_pos().filter(|_| !response.dragged()) else { return };
         let Some(under) = UnderPointer::find(&self.content, projection, pointer) else { return };
-        commands.extend(under.time_s(open, analysis).map(Command::Hover));
+        commands
+            .extend(under.time_s(open, analysis).map(|time_s| TimeCommand::Hover(time_s).into()));
         let UnderPointer::Reading(picked) = under else { return };
         let (painter, dark) = (ui.painter_at(projection.rect), ui.visuals().dark_mode);
         let position_m = under.position_m(open, analysis, &self.content);
         if let Some(at) = position_m.and_then(|p| projection.visible(&p)) {
             under_pointer::ring(&painter, at, HOVERED_RING, dark);
         }
-        let lines = under_pointer::reading_lines(open, analysis, picked, state.units);
+        let lines = under_pointer::reading_lines(open, analysis, picked, state.workspace.units);
         under_pointer::tooltip(&painter, projection.rect, pointer, &lines, dark);
     }
 }

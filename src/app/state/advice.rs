@@ -12,8 +12,8 @@ impl State {
             timeline.show([span_s[0] - room_s, span_s[1] + room_s]);
             timeline.move_cursor(0.5 * (span_s[0] + span_s[1]));
         });
-        self.layout.show(Pane::Residuals);
-        self.layout.show(Pane::Scene);
+        self.workspace.layout.show(Pane::Residuals);
+        self.workspace.layout.show(Pane::Scene);
         if let Some(open) = self.active() {
             let readings = &open.deployment.tracks[0].measurements;
             let index = readings.partition_point(|m| m.time_s < span_s[0]);
@@ -40,8 +40,8 @@ impl State {
             ));
             return;
         };
-        self.visibility.control_points = true;
-        self.layout.show(Pane::Scene);
+        self.scene.visibility.control_points = true;
+        self.workspace.layout.show(Pane::Scene);
         self.come_to(&position_m);
     }
 }

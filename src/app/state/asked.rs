@@ -4,7 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use super::State;
-use super::opening::Then;
+use super::deployments::Then;
+use super::dialogs::PendingQuestion;
 use super::put_right::one_or_many;
 use crate::app::model::{
     Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedTracks, StationsAre,
@@ -15,23 +16,17 @@ use resect_io::error::{Question, Topic};
 use resect_io::format::mapped_csv;
 use resect_io::source::{Extras, Source};
 
-/// What is asked, and the reading that goes on with the answer.
-pub(super) struct Waiting {
-    pub asked: Asked,
-    reading: Option<(Source, Then)>,
-}
-
 /// Bytes of a file's beginning that are read: more than the preview shows.
 const HEAD_BYTES: u64 = 16 << 10;
 
 impl State {
     pub(super) fn ask_user(&mut self, asked: Asked, reading: Option<(Source, Then)>) {
-        self.asked.push_back(Waiting { asked, reading });
+        self.dialogs.asked.push_back(PendingQuestion { asked, reading });
     }
 
     /// Asks what a reader could not know of a source, and opens it with the answer.
     pub fn ask_of_data(&mut self, question: Question, source: Source) {
-        let then = Then::Show(self.start_settings);
+        let then = Then::Show(self.deployments.start_settings);
         self.ask_and_read(question, source, then);
     }
 
@@ -79,7 +74,7 @@ impl State {
     /// Asks what a rig or control points are for that came without tracks.
     pub(super) fn ask_what_for(&mut self, extras: Extras, folders: Vec<PathBuf>) {
         // What comes while it is asked is for the same.
-        for waiting in &mut self.asked {
+        for waiting in &mut self.dialogs.asked {
             if let Asked::Files(asked) = &mut waiting.asked {
                 asked.extras.add(extras);
                 asked.folders.extend(folders);
@@ -88,7 +83,7 @@ impl State {
         }
         let shown = self.active().map(|open| open.id);
         let targets: Vec<(u64, String)> =
-            self.open.iter().map(|open| open.id).zip(self.names()).collect();
+            self.deployments.open.iter().map(|open| open.id).zip(self.names()).collect();
         let target = targets.iter().position(|(id, _)| Some(*id) == shown).unwrap_or(0);
         if targets.is_empty() && folders.is_empty() {
             let line = "these files describe a deployment, but none is open; open its tracks first";
@@ -102,13 +97,13 @@ impl State {
     /// Reads the beginning of a table beside the window.
     fn read_head(&mut self, path: PathBuf) -> u64 {
         let number = self.jobs.start(move || read_head(&path), Self::take_head);
-        self.looking.push(number);
+        self.path_requests.push(number);
         number
     }
 
     pub(super) fn take_head(&mut self, number: u64, head: Result<TableHead, String>) {
-        self.looking.retain(|looking| *looking != number);
-        let asked = self.asked.iter_mut().find_map(|waiting| match &mut waiting.asked {
+        self.path_requests.retain(|looking| *looking != number);
+        let asked = self.dialogs.asked.iter_mut().find_map(|waiting| match &mut waiting.asked {
             Asked::Columns(asked) if asked.request == number => Some(asked),
             _ => None,
         });
@@ -121,7 +116,7 @@ impl State {
     }
 
     pub(super) fn edit_asked(&mut self, mut asked: Asked) {
-        let Some(waiting) = self.asked.front_mut() else { return };
+        let Some(waiting) = self.dialogs.asked.front_mut() else { return };
         if let Asked::Columns(columns) = &mut asked
             && let Some(head) = &columns.head
         {
@@ -134,7 +129,7 @@ impl State {
     }
 
     pub(super) fn cancel_asked(&mut self) {
-        let Some(Waiting { reading, .. }) = self.asked.pop_front() else { return };
+        let Some(PendingQuestion { reading, .. }) = self.dialogs.asked.pop_front() else { return };
         if let Some((source, Then::Restore)) = reading {
             self.not_restored(&format!("{}: what was asked has no answer", source.title()));
         }
@@ -142,8 +137,9 @@ impl State {
 
     /// What a session has opened until now is no longer wanted, nor what had to be asked for it.
     pub(super) fn ask_nothing_of_restoring(&mut self) {
-        let of_restoring = |waiting: &Waiting| matches!(waiting.reading, Some((_, Then::Restore)));
-        self.asked.retain(|waiting| !of_restoring(waiting));
+        let of_restoring =
+            |waiting: &PendingQuestion| matches!(waiting.reading, Some((_, Then::Restore)));
+        self.dialogs.asked.retain(|waiting| !of_restoring(waiting));
     }
 
     pub(super) fn answer_asked(&mut self, answer: AskedAnswer) {
@@ -151,7 +147,9 @@ impl State {
         {
             return;
         }
-        let Some(Waiting { asked, reading }) = self.asked.pop_front() else { return };
+        let Some(PendingQuestion { asked, reading }) = self.dialogs.asked.pop_front() else {
+            return;
+        };
         let mut put_right = Overrides::default();
         match asked {
             Asked::Toml(proposed) => self.write_deployment_toml(proposed),

@@ -1,23 +1,18 @@
 //! Asking for a path, by the system's dialog or in the window.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Sender, channel};
+use std::sync::mpsc::channel;
 
 use super::State;
+use super::dialogs::OpenPrompt;
 use crate::app::file_dialog::{
     Answer, Listing, PathPrompt, PromptCommand, PromptStep, Question, Wanted, system,
 };
 
-/// The dialog inside the window, and who waits for its answer.
-pub struct OpenPrompt {
-    pub shown: PathPrompt,
-    answer: Sender<PathBuf>,
-}
-
 impl State {
     /// Asks for a path. A prompt that is still open is cancelled.
     pub(super) fn ask(&mut self, question: Question) -> Answer {
-        if !self.asks_in_window {
+        if !self.dialogs.asks_in_window {
             return Answer::OfSystem(system::ask(&question));
         }
         let (answer, receiver) = channel();
@@ -26,7 +21,7 @@ impl State {
         let recent = self.session.recent.iter().zip(self.session.recent_names());
         let recent = recent.filter_map(|(it, name)| Some((name, it.source.path()?.to_owned())));
         let (shown, step) = PathPrompt::new(question, folder.unwrap_or_default(), recent.collect());
-        self.prompt = Some(OpenPrompt { shown, answer });
+        self.dialogs.prompt = Some(OpenPrompt { shown, answer });
         self.follow(step);
         Answer::OfWindow(receiver)
     }
@@ -34,13 +29,15 @@ impl State {
     /// Where such a path was chosen last. What is written does not go among the data by itself.
     fn last_folder(&mut self, wanted: &Wanted) -> &mut Option<PathBuf> {
         match wanted {
-            Wanted::ToOpen { .. } => &mut self.last_folder_opened,
-            Wanted::Saved | Wanted::Folder | Wanted::NewFile { .. } => &mut self.last_folder_saved,
+            Wanted::ToOpen { .. } => &mut self.dialogs.last_folder_opened,
+            Wanted::Saved | Wanted::Folder | Wanted::NewFile { .. } => {
+                &mut self.dialogs.last_folder_saved
+            }
         }
     }
 
     pub(super) fn answer_prompt(&mut self, command: PromptCommand) {
-        if let Some(prompt) = &mut self.prompt {
+        if let Some(prompt) = &mut self.dialogs.prompt {
             let step = prompt.shown.handle(command);
             self.follow(step);
         }
@@ -53,14 +50,14 @@ impl State {
                 self.jobs.start_unnumbered(
                     move || Some(Listing::read(&folder)),
                     |state: &mut Self, listing| {
-                        if let Some(prompt) = &mut state.prompt {
+                        if let Some(prompt) = &mut state.dialogs.prompt {
                             prompt.shown.take(listing);
                         }
                     },
                 );
             }
             PromptStep::Chosen(path) => {
-                if let Some(prompt) = self.prompt.take() {
+                if let Some(prompt) = self.dialogs.prompt.take() {
                     // Typed in one go, it is in a folder that was never shown.
                     *self.last_folder(&prompt.shown.question.wanted) =
                         path.parent().map(Path::to_owned);
@@ -68,7 +65,7 @@ impl State {
                     prompt.answer.send(path).ok();
                 }
             }
-            PromptStep::Cancelled => self.prompt = None,
+            PromptStep::Cancelled => self.dialogs.prompt = None,
         }
     }
 }

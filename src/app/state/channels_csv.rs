@@ -26,8 +26,8 @@ impl State {
             self.toasts.error("there is nothing to save yet; open a deployment first");
             return;
         };
-        if self.plotted.seen(&open.plots, &self.visibility).is_empty() {
-            let what = self.plotted.in_words();
+        if self.time.plotted.seen(&open.plots, &self.scene.visibility).is_empty() {
+            let what = self.time.plotted.in_words();
             self.toasts.error(&format!(
                 "{what}: the data has none, or all are hidden; show another in the pane Channels"
             ));
@@ -35,9 +35,9 @@ impl State {
         }
         let (plots, start_s) = (std::sync::Arc::clone(&open.plots), open.start_s());
         let window_s = open.timeline.window_s.map(|time_s| time_s - start_s);
-        let shown = Shown { plotted: self.plotted, visible: self.visibility, window_s };
+        let shown = Shown { plotted: self.time.plotted, visible: self.scene.visibility, window_s };
         // Several of one deployment are saved beside each other.
-        let (what, of) = (self.plotted.in_words(), open.deployment.name.clone());
+        let (what, of) = (self.time.plotted.in_words(), open.deployment.name.clone());
         let title = format!("Save {what} (CSV)");
         let answer = self.ask(Question::new_file(&title, &format!("{of} {what}"), "csv"));
         self.tell_when_done(move || {

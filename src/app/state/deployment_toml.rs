@@ -21,7 +21,7 @@ impl State {
             move || propose(id, &source, &deployment).map(Box::new),
             Self::take_proposed_toml,
         );
-        self.looking.push(number);
+        self.path_requests.push(number);
     }
 
     pub(super) fn take_proposed_toml(
@@ -29,7 +29,7 @@ impl State {
         number: u64,
         proposed: Result<Box<AskedToml>, String>,
     ) {
-        self.looking.retain(|looking| *looking != number);
+        self.path_requests.retain(|looking| *looking != number);
         match proposed {
             // Nothing is lost where there was no file.
             Ok(proposed) if proposed.before.is_none() => self.write_deployment_toml(proposed),
@@ -41,7 +41,7 @@ impl State {
     pub(super) fn write_deployment_toml(&mut self, proposed: Box<AskedToml>) {
         let number =
             self.jobs.start(move || write(&proposed).map(|()| proposed), Self::take_written_toml);
-        self.looking.push(number);
+        self.path_requests.push(number);
     }
 
     pub(super) fn take_written_toml(
@@ -49,7 +49,7 @@ impl State {
         number: u64,
         written: Result<Box<AskedToml>, String>,
     ) {
-        self.looking.retain(|looking| *looking != number);
+        self.path_requests.retain(|looking| *looking != number);
         let AskedToml { id, path, stays, .. } = match written {
             Ok(written) => *written,
             Err(line) => {
@@ -58,10 +58,9 @@ impl State {
             }
         };
         self.toasts.done(format!("{} written", path.display()));
-        let source =
-            self.open.iter().find(|open| open.id == id).and_then(|open| open.source.clone());
+        let source = self.deployments.get(id).and_then(|open| open.source.clone());
         if let Some(source) = source {
-            self.undo.forget_extras(id);
+            self.deployments.undo.forget_extras(id);
             self.give_up_replacing(id);
             self.replace_by(id, source.with(stays), false);
         }

@@ -9,22 +9,30 @@ use super::State;
 use crate::app::file_dialog::{Question, Wanted};
 use crate::app::model::judging::change_in_words;
 use crate::app::model::undo::{Change, Changed, Moment};
-use crate::app::model::{Added, OpenDeployment, Pane, SavedEstimate};
+use crate::app::model::{Added, JudgingCommand, OpenDeployment, Pane, SavedEstimate};
 use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
 use resect_core::estimates::{Estimate, Judgement, judge};
 use resect_io::estimate_file;
 
 impl State {
+    pub(super) fn handle_judging(&mut self, command: JudgingCommand, moment: Moment) {
+        match command {
+            JudgingCommand::Add(paths) => self.add_estimates(paths),
+            JudgingCommand::AddDialog => self.add_estimate_dialog(),
+            JudgingCommand::Set(added) => self.judge(added, moment),
+        }
+    }
+
     /// Starts what is to be made anew for those who look at it; to be called in every frame.
     pub(super) fn make_what_is_looked_at(&mut self) {
-        let shows_scene = self.layout.place(Pane::Scene).is_some();
-        let shows_tube = self.visibility.tube && shows_scene;
-        let shows_way = shows_tube || self.layout.place(Pane::Trajectory).is_some();
-        if self.visibility.runs_beside && shows_scene {
+        let shows_scene = self.workspace.layout.place(Pane::Scene).is_some();
+        let shows_tube = self.scene.visibility.tube && shows_scene;
+        let shows_way = shows_tube || self.workspace.layout.place(Pane::Trajectory).is_some();
+        if self.scene.visibility.runs_beside && shows_scene {
             self.make_beside();
         }
-        let Some(open) = self.open.get_mut(self.active).filter(|open| open.analysing.is_none())
+        let Some(open) = self.deployments.active_mut().filter(|open| open.analysing.is_none())
         else {
             return;
         };
@@ -64,11 +72,11 @@ impl State {
 
     /// Starts to bring the other open runs into the frame of the active one, once all of them have their answers.
     fn make_beside(&mut self) {
-        if self.open.iter().any(|open| open.analysing.is_some()) {
+        if self.deployments.open.iter().any(|open| open.analysing.is_some()) {
             return;
         }
-        let active = self.active;
-        let others: Vec<_> = (self.open.iter().enumerate())
+        let active = self.deployments.active;
+        let others: Vec<_> = (self.deployments.open.iter().enumerate())
             .filter(|(index, _)| *index != active)
             .filter_map(|(_, open)| {
                 let name = self.name_of(open.id)?;
@@ -80,7 +88,7 @@ impl State {
                 ))
             })
             .collect();
-        let Some(open) = self.open.get_mut(active) else { return };
+        let Some(open) = self.deployments.open.get_mut(active) else { return };
         let Some(Ok(answer)) = open.analysis.as_ref().map(|analysis| analysis.answer.clone())
         else {
             return;
@@ -106,11 +114,11 @@ impl State {
                 state.with_open(id, |open| open.beside.take(number, runs));
             },
         );
-        self.open[active].beside.start(number, of);
+        self.deployments.open[active].beside.start(number, of);
     }
 
     pub(super) fn with_open(&mut self, id: u64, change: impl FnOnce(&mut OpenDeployment)) {
-        if let Some(open) = self.open.iter_mut().find(|open| open.id == id) {
+        if let Some(open) = self.deployments.get_mut(id) {
             change(open);
         }
     }
@@ -129,14 +137,14 @@ impl State {
     /// Reads trajectories and has them judged by an open deployment, which is a step that can be undone.
     fn read_estimates(&mut self, id: u64, paths: Vec<PathBuf>) {
         self.start_reading(paths, move |state, read, _| {
-            let Some(open) = state.open.iter().find(|open| open.id == id) else { return };
+            let Some(open) = state.deployments.get(id) else { return };
             if read.is_empty() {
                 return;
             }
             let added = open.judging.with(read);
-            state.way_plots = state.way_plots.only_errors();
-            state.layout.show(Pane::Trajectory);
-            state.layout.show(Pane::Evaluation);
+            state.time.way_plots = state.time.way_plots.only_errors();
+            state.workspace.layout.show(Pane::Trajectory);
+            state.workspace.layout.show(Pane::Evaluation);
             state.judge_by(id, added, Moment::NEVER);
         });
     }
@@ -170,7 +178,7 @@ impl State {
                 read.collect::<Vec<_>>()
             },
             move |state: &mut Self, number, found| {
-                state.looking.retain(|looking| *looking != number);
+                state.path_requests.retain(|looking| *looking != number);
                 let (mut read, mut missing) = (Vec::new(), Vec::new());
                 for (estimate, path) in found {
                     match estimate {
@@ -184,7 +192,7 @@ impl State {
                 take(state, read, missing);
             },
         );
-        self.looking.push(number);
+        self.path_requests.push(number);
     }
 
     /// Has these trajectories held against the active deployment.
@@ -195,7 +203,7 @@ impl State {
     }
 
     fn judge_by(&mut self, id: u64, added: Vec<Added>, moment: Moment) {
-        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        let Some(open) = self.deployments.get_mut(id) else { return };
         if open.judging.added == added {
             return;
         }
@@ -205,7 +213,7 @@ impl State {
         // Who judges by it is at work with it.
         open.placeholder = false;
         let what = Changed::Judged { both, words };
-        self.undo.record(vec![Change { id, what }], moment);
+        self.deployments.undo.record(vec![Change { id, what }], moment);
     }
 
     pub(super) fn add_estimate_dialog(&mut self) {

@@ -21,10 +21,10 @@ impl State {
         match command {
             LiveCommand::Show => {
                 // An arrangement of the user's own is left as it is.
-                if self.layout.is_as_chosen() {
-                    self.layout = Layout::from(LayoutPreset::Live);
+                if self.workspace.layout.is_as_chosen() {
+                    self.workspace.layout = Layout::from(LayoutPreset::Live);
                 }
-                self.layout.show(Pane::Live);
+                self.workspace.layout.show(Pane::Live);
             }
             LiveCommand::Edit(form) => {
                 if let Some(session) = &self.live.session
@@ -142,7 +142,7 @@ impl State {
         self.live.view = Some(session.view());
         let has_ended = session.has_ended();
         let id = self.live.id;
-        let growing = self.open.iter().find(|open| Some(open.id) == id);
+        let growing = self.deployments.open.iter().find(|open| Some(open.id) == id);
         if let Some(open) = growing {
             session.set(&open.settings);
         }
@@ -171,18 +171,18 @@ impl State {
     /// The deployment has more readings than the one that is open; its answer takes the place of that one's with it.
     fn grow(&mut self, deployment: Arc<Deployment>) {
         let id = self.live.id;
-        let Some(index) = self.open.iter().position(|open| Some(open.id) == id) else {
+        let Some(index) = self.deployments.open.iter().position(|open| Some(open.id) == id) else {
             let source = self.recorded_source();
             self.add(deployment, source);
-            self.live.id = Some(self.newest_id);
+            self.live.id = Some(self.deployments.newest_id);
             // The cursor follows what comes until it is moved.
-            if let Some(open) = self.open.last_mut() {
+            if let Some(open) = self.deployments.open.last_mut() {
                 open.timeline.move_cursor(open.now_s());
             }
             return;
         };
         let number = self.jobs.next_number();
-        let open = &mut self.open[index];
+        let open = &mut self.deployments.open[index];
         // What is remembered of fewer readings must not answer for more.
         self.analyser.forget(open.id);
         self.analyser.analyse(number, open.id, Arc::clone(&deployment), open.settings);
@@ -203,7 +203,7 @@ impl State {
         }
         let topics = wanted.extras.put_right.topics.clone();
         extras.put_right.topics = extras.put_right.topics.take().or(topics);
-        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        let Some(open) = self.deployments.get_mut(id) else { return };
         let before = open.source.replace(source.clone());
         self.jobs.start_unnumbered(
             move || Some(resect_live::around(&wanted, &extras).map_err(|error| error.to_string())),
@@ -220,7 +220,7 @@ impl State {
         step: bool,
         read: Result<Growing, String>,
     ) {
-        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        let Some(open) = self.deployments.get_mut(id) else { return };
         // What was put right since then counts.
         let is_newest = open.source == after;
         let around = match read {
@@ -247,7 +247,8 @@ impl State {
 
     /// An answer to the growing deployment, for the coach; the first of the settings after the end is to all readings.
     pub(super) fn tell_live(&mut self, id: u64, analysis: &Arc<Analysis>, is_first: bool) {
-        let growing = self.open.iter().find(|open| open.id == id && Some(id) == self.live.id);
+        let growing =
+            self.deployments.open.iter().find(|open| open.id == id && Some(id) == self.live.id);
         if let (Some(session), Some(open)) = (&self.live.session, growing) {
             session.answered(Arc::clone(&open.deployment), Arc::clone(analysis), is_first);
         } else if let (Some(open), Some(view), false) = (growing, &self.live.view, is_first)

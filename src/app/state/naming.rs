@@ -1,7 +1,7 @@
 //! By which names the open deployments are told apart, and what the window's title says.
 
 use super::State;
-use super::sessions::title_of_each;
+use super::session_state::title_of_each;
 use crate::app::persist::session::SavedDeployment;
 use resect_core::analysis::Settings;
 use resect_core::deployment::names::told_apart;
@@ -10,7 +10,7 @@ use resect_io::source::Source;
 impl State {
     /// The names of the open deployments, which tell them apart.
     pub fn names(&self) -> Vec<String> {
-        let named = self.open.iter().map(|open| {
+        let named = self.deployments.open.iter().map(|open| {
             let name = &open.deployment.name;
             // What is replayed may be open beside it.
             let name = match self.live.id == Some(open.id) {
@@ -24,13 +24,13 @@ impl State {
 
     /// The name of an open deployment among the others, by its id.
     pub fn name_of(&self, id: u64) -> Option<String> {
-        let index = self.open.iter().position(|open| open.id == id)?;
+        let index = self.deployments.index_of(id)?;
         self.names().into_iter().nth(index)
     }
 
     /// The names of what is being read, which tell them apart.
     pub fn opening_names(&self) -> Vec<String> {
-        title_of_each(self.opening.iter().map(|opening| &opening.source))
+        title_of_each(self.deployments.opening.iter().map(|opening| &opening.source))
     }
 
     /// Whether anyone would miss what is open: settings, pins or drives that no session's file has.

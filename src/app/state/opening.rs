@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::State;
+use super::deployments::{Opening, Then};
 use super::put_right::use_rig;
 use crate::app::model::OpenDeployment;
 use crate::app::model::undo::Moment;
@@ -18,52 +19,10 @@ use resect_io::sample::Sample;
 use resect_io::source::{Extras, Source};
 use resect_io::what_is::{Sorted, sort};
 
-/// A deployment that is being read.
-pub struct Opening {
-    pub number: u64,
-    pub since: Instant,
-    /// How much of it is read, in bytes.
-    pub progress: Arc<Progress>,
-    pub(super) source: Source,
-    then: Then,
-}
-
-impl Opening {
-    /// Id of the deployment whose place it takes.
-    pub(super) fn replaces(&self) -> Option<u64> {
-        match self.then {
-            Then::Replace { id, .. } => Some(id),
-            _ => None,
-        }
-    }
-
-    /// Whether it is a change of this deployment that can be undone once it is read.
-    pub(super) fn is_step_of(&self, id: u64) -> bool {
-        self.then == Then::Replace { id, step: true }
-    }
-}
-
-/// What becomes of a deployment once it is read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Then {
-    /// The deployment is shown, with these settings.
-    Show(Settings),
-    /// The deployment is shown, and gives way to the first that the user opens.
-    Placeholder,
-    /// The deployment takes the place of an open one, whose id this is: the same data, read with other extras.
-    Replace {
-        id: u64,
-        /// Whether that is a step that can be undone.
-        step: bool,
-    },
-    /// The deployment is shown as the session has it that is being restored.
-    Restore,
-}
-
 impl State {
     /// Shows a deployment and calibrates it; `source` is where it can be read again.
     pub fn add(&mut self, deployment: Arc<Deployment>, source: Option<Source>) {
-        self.add_with(deployment, source, self.start_settings);
+        self.add_with(deployment, source, self.deployments.start_settings);
     }
 
     pub(super) fn add_with(
@@ -72,17 +31,23 @@ impl State {
         source: Option<Source>,
         settings: Settings,
     ) {
-        let placeholders = self.open.iter().filter(|open| open.placeholder).map(|open| open.id);
+        let placeholders =
+            self.deployments.open.iter().filter(|open| open.placeholder).map(|open| open.id);
         for id in placeholders.collect::<Vec<_>>() {
             self.close(id);
         }
         if let Some(source) = &source {
             self.session.opened(source);
         }
-        self.newest_id += 1;
-        self.session.files.insert(self.newest_id, Files::of(&deployment));
-        self.open.push(OpenDeployment::new(self.newest_id, deployment, source, settings));
-        let index = self.open.len() - 1;
+        self.deployments.newest_id += 1;
+        self.session.files.insert(self.deployments.newest_id, Files::of(&deployment));
+        self.deployments.open.push(OpenDeployment::new(
+            self.deployments.newest_id,
+            deployment,
+            source,
+            settings,
+        ));
+        let index = self.deployments.open.len() - 1;
         self.show(index);
         self.analyse(index);
         self.draw_pins();
@@ -98,11 +63,11 @@ impl State {
         let same = |open: &OpenDeployment| {
             !open.placeholder && open.source.as_ref().is_some_and(|own| own.place == source.place)
         };
-        match self.open.iter().position(same) {
+        match self.deployments.open.iter().position(same) {
             // Read again, it keeps its settings and its place.
             Some(index) => {
                 self.show(index);
-                let id = self.open[index].id;
+                let id = self.deployments.open[index].id;
                 // What the user named and put right before still holds.
                 let mut extras =
                     self.wanted_source(id).map_or_else(Extras::default, |own| own.extras.clone());
@@ -110,7 +75,7 @@ impl State {
                 self.give_up_replacing(id);
                 self.replace_by(id, Source { place: source.place, extras }, true);
             }
-            None => self.read(source, Then::Show(self.start_settings)),
+            None => self.read(source, Then::Show(self.deployments.start_settings)),
         }
     }
 
@@ -121,12 +86,14 @@ impl State {
 
     /// A newer reading of a deployment takes the place of one that is under way; tells whether there was one.
     pub(super) fn give_up_replacing(&mut self, id: u64) -> bool {
-        let before = self.opening.len();
-        for opening in self.opening.iter().filter(|opening| opening.replaces() == Some(id)) {
+        let before = self.deployments.opening.len();
+        for opening in
+            self.deployments.opening.iter().filter(|opening| opening.replaces() == Some(id))
+        {
             opening.progress.cancel();
         }
-        self.opening.retain(|opening| opening.replaces() != Some(id));
-        self.opening.len() < before
+        self.deployments.opening.retain(|opening| opening.replaces() != Some(id));
+        self.deployments.opening.len() < before
     }
 
     pub(super) fn read(&mut self, source: Source, then: Then) {
@@ -134,7 +101,7 @@ impl State {
         let (from, shared) = (source.clone(), Arc::clone(&progress));
         let number = self.jobs.start(move || from.open(&shared).map(Arc::new), Self::take_opened);
         let since = Instant::now();
-        self.opening.push(Opening { number, since, progress, source, then });
+        self.deployments.opening.push(Opening { number, since, progress, source, then });
     }
 
     /// Opens a deployment of a session, and finds out which of its files changed since.
@@ -144,16 +111,16 @@ impl State {
         let number =
             self.jobs.start(move || again.open(&cache, &shared).map(Arc::new), Self::take_opened);
         let (source, since, then) = (saved.source.clone(), Instant::now(), Then::Restore);
-        self.opening.push(Opening { number, since, progress, source, then });
+        self.deployments.opening.push(Opening { number, since, progress, source, then });
     }
 
     /// What a session has opened until now is no longer wanted.
     pub(super) fn give_up_restoring(&mut self) {
-        let (restoring, others) = std::mem::take(&mut self.opening)
+        let (restoring, others) = std::mem::take(&mut self.deployments.opening)
             .into_iter()
             .partition::<Vec<_>, _>(|opening| opening.then == Then::Restore);
         restoring.iter().for_each(|opening| opening.progress.cancel());
-        self.opening = others;
+        self.deployments.opening = others;
         self.ask_nothing_of_restoring();
     }
 
@@ -161,18 +128,20 @@ impl State {
     pub(super) fn opening_failed(&mut self, number: u64) {
         let failed = |opening: &Opening| opening.number == number;
         let restoring = |opening: &Opening| failed(opening) && opening.then == Then::Restore;
-        let was_restoring = self.opening.iter().any(restoring);
-        self.opening.retain(|opening| !failed(opening));
+        let was_restoring = self.deployments.opening.iter().any(restoring);
+        self.deployments.opening.retain(|opening| !failed(opening));
         if was_restoring {
             self.not_restored("a bug in resect stopped the reading");
         }
     }
 
     pub(super) fn take_opened(&mut self, number: u64, result: Result<Arc<Deployment>, OpenError>) {
-        let Some(index) = self.opening.iter().position(|opening| opening.number == number) else {
+        let Some(index) =
+            self.deployments.opening.iter().position(|opening| opening.number == number)
+        else {
             return;
         };
-        let Opening { source, then, .. } = self.opening.remove(index);
+        let Opening { source, then, .. } = self.deployments.opening.remove(index);
         let deployment = match result {
             Ok(deployment) => deployment,
             Err(OpenError::Cancelled) if then == Then::Restore => {
@@ -197,18 +166,18 @@ impl State {
         match then {
             Then::Show(settings) => {
                 self.add_with(deployment, Some(source), settings);
-                self.session.keep_shown(self.newest_id);
-                let estimates = std::mem::take(&mut self.estimates_to_come);
+                self.session.keep_shown(self.deployments.newest_id);
+                let estimates = std::mem::take(&mut self.deployments.estimates_to_come);
                 if !estimates.is_empty() {
                     self.add_estimates(estimates);
                 }
-                self.tell_of_reading(self.active);
+                self.tell_of_reading(self.deployments.active);
             }
             // What the user opened meanwhile has no need of it.
-            Then::Placeholder if !self.open.is_empty() => {}
+            Then::Placeholder if !self.deployments.open.is_empty() => {}
             Then::Placeholder => {
                 self.add(deployment, Some(source));
-                self.open[self.active].placeholder = true;
+                self.deployments.open[self.deployments.active].placeholder = true;
             }
             Then::Replace { id, step } => self.replace(id, deployment, source, step),
             Then::Restore => self.restored(deployment),
@@ -216,11 +185,12 @@ impl State {
     }
 
     fn replace(&mut self, id: u64, deployment: Arc<Deployment>, source: Source, step: bool) {
-        let Some(index) = self.open.iter().position(|open| open.id == id) else { return };
+        let Some(index) = self.deployments.index_of(id) else { return };
         let after = source.extras.clone();
-        let before = self.open[index].source.as_ref().map(|source| source.extras.clone());
+        let before =
+            self.deployments.open[index].source.as_ref().map(|source| source.extras.clone());
         self.session.files.insert(id, Files::of(&deployment));
-        self.open[index].replace(deployment, source);
+        self.deployments.open[index].replace(deployment, source);
         if let Some(before) = before.filter(|_| step) {
             self.record_extras(id, before, after);
         }
@@ -233,7 +203,7 @@ impl State {
     /// What the readers noticed and the user was not told yet.
     pub(super) fn tell_of_reading(&mut self, index: usize) {
         let Some(name) = self.names().into_iter().nth(index) else { return };
-        let open = &mut self.open[index];
+        let open = &mut self.deployments.open[index];
         let findings = &open.deployment.findings;
         self.toasts.findings((open.id, &name), findings, &mut open.told);
     }
@@ -250,12 +220,12 @@ impl State {
                 }
             },
         );
-        self.looking.push(number);
+        self.path_requests.push(number);
     }
 
     /// Opens what the user dropped or chose: deployments with what came with them, else additions to the active one.
     pub(super) fn take_sorted(&mut self, number: u64, sorted: Sorted) {
-        self.looking.retain(|looking| *looking != number);
+        self.path_requests.retain(|looking| *looking != number);
         let Sorted { deployments, extras, folders, sessions, settings, estimates, unknown } =
             sorted;
         for line in unknown {
@@ -265,7 +235,7 @@ impl State {
             if deployments.is_empty() {
                 self.add_estimates(estimates);
             } else {
-                self.estimates_to_come = estimates;
+                self.deployments.estimates_to_come = estimates;
             }
         }
         if deployments.is_empty() && !extras.is_empty() {
@@ -299,7 +269,9 @@ impl State {
 
     /// Stops reading a deployment, by its request's number.
     pub(super) fn cancel_opening(&mut self, number: u64) {
-        if let Some(opening) = self.opening.iter().find(|opening| opening.number == number) {
+        if let Some(opening) =
+            self.deployments.opening.iter().find(|opening| opening.number == number)
+        {
             opening.progress.cancel();
         }
     }

@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use super::State;
-use crate::app::model::StudyResult;
 use crate::app::model::told::{forget_past, new_findings};
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::analyser::Answered;
-use resect_core::experiment::StudyError;
 use resect_report::summary::ResultSummary;
 
 impl State {
@@ -36,9 +34,9 @@ impl State {
     /// A job, by its number, ended in a bug of the program.
     pub(super) fn failed(&mut self, number: u64) {
         self.opening_failed(number);
-        self.looking.retain(|looking| *looking != number);
+        self.path_requests.retain(|looking| *looking != number);
         self.session.done(number);
-        for open in &mut self.open {
+        for open in &mut self.deployments.open {
             open.analysing = open.analysing.filter(|newest| newest.number != number);
             open.way.failed(number);
             open.beside.failed(number);
@@ -46,28 +44,13 @@ impl State {
         }
         self.planning.foreseen.failed(number);
         self.planning.better.failed(number);
-        self.studies.running = self.studies.running.take().filter(|(n, _)| *n != number);
-        let validating = &mut self.validations.running;
+        self.results.studies.running =
+            self.results.studies.running.take().filter(|(n, _)| *n != number);
+        let validating = &mut self.results.validations.running;
         *validating = validating.take().filter(|(n, _)| *n != number);
         self.toasts.error(
             "a bug in resect stopped the calculation; please report it with the data and the settings",
         );
-    }
-
-    pub(super) fn take_studied(
-        &mut self,
-        number: u64,
-        result: Result<Arc<StudyResult>, StudyError>,
-    ) {
-        if self.studies.running.as_ref().is_none_or(|(running, _)| *running != number) {
-            return;
-        }
-        self.studies.running = None;
-        match result {
-            Ok(result) => self.studies.result = Some(result),
-            Err(StudyError::Cancelled) => {}
-            Err(error) => self.toasts.error(&error.to_string()),
-        }
     }
 
     /// The residuals of a pinned result.
@@ -81,7 +64,7 @@ impl State {
         let id = answered.id;
         let shown = self.active().map(|open| open.id);
         let Some(name) = self.name_of(id) else { return };
-        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        let Some(open) = self.deployments.get_mut(id) else { return };
         let analysis = Arc::clone(&answered.analysis);
         // While it grows, the paper's answer to what is new does not take the place of the joint estimate for a moment: what is
         // said of an answer and what is drawn of it are of one.
@@ -119,12 +102,12 @@ impl State {
         let stations = |summary: &Option<Arc<ResultSummary>>| summary.as_ref().map(|s| s.stations);
         if stations(&before) != stations(&open.summary) && Some(id) == shown {
             // Prisms are found anew; everything else stands elsewhere now.
-            self.ruler.ends.retain(|end| end.prism.is_some());
+            self.scene.ruler.ends.retain(|end| end.prism.is_some());
         }
         self.tell_live(id, &analysis, joint_follows);
-        if let Some(look) = self.view.last_look.filter(|_| is_live && Some(id) == shown) {
+        if let Some(look) = self.scene.view.last_look.filter(|_| is_live && Some(id) == shown) {
             // The track grows out of what is seen.
-            self.view.look_again(look);
+            self.scene.view.look_again(look);
         }
         // What is told, remembered and pinned is the joint estimate.
         if !joint_follows {
@@ -157,15 +140,17 @@ mod tests {
         state.add(Arc::new(Sample::Warthog.open().expect("built in")), None);
         take_next(&mut state);
         assert_eq!(shown(&state), Method::InterPrism);
-        assert!(state.open[0].joint_follows() && state.is_busy() && !state.is_stale());
-        let before = state.open[0].analysis_run;
+        assert!(state.deployments.open[0].joint_follows() && state.is_busy() && !state.is_stale());
+        let before = state.deployments.open[0].analysis_run;
         state.pin_active();
         assert!(state.results.pins.is_empty() && state.results.runs.is_empty());
 
         take_next(&mut state);
         assert_eq!(shown(&state), Method::Joint);
-        assert!(!state.open[0].joint_follows() && !state.is_busy() && !state.is_stale());
-        assert_ne!(state.open[0].analysis_run, before, "what is drawn is drawn again");
+        assert!(
+            !state.deployments.open[0].joint_follows() && !state.is_busy() && !state.is_stale()
+        );
+        assert_ne!(state.deployments.open[0].analysis_run, before, "what is drawn is drawn again");
         state.pin_active();
         assert_eq!(state.results.pins[0].summary.method, Method::Joint);
         let run = state.results.runs[0].result.as_ref().expect("an answer");

@@ -7,14 +7,14 @@ impl State {
     /// Begins a picture that is wanted; called before a frame is drawn, which may become it. Some systems take the
     /// frame after the one that asked, so all of them may until the picture is there.
     pub fn begin_picture(&mut self) {
-        self.picturing |= self.wanted_picture.is_some();
+        self.scene.picturing |= self.scene.wanted_picture.is_some();
     }
 
     /// Asks the window system for its pixels in the part of the window where the scene was drawn in this frame (points).
     pub fn take_picture(&mut self, ctx: &egui::Context, scene: Option<egui::Rect>) {
-        let Some(to) = self.wanted_picture.take() else { return };
+        let Some(to) = self.scene.wanted_picture.take() else { return };
         let Some(scene) = scene else {
-            self.picturing = false;
+            self.scene.picturing = false;
             self.toasts.error("the scene is not shown; bring its pane to the front");
             return;
         };
@@ -27,7 +27,7 @@ impl State {
     }
 
     pub(super) fn take_pictured(&mut self, to: PictureTo, image: Option<egui::ColorImage>) {
-        self.picturing = false;
+        self.scene.picturing = false;
         let Some(image) = image else {
             self.toasts.error("nothing of the scene is in the window; make room for its pane");
             return;

@@ -56,7 +56,7 @@ impl State {
         }
         let both = Box::new([self.planning.plan.clone(), plan.clone()]);
         let what = Changed::Plan { both, words };
-        self.undo.record(vec![Change { id: NO_DEPLOYMENT, what }], moment);
+        self.deployments.undo.record(vec![Change { id: NO_DEPLOYMENT, what }], moment);
         self.planning.set(plan);
     }
 
@@ -64,8 +64,8 @@ impl State {
     fn show_plan(&mut self, plan: Plan, path: Option<PathBuf>, words: &'static str) {
         self.set_plan(plan, words, Moment::NEVER);
         self.planning.path = path;
-        if self.layout.place(Pane::PlanMap).is_none() {
-            self.layout = Layout::from(LayoutPreset::Plan);
+        if self.workspace.layout.place(Pane::PlanMap).is_none() {
+            self.workspace.layout = Layout::from(LayoutPreset::Plan);
         }
     }
 
@@ -73,14 +73,14 @@ impl State {
         let number = self.jobs.start(
             move || (plan_file::read(&path), path),
             |state: &mut Self, number, (read, path)| {
-                state.looking.retain(|looking| *looking != number);
+                state.path_requests.retain(|looking| *looking != number);
                 match read {
                     Ok(plan) => state.show_plan(plan, Some(path), "from a file"),
                     Err(why) => state.toasts.error(&why.to_string()),
                 }
             },
         );
-        self.looking.push(number);
+        self.path_requests.push(number);
     }
 
     fn save_plan(&mut self) {
@@ -104,7 +104,8 @@ impl State {
     /// While a handle is dragged the newest plan is asked for as soon as the one before has its answer; what would improve it
     /// takes longer, and waits until the hand is off.
     pub(super) fn foresee(&mut self, hand_is_on: bool) {
-        let shown = [Pane::PlanMap, Pane::Prediction].map(|pane| self.layout.place(pane).is_some());
+        let shown = [Pane::PlanMap, Pane::Prediction]
+            .map(|pane| self.workspace.layout.place(pane).is_some());
         if shown == [false; 2] {
             return;
         }

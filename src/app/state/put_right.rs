@@ -27,8 +27,9 @@ impl State {
 
     /// Where a deployment is read from now, or will be.
     pub(super) fn wanted_source(&self, id: u64) -> Option<&Source> {
-        let pending = self.opening.iter().rev().find(|opening| opening.replaces() == Some(id));
-        let own = || self.open.iter().find(|open| open.id == id)?.source.as_ref();
+        let pending =
+            self.deployments.opening.iter().rev().find(|opening| opening.replaces() == Some(id));
+        let own = || self.deployments.get(id)?.source.as_ref();
         pending.map(|opening| &opening.source).or_else(own)
     }
 
@@ -41,7 +42,7 @@ impl State {
     /// Reads a deployment again with other extras. `step`: whether that can be undone once it is read; going back or
     /// forth by a step is none itself.
     pub(super) fn read_with(&mut self, id: u64, mut extras: Extras, step: bool) {
-        let Some(open) = self.open.iter().find(|open| open.id == id) else { return };
+        let Some(open) = self.deployments.get(id) else { return };
         extras.put_right = extras.put_right.beyond(&open.deployment.as_read);
         if let Err((what, remedy)) = extras.put_right.check() {
             self.toasts.error(&format!("{what}; {remedy}"));
@@ -66,17 +67,18 @@ impl State {
     /// Gives up reading a deployment again that the user just asked for; tells whether there was one.
     pub(super) fn take_back_pending(&mut self) -> bool {
         let Some(id) = self.active().map(|open| open.id) else { return false };
-        self.opening.iter().any(|opening| opening.is_step_of(id)) && self.give_up_replacing(id)
+        self.deployments.opening.iter().any(|opening| opening.is_step_of(id))
+            && self.give_up_replacing(id)
     }
 
     /// Keeps what was changed, now that it is read.
     pub(super) fn record_extras(&mut self, id: u64, before: Extras, after: Extras) {
-        let Some(open) = self.open.iter().find(|open| open.id == id) else { return };
+        let Some(open) = self.deployments.get(id) else { return };
         if before != after {
             let changes = extras_changes(&before, &after, &open.deployment.as_read);
             let words = changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
             let what = Changed::Extras { both: Box::new([before, after]), words };
-            self.undo.record(vec![Change { id, what }], Moment::NEVER);
+            self.deployments.undo.record(vec![Change { id, what }], Moment::NEVER);
         }
     }
 

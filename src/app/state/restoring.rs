@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::State;
-use super::sessions::{Missing, Waiting, title_of_each};
-use crate::app::model::Command;
+use super::session_state::{Missing, Waiting, title_of_each};
+use crate::app::model::{Command, SessionCommand};
 use crate::app::persist::session::Session;
 use resect_core::deployment::Deployment;
 use resect_io::source::Source;
@@ -20,7 +20,7 @@ impl State {
         };
         let what = names.into_iter().chain(pins).collect::<Vec<_>>().join(", ");
         let line = format!("restored what was open when resect stopped: {what}; as it was {when}");
-        self.toasts.offer(&line, ("Discard", Command::DiscardRecovered));
+        self.toasts.offer(&line, ("Discard", Command::Session(SessionCommand::DiscardRecovered)));
         self.session.recovered = true;
         self.restore(session);
     }
@@ -58,7 +58,7 @@ impl State {
     pub(super) fn restored(&mut self, deployment: Arc<Deployment>) {
         let Some(Waiting { saved, shown, .. }) = self.session.restoring.take() else { return };
         self.add_with(deployment, Some(saved.source), saved.settings);
-        if let Some(open) = self.open.last_mut() {
+        if let Some(open) = self.deployments.open.last_mut() {
             let timeline = &mut open.timeline;
             if let Some(window_s) = saved.window_s {
                 timeline.show(window_s);
@@ -72,12 +72,12 @@ impl State {
             }
         }
         if !saved.estimates.is_empty() {
-            self.read_saved_estimates(self.newest_id, saved.estimates);
+            self.read_saved_estimates(self.deployments.newest_id, saved.estimates);
         }
-        self.tell_of_reading(self.open.len() - 1);
+        self.tell_of_reading(self.deployments.open.len() - 1);
         let shown = self.session.shown;
-        if let Some(index) = self.open.iter().position(|open| Some(open.id) == shown) {
-            self.active = index;
+        if let Some(index) = self.deployments.open.iter().position(|open| Some(open.id) == shown) {
+            self.deployments.active = index;
         }
         self.restore_next();
     }
@@ -96,5 +96,13 @@ impl State {
         let again = |Missing { saved, place, .. }| Waiting { saved, shown: false, place };
         self.session.waiting.extend(missing.into_iter().map(again));
         self.restore_next();
+    }
+
+    /// Takes a deployment that could not be opened out of the session, by its place among those.
+    pub(super) fn forget_missing(&mut self, index: usize) {
+        if index < self.session.missing.len() {
+            let missing = self.session.missing.remove(index);
+            self.toasts.settled(&missing.saved.source.place);
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::State;
 use crate::app::model::undo::Moment;
-use crate::app::model::{Pin, Run};
+use crate::app::model::{Pin, ResultsCommand, Run};
 use crate::app::prepared::{PreparedPlots, RawReadings};
 use resect_core::analysis::{Analysis, Analyst, Settings};
 use resect_core::calibration::Method;
@@ -15,6 +15,40 @@ use resect_report::summary::ResultSummary;
 const MOST_RUNS: usize = 200;
 
 impl State {
+    pub(super) fn handle_results(&mut self, command: ResultsCommand, ctx: &egui::Context) {
+        use ResultsCommand as Command;
+        match command {
+            Command::Pin => self.pin_active(),
+            Command::PinRun(id) => self.pin_run(id),
+            Command::Unpin(id) => self.results.pins.retain(|pin| pin.id != id),
+            Command::ShowPin(id, shown) => {
+                if let Some(pin) = self.results.pins.iter_mut().find(|pin| pin.id == id) {
+                    pin.shown = shown;
+                }
+            }
+            Command::UsePinned(id) => {
+                if let Some(settings) = self.settings_of_pin(id) {
+                    self.change_active(settings, Moment::now(ctx));
+                }
+            }
+            Command::RestoreRun(id) => {
+                if let Some(settings) = self.results.run(id).map(|run| run.settings) {
+                    self.change_active(settings, Moment::now(ctx));
+                }
+            }
+            Command::ValidateOthers => self.validate_others(),
+            Command::SetStudy(options) => self.results.studies.options = options.within_bounds(),
+            Command::RunStudy => self.run_study(),
+            Command::CancelStudy => self.results.studies.cancel(),
+            Command::SaveStudyDialog => self.save_study(),
+            Command::CopyTransforms(format, part) => self.copy_transforms(format, part, ctx),
+            Command::OpenInRerun => self.open_in_rerun(),
+            Command::SaveRecordingDialog => self.save_recording(),
+            Command::SaveTrajectoryDialog => self.save_trajectory(),
+            Command::SaveReportDialog => self.save_report(),
+        }
+    }
+
     /// The pinned result that the active deployment's answer is compared with: the last of the same data, else the
     /// last of all.
     pub fn compared_with(&self) -> Option<&Pin> {
@@ -25,14 +59,14 @@ impl State {
 
     /// The name of what a result is of, which tells it from the others that are open.
     pub fn name_of_result(&self, summary: &ResultSummary) -> String {
-        let mut of = self.open.iter().filter(|open| summary.is_of(&open.deployment));
+        let mut of = self.deployments.open.iter().filter(|open| summary.is_of(&open.deployment));
         let only = of.next().filter(|_| of.next().is_none());
         only.and_then(|open| self.name_of(open.id)).unwrap_or_else(|| summary.deployment.clone())
     }
 
     /// Stops an analysis; the settings are again those of the answer that is shown, if there is one.
     pub(super) fn cancel_analysis(&mut self, id: u64) {
-        let Some(open) = self.open.iter_mut().find(|open| open.id == id) else { return };
+        let Some(open) = self.deployments.get_mut(id) else { return };
         if open.analysing.take().is_none() {
             return;
         }
@@ -63,13 +97,15 @@ impl State {
 
     /// Remembers what an analysis led to. One drag is one run.
     pub(super) fn remember_run(&mut self, deployment: u64, analysis: &Analysis) {
-        let Some(open) = self.open.iter().find(|open| open.id == deployment) else { return };
+        let Some(open) = self.deployments.open.iter().find(|open| open.id == deployment) else {
+            return;
+        };
         let result = match (&analysis.answer, &open.summary) {
             (Ok(_), Some(summary)) => Ok(Arc::clone(summary)),
             (Err(error), _) => Err(error.finding().message),
             (Ok(_), None) => return,
         };
-        let step = self.undo.begun();
+        let step = self.deployments.undo.begun();
         let runs = &mut self.results.runs;
         let replaces = |run: &Run| run.deployment == deployment && run.step == step;
         if runs.last().is_some_and(replaces) {
@@ -89,7 +125,7 @@ impl State {
         let before = self.results.runs.iter().rev();
         let before = before.skip_while(|other| other.id != run.id).skip(1);
         let before = before.into_iter().find(|other| other.deployment == run.deployment)?;
-        Some(self.units.changes(&before.settings, &run.settings))
+        Some(self.workspace.units.changes(&before.settings, &run.settings))
     }
 
     pub(super) fn pin_active(&mut self) {
@@ -109,7 +145,7 @@ impl State {
     /// Has the residuals of pinned results computed where they are missing and the data is open: those of a deployment
     /// one after the other, which shares what their settings share.
     pub(super) fn draw_pins(&mut self) {
-        for open in &self.open {
+        for open in &self.deployments.open {
             let missing = |pin: &&mut Pin| {
                 pin.plots.is_none() && !pin.drawing && pin.summary.is_of(&open.deployment)
             };

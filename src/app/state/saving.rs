@@ -11,6 +11,7 @@ use resect_core::deployment::Deployment;
 use resect_core::evaluation::vehicle::{Instants, LARGEST_POSE_ERROR_M, prism_by, trajectory_by};
 use resect_io::atomic;
 use resect_io::file_mark::marks_of;
+use resect_report::copy::{CopyFormat, Part};
 use resect_report::of_run;
 use resect_report::report;
 use resect_report::report::Chapter;
@@ -48,6 +49,22 @@ impl State {
     pub(super) fn ask_where(&mut self, title: &str, extension: &str) -> Answer {
         let name = self.active().map_or("resect", |open| open.deployment.name.as_str());
         self.ask(Question::new_file(title, name, extension))
+    }
+
+    pub(super) fn copy_transforms(&mut self, format: CopyFormat, part: Part, ctx: &egui::Context) {
+        if let Some(summary) = self.active().and_then(|open| open.summary.as_ref()) {
+            ctx.copy_text(resect_report::copy::text(format, summary, part));
+            self.toasts.done(format!("copied as {}", format.title()));
+        }
+    }
+
+    pub(super) fn open_in_rerun(&self) {
+        self.with_analysis(|deployment, analysis| {
+            let result = resect_report::rerun::open_viewer(&deployment, &analysis)
+                .map(|()| "shown in the Rerun viewer".to_owned())
+                .map_err(|error| error.to_string());
+            Some(result)
+        });
     }
 
     pub(super) fn save_recording(&mut self) {
@@ -112,21 +129,6 @@ impl State {
             let path = answer.wait()?;
             let written = write(&path, deployment, analysis);
             Some(written.map(|()| format!("{} written", path.display())))
-        });
-    }
-
-    pub(super) fn save_study(&mut self) {
-        let Some(result) = self.studies.result.clone() else { return };
-        let question = Question::new("Save CSV, SVG and PNG into a folder", Wanted::Folder);
-        let answer = self.ask(question);
-        self.tell_when_done(move || {
-            let folder = answer.wait()?;
-            let written = resect_report::study::write(result.study(), &folder);
-            Some(
-                written
-                    .map(|files| format!("{} files written to {}", files.len(), folder.display()))
-                    .map_err(|error| error.to_string()),
-            )
         });
     }
 

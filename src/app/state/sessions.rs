@@ -1,124 +1,40 @@
 //! The window's state as a session, and a session as the window's state.
 
-use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::State;
+use super::session_state::{Missing, Waiting};
 use crate::app::layout::Layout;
-use crate::app::model::OpenDeployment;
-use crate::app::persist::hashes::HashCache;
+use crate::app::model::{OpenDeployment, Pin, SessionCommand};
 use crate::app::persist::last::LastSession;
-use crate::app::persist::preferences::{Recent, remember};
 use crate::app::persist::session::{
-    EXTENSION, Files, SavedDeployment, SavedPin, SavedView, Session, SessionError,
+    EXTENSION, SavedDeployment, SavedPin, SavedView, Session, SessionError,
 };
 use crate::app::persist::session_file;
 use resect_core::deployment::Finding;
-use resect_core::deployment::names::told_apart;
 use resect_io::source::Source;
 
-/// What belongs to the session beside what is open.
-#[derive(Default)]
-pub struct SessionState {
-    /// The session's file, once it was saved or opened.
-    pub path: Option<PathBuf>,
-    /// What is in that file.
-    pub(super) kept: Option<Session>,
-    /// Whether what is open was restored after a crash, and the user has not decided about it.
-    pub recovered: bool,
-    /// Deployments that could not be opened; they stay in the session, whose next save keeps them.
-    pub missing: Vec<Missing>,
-    /// Opened before, in this window or another; the newest first.
-    pub recent: Vec<Recent>,
-    /// What was open before, in this window or another; none of windows that keep nothing.
-    pub last: Option<LastSession>,
-    /// Deployments yet to be opened, in order.
-    pub(super) waiting: VecDeque<Waiting>,
-    /// The one that is being opened.
-    pub(super) restoring: Option<Waiting>,
-    /// Id of the deployment that stays shown while others are opened.
-    pub(super) shown: Option<u64>,
-    /// What the session that was just opened took the place of, until the window has it kept.
-    replaced: Option<Session>,
-    /// How many sessions were opened; tells the present one from those before it.
-    opened: u64,
-    /// Requests that read a session's file.
-    reading: Vec<u64>,
-    /// Requests that write a session, and which of those that were opened it is.
-    writing: Vec<(u64, u64)>,
-    pub(super) cache: Arc<HashCache>,
-    /// What each open deployment was read from, by its id.
-    pub(super) files: BTreeMap<u64, Files>,
-}
-
-/// A deployment of the session that could not be opened.
-pub struct Missing {
-    pub saved: SavedDeployment,
-    pub why: String,
-    /// The deployment's place among the session's deployments, from 0.
-    pub(super) place: usize,
-}
-
-/// A deployment of the session that is yet to be opened.
-pub(super) struct Waiting {
-    pub saved: SavedDeployment,
-    /// Whether it is the one to be shown.
-    pub shown: bool,
-    /// The deployment's place among the session's deployments, from 0.
-    pub place: usize,
-}
-
-impl SessionState {
-    /// Uses the hashes of files that were computed already.
-    pub fn share(&mut self, cache: Arc<HashCache>) {
-        self.cache = cache;
-    }
-
-    /// Whether a session is being read or written.
-    pub(super) fn is_busy(&self) -> bool {
-        !self.reading.is_empty() || !self.writing.is_empty()
-    }
-
-    /// A request has ended; gives which of the opened sessions it wrote, if it wrote one.
-    pub(super) fn done(&mut self, number: u64) -> Option<u64> {
-        self.reading.retain(|reading| *reading != number);
-        let index = self.writing.iter().position(|(writing, _)| *writing == number)?;
-        Some(self.writing.swap_remove(index).1)
-    }
-
-    /// The user chose what is shown: what is still being opened does not take its place.
-    pub(super) fn keep_shown(&mut self, id: u64) {
-        for waiting in self.restoring.iter_mut().chain(&mut self.waiting) {
-            waiting.shown = false;
-            self.shown = Some(id);
+impl State {
+    pub(super) fn handle_session(&mut self, command: SessionCommand) {
+        match command {
+            SessionCommand::OpenDialog => self.open_session_dialog(),
+            SessionCommand::DiscardRecovered => self.discard_recovered(),
+            SessionCommand::ReopenLast => self.reopen_last(),
+            SessionCommand::Save => self.save_session(false),
+            SessionCommand::SaveAs => self.save_session(true),
+            SessionCommand::RetryMissing => self.retry_missing(),
+            SessionCommand::ForgetMissing(index) => self.forget_missing(index),
         }
     }
 
-    /// The names of what was opened before, which tell them apart.
-    pub fn recent_names(&self) -> Vec<String> {
-        title_of_each(self.recent.iter().map(|recent| &recent.source))
-    }
-
-    /// The names of what could not be opened, which tell them apart.
-    pub fn missing_names(&self) -> Vec<String> {
-        title_of_each(self.missing.iter().map(|missing| &missing.saved.source))
-    }
-
-    /// A deployment was opened that can be opened again.
-    pub(super) fn opened(&mut self, source: &Source) {
-        remember(&mut self.recent, source);
-    }
-}
-
-impl State {
     /// All that is open, still to be restored or missing, and how it is looked at. What the user has just asked to open
     /// is not part of it before it is read.
     pub fn session(&self) -> Session {
         let shown = self.active().map(|open| open.id);
         let mut active = None;
         let mut deployments = Vec::new();
-        for open in self.open.iter().filter(|open| !open.placeholder) {
+        for open in self.deployments.open.iter().filter(|open| !open.placeholder) {
             let Some(source) = open.source.clone() else { continue };
             if Some(open.id) == shown {
                 active = Some(deployments.len());
@@ -139,7 +55,7 @@ impl State {
             deployments.insert(place, missing.saved.clone());
             active = active.map(|active| active + usize::from(place <= active));
         }
-        let pin = |pin: &crate::app::model::Pin| SavedPin {
+        let pin = |pin: &Pin| SavedPin {
             name: pin.name.clone(),
             shown: pin.shown,
             result: (*pin.summary).clone(),
@@ -148,15 +64,15 @@ impl State {
             deployments,
             active: active.unwrap_or(0),
             view: SavedView {
-                colouring: self.colouring,
-                units: self.units,
-                plotted: self.plotted,
-                visibility: self.visibility,
-                scene: self.scene,
-                study: self.studies.options,
-                way: self.way_plots,
+                colouring: self.scene.colouring,
+                units: self.workspace.units,
+                plotted: self.time.plotted,
+                visibility: self.scene.visibility,
+                scene: self.scene.options,
+                study: self.results.studies.options,
+                way: self.time.way_plots,
             },
-            layout: Some(self.layout.describe()),
+            layout: Some(self.workspace.layout.describe()),
             pins: self.results.pins.iter().map(pin).collect(),
             plan: self.planning.touched.then(|| self.planning.plan.clone().into()),
         }
@@ -177,19 +93,19 @@ impl State {
 
     /// Opens a session's deployments one after the other, and sets what it has set.
     pub fn restore(&mut self, session: Session) {
-        self.visibility = session.view.visibility;
-        self.colouring = session.view.colouring;
-        self.scene = session.view.scene;
-        self.units = session.view.units;
-        self.plotted = session.view.plotted;
-        self.studies.options = session.view.study.within_bounds();
-        self.way_plots = session.view.way;
+        self.scene.visibility = session.view.visibility;
+        self.scene.colouring = session.view.colouring;
+        self.scene.options = session.view.scene;
+        self.workspace.units = session.view.units;
+        self.time.plotted = session.view.plotted;
+        self.results.studies.options = session.view.study.within_bounds();
+        self.time.way_plots = session.view.way;
         if let Some(plan) = session.plan {
             self.planning.set(*plan);
         }
         if let Some(description) = &session.layout {
             let (layout, findings) = Layout::of_description(description);
-            self.layout = layout;
+            self.workspace.layout = layout;
             self.tell(&findings);
         }
         for saved in session.pins {
@@ -257,7 +173,7 @@ impl State {
         if !replaced.is_empty() {
             self.session.replaced.get_or_insert(replaced);
         }
-        let ids: Vec<u64> = self.open.iter().map(|open| open.id).collect();
+        let ids: Vec<u64> = self.deployments.open.iter().map(|open| open.id).collect();
         for id in ids {
             self.close(id);
         }
@@ -360,11 +276,6 @@ impl State {
             self.toasts.warning(&finding.message);
         }
     }
-}
-
-/// The names of deployments that are not open, which tell them apart.
-pub(super) fn title_of_each<'a>(sources: impl Iterator<Item = &'a Source>) -> Vec<String> {
-    told_apart(&sources.map(|source| (source.title(), source.path())).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

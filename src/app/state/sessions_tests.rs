@@ -1,5 +1,6 @@
 use super::*;
-use crate::app::model::Command;
+use crate::app::model::DeploymentCommand;
+use crate::app::persist::hashes::HashCache;
 use resect_core::analysis::Settings;
 use resect_io::sample::Sample;
 
@@ -38,7 +39,7 @@ fn a_missing_deployment_keeps_its_place() {
     let mut state = state();
     state.restore(session());
     state.settle();
-    assert_eq!((state.open.len(), state.session.missing.len()), (2, 1));
+    assert_eq!((state.deployments.open.len(), state.session.missing.len()), (2, 1));
     for _ in 0..2 {
         let again = state.session();
         assert_eq!((sources(&again), again.active), (sources(&session()), 2));
@@ -51,11 +52,11 @@ fn a_missing_deployment_keeps_its_place() {
 fn what_the_user_activates_stays_shown_while_others_are_restored() {
     let mut state = state();
     state.add(Arc::new(Sample::Warthog.open().expect("built in")), None);
-    let id = state.open[0].id;
+    let id = state.deployments.open[0].id;
     state.restore(session());
-    state.handle(Command::Activate(id), &Default::default());
+    state.handle(DeploymentCommand::Activate(id), &Default::default());
     state.settle();
-    assert_eq!(state.open.len(), 3);
+    assert_eq!(state.deployments.open.len(), 3);
     assert_eq!(state.active().map(|open| open.id), Some(id));
 }
 
@@ -63,7 +64,7 @@ fn what_the_user_activates_stays_shown_while_others_are_restored() {
 fn a_cancelled_deployment_stays_in_the_session_and_that_is_said() {
     let mut state = state();
     state.restore(session());
-    let number = state.opening[0].number;
+    let number = state.deployments.opening[0].number;
     state.take_opened(number, Err(resect_io::error::OpenError::Cancelled));
     state.settle();
     let again = state.session();

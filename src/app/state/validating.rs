@@ -19,10 +19,10 @@ impl State {
     /// Validations with the names of their runs, which tell them apart.
     pub fn validated(&self) -> impl Iterator<Item = (String, &Validation)> {
         let is_newest = |(id, run): AnswerOf| {
-            self.open.iter().any(|open| open.id == id && open.analysis_run == run)
+            self.deployments.open.iter().any(|open| open.id == id && open.analysis_run == run)
         };
-        let of_active = self.active().map(newest) == self.validations.of;
-        let found = self.validations.found.iter();
+        let of_active = self.active().map(newest) == self.results.validations.of;
+        let found = self.results.validations.found.iter();
         let found = found.filter(move |(run, _)| of_active && is_newest(*run));
         found.map(|((id, _), found)| {
             (self.name_of(*id).unwrap_or_else(|| found.deployment.clone()), found)
@@ -34,7 +34,7 @@ impl State {
         let has_answer = self.analysed().is_some_and(|(open, analysis)| {
             analysis.answer.is_ok() && !open.joint_follows() && !self.is_stale()
         });
-        has_answer && self.open.len() > 1 && self.validations.running.is_none()
+        has_answer && self.deployments.open.len() > 1 && self.results.validations.running.is_none()
     }
 
     /// Holds the active deployment's calibration against all others that are open, beside the window.
@@ -44,7 +44,7 @@ impl State {
         };
         let Ok(answer) = &analysis.answer else { return };
         let (of, earlier) = (newest(active), Earlier::of(&active.deployment, answer));
-        let others = self.open.iter().filter(|open| open.id != active.id);
+        let others = self.deployments.open.iter().filter(|open| open.id != active.id);
         let runs: Vec<(AnswerOf, Arc<Deployment>, Settings)> = others
             .map(|open| (newest(open), Arc::clone(&open.deployment), jointly(open.settings)))
             .collect();
@@ -60,16 +60,16 @@ impl State {
             Ok(Validated { of, found })
         };
         let number = self.jobs.start(job, Self::take_validated);
-        self.validations.running = Some((number, progress));
+        self.results.validations.running = Some((number, progress));
     }
 
     pub(super) fn take_validated(&mut self, number: u64, result: Result<Validated, Cancelled>) {
-        if self.validations.running.as_ref().is_none_or(|(running, _)| *running != number) {
+        if self.results.validations.running.as_ref().is_none_or(|(running, _)| *running != number) {
             return;
         }
-        self.validations.running = None;
+        self.results.validations.running = None;
         if let Ok(Validated { of, found }) = result {
-            (self.validations.of, self.validations.found) = (Some(of), found);
+            (self.results.validations.of, self.results.validations.found) = (Some(of), found);
         }
     }
 }

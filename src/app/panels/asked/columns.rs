@@ -3,7 +3,7 @@
 use egui::RichText;
 
 use super::trouble;
-use crate::app::model::{Asked, AskedColumns, Command, Commands, TableHead};
+use crate::app::model::{Asked, AskedColumns, Commands, DialogCommand, TableHead};
 use crate::app::panels::number;
 use crate::app::theme;
 use resect_core::deployment::{AzimuthSense, ColumnMapping, RawRecord};
@@ -40,7 +40,7 @@ pub fn ui(ui: &mut egui::Ui, asked: &AskedColumns, commands: &mut Commands) {
         || edited.ranges_include_prism_constant != asked.ranges_include_prism_constant
         || edited.files != asked.files;
     if changed {
-        commands.push(Command::EditAsked(Asked::Columns(Box::new(edited))));
+        commands.push(DialogCommand::EditAsked(Asked::Columns(Box::new(edited))).into());
     }
 }
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use egui::RichText;
 
+use crate::app::model::Commands;
 use crate::app::model::live::{LiveCommand, LiveForm};
-use crate::app::model::{Command, Commands};
 use crate::app::panels::number;
 use crate::app::state::State;
 use crate::app::theme;
@@ -38,7 +38,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         if form.records {
             let to = form.record.as_deref().map_or("into your documents".to_owned(), name);
             if ui.button("To…").on_hover_text(to.clone()).clicked() {
-                commands.push(Command::Live(LiveCommand::ChooseRecord));
+                commands.push(LiveCommand::ChooseRecord.into());
             }
             ui.weak(to);
         }
@@ -52,7 +52,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let name = if form.replay.is_some() { "Replay" } else { "Connect" };
         let button = egui::Button::new(RichText::new(name).size(18.0));
         if ui.add_enabled(!live.is_changing, button).clicked() {
-            commands.push(Command::Live(LiveCommand::Connect));
+            commands.push(LiveCommand::Connect.into());
         }
         if live.is_changing {
             ui.spinner();
@@ -64,7 +64,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     }
     if form != live.form {
         // Before what else was asked: it goes by what stands in the form.
-        commands.insert(0, Command::Live(LiveCommand::Edit(form)));
+        commands.insert(0, LiveCommand::Edit(form).into());
     }
 }
 
@@ -91,14 +91,14 @@ fn source(ui: &mut egui::Ui, form: &mut LiveForm, commands: &mut Commands) {
     });
     ui.horizontal_wrapped(|ui| {
         if ui.radio(form.replay.is_some(), "A replay").clicked() && form.replay.is_none() {
-            commands.push(Command::Live(LiveCommand::ChooseReplay));
+            commands.push(LiveCommand::ChooseReplay.into());
         }
         let Some(path) = &form.replay else {
             ui.weak("of a deployment, as if it came in now");
             return;
         };
         if ui.button(name(path)).on_hover_text(path.display().to_string()).clicked() {
-            commands.push(Command::Live(LiveCommand::ChooseReplay));
+            commands.push(LiveCommand::ChooseReplay.into());
         }
         ui.label("faster by");
         let (name, range) = ("Speed of the replay", 0.1..=1000.0);
@@ -118,7 +118,7 @@ fn beforehand(ui: &mut egui::Ui, state: &State, form: &mut LiveForm, commands: &
         ui.label("Rig and control points");
         let shown = form.known.as_deref().map_or("Choose…".to_owned(), name);
         if ui.button(shown).on_hover_text("A folder or file that describes the rig").clicked() {
-            commands.push(Command::Live(LiveCommand::ChooseKnown));
+            commands.push(LiveCommand::ChooseKnown.into());
         }
         let open = state.active().and_then(|open| open.source.as_ref()).and_then(Source::path);
         // What lies beside a file of tracks is in its folder.

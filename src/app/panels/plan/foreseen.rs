@@ -5,7 +5,7 @@ use egui_plot::{Line, Plot, PlotPoints};
 
 use crate::app::model::estimates::Shown;
 use crate::app::model::units::unbroken;
-use crate::app::model::{Command, Commands, PlanCommand, Units};
+use crate::app::model::{Commands, PlanCommand, Units};
 use crate::app::panels::result::badge;
 use crate::app::panels::{finding, heading, observability, scrolled};
 use crate::app::plots::{axis_below, bare_axis, close_marks, round_marks, still};
@@ -49,10 +49,10 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         improvements(ui, state, commands);
         if let Some(held) = &foreseen.held {
             heading(ui, "Predicted σ");
-            table(ui, held, state.units);
+            table(ui, held, state.workspace.units);
         }
-        along(ui, foreseen, state.units);
-        locks(ui, foreseen, state.units);
+        along(ui, foreseen, state.workspace.units);
+        locks(ui, foreseen, state.workspace.units);
         if let Some(observed) = &foreseen.observability {
             observability::ui(ui, observed);
         }
@@ -225,7 +225,7 @@ fn improvements(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                     if button.on_hover_text("Make it the plan; Undo takes it back").clicked() {
                         let plan = Box::new(one.plan.clone());
                         let set = PlanCommand::Set(plan, "an improvement taken");
-                        commands.push(Command::Plan(set));
+                        commands.push(set.into());
                     }
                     ui.add(egui::Label::new(unbroken(&one.sentence)).wrap());
                 });

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use egui::RichText;
 
 use crate::app::model::planning::manoeuvre_name;
-use crate::app::model::{Command, Commands, PlanCommand};
+use crate::app::model::{Commands, PlanCommand};
 use crate::app::panels::{heading, number, scrolled};
 use crate::app::state::State;
 use crate::app::theme;
@@ -40,14 +40,14 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         note(ui, "ground of the plan", &mut |ui| ground(ui, &mut plan));
         note(ui, "manoeuvres of the plan", &mut |ui| manoeuvres(ui, &mut plan));
         if !changed.is_empty() {
-            commands.push(Command::Plan(PlanCommand::Set(plan.into(), changed)));
+            commands.push(PlanCommand::Set(plan.into(), changed).into());
         }
     });
 }
 
 /// Where plans come from and go to.
 fn from_where(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    let mut send = |command| commands.push(Command::Plan(command));
+    let mut send = |command: PlanCommand| commands.push(command.into());
     ui.horizontal_wrapped(|ui| {
         let name = match &state.planning.path {
             Some(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),

@@ -3,7 +3,7 @@
 use egui::RichText;
 
 use super::{Shown, name};
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, DeploymentCommand};
 use crate::app::state::put_right::without_control_points;
 use resect_io::source::Extras;
 
@@ -28,7 +28,7 @@ impl Shown<'_> {
                 .on_hover_text("Distances, or a station's reading of the prisms")
                 .clicked()
             {
-                commands.push(Command::ChooseRigDialog);
+                commands.push(DeploymentCommand::ChooseRigDialog.into());
             }
         });
         let own_points = !self.extras.gcp.is_empty()
@@ -53,7 +53,7 @@ impl Shown<'_> {
             });
         }
         if ui.button("Add control points…").clicked() {
-            commands.push(Command::AddControlPointsDialog);
+            commands.push(DeploymentCommand::AddControlPointsDialog.into());
         }
     }
 }

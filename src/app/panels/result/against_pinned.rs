@@ -2,8 +2,8 @@
 
 use egui::RichText;
 
-use super::difference_row;
-use crate::app::model::{Command, Commands, OpenDeployment, Pin, Units};
+use super::difference_row::difference_row;
+use crate::app::model::{Commands, OpenDeployment, Pin, ResultsCommand, Units};
 use crate::app::panels::{heading, number_head, use_pinned};
 use crate::app::state::State;
 use crate::app::theme;
@@ -20,7 +20,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
     ui.horizontal(|ui| {
         ui.strong(format!("Against pinned {}", pin.name));
         if ui.small_button(format!("Unpin {}", pin.name)).clicked() {
-            commands.push(Command::Unpin(pin.id));
+            commands.push(ResultsCommand::Unpin(pin.id).into());
         }
         use_pinned(ui, state, pin.id, commands);
     });
@@ -37,8 +37,8 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
         );
         ui.label(RichText::new(text).color(colour));
     }
-    verdict_and_settings(ui, &difference, state.units);
-    transforms(ui, &difference, (pin, now, &open.deployment), state.units);
+    verdict_and_settings(ui, &difference, state.workspace.units);
+    transforms(ui, &difference, (pin, now, &open.deployment), state.workspace.units);
     metrics(ui, &difference);
 }
 

@@ -2,7 +2,7 @@
 
 use egui::{PopupCloseBehavior, containers::menu};
 
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, ResultsCommand};
 use resect_core::calibration::Verdict;
 use resect_report::copy::{CopyFormat, Part};
 use resect_report::summary::ResultSummary;
@@ -22,7 +22,7 @@ pub fn ui(ui: &mut egui::Ui, summary: &ResultSummary, commands: &mut Commands) {
         ui.separator();
         for format in CopyFormat::ALL {
             if ui.button(format.title()).clicked() {
-                commands.push(Command::CopyTransforms(format, part));
+                commands.push(ResultsCommand::CopyTransforms(format, part).into());
                 ui.close();
             }
         }

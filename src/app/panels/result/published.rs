@@ -1,7 +1,7 @@
 //! The paper's answer beside a joint estimate: what it was moved by, and the way to it.
 
-use super::difference_row;
-use crate::app::model::{Command, Commands};
+use super::difference_row::difference_row;
+use crate::app::model::{Commands, DeploymentCommand};
 use crate::app::panels::{heading, number_head};
 use crate::app::state::State;
 use crate::app::words;
@@ -15,7 +15,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut 
         return;
     };
     let name = published.method.short_name();
-    let units = state.units;
+    let units = state.workspace.units;
     heading(ui, &format!("The paper's {name}: moved by"));
     egui::Grid::new("moved from published").num_columns(5).spacing([7.0, 3.0]).striped(true).show(
         ui,
@@ -48,7 +48,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, joint: &Calibration, commands: &mut 
         if button.clicked() {
             let mut settings = *state.settings();
             settings.calibration.method = Some(published.method);
-            commands.push(Command::Set(settings));
+            commands.push(DeploymentCommand::Set(settings).into());
         }
     });
 }

@@ -45,10 +45,11 @@ pub struct Difference {
 
 /// All columns, and the place of the one that the others are held against: the active deployment's.
 pub fn columns(state: &State) -> (Vec<Column<'_>>, usize) {
-    let open = state.open.iter().zip(state.names()).map(|(open, name)| of_open(open, name));
+    let open =
+        state.deployments.open.iter().zip(state.names()).map(|(open, name)| of_open(open, name));
     let columns = open.chain(state.results.pins.iter().map(of_pin)).collect();
     let active = state.active().map(|open| open.id);
-    let reference = state.open.iter().position(|open| Some(open.id) == active);
+    let reference = state.deployments.open.iter().position(|open| Some(open.id) == active);
     (columns, reference.unwrap_or(0))
 }
 

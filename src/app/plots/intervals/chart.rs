@@ -7,7 +7,7 @@ use super::super::quads::Quads;
 use super::super::strips::{Strip, bare_axis};
 use super::super::time_plot::{Shown, TimePlot};
 use super::super::times::Times;
-use crate::app::model::{Command, Commands, OpenDeployment, Picked};
+use crate::app::model::{Commands, OpenDeployment, Picked, TimeCommand};
 use crate::app::prepared::gaps::{Seen, first_from, visible};
 use crate::app::state::State;
 use crate::app::theme;
@@ -51,13 +51,13 @@ pub fn ui(
     let shown = time_plot.show(ui, plot, axis, commands, |_| {});
     let filtered = analysis.pipeline.filtered.as_ref();
     let chart = Chart { open, state, times, filtered, shown };
-    for station in (0..3).filter(|station| state.visibility.stations[*station]) {
+    for station in (0..3).filter(|station| state.scene.visibility.stations[*station]) {
         chart.station(ui, station);
     }
     chart.common(ui);
     chart.shown.paint_times(ui, times);
     chart.hover(ui);
-    chart.shown.on_click(times, commands, |at| chart.reading_at(at).map(Command::PickInPlot));
+    chart.shown.on_click(times, commands, |at| chart.reading_at(at).map(TimeCommand::PickInPlot));
 }
 
 fn name(row: f64) -> String {
@@ -269,7 +269,7 @@ impl Chart<'_> {
     /// The reading whose tick is near.
     fn reading_at(&self, at: Pos2) -> Option<Picked> {
         let station = (0..3).find(|station| self.row(*station).contains(at.y))?;
-        if !self.state.visibility.stations[station] || !self.ticks_stand_alone(station) {
+        if !self.state.scene.visibility.stations[station] || !self.ticks_stand_alone(station) {
             return None;
         }
         let own = &self.open.plots.readings.stations[station];

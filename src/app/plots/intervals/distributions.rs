@@ -3,9 +3,10 @@
 use egui::{Color32, Rect, RichText};
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotTransform};
 
+use super::super::threshold::Threshold;
 use super::super::time_plot::still;
 use super::super::{LABELS, log_axis};
-use super::{GapThresholds, Threshold};
+use super::gap_thresholds::GapThresholds;
 use crate::app::model::OpenDeployment;
 use crate::app::prepared::gaps::LogHistogram;
 use crate::app::state::State;
@@ -42,7 +43,7 @@ pub fn ui(
     let short_of = |threshold: &Threshold<'_>| threshold.symbol.to_owned();
     title(ui, ["silences", ">"], [tau_s.label(), short_of(tau_s)], &longer, counted);
     let stations: Vec<(&LogHistogram, Color32)> = (0..3)
-        .filter(|station| state.visibility.stations[*station])
+        .filter(|station| state.scene.visibility.stations[*station])
         .map(|station| (&gaps.lengths[station], theme::rgb(palette::STATIONS[station])))
         .collect();
     let silences = Distribution { name: "silences", threshold: tau_s.value, series: &stations };

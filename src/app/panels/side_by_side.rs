@@ -8,7 +8,7 @@ use egui::RichText;
 use self::columns::{Cell, Column, Whose, columns};
 use super::result::{NOTABLE_SIGMAS, badge};
 use super::validation;
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, DeploymentCommand};
 use crate::app::plots::in_the_middle;
 use crate::app::short;
 use crate::app::state::State;
@@ -30,7 +30,7 @@ const NARROW_TEXT: f32 = 11.0;
 const MOST_SIGMAS: f64 = 999.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    if state.open.is_empty() {
+    if state.deployments.open.is_empty() {
         in_the_middle(ui, "Nothing open.");
         return;
     }
@@ -103,7 +103,7 @@ impl Table<'_> {
         self.of_results(ui, "method", |ui, summary| {
             ui.label(summary.method.short_name()).on_hover_text(summary.method.title());
         });
-        let transforms = columns::transforms(&self.columns, self.reference, state.units);
+        let transforms = columns::transforms(&self.columns, self.reference, state.workspace.units);
         for (index, transform) in ["T12", "T13"].into_iter().enumerate() {
             for (axis, name) in ["x", "y", "z", "yaw"].into_iter().enumerate() {
                 let cell = |column: usize| &transforms[column][4 * index + axis];
@@ -253,7 +253,7 @@ fn title(ui: &mut egui::Ui, state: &State, column: &Column<'_>, commands: &mut C
                 egui::WidgetInfo::selected(egui::Role::Button, true, active, &column.title)
             });
             if short::whole_on_hover(button, &shown, &column.title).clicked() {
-                commands.push(Command::Activate(id));
+                commands.push(DeploymentCommand::Activate(id).into());
             }
         }
         Whose::Pinned(_) => {
@@ -264,11 +264,11 @@ fn title(ui: &mut egui::Ui, state: &State, column: &Column<'_>, commands: &mut C
 
 fn settings(ui: &mut egui::Ui, state: &State, column: &Column<'_>, commands: &mut Commands) {
     let (settings, pin) = match column.whose {
-        Whose::Open(id) => (state.open.iter().find(|open| open.id == id).map(|o| o.settings), None),
+        Whose::Open(id) => (state.deployments.get(id).map(|o| o.settings), None),
         Whose::Pinned(id) => (state.settings_of_pin(id), Some(id)),
     };
     let Some(settings) = settings else { return };
-    let changes = state.units.changes(&Settings::default(), &settings);
+    let changes = state.workspace.units.changes(&Settings::default(), &settings);
     let (name, hint) = match changes.as_str() {
         "" => ("the defaults", "Nothing is changed"),
         changes => ("changed", changes),
@@ -282,15 +282,15 @@ fn settings(ui: &mut egui::Ui, state: &State, column: &Column<'_>, commands: &mu
 }
 
 fn give_all(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
-    if state.open.len() < 2 {
+    if state.deployments.open.len() < 2 {
         return;
     }
-    let differ = state.open.iter().any(|open| open.settings != *state.settings());
+    let differ = state.deployments.open.iter().any(|open| open.settings != *state.settings());
     let button = egui::Button::new("Give all the active one's settings");
     let response = ui
         .add_enabled(differ, button)
         .on_disabled_hover_text("They have the same settings already");
     if response.clicked() {
-        commands.push(Command::SetAll);
+        commands.push(DeploymentCommand::SetAll.into());
     }
 }

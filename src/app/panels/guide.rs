@@ -11,7 +11,7 @@ use self::steps::{Part, STEPS, Step};
 use super::{finding, result, scrolled};
 use crate::app::actions;
 use crate::app::actions::{Action, Menu};
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, WorkspaceCommand};
 use crate::app::state::State;
 use crate::app::{theme, words};
 use resect_core::calibration::Verdict;
@@ -224,7 +224,7 @@ impl<'a> Guide<'a> {
         ui.add(egui::Label::new(text).wrap());
         ui.horizontal_wrapped(|ui| {
             if ui.button("Copy the command").clicked() {
-                self.commands.push(Command::Copy(command));
+                self.commands.push(WorkspaceCommand::Copy(command).into());
             }
             let settings = self.state.settings();
             let button = ui
@@ -233,7 +233,7 @@ impl<'a> Guide<'a> {
             if button.clicked()
                 && let Ok(text) = toml::to_string(settings)
             {
-                self.commands.push(Command::Copy(text));
+                self.commands.push(WorkspaceCommand::Copy(text).into());
             }
         });
         if self.state.extras().is_some_and(|extras| !extras.put_right.is_empty()) {

@@ -3,6 +3,7 @@
 
 mod against_pinned;
 mod copy_menu;
+mod difference_row;
 mod extras;
 mod methods;
 mod metrics;
@@ -11,9 +12,12 @@ mod transforms;
 
 use egui::RichText;
 
+pub use self::difference_row::NOTABLE_SIGMAS;
 use super::put_right::distance_fields;
 use super::{correlations, finding, heading, scrolled};
-use crate::app::model::{Command, Commands, OpenDeployment};
+use crate::app::model::{
+    Commands, DeploymentCommand, OpenDeployment, ResultsCommand, WorkspaceCommand,
+};
 use crate::app::state::State;
 use crate::app::theme;
 use crate::app::words;
@@ -21,13 +25,9 @@ use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::{Calibration, Targets, Verdict};
 use resect_core::deployment::{Finding, Severity, doubts};
 use resect_core::palette;
-use resect_report::difference::Deviation;
 use resect_report::glossary;
 use resect_report::summary::ResultSummary;
 use resect_report::text;
-
-/// Beyond this many σ a choice moves the answer more than it should.
-pub const NOTABLE_SIGMAS: f64 = 3.0;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if let Some((open, analysis)) = state.analysed()
@@ -70,10 +70,10 @@ fn missing_rig(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands
     let mut changed = extras.clone();
     distance_fields(ui, open, extras.put_right.inter_prism_m, &mut changed);
     if changed != *extras {
-        commands.push(Command::PutRight(changed));
+        commands.push(DeploymentCommand::PutRight(changed).into());
     }
     if ui.button("Choose a rig file…").clicked() {
-        commands.push(Command::ChooseRigDialog);
+        commands.push(DeploymentCommand::ChooseRigDialog.into());
     }
 }
 
@@ -84,7 +84,7 @@ fn show(
     commands: &mut Commands,
 ) {
     let calibration = &answer.calibration;
-    let units = state.units;
+    let units = state.workspace.units;
     reasons(ui, state, &calibration.findings, commands);
     heading(ui, "Transforms into station 1");
     transforms::table(ui, calibration, units);
@@ -93,7 +93,10 @@ fn show(
             copy_menu::ui(ui, summary, commands);
         }
         if ui.button("Copy as text").clicked() {
-            commands.push(Command::Copy(text::calibration(&open.deployment, analysis, answer)));
+            commands.push(
+                WorkspaceCommand::Copy(text::calibration(&open.deployment, analysis, answer))
+                    .into(),
+            );
         }
         if let Some(summary) = &open.summary {
             pin(ui, state, (open, summary), commands);
@@ -127,7 +130,7 @@ fn pin(
         .on_hover_text("Keep this result, and see later ones against it")
         .on_disabled_hover_text(why);
     if button.clicked() {
-        commands.push(Command::Pin);
+        commands.push(ResultsCommand::Pin.into());
     }
 }
 
@@ -201,26 +204,4 @@ pub fn badge(ui: &mut egui::Ui, verdict: Verdict, size: f32) -> egui::Response {
             ui.label(RichText::new(word).color(ink).strong().size(size))
         })
         .inner
-}
-
-/// One quantity of both stations, beside each number how many σ that is.
-fn difference_row(
-    ui: &mut egui::Ui,
-    name: &str,
-    deviations: [Deviation; 2],
-    show: impl Fn(f64) -> String,
-) {
-    let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
-    let label = words::explain_text(ui.label(name), name);
-    if name.starts_with("distance") {
-        label.on_hover_text("How far apart the two places of the station are");
-    }
-    for Deviation { value, sigmas } in deviations {
-        ui.monospace(format!("{:>8}", show(value)));
-        let text = sigmas.map_or("–".to_owned(), |sigmas| format!("{sigmas:.1}"));
-        let text = RichText::new(format!("{text:>4}")).monospace();
-        let large = sigmas.is_some_and(|sigmas| sigmas > NOTABLE_SIGMAS);
-        ui.label(if large { text.color(notable).strong() } else { text });
-    }
-    ui.end_row();
 }

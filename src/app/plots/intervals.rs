@@ -3,17 +3,17 @@
 
 mod chart;
 mod distributions;
+mod gap_thresholds;
 
 use egui::Rect;
 
-use super::threshold::Threshold;
+use self::gap_thresholds::GapThresholds;
 use super::time_plot;
 use super::times::Times;
 use super::{in_the_middle, station_switches, strips};
-use crate::app::model::{Command, Commands};
+use crate::app::model::{Commands, DeploymentCommand};
 use crate::app::state::State;
-use resect_core::analysis::Settings;
-use resect_core::pipeline::{Interval, Thresholds};
+use resect_core::pipeline::Interval;
 
 /// The distributions' part of the width of a pane that has no room beside its plots.
 const SHARE: f32 = 0.4;
@@ -61,35 +61,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         let set = &mut settings.pipeline.thresholds;
         set.tau_s_seconds = wanted[0].unwrap_or(set.tau_s_seconds);
         set.tau_l_seconds = wanted[1].unwrap_or(set.tau_l_seconds);
-        commands.push(Command::Set(settings));
-    }
-}
-
-/// The thresholds τ_s and τ_l of this pane.
-struct GapThresholds([Threshold<'static>; 2]);
-
-impl GapThresholds {
-    fn of(settings: &Settings) -> Self {
-        let (set, paper) = (&settings.pipeline.thresholds, Thresholds::default());
-        Self([
-            Threshold {
-                symbol: "τ_s",
-                value: set.tau_s_seconds,
-                paper: paper.tau_s_seconds,
-                unit: "s",
-                // What the settings allow.
-                range: 0.05..=60.0,
-                enabled: true,
-            },
-            Threshold {
-                symbol: "τ_l",
-                value: set.tau_l_seconds,
-                paper: paper.tau_l_seconds,
-                unit: "s",
-                range: 0.1..=600.0,
-                enabled: settings.pipeline.interval_filter,
-            },
-        ])
+        commands.push(DeploymentCommand::Set(settings).into());
     }
 }
 

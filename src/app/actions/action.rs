@@ -1,0 +1,106 @@
+//! An entry of a menu: its name, its key, and its command.
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+use crate::app::model::Command;
+
+/// The menus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Menu {
+    File,
+    Edit,
+    Time,
+    View,
+    Export,
+    Help,
+}
+
+impl Menu {
+    pub const ALL: [Self; 6] =
+        [Self::File, Self::Edit, Self::Time, Self::View, Self::Export, Self::Help];
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::File => "File",
+            Self::Edit => "Edit",
+            Self::Time => "Time",
+            Self::View => "View",
+            Self::Export => "Export",
+            Self::Help => "Help",
+        }
+    }
+}
+
+/// Something that can be done.
+#[derive(Clone, Debug)]
+pub struct Action {
+    pub menu: Menu,
+    /// Heading in the menu; actions of a section follow each other.
+    pub section: &'static str,
+    pub name: String,
+    /// What its key does whatever is open, for the sheet of shortcuts; empty where the name says it.
+    pub in_general: &'static str,
+    pub hint: &'static str,
+    pub shortcut: Option<KeyboardShortcut>,
+    /// Whether the action's choice or switch is on; `None` where it is neither.
+    pub on: Option<bool>,
+    /// Whether the actions of its section stand in one row of the menu, each by its last word.
+    pub in_a_row: bool,
+    /// `None` while it cannot be done.
+    pub command: Option<Command>,
+}
+
+impl Action {
+    pub(super) fn new(
+        menu: Menu,
+        section: &'static str,
+        name: impl Into<String>,
+        command: impl Into<Command>,
+    ) -> Self {
+        Self {
+            menu,
+            section,
+            name: name.into(),
+            in_general: "",
+            hint: "",
+            shortcut: None,
+            on: None,
+            in_a_row: false,
+            command: Some(command.into()),
+        }
+    }
+
+    pub(super) fn hint(self, hint: &'static str) -> Self {
+        Self { hint, ..self }
+    }
+
+    pub(super) fn in_general(self, in_general: &'static str) -> Self {
+        Self { in_general, ..self }
+    }
+
+    /// The key that comes with Ctrl (⌘ on a Mac).
+    pub(super) fn ctrl(self, key: Key) -> Self {
+        self.keys(Modifiers::COMMAND, key)
+    }
+
+    pub(super) fn key(self, key: Key) -> Self {
+        self.keys(Modifiers::NONE, key)
+    }
+
+    pub(super) fn keys(self, modifiers: Modifiers, key: Key) -> Self {
+        Self { shortcut: Some(KeyboardShortcut::new(modifiers, key)), ..self }
+    }
+
+    pub(super) fn on(self, on: bool) -> Self {
+        Self { on: Some(on), ..self }
+    }
+
+    /// Makes it one of a few actions that exclude each other.
+    pub(super) fn one_of(self, on: bool) -> Self {
+        Self { on: Some(on), in_a_row: true, ..self }
+    }
+
+    pub(super) fn possible(self, possible: bool) -> Self {
+        Self { command: self.command.filter(|_| possible), ..self }
+    }
+}

@@ -1,0 +1,106 @@
+//! The table of all actions, and the search in it.
+
+use super::{Action, edit, file, help, remedies, time, view};
+use crate::app::state::State;
+
+/// All there is to do in this state, in the order of the menus.
+pub fn all(state: &State) -> Vec<Action> {
+    let mut actions = file::actions(state);
+    actions.extend(edit::actions(state));
+    actions.extend(remedies::actions(state));
+    actions.extend(time::actions(state));
+    actions.extend(view::actions(state));
+    actions.extend(file::exports(state));
+    actions.extend(help::actions());
+    actions
+}
+
+/// Actions that a query finds, the best first: every word of it is in the menu's title, the name or the hint.
+pub fn matching(actions: &[Action], query: &str) -> Vec<Action> {
+    let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
+    let mut found: Vec<(usize, &Action)> = actions
+        .iter()
+        .filter(|action| action.command.is_some())
+        .filter_map(|action| {
+            let name = action.name.to_lowercase();
+            let all = format!(
+                "{} {} {name} {}",
+                action.menu.title().to_lowercase(),
+                action.section.to_lowercase(),
+                action.hint.to_lowercase()
+            );
+            // A word at the start of the name, at the start of a word of it, anywhere in it, elsewhere.
+            let cost = |word: &String| match name.find(word.as_str()) {
+                Some(0) => Some(0),
+                Some(_) if name.contains(&format!(" {word}")) => Some(1),
+                Some(_) => Some(2),
+                None => all.contains(word.as_str()).then_some(5),
+            };
+            words.iter().map(cost).sum::<Option<usize>>().map(|cost| (cost, action))
+        })
+        .collect();
+    found.sort_by_key(|(cost, _)| *cost);
+    found.into_iter().map(|(_, action)| action.clone()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::actions::Menu;
+
+    fn state() -> State {
+        State::new(egui::Context::default())
+    }
+
+    #[test]
+    fn no_two_actions_share_keys_or_a_name() {
+        let actions = all(&state());
+        for (index, one) in actions.iter().enumerate() {
+            for other in &actions[index + 1..] {
+                assert!(
+                    one.shortcut.is_none() || one.shortcut != other.shortcut,
+                    "{} and {}",
+                    one.name,
+                    other.name
+                );
+                assert!(one.menu != other.menu || one.name != other.name, "{}", one.name);
+            }
+        }
+    }
+
+    #[test]
+    fn the_actions_of_a_section_follow_each_other() {
+        let actions = all(&state());
+        let mut seen: Vec<(Menu, &str)> = Vec::new();
+        for action in &actions {
+            let place = (action.menu, action.section);
+            if seen.last() != Some(&place) {
+                assert!(!seen.contains(&place), "{place:?} comes twice");
+                seen.push(place);
+            }
+        }
+    }
+
+    #[test]
+    fn a_query_finds_by_words_in_any_order_and_puts_the_name_first() {
+        let actions = all(&state());
+        let found = matching(&actions, "folder open");
+        assert_eq!(found[0].name, "Open folder…");
+        let found = matching(&actions, "fit");
+        assert_eq!(found[0].name, "Fit");
+        assert_eq!(matching(&actions, "light")[0].name, "Theme: light");
+        assert_eq!(matching(&actions, "gon")[0].name, "Angles in gon");
+        assert!(matching(&actions, "no such thing").is_empty());
+        for action in actions.iter().filter(|action| action.command.is_some()) {
+            let words = format!("{} {} {}", action.menu.title(), action.name, action.hint);
+            let found = matching(&actions, &words.to_uppercase());
+            assert!(found.iter().any(|found| found.name == action.name), "{words}");
+        }
+        // What cannot be done now is not offered.
+        assert!(matching(&actions, "undo").is_empty());
+        assert_eq!(
+            matching(&actions, "").len(),
+            actions.iter().filter(|a| a.command.is_some()).count()
+        );
+    }
+}

@@ -1,0 +1,33 @@
+//! A row of differences between two results.
+
+use egui::RichText;
+
+use crate::app::theme;
+use crate::app::words;
+use resect_core::deployment::Severity;
+use resect_report::difference::Deviation;
+
+/// Beyond this many σ a choice moves the answer more than it should.
+pub const NOTABLE_SIGMAS: f64 = 3.0;
+
+/// One quantity of both stations, beside each number how many σ that is.
+pub fn difference_row(
+    ui: &mut egui::Ui,
+    name: &str,
+    deviations: [Deviation; 2],
+    show: impl Fn(f64) -> String,
+) {
+    let (notable, _) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
+    let label = words::explain_text(ui.label(name), name);
+    if name.starts_with("distance") {
+        label.on_hover_text("How far apart the two places of the station are");
+    }
+    for Deviation { value, sigmas } in deviations {
+        ui.monospace(format!("{:>8}", show(value)));
+        let text = sigmas.map_or("–".to_owned(), |sigmas| format!("{sigmas:.1}"));
+        let text = RichText::new(format!("{text:>4}")).monospace();
+        let large = sigmas.is_some_and(|sigmas| sigmas > NOTABLE_SIGMAS);
+        ui.label(if large { text.color(notable).strong() } else { text });
+    }
+    ui.end_row();
+}

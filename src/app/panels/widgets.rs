@@ -1,0 +1,90 @@
+//! Widgets that several panes share.
+
+use crate::app::actions::remedies;
+use crate::app::model::units::unbroken;
+use crate::app::model::{Commands, ResultsCommand};
+use crate::app::state::State;
+use crate::app::theme;
+use crate::app::words;
+use resect_core::deployment::Finding;
+
+/// What takes less is not worth a word.
+pub const SHORTEST_WAIT: std::time::Duration = std::time::Duration::from_millis(250);
+
+/// Space around a pane's content (points).
+pub const MARGIN: f32 = 8.0;
+
+/// A pane's content with a margin, scrolling where it does not fit.
+pub fn scrolled(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
+    theme::keep_handle(ui);
+    egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        egui::Frame::new().inner_margin(MARGIN).show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            add(ui);
+        });
+    });
+}
+
+/// A finding with its sign; beside it the text wraps, and under that are buttons that do what it advises.
+pub fn finding(ui: &mut egui::Ui, state: &State, finding: &Finding, commands: &mut Commands) {
+    let (colour, sign) = theme::severity(finding.severity, ui.visuals().dark_mode);
+    ui.horizontal_top(|ui| {
+        // Signs differ in width; the texts beside them should line up.
+        let width = 14.0;
+        let (place, _) = ui.allocate_exact_size(egui::vec2(width, 16.0), egui::Sense::hover());
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, sign, font, colour);
+        ui.vertical(|ui| {
+            let message = state.workspace.units.message(finding);
+            let label = ui.add(egui::Label::new(unbroken(&message)).wrap());
+            words::explain_text(label, &message);
+            if !finding.remedies.is_empty() {
+                ui.horizontal_wrapped(|ui| {
+                    for remedy in &finding.remedies {
+                        advised(ui, remedies::offer(remedy, state), commands);
+                    }
+                });
+            }
+        });
+    });
+}
+
+/// A button that does what is advised, or says why it cannot.
+fn advised(ui: &mut egui::Ui, offer: remedies::Offer, commands: &mut Commands) {
+    let remedies::Offer { name, command } = offer;
+    let button = ui.add_enabled(command.is_ok(), egui::Button::new(name).small());
+    match command {
+        Ok(command) if button.clicked() => commands.push(command),
+        Ok(_) => {}
+        Err(why) => {
+            button.on_disabled_hover_text(why);
+        }
+    }
+}
+
+/// A button that gives the active deployment the settings of a pinned result.
+pub fn use_pinned(ui: &mut egui::Ui, state: &State, id: u64, commands: &mut Commands) {
+    let Some(settings) = state.settings_of_pin(id) else { return };
+    let possible = settings != *state.settings();
+    let button = ui
+        .add_enabled(possible, egui::Button::new("Use these settings").small())
+        .on_hover_text("Calibrate with the settings of the pinned result; Undo takes it back")
+        .on_disabled_hover_text("They are the settings now");
+    let pin = state.results.pins.iter().find(|pin| pin.id == id);
+    let name = format!("Use the settings of {}", pin.map_or("", |pin| pin.name.as_str()));
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, possible, &name));
+    if button.clicked() {
+        commands.push(ResultsCommand::UsePinned(id).into());
+    }
+}
+
+/// The head of a column of numbers that are so many characters wide, above their right end.
+pub fn number_head(ui: &mut egui::Ui, text: &str, width: usize) -> egui::Response {
+    ui.label(egui::RichText::new(format!("{text:>width$}")).monospace().strong())
+}
+
+/// A heading inside a pane.
+pub fn heading(ui: &mut egui::Ui, text: &str) {
+    ui.add_space(4.0);
+    words::explain_text(ui.strong(text), text);
+}

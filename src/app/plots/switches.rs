@@ -1,0 +1,48 @@
+//! Switches of pairs and stations above a plot.
+
+use crate::app::model::{Commands, SceneCommand};
+use crate::app::state::State;
+use crate::app::theme;
+use resect_core::deployment::pair_label;
+use resect_core::palette;
+
+/// The legend as a line of switches above a plot, where it covers no data.
+pub fn pair_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let mut visibility = state.scene.visibility;
+    let dark = ui.visuals().dark_mode;
+    for (pair, on) in visibility.pairs.iter_mut().enumerate() {
+        ui.checkbox(on, pair_name(pair, dark))
+            .on_hover_text("Show or hide this pair of prisms, in all plots");
+    }
+    if visibility != state.scene.visibility {
+        commands.push(SceneCommand::Show(visibility).into());
+    }
+}
+
+/// Panes narrower than this have room for a station's number only (points).
+pub const NARROW: f32 = 520.0;
+
+/// Stations in their colours, shown or hidden here and in the scene.
+pub fn station_switches(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    let mut visibility = state.scene.visibility;
+    let (dark, narrow) = (ui.visuals().dark_mode, ui.available_width() < NARROW);
+    for (station, on) in visibility.stations.iter_mut().enumerate() {
+        let name = format!("station {}", station + 1);
+        let text = if narrow { (station + 1).to_string() } else { name.clone() };
+        let colour = theme::readable(palette::STATIONS[station], dark);
+        let switch = ui.checkbox(on, egui::RichText::new(text).color(colour).strong());
+        let role = egui::accesskit::Role::CheckBox;
+        switch.widget_info(|| egui::WidgetInfo::selected(role, true, *on, &name));
+        switch.on_hover_text(format!("Show or hide {name}, in the scene too"));
+    }
+    if visibility != state.scene.visibility {
+        commands.push(SceneCommand::Show(visibility).into());
+    }
+}
+
+/// "1–2" in the pair's colour.
+pub fn pair_name(pair: usize, dark: bool) -> egui::RichText {
+    egui::RichText::new(pair_label(pair))
+        .color(theme::readable(palette::PAIRS[pair], dark))
+        .strong()
+}

@@ -1,0 +1,81 @@
+//! Content of the scene, and its camera: where it looks, and when it stops following the rig.
+
+use nalgebra::Vector3;
+
+use super::State;
+use crate::app::model::{Pane, Picked, SceneCommand, ViewPreset};
+
+impl State {
+    pub(super) fn handle_scene(&mut self, command: SceneCommand, ctx: &egui::Context) {
+        use SceneCommand as Command;
+        match command {
+            Command::Show(visibility) => self.scene.visibility = visibility,
+            Command::Colour(colouring) => self.scene.colouring = colouring,
+            Command::SetOptions(options) => self.scene.options = options,
+            Command::Measure(ruler) => self.scene.ruler = ruler,
+            Command::Look(preset) => self.look(preset),
+            Command::ComeTo(position_m) => self.come_to(&position_m),
+            Command::LookAtPoint { file, marker } => self.look_at_point(&file, marker),
+            Command::Picture(to) => {
+                self.workspace.layout.show(Pane::Scene);
+                self.scene.wanted_picture = Some(to);
+                ctx.request_repaint();
+            }
+        }
+    }
+
+    /// Looks another way. A camera that follows the rig only turns; standing at a station and fitting all in end that.
+    pub(super) fn look(&mut self, preset: ViewPreset) {
+        use ViewPreset::{Fit, Front, Side, Slanted, Station, Top};
+        match preset {
+            Slanted | Top | Front | Side if self.scene.options.follow => {
+                self.scene.view.camera.turn(preset)
+            }
+            Fit | Station(_) | Slanted | Top | Front | Side => {
+                self.scene.options.follow = false;
+                self.scene.view.look(preset);
+            }
+        }
+    }
+
+    /// The camera glides to a place (m, in station 1's frame), and leaves the rig.
+    pub(super) fn come_to(&mut self, position_m: &Vector3<f64>) {
+        self.scene.options.follow = false;
+        self.scene.view.fly_to(position_m);
+    }
+
+    /// The camera glides to a reading of the active deployment, if it has a place.
+    pub(super) fn fly_to(&mut self, picked: Picked) {
+        let Some((open, analysis)) = self.analysed() else { return };
+        if let Some(position_m) = picked.place_m(&open.deployment, analysis) {
+            self.come_to(&position_m);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_looks_elsewhere_ends_following_and_what_only_turns_does_not() {
+        let ctx = egui::Context::default();
+        let mut state = State::new(ctx.clone());
+        let mut after = |command: SceneCommand| {
+            state.scene.options.follow = true;
+            let before = state.scene.view.camera;
+            state.handle(command, &ctx);
+            let camera = state.scene.view.camera;
+            let turned = camera.pitch_rad != before.pitch_rad || camera.yaw_rad != before.yaw_rad;
+            let stayed =
+                camera.target_m == before.target_m && camera.distance_m == before.distance_m;
+            assert!(stayed, "no frame was drawn yet");
+            (state.scene.options.follow, turned, state.scene.view.wanted.take().is_some())
+        };
+        assert_eq!(after(SceneCommand::Look(ViewPreset::Top)), (true, true, false));
+        assert_eq!(after(SceneCommand::Look(ViewPreset::Slanted)), (true, true, false));
+        assert_eq!(after(SceneCommand::Look(ViewPreset::Fit)), (false, false, true));
+        assert_eq!(after(SceneCommand::Look(ViewPreset::Station(1))), (false, false, true));
+        assert_eq!(after(SceneCommand::ComeTo(Vector3::zeros())), (false, false, false));
+    }
+}

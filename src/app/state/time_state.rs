@@ -1,0 +1,16 @@
+//! Playback, the time under the pointer, and the values that are plotted over time.
+//!
+//! The time cursor and the selection belong to each deployment: `OpenDeployment::timeline`.
+
+use crate::app::model::{Playback, Plotted, WayPlots};
+
+#[derive(Default)]
+pub struct TimeState {
+    pub playback: Playback,
+    /// Time under the pointer in the last frame, in any pane (s, in the stations' clock).
+    pub hover_s: Option<f64>,
+    /// Plots of the pane of channels.
+    pub plotted: Plotted,
+    /// Plots of the pane of the trajectory.
+    pub way_plots: WayPlots,
+}
