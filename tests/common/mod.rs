@@ -1,6 +1,8 @@
-//! What several test files share.
+//! Helpers that several test binaries share.
 
-#![allow(dead_code, reason = "each test file uses a part")]
+#![allow(dead_code, reason = "each test binary uses a part")]
+
+pub mod slam;
 
 use std::path::PathBuf;
 
@@ -30,7 +32,7 @@ pub fn of_field(name: &str) -> PathBuf {
 }
 
 pub fn sample_folder(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/samples").join(name)
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("crates/resect-io/assets/samples").join(name)
 }
 
 /// The one path, from a fresh start.
