@@ -1,10 +1,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Impossible, LARGEST_SAMPLE, Measurement, StationSense};
+use super::impossible::Impossible;
+use super::station_sense::{LARGEST_SAMPLE, StationSense};
 use crate::format::polar_csv;
 use crate::open::open_files;
 use crate::sample::Sample;
-use resect_core::deployment::Deployment;
+use resect_core::deployment::{Deployment, Measurement};
 
 use resect_core::simulation::{Preset, simulate};
 
@@ -123,8 +124,7 @@ fn good_data_raise_no_doubt() {
         assert_eq!(doubts(&sample.open().expect("built in")), [""; 0]);
     }
     for preset in Preset::ALL {
-        let deployment =
-            crate::simulation_files::open(&simulate(preset, 3)).expect("simulated");
+        let deployment = crate::simulation_files::open(&simulate(preset, 3)).expect("simulated");
         assert_eq!(doubts(&deployment), [""; 0], "{preset:?}");
         let notes = deployment.findings.iter().filter(|f| f.message.contains("start of their own"));
         assert_eq!(notes.count(), 0);
