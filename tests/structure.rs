@@ -21,6 +21,9 @@ const CRATES: [(&str, usize); 5] = [
 const FACES_WITH_CODE: [&str; 3] =
     ["./src/app", "./src/command", "crates/resect-core/src/calibration/inter_prism/refinement"];
 
+/// Importing file, defining file, and the imported paths.
+type Arrows<'a> = BTreeMap<(&'a Module, &'a Module), BTreeSet<String>>;
+
 /// Definitions and imports of a file.
 #[derive(Default)]
 struct File {
@@ -97,9 +100,9 @@ impl Crate {
         }
     }
 
-    /// Importing file, defining file, and the imported paths.
-    fn arrows(&self) -> BTreeMap<(&Module, &Module), BTreeSet<String>> {
-        let mut arrows: BTreeMap<_, BTreeSet<String>> = BTreeMap::new();
+    /// Imports between the files of the crate.
+    fn arrows(&self) -> Arrows<'_> {
+        let mut arrows = Arrows::new();
         for (to, file) in &self.files {
             for path in &file.named {
                 let from = self.defining(path);
@@ -114,16 +117,16 @@ impl Crate {
     }
 
     /// Circles among the files and folders that lie directly in a module; the module's own file is one of them.
-    fn circles_in(&self, folder: &Module) -> Vec<String> {
+    fn circles_in(&self, folder: &Module, arrows: &Arrows<'_>) -> Vec<String> {
         let child = |module: &Module| {
             module.get(folder.len()).map_or_else(|| "(itself)".to_owned(), Clone::clone)
         };
         let mut next: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
         let mut words: BTreeMap<(String, String), Vec<String>> = BTreeMap::new();
-        for ((to, from), names) in self.arrows() {
+        for ((to, from), names) in arrows {
             let (a, b) = (child(to), child(from));
             if to.starts_with(folder) && from.starts_with(folder) && a != b {
-                let line = format!("  {} imports {names:?}", self.files[to].path.display());
+                let line = format!("  {} imports {names:?}", self.files[*to].path.display());
                 next.entry(a.clone()).or_default().insert(b.clone());
                 words.entry((a, b)).or_default().push(line);
             }
@@ -371,7 +374,8 @@ fn no_files_or_folders_of_a_module_import_each_other() {
             .filter(|(_, file)| !file.children.is_empty())
             .map(|(module, _)| module)
             .collect();
-        found.extend(parents.into_iter().flat_map(|module| read.circles_in(module)));
+        let arrows = read.arrows();
+        found.extend(parents.into_iter().flat_map(|module| read.circles_in(module, &arrows)));
     }
     assert!(found.is_empty(), "{} circles:\n{}", found.len(), found.join("\n\n"));
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::Settings;
+use super::settings::Settings;
 use crate::calibration::ErrorSizes;
 use crate::calibration::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
 use crate::pipeline::{PipelineSettings, Thresholds};
