@@ -1,167 +1,190 @@
-//! The imports against the picture of the rooms: what stands below knows nothing of what stands above it.
+//! The structure of the source against its maps: no circle of imports, no import from below, and small packages.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use syn::visit::{self, Visit};
 
-/// A module's path below the crate: `["app", "state", "handle"]`.
+/// The path of a module below its crate: `["app", "state", "handle"]`; empty for `lib.rs`.
 type Module = Vec<String>;
 
-/// What a file defines, and what it takes from elsewhere.
+/// Folders of the crates of the workspace, and the least number of arrows between files that the reading must find there.
+const CRATES: [(&str, usize); 5] = [
+    ("crates/resect-core", 400),
+    ("crates/resect-io", 100),
+    ("crates/resect-live", 30),
+    ("crates/resect-report", 30),
+    (".", 200),
+];
+
+/// Folders whose `mod.rs` files may still contain code.
+const FACES_WITH_CODE: [&str; 3] = ["src/app", "src/command", "crates/resect-core/src/calibration"];
+
+/// Importing file, defining file, and the imported paths.
+type Arrows<'a> = BTreeMap<(&'a Module, &'a Module), BTreeSet<String>>;
+
+/// Definitions and imports of a file.
 #[derive(Default)]
 struct File {
-    /// `mod.rs`, which declares the files of its folder and hands on what they define.
+    path: PathBuf,
+    /// `mod.rs` or `lib.rs`, which declares the files of its folder and re-exports their items.
     is_face: bool,
+    /// Items other than declarations of modules and imports.
+    has_code: bool,
+    children: BTreeSet<String>,
     defines: BTreeSet<String>,
-    /// By the name that it has here, where it comes from.
+    /// By the name that it has here, the path below the crate.
     imports: BTreeMap<String, Module>,
-    /// Everything that is named by a path from the crate, the parent or itself.
+    /// Every path of the file, as it is written.
+    written: BTreeSet<Vec<String>>,
+    /// Every path that is imported, below the crate.
     named: BTreeSet<Module>,
 }
 
-struct House {
+struct Crate {
     files: BTreeMap<Module, File>,
+    /// Modules of the table of `lib.rs`, row by row.
+    table: Vec<Vec<String>>,
 }
 
-impl House {
-    fn read(src: &Path) -> Self {
-        let mut house = Self { files: BTreeMap::new() };
-        house.add_folder(src, &Vec::new());
-        house
+impl Crate {
+    fn read(folder: &str) -> Self {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join("src/lib.rs");
+        let map = std::fs::read_to_string(&root).expect("the map");
+        let row = |line: &str| -> Option<Vec<String>> {
+            let cell = line.strip_prefix("//! | [`")?.split(" | ").next()?;
+            let names = cell.split("[`").filter_map(|name| name.split_once('`'));
+            Some(names.map(|(name, _)| name.to_owned()).collect())
+        };
+        let table = map.lines().filter_map(row).collect();
+        let mut all = Self { files: BTreeMap::new(), table };
+        all.add(&root, &[]);
+        all
     }
 
-    fn add_folder(&mut self, folder: &Path, module: &Module) {
-        let mut entries: Vec<_> = std::fs::read_dir(folder)
-            .expect("a folder")
-            .map(|entry| entry.expect("an entry").path())
-            .collect();
-        entries.sort();
-        for path in entries {
-            let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-            let mut own = module.clone();
-            own.push(name.clone());
-            if path.is_dir() {
-                self.add_folder(&path, &own);
-            } else if path.extension().is_some_and(|extension| extension == "rs")
-                && !name.ends_with("tests")
-            {
-                let is_face = name == "mod";
-                if is_face {
-                    own.pop();
-                }
-                let text = std::fs::read_to_string(&path).expect("readable");
-                let parsed = syn::parse_file(&text).expect("Rust");
-                let mut reading =
-                    Reading { module: &own, file: File { is_face, ..File::default() } };
-                reading.visit_file(&parsed);
-                let file = reading.file;
-                self.files.insert(own, file);
-            }
+    /// Adds a file, and those that it declares.
+    fn add(&mut self, path: &Path, module: &[String]) {
+        let text = std::fs::read_to_string(path)
+            .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let parsed = syn::parse_file(&text).expect("Rust");
+        let name = path.file_stem().expect("a name");
+        let is_face = name == "mod" || name == "lib";
+        let file = File { path: path.to_owned(), is_face, ..File::default() };
+        let mut reading = Reading { module, file };
+        reading.visit_file(&parsed);
+        let file = reading.finish();
+        let folder = path.parent().expect("a folder");
+        let folder = if is_face { folder.to_owned() } else { folder.join(name) };
+        for child in &file.children {
+            let own = [module, std::slice::from_ref(child)].concat();
+            let alone = folder.join(format!("{child}.rs"));
+            let in_folder = folder.join(child).join("mod.rs");
+            self.add(if alone.exists() { &alone } else { &in_folder }, &own);
+        }
+        self.files.insert(module.to_vec(), file);
+    }
+
+    /// The file that defines the item of a path, followed through re-exports.
+    fn defining(&self, path: &[String]) -> &Module {
+        let length = (0..=path.len()).rev().find(|n| self.files.contains_key(&path[..*n]));
+        let length = length.expect("lib.rs");
+        let (module, file) = self.files.get_key_value(&path[..length]).expect("found above");
+        let Some(name) = path.get(length).filter(|name| !file.defines.contains(*name)) else {
+            return module;
+        };
+        let from = file.imports.get(name).map(|from| [from, &path[length + 1..]].concat());
+        match from.filter(|from| from != path) {
+            Some(from) => self.defining(&from),
+            None => module,
         }
     }
 
-    /// The file that defines what a path names, through all that only hands it on.
-    fn defining(&self, path: &[String]) -> Option<&Module> {
-        let length = (1..=path.len()).rev().find(|n| self.files.contains_key(&path[..*n]))?;
-        let (module, file) = self.files.get_key_value(&path[..length])?;
-        let handed_on = path.get(length).filter(|name| !file.defines.contains(*name));
-        let from = handed_on.and_then(|name| file.imports.get(name));
-        // What hands on itself is a mistake of this reading.
-        match from.filter(|from| from[..] != path[..from.len().min(path.len())]) {
-            Some(from) => self.defining(from),
-            None => Some(module),
-        }
-    }
-
-    /// From which file to which something is taken, and what, below a module.
-    fn arrows(&self, place: &str) -> BTreeMap<(&Module, &Module), BTreeSet<String>> {
-        let inside = |module: &Module| module.len() > 1 && module[0] == place;
-        let mut arrows: BTreeMap<_, BTreeSet<String>> = BTreeMap::new();
-        for (module, file) in self.files.iter().filter(|(module, _)| inside(module)) {
+    /// Imports between the files of the crate.
+    fn arrows(&self) -> Arrows<'_> {
+        let mut arrows = Arrows::new();
+        for (to, file) in &self.files {
             for path in &file.named {
-                let Some(from) = self.defining(path).filter(|from| inside(from)) else { continue };
-                if from != module {
-                    let name = path.last().expect("not empty").clone();
-                    arrows.entry((module, from)).or_default().insert(name);
+                let from = self.defining(path);
+                // A face re-exports the items of its own files.
+                let is_own = file.is_face && from.starts_with(to);
+                if from != to && !is_own {
+                    arrows.entry((to, from)).or_default().insert(path.join("::"));
                 }
             }
         }
         arrows
     }
 
-    /// Between the rooms of the crate.
-    fn arrows_of_the_crate(&self) -> BTreeSet<(String, String)> {
-        let arrows = self.files.iter().flat_map(|(module, file)| {
-            let from = |path: &Module| self.defining(path).map(|from| from[0].clone());
-            let to = module.first().cloned().unwrap_or_default();
-            file.named.iter().filter_map(from).map(move |from| (to.clone(), from))
-        });
-        arrows.filter(|(to, from)| to != from).collect()
-    }
-
-    /// Between the files and folders that lie in a module.
-    fn arrows_between_rooms(&self, place: &str) -> Vec<(String, String, BTreeSet<String>)> {
-        let mut all: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
-        for ((to, from), names) in self.arrows(place) {
-            if to[1] != from[1] {
-                all.entry((to[1].clone(), from[1].clone())).or_default().extend(names);
-            }
-        }
-        all.into_iter().map(|((to, from), names)| (to, from, names)).collect()
-    }
-
-    /// Files that import each other, all the way round. The face of a folder may import from its files, and they from it.
-    fn circles_of_files(&self, place: &str) -> Vec<Vec<String>> {
-        let mut next: BTreeMap<&Module, Vec<&Module>> = BTreeMap::new();
-        for (to, from) in self.arrows(place).into_keys() {
-            let is_own =
-                |face: &Module, file: &Module| self.files[face].is_face && file.starts_with(face);
-            if !is_own(to, from) && !is_own(from, to) {
-                next.entry(to).or_default().push(from);
-            }
-        }
-        let reach = |start: &Module| {
-            let mut seen: BTreeSet<&Module> = BTreeSet::new();
-            let mut waiting: Vec<&Module> = next.get(start).cloned().unwrap_or_default();
-            while let Some(module) = waiting.pop() {
-                if seen.insert(module) {
-                    waiting.extend(next.get(module).into_iter().flatten());
-                }
-            }
-            seen
+    /// Circles among the files and folders that lie directly in a module; the module's own file is one of them.
+    fn circles_in(&self, folder: &Module, arrows: &Arrows<'_>) -> Vec<String> {
+        let child = |module: &Module| {
+            module.get(folder.len()).map_or_else(|| "(itself)".to_owned(), Clone::clone)
         };
-        let reached: BTreeMap<&Module, _> = next.keys().map(|file| (*file, reach(file))).collect();
-        let mut circles: BTreeSet<Vec<String>> = BTreeSet::new();
-        for (file, seen) in reached.iter().filter(|(file, seen)| seen.contains(*file)) {
-            let circle = seen
-                .iter()
-                .filter(|other| reached.get(*other).is_some_and(|back| back.contains(file)));
-            circles.insert(circle.map(|module| module.join("::")).collect());
+        let mut next: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+        let mut words: BTreeMap<(String, String), Vec<String>> = BTreeMap::new();
+        for ((to, from), names) in arrows {
+            let (a, b) = (child(to), child(from));
+            if to.starts_with(folder) && from.starts_with(folder) && a != b {
+                let line = format!("  {} imports {names:?}", self.files[*to].path.display());
+                next.entry(a.clone()).or_default().insert(b.clone());
+                words.entry((a, b)).or_default().push(line);
+            }
         }
-        circles.into_iter().collect()
+        let describe = |circle: &BTreeSet<String>| {
+            let inside = |(a, b): &(String, String)| circle.contains(a) && circle.contains(b);
+            let lines = words.iter().filter(|(pair, _)| inside(pair)).flat_map(|(_, lines)| lines);
+            let lines: Vec<&str> = lines.map(String::as_str).collect();
+            format!("in {}: {circle:?}\n{}", folder.join("::"), lines.join("\n"))
+        };
+        circles(&next).iter().map(describe).collect()
     }
 }
 
-/// Walks through a file, and gathers.
+/// Sets of nodes that reach each other.
+fn circles(next: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<BTreeSet<String>> {
+    let reach = |start: &String| {
+        let mut seen: BTreeSet<&String> = BTreeSet::new();
+        let mut waiting: Vec<&String> = next[start].iter().collect();
+        while let Some(node) = waiting.pop() {
+            if seen.insert(node) {
+                waiting.extend(next.get(node).into_iter().flatten());
+            }
+        }
+        seen
+    };
+    let reached: BTreeMap<&String, _> = next.keys().map(|node| (node, reach(node))).collect();
+    let in_circle = reached.iter().filter(|(node, seen)| seen.contains(*node));
+    in_circle
+        .map(|(node, seen)| {
+            let back = |other: &&&String| reached.get(*other).is_some_and(|r| r.contains(*node));
+            seen.iter().filter(back).map(|other| (*other).clone()).collect()
+        })
+        .collect()
+}
+
+/// Collects the definitions and the paths of a file.
 struct Reading<'a> {
-    module: &'a Module,
+    module: &'a [String],
     file: File,
 }
 
 impl Reading<'_> {
-    /// From the crate, where it begins with `crate`, `super` or `self`.
+    /// The path below the crate; `None` for paths of other crates.
     fn absolute(&self, path: &[String]) -> Option<Module> {
         let first = path.first()?;
         match first.as_str() {
             "crate" => Some(path[1..].to_vec()),
-            "self" => Some([&self.module[..], &path[1..]].concat()),
+            "self" => Some([self.module, &path[1..]].concat()),
             "super" => {
                 let up = path.iter().take_while(|part| *part == "super").count();
                 let kept = self.module.len().checked_sub(up)?;
                 Some([&self.module[..kept], &path[up..]].concat())
             }
-            _ => None,
+            name if self.file.children.contains(name) => Some([self.module, path].concat()),
+            name => {
+                let import = self.file.imports.get(name)?;
+                Some([import, &path[1..]].concat())
+            }
         }
     }
 
@@ -174,30 +197,37 @@ impl Reading<'_> {
             }
             syn::UseTree::Name(name) if name.ident == "self" => {
                 let own = before.last().cloned().unwrap_or_default();
-                self.take(before, own);
+                self.import(before, own);
             }
-            syn::UseTree::Name(name) => self.take(&with(&name.ident), name.ident.to_string()),
-            syn::UseTree::Rename(name) => self.take(&with(&name.ident), name.rename.to_string()),
-            syn::UseTree::Glob(_) => {}
+            syn::UseTree::Name(name) => self.import(&with(&name.ident), name.ident.to_string()),
+            syn::UseTree::Rename(name) => self.import(&with(&name.ident), name.rename.to_string()),
+            syn::UseTree::Glob(_) => {
+                self.file.written.insert(before.to_vec());
+            }
         }
     }
 
-    fn take(&mut self, path: &[String], as_name: String) {
-        // In a face, what is not from the crate is from one of its own files.
-        let path = match self.absolute(path) {
-            Some(path) => path,
-            None if self.file.is_face => [&self.module[..], path].concat(),
-            None => return,
-        };
-        self.file.imports.insert(as_name, path.clone());
-        self.file.named.insert(path);
+    fn import(&mut self, path: &[String], as_name: String) {
+        if let Some(path) = self.absolute(path) {
+            self.file.imports.insert(as_name, path.clone());
+            self.file.named.insert(path);
+        }
+    }
+
+    /// Resolves all paths, once all imports are known.
+    fn finish(mut self) -> File {
+        let paths = std::mem::take(&mut self.file.written);
+        let absolute = paths.iter().filter_map(|path| self.absolute(path));
+        let absolute: Vec<Module> = absolute.filter(|path| !path.is_empty()).collect();
+        self.file.named.extend(absolute);
+        self.file
     }
 }
 
 fn is_test(attributes: &[syn::Attribute]) -> bool {
     let is_test = |attribute: &syn::Attribute| {
         attribute.path().is_ident("cfg")
-            && attribute.parse_args::<syn::Ident>().is_ok_and(|what| what == "test")
+            && attribute.parse_args::<syn::Ident>().is_ok_and(|condition| condition == "test")
     };
     attributes.iter().any(is_test)
 }
@@ -209,12 +239,22 @@ impl<'ast> Visit<'ast> for Reading<'_> {
                 syn::Item::Const(item) => Some(&item.ident),
                 syn::Item::Enum(item) => Some(&item.ident),
                 syn::Item::Fn(item) => Some(&item.sig.ident),
+                syn::Item::Static(item) => Some(&item.ident),
                 syn::Item::Struct(item) => Some(&item.ident),
                 syn::Item::Trait(item) => Some(&item.ident),
                 syn::Item::Type(item) => Some(&item.ident),
+                syn::Item::Mod(item) if item.content.is_none() && !is_test(&item.attrs) => {
+                    self.file.children.insert(item.ident.to_string());
+                    None
+                }
                 _ => None,
             };
             self.file.defines.extend(name.map(ToString::to_string));
+            self.file.has_code |= match item {
+                syn::Item::Mod(item) => item.content.is_some() && !is_test(&item.attrs),
+                syn::Item::Use(_) => false,
+                _ => true,
+            };
         }
         visit::visit_file(self, file);
     }
@@ -230,18 +270,31 @@ impl<'ast> Visit<'ast> for Reading<'_> {
     }
 
     fn visit_path(&mut self, path: &'ast syn::Path) {
-        let parts: Vec<String> = path.segments.iter().map(|part| part.ident.to_string()).collect();
-        if let Some(path) = self.absolute(&parts).filter(|path| !path.is_empty()) {
-            self.file.named.insert(path);
-        }
+        let parts = path.segments.iter().map(|part| part.ident.to_string()).collect();
+        self.file.written.insert(parts);
         visit::visit_path(self, path);
     }
 
-    // What stands in a documentation is no import.
+    /// Arguments of macros are no syntax tree: reads the paths that begin with `crate` or `super`.
+    fn visit_macro(&mut self, item: &'ast syn::Macro) {
+        let text = item.tokens.to_string();
+        let words: Vec<&str> = text.split_whitespace().collect();
+        for start in (0..words.len()).filter(|i| ["crate", "super"].contains(&words[*i])) {
+            let mut path = vec![words[start].to_owned()];
+            let mut rest = words[start + 1..].chunks_exact(2);
+            while let Some(["::", name]) = rest.next() {
+                path.push((*name).to_owned());
+            }
+            self.file.written.insert(path);
+        }
+        visit::visit_macro(self, item);
+    }
+
+    // A link of the documentation is no import.
     fn visit_attribute(&mut self, _: &'ast syn::Attribute) {}
 }
 
-/// The window's rooms, each above those that it may look into.
+/// The modules of the window: each imports only from those after it.
 const WINDOW: [&str; 17] = [
     "picture",
     "window",
@@ -262,79 +315,82 @@ const WINDOW: [&str; 17] = [
     "short",
 ];
 
-fn house() -> House {
-    House::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"))
-}
-
 #[test]
-fn no_arrow_of_the_window_goes_back_up() {
-    let house = house();
-    let height = |room: &str| {
-        WINDOW.iter().position(|known| *known == room).unwrap_or_else(|| {
-            panic!(
-                "src/app/{room} is new: give it a place here, and in the picture of src/app/mod.rs"
-            )
+fn a_module_of_the_window_imports_only_from_those_below() {
+    let window = Crate::read(".");
+    let height = |module: &str| {
+        WINDOW.iter().position(|known| *known == module).unwrap_or_else(|| {
+            panic!("src/app/{module} is new: add it here, and to the picture in src/app/mod.rs")
         })
     };
-    let arrows = house.arrows_between_rooms("app");
-    assert!(arrows.len() > 30, "{} arrows are too few to be all", arrows.len());
+    let inside = |module: &Module| module.len() > 1 && module[0] == "app";
+    let arrows = window.arrows();
+    let arrows: Vec<_> = arrows
+        .iter()
+        .filter(|((to, from), _)| inside(to) && inside(from) && to[1] != from[1])
+        .collect();
+    assert!(arrows.len() > 100, "only {} arrows were found", arrows.len());
     let back: Vec<String> = arrows
         .iter()
-        .filter(|(to, from, _)| height(to) >= height(from))
-        .map(|(to, from, names)| format!("{to} takes {names:?} from {from}"))
+        .filter(|((to, from), _)| height(&to[1]) >= height(&from[1]))
+        .map(|((to, _), names)| format!("{} imports {names:?}", to.join("::")))
         .collect();
-    assert!(back.is_empty(), "arrows that go back up:\n{}", back.join("\n"));
-}
-
-/// The map's table lists the rooms from the ground up.
-#[test]
-fn a_room_of_the_crate_takes_only_from_those_above_it_on_the_map() {
-    let map = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
-    let map = map.expect("the map");
-    let row = |line: &str| {
-        line.strip_prefix("//! | [`")?.split_once('`').map(|(room, _)| room.to_owned())
-    };
-    let rooms: Vec<String> = map.lines().filter_map(row).collect();
-    let height = |room: &str| {
-        let found = rooms.iter().position(|known| known == room);
-        found.unwrap_or_else(|| panic!("src/{room} is not on the map of src/lib.rs"))
-    };
-    let house = house();
-    let arrows = house.arrows_of_the_crate();
-    assert!(arrows.len() > 60, "{} arrows are too few to be all", arrows.len());
-    let back: Vec<_> = arrows
-        .iter()
-        .filter(|(to, _)| !["lib", "main"].contains(&to.as_str()))
-        .filter(|(to, from)| height(to) <= height(from))
-        .collect();
-    assert!(back.is_empty(), "a room takes from one below it on the map: {back:?}");
+    assert!(back.is_empty(), "imports from above:\n{}", back.join("\n"));
 }
 
 #[test]
-fn no_files_of_the_window_or_the_calibrations_import_each_other() {
-    let house = house();
-    for place in ["app", "calibration"] {
-        let circles = house.circles_of_files(place);
-        assert!(circles.is_empty(), "circles of imports in src/{place}:\n{circles:#?}");
-    }
-}
-
-#[test]
-fn no_rooms_of_the_calibrations_look_into_each_other() {
-    let house = house();
-    let arrows = house.arrows_between_rooms("calibration");
-    assert!(arrows.len() > 30, "{} arrows are too few to be all", arrows.len());
-    let mut left: Vec<_> = arrows.iter().map(|(to, from, _)| (to, from)).collect();
-    // What nobody looks into goes away, until nothing is left or only circles are.
-    loop {
-        let before = left.len();
-        let looked_into: BTreeSet<_> = left.iter().map(|(_, from)| *from).collect();
-        left.retain(|(to, _)| looked_into.contains(to));
-        if left.len() == before {
-            break;
+fn a_module_imports_only_from_those_above_it_in_the_table_of_its_crate() {
+    for (folder, least) in CRATES {
+        let read = Crate::read(folder);
+        let row = |module: &str| {
+            read.table.iter().position(|row| row.iter().any(|name| name == module)).unwrap_or_else(
+                || panic!("{folder}: the module {module} is not in the table of lib.rs"),
+            )
+        };
+        for module in &read.files[&Vec::new()].children {
+            row(module);
         }
+        let arrows = read.arrows();
+        assert!(arrows.len() > least, "{folder}: only {} arrows were found", arrows.len());
+        let back: Vec<String> = arrows
+            .iter()
+            .filter(|((to, _), _)| !to.is_empty())
+            .filter(|((to, from), _)| from.is_empty() || row(&to[0]) < row(&from[0]))
+            .map(|((to, _), names)| format!("{} imports {names:?}", to.join("::")))
+            .collect();
+        assert!(back.is_empty(), "{folder}: imports from below:\n{}", back.join("\n"));
     }
-    assert!(left.is_empty(), "circles among {left:?}");
+}
+
+#[test]
+fn no_files_or_folders_of_a_module_import_each_other() {
+    let mut found = Vec::new();
+    for (folder, _) in CRATES {
+        let read = Crate::read(folder);
+        let parents: BTreeSet<&Module> = read
+            .files
+            .iter()
+            .filter(|(_, file)| !file.children.is_empty())
+            .map(|(module, _)| module)
+            .collect();
+        let arrows = read.arrows();
+        found.extend(parents.into_iter().flat_map(|module| read.circles_in(module, &arrows)));
+    }
+    assert!(found.is_empty(), "{} circles:\n{}", found.len(), found.join("\n\n"));
+}
+
+#[test]
+fn a_mod_rs_only_declares_and_re_exports() {
+    let mut with_code = Vec::new();
+    for (folder, _) in CRATES {
+        let read = Crate::read(folder);
+        let faces = read.files.into_values().filter(|file| file.is_face && file.has_code);
+        with_code.extend(faces.map(|file| file.path));
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    with_code
+        .retain(|path| !FACES_WITH_CODE.iter().any(|folder| path.starts_with(root.join(folder))));
+    assert!(with_code.is_empty(), "code in {with_code:#?}");
 }
 
 /// Largest file that crates.io is given, of which it takes ten (bytes).
@@ -343,18 +399,21 @@ const MOST_PACKAGE_BYTES: u64 = 3_000_000;
 const MOST_PROGRAM_BYTES: u64 = 40_000_000;
 
 #[test]
-fn the_package_is_small() {
+fn the_packages_are_small() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = std::process::Command::new(env!("CARGO"))
-        .args(["package", "--no-verify", "--allow-dirty", "--offline", "--quiet", "--target-dir"])
+        .args(["package", "--workspace", "--exclude", "resect-fuzz"])
+        .args(["--no-verify", "--allow-dirty", "--offline", "--quiet", "--target-dir"])
         .arg(folder.path())
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()
         .expect("cargo starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let file = format!("package/resect-{}.crate", env!("CARGO_PKG_VERSION"));
-    let bytes = std::fs::metadata(folder.path().join(file)).expect("a package").len();
-    assert!(bytes < MOST_PACKAGE_BYTES, "{bytes} bytes");
+    for name in ["resect-core", "resect-io", "resect-live", "resect-report", "resect"] {
+        let file = format!("package/{name}-{}.crate", env!("CARGO_PKG_VERSION"));
+        let bytes = std::fs::metadata(folder.path().join(file)).expect("a package").len();
+        assert!(bytes < MOST_PACKAGE_BYTES, "{name}: {bytes} bytes");
+    }
 }
 
 #[test]

@@ -1,6 +1,8 @@
-//! What several test files share.
+//! Helpers that several test binaries share.
 
-#![allow(dead_code, reason = "each test file uses a part")]
+#![allow(dead_code, reason = "each test binary uses a part")]
+
+pub mod slam;
 
 use std::path::PathBuf;
 

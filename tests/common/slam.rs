@@ -1,8 +1,6 @@
 //! Trajectories as a SLAM system would estimate them: the truth of a simulated drive with noise, drift, another clock and
 //! another body.
 
-#![allow(dead_code, reason = "each test file uses a part")]
-
 use std::path::Path;
 
 use nalgebra::{UnitQuaternion, Vector3};

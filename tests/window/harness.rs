@@ -6,6 +6,7 @@
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, image_snapshot_options};
+use resect::app::keeping::Keeping;
 use resect::app::{
     Command, DeploymentCommand, OpenDeployment, Pane, ResectWindow, Start, offscreen_renderer,
 };
@@ -20,13 +21,19 @@ pub type Window = Harness<'static, ResectWindow>;
 
 /// The window with the Warthog sample, calibrated. It asks for paths by itself.
 pub fn window(size: Vec2, theme: Theme) -> Window {
+    window_from(size, theme, &Start::Sample(Sample::Warthog), None)
+}
+
+/// The window as it is started, with its session kept or not.
+pub fn window_from(size: Vec2, theme: Theme, start: &Start, keeping: Option<Keeping>) -> Window {
+    let start = start.clone();
     let mut harness = Harness::builder()
         .with_size(size)
         .with_theme(theme)
         .with_render_cursor(false)
         .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
-        .build_eframe(|creation| {
-            ResectWindow::new(creation, &Start::Sample(Sample::Warthog), Settings::default())
+        .build_eframe(move |creation| {
+            ResectWindow::keeping(creation, &start, Settings::default(), keeping)
         });
     harness.state_mut().state.workspace.fixed_elapsed_ms = Some(1.0);
     harness.state_mut().state.dialogs.asks_in_window = true;

@@ -1,10 +1,7 @@
-//! The window, driven by the names of its widgets and compared with pictures: one binary, because linking it takes
-//! longer than most of its tests.
+//! The window, driven by the names of its widgets and compared with pictures.
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../common/slam.rs"]
-mod slam;
 
 mod advice;
 mod asking;

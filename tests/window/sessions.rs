@@ -3,15 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use egui::Vec2;
-use egui_kittest::Harness;
+use egui::Theme;
 use egui_kittest::kittest::Queryable;
 use resect::app::keeping::Keeping;
 use resect::app::persist::hashes::HashCache;
 use resect::app::persist::{Folders, session_file};
 use resect::app::{
-    Colouring, Command, DeploymentCommand, LayoutPreset, Pane, ResectWindow, ResultsCommand,
-    SceneCommand, SessionCommand, Start, TimeCommand, WorkspaceCommand, offscreen_renderer,
+    Colouring, DeploymentCommand, LayoutPreset, Pane, ResultsCommand, SceneCommand, SessionCommand,
+    Start, TimeCommand, WorkspaceCommand,
 };
 use resect_core::analysis::Settings;
 use resect_core::simulation::{Preset, simulate};
@@ -19,34 +18,14 @@ use resect_io::sample::Sample;
 use resect_io::simulation_files::write_folder;
 use resect_io::source::Source;
 
-/// A window that keeps what it has in this folder, or keeps nothing.
-fn window(start: &Start, kept_in: Option<&Path>) -> Harness<'static, ResectWindow> {
-    let start = start.clone();
-    // Looks in every frame, so that no test has to wait.
+use crate::harness::{SMALL, Window, send, settle, window_from};
+
+/// A window that keeps its session in this folder, or keeps none.
+fn window(start: &Start, kept_in: Option<&Path>) -> Window {
+    // Saves in every frame, so that no test has to wait.
     let keeping = kept_in
         .map(|folder| Keeping::start(&Folders::inside(folder)).every(std::time::Duration::ZERO));
-    let mut harness = Harness::builder()
-        .with_size(Vec2::new(1100.0, 700.0))
-        .renderer(offscreen_renderer().expect("Mesa is installed by tests/run"))
-        .build_eframe(move |creation| {
-            ResectWindow::keeping(creation, &start, Settings::default(), keeping)
-        });
-    settle(&mut harness);
-    harness
-}
-
-fn settle(harness: &mut Harness<'_, ResectWindow>) {
-    for _ in 0..3 {
-        harness.run_steps(2);
-        harness.state_mut().settle();
-    }
-    harness.run_steps(2);
-}
-
-fn send(harness: &mut Harness<'_, ResectWindow>, command: impl Into<Command>) {
-    let ctx = harness.ctx.clone();
-    harness.state_mut().send(command, &ctx);
-    settle(harness);
+    window_from(SMALL, Theme::Dark, start, keeping)
 }
 
 /// A simulated deployment in a folder of its own.
@@ -56,12 +35,12 @@ fn data(folder: &Path, name: &str) -> PathBuf {
     path
 }
 
-fn names(harness: &Harness<'_, ResectWindow>) -> Vec<String> {
+fn names(harness: &Window) -> Vec<String> {
     harness.state().state.deployments.open.iter().map(|open| open.deployment.name.clone()).collect()
 }
 
 /// Two deployments, the first of which is shown, tuned, pinned and looked at.
-fn prepare(harness: &mut Harness<'_, ResectWindow>, path: &Path) -> Settings {
+fn prepare(harness: &mut Window, path: &Path) -> Settings {
     send(harness, DeploymentCommand::OpenPaths(vec![path.to_owned()]));
     send(harness, DeploymentCommand::OpenSample(Sample::Hd2Tunnel));
     let first = harness.state().state.deployments.open[0].id;
@@ -75,7 +54,7 @@ fn prepare(harness: &mut Harness<'_, ResectWindow>, path: &Path) -> Settings {
     settings
 }
 
-fn assert_is_back(harness: &Harness<'_, ResectWindow>, expected: &[String], settings: Settings) {
+fn assert_is_back(harness: &Window, expected: &[String], settings: Settings) {
     let state = &harness.state().state;
     assert_eq!(names(harness), expected);
     assert_eq!(
@@ -150,7 +129,7 @@ fn what_a_crash_left_can_be_discarded_and_that_taken_back() {
 fn the_title_says_what_is_shown_in_which_session_and_whether_that_is_saved() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = window(&Start::Sample(Sample::Warthog), None);
-    let title = |harness: &Harness<'_, ResectWindow>| harness.state().state.title();
+    let title = |harness: &Window| harness.state().state.title();
     assert_eq!(title(&harness), "warthog (simulated) – resect");
     send(&mut harness, DeploymentCommand::OpenPaths(vec![data(folder.path(), "figure-eight")]));
     assert_eq!(title(&harness), "figure-eight (simulated) – session not saved – resect");
@@ -176,7 +155,7 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     let mut harness = window(&Start::Sample(Sample::Warthog), None);
     let settings = prepare(&mut harness, &path);
     let expected = names(&harness);
-    let save = |harness: &Harness<'_, ResectWindow>| {
+    let save = |harness: &Window| {
         harness.state().state.session().save(&file, &HashCache::default()).expect("saved");
     };
     save(&harness);
@@ -224,7 +203,7 @@ fn die_with(folder: &Path, path: &Path) -> Vec<String> {
     names(&harness)
 }
 
-fn warnings(harness: &Harness<'_, ResectWindow>) -> String {
+fn warnings(harness: &Window) -> String {
     let toasts = harness.state().state.toasts.shown().iter();
     toasts.map(|toast| format!("{}; {}\n", toast.text, toast.detail)).collect()
 }
@@ -257,7 +236,7 @@ fn what_was_open_at_a_clean_exit_can_be_opened_again() {
     let path = data(folder.path(), "figure-eight");
     let sample = Start::Sample(Sample::Warthog);
     let mut harness = window(&sample, kept);
-    let has_entry = |harness: &mut Harness<'_, ResectWindow>| {
+    let has_entry = |harness: &mut Window| {
         harness.get_by_label("File").click();
         harness.run_steps(2);
         let has = harness.query_by_label("Reopen what was open last").is_some();
@@ -335,7 +314,7 @@ fn type_that_is_large_in_the_sun_is_large_the_next_time() {
     drop(harness);
     let mut harness = window(&start, kept);
     assert!(harness.state().state.workspace.in_the_sun && harness.ctx.zoom_factor() > 1.2);
-    let ink = harness.ctx.style_of(egui::Theme::Light).visuals.override_text_color;
+    let ink = harness.ctx.style_of(Theme::Light).visuals.override_text_color;
     assert_eq!(ink, Some(egui::Color32::BLACK));
     send(&mut harness, WorkspaceCommand::ReadInTheSun(false));
     eframe::App::on_exit(harness.state_mut());

@@ -23,12 +23,12 @@ use resect_core::validation::one_frame::PlacedBy;
 use resect_io::sample::Sample;
 use resect_io::simulation_files::write_folder;
 
+use crate::common::slam::{SLAM, Slam, write_tum};
 use crate::common::{knock, two_runs};
 use crate::harness::{
     LARGE, Part, SMALL, Window, click, open, press, send, set, settle, shown, snapshot_of,
     type_and_enter_at_once, window,
 };
-use crate::slam::{SLAM, Slam, write_tum};
 
 /// The ground truth of what is open, ten poses a second.
 fn own(harness: &Window) -> Trajectory {

@@ -4,8 +4,8 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, Theme, Vec2};
 use egui_kittest::kittest::Queryable;
 use resect::app::{
-    DeploymentCommand, DialogCommand, Overlay, Pane, ResultsCommand, Ruler, RulerEnd,
-    SceneCommand, StudyResult, TimeCommand, Units, WorkspaceCommand,
+    DeploymentCommand, DialogCommand, Overlay, Pane, ResultsCommand, Ruler, RulerEnd, SceneCommand,
+    StudyResult, TimeCommand, Units, WorkspaceCommand,
 };
 use resect_core::simulation::{Preset, simulate};
 

@@ -3,37 +3,21 @@
 //! The window, the commands and the tests come through [`Analyst::run`].
 
 mod setting_change;
+mod settings;
 
 pub use setting_change::{SettingChange, changes_in_words, setting_changes};
+pub use settings::Settings;
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use crate::calibration;
-use crate::calibration::{Calibration, CalibrationError, CalibrationSettings, Method, Offer};
+use crate::calibration::{Calibration, CalibrationError, Method, Offer};
 use crate::deployment::Deployment;
 use crate::evaluation;
 use crate::evaluation::Evaluation;
-use crate::pipeline::{PipelineOutput, PipelineSettings, StagedPipeline, Triplets};
+use crate::pipeline::{PipelineOutput, StagedPipeline, Triplets};
 use crate::progress::{Cancelled, Progress};
 use crate::stopwatch::Stopwatch;
-
-/// Everything a user can set; a `--config` file and the window's sliders are this.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Settings {
-    pub pipeline: PipelineSettings,
-    pub calibration: CalibrationSettings,
-}
-
-impl Settings {
-    /// The first setting that makes no sense, as one line.
-    pub fn check(&self) -> Result<(), String> {
-        self.pipeline.check()?;
-        self.calibration.check()
-    }
-}
 
 /// An answer with its evaluation.
 #[derive(Clone, Debug)]

@@ -8,9 +8,9 @@ use super::format::bag::stream::{Heard, Stream, Subscription};
 use super::format::bag::wire::Encoding;
 use super::open::tracks_of_recording;
 use crate::error::OpenError;
+use crate::extras::Extras;
 use crate::open;
 use crate::recording::Recording;
-use crate::source::Extras;
 use resect_core::deployment::{Deployment, Overrides, Track};
 use resect_core::progress::Progress;
 

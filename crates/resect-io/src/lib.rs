@@ -10,10 +10,12 @@
 //! |---|---|---|
 //! | [`atomic`] | files that are the old one or the new one, never a part of it | a remedy for a failed write: `error.rs` |
 //! | [`error`] | errors of opening, and questions that only the user can answer | |
+//! | [`reading_sense`] | whether numbers can be radians, metres and seconds | |
 //! | [`recording`] | records of files become tracks: impossible readings are counted and left out | |
 //! | [`format`] | one file a format, `bag/` for the bags; `recognise.rs` distinguishes them by content | a format (a new GNSS format, say): a file here, a variant of `Format` and a line in `recognise.rs`, its part in `open/`; `examples/add_a_format.rs` shows the whole way |
+//! | [`extras`] | files and overrides that the user names beside a deployment | |
 //! | [`open`](mod@open) | a folder becomes a deployment: which file plays which part | |
-//! | [`source`], [`sample`] | where a deployment comes from; the built-in ones | |
+//! | [`sample`], [`source`] | the built-in deployments; where a deployment comes from | |
 //! | [`growing`] | a deployment of messages that still arrive | |
 //! | [`what_is`] | what a dropped path is | |
 //! | [`override_changes`] | changed overrides in words | |
@@ -24,6 +26,7 @@
 pub mod atomic;
 pub mod error;
 pub mod estimate_file;
+mod extras;
 pub mod file_mark;
 pub mod format;
 pub mod growing;

@@ -1,6 +1,6 @@
 //! What the window does with [`Overrides`]: keeps what differs from the files, renumbers, and tells changes in words.
 
-use crate::source::Extras;
+use crate::extras::Extras;
 use resect_core::deployment::{AS_NUMBERED, ColumnMapping, Overrides};
 
 /// Something that is read in another way. Displays as "station numbers 1 2 3 → 1 3 2".

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::extras::Extras;
 use crate::format::{Format, SESSION_KEY, deployment_toml::parse_toml};
 use crate::open::{FoundFile, list_folder};
-use crate::source::Extras;
 use resect_core::progress::Progress;
 
 /// Tables of a file of settings, as `--config` reads it.

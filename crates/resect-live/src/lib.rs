@@ -1,17 +1,24 @@
 //! A deployment while it is driven: readings from the network, answers while they come in, and whether it is enough.
 //!
-//! | file | what |
-//! |---|---|
-//! | [`event`] | what sources say, whatever they are: channels and messages of ROS |
-//! | [`foxglove`], [`bonn`], [`replay`] | the sources |
-//! | [`connect`] | the way to one over the network, again and again |
-//! | [`recorder`] | what comes in, as MCAP, while it comes in |
-//! | [`status`], [`warnings`] | how the stations are, and what is amiss |
-//! | [`judged`], [`coach`], [`next`] | what an answer means in the field: is it enough, and if not what to drive |
-//! | [`pace`] | how often answers are begun |
-//! | [`engine`], [`view`] | all of it without threads: events go in, snapshots and views come out |
-//! | [`session`] | the threads, behind one handle |
-//! | [`Closing`] | the last words, once all readings have their answer |
+//! # Modules, from the ground up
+//! A module imports only from those above it in this table (`tests/structure.rs`).
+//!
+//! | module | content | next change |
+//! |---|---|---|
+//! | [`event`] | events of any source: channels and messages of ROS | |
+//! | [`foxglove`], [`bonn`], [`replay`] | the sources | another stream: a file that makes [`event::Event`]s, and its choice in `connect.rs` |
+//! | [`connect`] | the connection to a source over the network, made again when it breaks | |
+//! | [`recorder`] | the recording of all events as MCAP | |
+//! | [`status`] | the state of each station | |
+//! | [`judged`] | the verdict of an answer in the field | |
+//! | [`next`] | the advised next manoeuvre | |
+//! | [`coach`] | whether the drive is long enough, and the advice | |
+//! | [`warnings`] | warnings in the field | a warning: a variant of [`warnings::Amiss`], and the condition |
+//! | [`pace`] | the rate of answers | |
+//! | [`view`] | the state of a live deployment at an instant, as plain data | |
+//! | [`closing`] | the answer to all readings, at the end | |
+//! | [`engine`] | all of it without threads: events go in, snapshots and views come out | |
+//! | [`session`] | the threads, behind one handle | |
 //!
 //! The tracks grow in [`resect_io::growing::Growing`], which makes the same deployment of the messages as a bag of them makes: answers are
 //! those of [`resect_core::analysis::Analyst`], as of any other deployment.

@@ -2,8 +2,10 @@
 
 mod earlier;
 mod observability;
+mod schema;
 
 pub use earlier::{EarlierError, read_earlier};
+pub use schema::SCHEMA;
 
 use nalgebra::SMatrix;
 use serde_json::{Value, json};
@@ -19,8 +21,6 @@ use resect_core::calibration::two_point::PairResection;
 use resect_core::calibration::{Basin, Calibration, Details, JointTargets, TransformSigma};
 use resect_core::deployment::{Deployment, Severity};
 use resect_core::geometry::RigidTransform;
-
-pub const SCHEMA: u32 = 1;
 
 /// One object for one method. `load_ms` is how long opening took.
 pub fn calibration(

@@ -1,14 +1,22 @@
 //! Calibrations and trajectories for people and for other programs: text, JSON, CSV, HTML, pictures, bags, Rerun.
 //!
+//! # Modules, from the ground up
+//! A module imports only from those above it in this table (`tests/structure.rs`).
+//!
 //! | module | content | next change |
 //! |---|---|---|
-//! | [`glossary`], [`font`] | the terms of the field, explained; the one font | a term: a line in `glossary/terms.rs` |
-//! | [`text`], [`summary`], [`csv`], [`copy`] | an answer in the terminal, as tables, for the clipboard | |
+//! | [`font`], [`glossary`] | the one font; the terms of the field, explained | a term: a line in `glossary/terms.rs` |
+//! | [`drawing`], [`axis`], [`frame`] | charts as one [`drawing::Drawing`], painted as SVG or by the window; their axes | |
+//! | [`svg`] | a drawing as SVG and PNG | |
+//! | [`box_chart`], [`residual_chart`], [`plan_view`] | the charts | |
+//! | [`summary`], [`csv`] | an answer as rows, and as tables | |
+//! | [`of_run`], [`difference`] | the date and the durations of a run; the difference of two answers | |
+//! | [`text`] | an answer in the terminal | |
 //! | [`json`] | `calibrate --json` and its reader | a field: `json.rs`, read again by `json/earlier.rs` |
+//! | [`copy`] | an answer for the clipboard | |
 //! | [`trajectory`] | TUM, CSV, PLY, bags | a new export of a trajectory: a file here, a variant of its `FileKind` |
-//! | [`drawing`], [`svg`], [`box_chart`], [`residual_chart`], [`plan_view`] | charts as one [`drawing::Drawing`], painted as SVG or by the window | |
+//! | [`estimates`], [`live`], [`planning`], [`study`], [`validation`] | the output of the command of that name | |
 //! | [`report`] | the HTML report | a section: a file here |
-//! | [`estimates`], [`live`], [`planning`], [`study`], [`validation`], [`difference`] | what the command of that name prints and writes | |
 //! | [`rerun`] | recordings for the Rerun viewer | |
 
 mod axis;

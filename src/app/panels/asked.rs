@@ -1,15 +1,15 @@
 //! What the user is asked, over the panes: which files, topics or columns are what, and what files are for.
 
 mod columns;
+mod trouble;
 
 use egui::RichText;
 
+use self::trouble::trouble;
 use crate::app::model::{
     Asked, AskedAnswer, AskedFiles, AskedStations, AskedToml, AskedTracks, Commands, DialogCommand,
     StationsAre,
 };
-use crate::app::theme;
-use resect_core::deployment::Severity;
 
 const WIDTH: f32 = 560.0;
 /// Width of the dialog with a table in it.
@@ -187,10 +187,4 @@ fn ask_toml(ui: &mut egui::Ui, asked: &AskedToml, _commands: &mut Commands) {
             ui.add(egui::Label::new(RichText::new(&asked.after).monospace()).wrap());
         });
     });
-}
-
-/// Why it cannot go on.
-fn trouble(ui: &mut egui::Ui, text: &str) {
-    let (colour, sign) = theme::severity(Severity::Problem, ui.visuals().dark_mode);
-    ui.label(RichText::new(format!("{sign} {text}")).color(colour));
 }

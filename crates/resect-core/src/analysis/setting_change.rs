@@ -3,7 +3,7 @@
 use crate::geometry::ARCSECOND_RAD;
 use std::fmt;
 
-use super::Settings;
+use super::settings::Settings;
 use crate::calibration::ErrorSizes;
 use crate::calibration::{Alignment, CalibrationSettings, PriorMethod};
 use crate::pipeline::{PipelineSettings, Thresholds};

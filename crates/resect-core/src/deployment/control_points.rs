@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::pairs::PAIRS;
 use crate::geometry::{Polar, RigidTransform};
 
 /// A static target and what each station read on it (prism constant included).
@@ -30,7 +31,7 @@ impl ControlPoint {
             self.readings[station]
                 .map(|polar| station1_from_station[station].apply(&polar.to_cartesian()))
         });
-        super::PAIRS.into_iter().filter_map(move |(a, b)| Some((placed[a]? - placed[b]?).norm()))
+        PAIRS.into_iter().filter_map(move |(a, b)| Some((placed[a]? - placed[b]?).norm()))
     }
 }
 

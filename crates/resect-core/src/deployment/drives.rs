@@ -1,6 +1,8 @@
 //! Several drives of one set-up as one deployment: one after the other, and solved together.
 
-use super::{Deployment, Finding};
+use super::control_points::ControlPointSet;
+use super::deployment::Deployment;
+use super::finding::Finding;
 
 /// A drive that cannot be solved together with the others: which, why, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -138,7 +140,7 @@ impl Deployment {
         for set in drive.control_points {
             if !self.control_points.iter().any(|known| known.points == set.points) {
                 let file = format!("{}/{}", drive.name, set.file);
-                self.control_points.push(super::ControlPointSet { file, ..set });
+                self.control_points.push(ControlPointSet { file, ..set });
             }
         }
         self.rig = self.rig.take().or(drive.rig);

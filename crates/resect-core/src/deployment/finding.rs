@@ -5,7 +5,8 @@ use std::fmt;
 use serde::Serialize;
 
 use super::printable::printable;
-use super::{Remedy, ToldAngle};
+use super::remedy::Remedy;
+use super::told_angle::ToldAngle;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]

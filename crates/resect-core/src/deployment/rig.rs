@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::pairs::PAIRS;
+
 /// Inter-prism distances, and where known the prisms' layout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rig {
@@ -25,5 +27,5 @@ impl Rig {
 
 /// Distances 12, 13, 23 of three points (m).
 pub fn pairwise_distances(points: &[Vector3<f64>; 3]) -> [f64; 3] {
-    super::PAIRS.map(|(a, b)| (points[a] - points[b]).norm())
+    PAIRS.map(|(a, b)| (points[a] - points[b]).norm())
 }

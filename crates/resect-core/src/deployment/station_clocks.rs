@@ -9,16 +9,13 @@ mod arrivals;
 mod robust;
 
 pub use self::arrivals::Arrivals;
+use self::arrivals::{DOUBTED_S, FEWEST_READINGS};
 use self::robust::{jumps, slope_of_neighbours, theil_sen};
 use super::{Finding, TimeCorrection, Track};
 use crate::statistics::{median, sigma_of_errors};
 
-/// Fewer readings than this tell nothing of a drift (readings on either side of a jump: half of it).
-const FEWEST_READINGS: usize = 10;
 /// Crystals of small computers are good to 20 to 50 ppm; more is a clock that is being pulled.
 const ORDINARY_DRIFT_PPM: f64 = 100.0;
-/// Headers that lie apart by this much (s) against the recorder, where the own clocks do not, are doubted.
-const DOUBTED_S: f64 = 0.05;
 
 /// A station's own clock minus the stamps of its readings, over a recording.
 #[derive(Clone, Debug, PartialEq)]

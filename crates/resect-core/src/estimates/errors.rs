@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::EstimatedPose;
+use super::estimate::EstimatedPose;
 use super::fit::Fit;
 use super::reference::True;
 
@@ -98,24 +98,7 @@ pub fn driven_m(errors: &[EpochError]) -> Vec<f64> {
         .collect()
 }
 
-/// Each pose with what is true at its time, where anything is.
-pub fn matched<'a>(
-    poses: &'a [EstimatedPose],
-    truths: &'a [True],
-    time_offset_s: f64,
-) -> Vec<(&'a EstimatedPose, &'a True)> {
-    let mut truths = truths.iter().peekable();
-    let mut matched = Vec::with_capacity(poses.len());
-    for pose in poses {
-        let time_s = pose.time_s + time_offset_s;
-        while truths.next_if(|truth| truth.time_s < time_s).is_some() {}
-        if let Some(truth) = truths.next_if(|truth| truth.time_s == time_s) {
-            matched.push((pose, truth));
-        }
-    }
-    matched
-}
-
+/// Errors of an estimate at each of these poses.
 pub fn errors(matched: &[(&EstimatedPose, &True)], fit: &Fit) -> Vec<EpochError> {
     let error = |(pose, truth): &(&EstimatedPose, &True)| {
         let [placed_m, true_position_m] = fit.both_positions_m(pose, truth);

@@ -3,7 +3,7 @@
 
 use nalgebra::{Isometry3, Translation3};
 
-use super::EstimatedPose;
+use super::estimate::EstimatedPose;
 use super::fit::Fit;
 use super::reference::True;
 use crate::statistics::median;

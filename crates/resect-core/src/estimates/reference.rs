@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::EstimatedPose;
+use super::estimate::EstimatedPose;
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::joint::prisms::ByConstants;
 use crate::calibration::{Calibration, Targets};
@@ -51,6 +51,24 @@ pub fn contradiction_limit_m<'a>(truths: impl Iterator<Item = &'a True>) -> f64 
 pub fn sound<'a>(pairs: &[(&'a EstimatedPose, &'a True)]) -> Vec<(&'a EstimatedPose, &'a True)> {
     let limit_m = contradiction_limit_m(pairs.iter().map(|(_, truth)| *truth));
     pairs.iter().filter(|(_, truth)| truth.contradiction_m <= limit_m).copied().collect()
+}
+
+/// Each pose with what is true at its time, where anything is.
+pub fn matched<'a>(
+    poses: &'a [EstimatedPose],
+    truths: &'a [True],
+    time_offset_s: f64,
+) -> Vec<(&'a EstimatedPose, &'a True)> {
+    let mut truths = truths.iter().peekable();
+    let mut matched = Vec::with_capacity(poses.len());
+    for pose in poses {
+        let time_s = pose.time_s + time_offset_s;
+        while truths.next_if(|truth| truth.time_s < time_s).is_some() {}
+        if let Some(truth) = truths.next_if(|truth| truth.time_s == time_s) {
+            matched.push((pose, truth));
+        }
+    }
+    matched
 }
 
 /// Where the ground truth comes from.

@@ -1,6 +1,6 @@
 //! About how far apart two clocks are, by when both bodies were fast and slow: whatever frames and levers are.
 
-use super::EstimatedPose;
+use super::estimate::EstimatedPose;
 use super::reference::True;
 
 /// Speeds are compared at this rate (Hz).

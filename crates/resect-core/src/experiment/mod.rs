@@ -19,7 +19,4 @@ pub use error::StudyError;
 pub use reference::Reference;
 pub use sensitivity::{Parameter, Sweep, sweep};
 pub use split::Splits;
-pub use study::{Group, Level, Quantiles, Series, Study};
-
-/// Range accuracy of the Trimble S7 (mm): the paper's line for the instruments' own noise.
-pub const INSTRUMENT_NOISE_MM: f64 = 2.0;
+pub use study::{Group, INSTRUMENT_NOISE_MM, Level, Quantiles, Series, Study};

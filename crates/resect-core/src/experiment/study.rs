@@ -5,6 +5,9 @@ use crate::deployment::Finding;
 use crate::palette::Rgb;
 use crate::statistics::quantiles;
 
+/// Range accuracy of the Trimble S7 (mm): the paper's line for the instruments' own noise.
+pub const INSTRUMENT_NOISE_MM: f64 = 2.0;
+
 /// One box: sizes of errors, summed up (mm).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Quantiles {

@@ -19,12 +19,5 @@ pub use interval_split::Interval;
 pub use outlier_filter::{FilteredTrack, OutlierReason};
 pub use settings::{Interpolation, PipelineSettings, Thresholds};
 pub(crate) use staged::StagedPipeline;
-pub use staged::{Fates, PipelineOutput, SampleFate};
+pub use staged::{Fates, PipelineOutput, SampleFate, run};
 pub use triplets::Triplets;
-
-use crate::deployment::Deployment;
-
-/// Runs all stages.
-pub fn run(deployment: &Deployment, settings: &PipelineSettings) -> PipelineOutput {
-    StagedPipeline::default().run(deployment, settings)
-}

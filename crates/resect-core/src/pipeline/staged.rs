@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::{
-    FilteredTrack, Interpolation, Interval, OutlierReason, PipelineSettings, Thresholds, Triplets,
-    interpolation, interval_filter, interval_split, outlier_filter,
-};
+use super::interval_split::Interval;
+use super::outlier_filter::{FilteredTrack, OutlierReason};
+use super::settings::{Interpolation, PipelineSettings, Thresholds};
+use super::triplets::Triplets;
+use super::{interpolation, interval_filter, interval_split, outlier_filter};
 use crate::deployment::Deployment;
 use crate::progress::{Cancelled, Progress};
 
@@ -226,6 +227,11 @@ fn fates(track: &FilteredTrack, intervals: &[Interval], kept: &[Interval]) -> Fa
     Fates { each: fates, counts }
 }
 
+/// Runs all stages.
+pub fn run(deployment: &Deployment, settings: &PipelineSettings) -> PipelineOutput {
+    StagedPipeline::default().run(deployment, settings)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -250,7 +256,7 @@ mod tests {
         let stricter = pipeline.run(&deployment, &settings);
         assert!(!Arc::ptr_eq(&coarser.filtered, &stricter.filtered));
         // Whatever the path, the answer is that of a fresh run.
-        let fresh = super::super::run(&deployment, &settings);
+        let fresh = run(&deployment, &settings);
         assert_eq!(*fresh.triplets, *stricter.triplets);
         assert_eq!(*fresh.fates, *stricter.fates);
     }
@@ -267,14 +273,14 @@ mod tests {
         progress.cancel();
         assert!(pipeline.run_while(&deployment, &settings, &progress).is_err());
         let again = pipeline.run(&deployment, &settings);
-        let fresh = super::super::run(&deployment, &settings);
+        let fresh = run(&deployment, &settings);
         assert_eq!(*again.triplets, *fresh.triplets);
     }
 
     #[test]
     fn every_reading_has_one_fate() {
         let deployment = simulate(Preset::Warthog, 1).readings();
-        let out = super::super::run(&deployment, &PipelineSettings::default());
+        let out = run(&deployment, &PipelineSettings::default());
         for station in 0..3 {
             let total: usize = SampleFate::ALL.iter().map(|fate| out.count(station, *fate)).sum();
             assert_eq!(total, deployment.tracks[station].measurements.len());

@@ -10,7 +10,7 @@ const LEG_M: f64 = 15.0;
 /// These are the words that tell the opening to whoever drives.
 ///
 /// Distances of the rig along the sight hold the transforms worst, because ranges are noisier than angles, and they need every heading.
-/// A vehicle that turns on the spot shows them all within seconds, slowly enough for every lock; `tests/advice.rs` has what this is
+/// A vehicle that turns on the spot shows them all within seconds, slowly enough for every lock; `tests/calibration/advice.rs` has what this is
 /// worth, and what other ways are.
 pub const OPENING: &str =
     "turn around on the spot, drive 15 m straight towards the stations, and turn once around there";

@@ -1,12 +1,12 @@
 //! A planned deployment as plain data: what its file holds and the window's handles move.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::way::Piece;
+use super::way::{Piece, Waypoint};
 use crate::calibration::ErrorSizes;
 use crate::pipeline::Thresholds;
-use crate::simulation::Ground;
+use crate::simulation::{self, Ground};
 
 /// A deployment that is not driven yet.
 ///
@@ -79,7 +79,7 @@ pub struct Instrument {
 
 impl Default for Rig {
     fn default() -> Self {
-        let prisms_m = crate::simulation::Preset::Warthog.scenario().prisms_m;
+        let prisms_m = simulation::Preset::Warthog.scenario().prisms_m;
         Self { prisms_m, inter_prism_sigma_m: 0.001, clearance_m: 0.08 }
     }
 }
@@ -219,5 +219,27 @@ impl Plan {
             return Err((what, "give waypoints or manoeuvres that are 1 m to 20 km together"));
         }
         Ok(())
+    }
+}
+
+impl Plan {
+    /// The whole way as a driver follows it, in the frame of the plan.
+    pub fn waypoints(&self) -> Vec<simulation::Waypoint> {
+        let of = |at: Waypoint| simulation::Waypoint {
+            x_m: at.x_m,
+            y_m: at.y_m,
+            speed_m_per_s: at.speed_m_per_s.unwrap_or(self.speed_m_per_s),
+            stand_s: at.stand_s,
+        };
+        self.way.iter().flat_map(Piece::waypoints).map(of).collect()
+    }
+
+    /// Where the way ends, and which way the vehicle goes there; `None` of a way that leads nowhere.
+    pub fn end(&self) -> Option<(Vector2<f64>, Vector2<f64>)> {
+        let waypoints = self.waypoints();
+        let last_m = waypoints.last()?.place_m();
+        let before = waypoints.iter().rev().map(|at| last_m - at.place_m());
+        let along = before.into_iter().find(|away| away.norm() > 1e-3)?;
+        Some((last_m, along.normalize()))
     }
 }

@@ -3,7 +3,6 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::Plan;
 use super::manoeuvres::{FigureEight, Loop};
 use crate::simulation;
 
@@ -113,28 +112,6 @@ impl Piece {
 /// How far it is from waypoint to waypoint (m).
 pub fn length_m(waypoints: &[simulation::Waypoint]) -> f64 {
     waypoints.windows(2).map(|pair| (pair[1].place_m() - pair[0].place_m()).norm()).sum()
-}
-
-impl Plan {
-    /// The whole way as a driver follows it, in the frame of the plan.
-    pub fn waypoints(&self) -> Vec<simulation::Waypoint> {
-        let of = |at: Waypoint| simulation::Waypoint {
-            x_m: at.x_m,
-            y_m: at.y_m,
-            speed_m_per_s: at.speed_m_per_s.unwrap_or(self.speed_m_per_s),
-            stand_s: at.stand_s,
-        };
-        self.way.iter().flat_map(Piece::waypoints).map(of).collect()
-    }
-
-    /// Where the way ends, and which way the vehicle goes there; `None` of a way that leads nowhere.
-    pub fn end(&self) -> Option<(Vector2<f64>, Vector2<f64>)> {
-        let waypoints = self.waypoints();
-        let last_m = waypoints.last()?.place_m();
-        let before = waypoints.iter().rev().map(|at| last_m - at.place_m());
-        let along = before.into_iter().find(|away| away.norm() > 1e-3)?;
-        Some((last_m, along.normalize()))
-    }
 }
 
 /// Waypoints about `apart_m` apart along where something was at some times (s, m): how fast it went, and where it stood.

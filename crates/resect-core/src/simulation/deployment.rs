@@ -1,6 +1,6 @@
 //! A simulated drive as a deployment, without files between.
 
-use super::Simulated;
+use super::simulated::Simulated;
 use crate::deployment::{Deployment, Overrides, Rig, Track, TrackFrame, pairwise_distances};
 
 impl Simulated {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Vector2;
 
-use super::motion::{Planar, reacting};
+use super::planar::{Planar, reacting};
 use super::scenario::Waypoint;
 use crate::geometry::wrap_to_pi;
 

@@ -4,9 +4,9 @@ use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::instrument::EPOCH_S;
 use super::motion::Motion;
 use super::random::normal;
+use super::simulated::EPOCH_S;
 use crate::deployment::GnssFix;
 use crate::geometry::Geodetic;
 

@@ -7,15 +7,14 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::errors::{SystematicErrors, WanderingRange};
+use super::gnss;
 use super::motion::Motion;
 use super::random::{Stream, normal};
 use super::scenario::{Path, Scenario, Waypoint};
-use super::{Simulated, Truth, gnss};
+use super::simulated::{EPOCH_S, Simulated, Truth};
 use crate::deployment::{ControlPoint, ControlPointSet, Measurement, PAIRS, RawRecord};
 use crate::geometry::{LevelTransform, Polar, RigidTransform};
 
-/// Unix time of the first reading (s); any will do.
-pub const EPOCH_S: f64 = 1_760_000_000.0;
 /// The readings of the rig are averaged over this many.
 const RIG_READINGS: f64 = 10.0;
 

@@ -1,10 +1,11 @@
 //! Deployments with known truth, made from a preset and a seed; the same seed gives the same bytes.
 //!
-//! [`scenario`] says what is driven where, [`motion`] moves the vehicle over the ground, [`instrument`] measures
-//! it as three stations would, [`gnss`] as three antennas would, and [`write`] puts the readings into the formats of real deployments.
+//! [`scenario`] describes the drive, [`motion`] moves the vehicle over the ground, [`instrument`] simulates the readings of the
+//! stations and [`gnss`] those of the antennas. `resect_io::simulation_files` writes the readings as the files of a real deployment.
 //! What instruments get wrong beyond noise is in [`errors`], and how large that is in the field in [`field_errors`].
 
 mod deployment;
+mod error_kind;
 mod errors;
 mod field_errors;
 mod follow;
@@ -12,73 +13,19 @@ mod gnss;
 mod ground;
 mod instrument;
 mod motion;
+mod planar;
 mod random;
 mod scenario;
+mod simulate;
+mod simulated;
 #[cfg(test)]
 mod tests;
 
+pub use error_kind::ErrorKind;
 pub use errors::{ClockStep, Curvature, Settling, SystematicErrors, Wander};
-pub use field_errors::{ErrorKind, draw};
+pub use field_errors::draw;
 pub use ground::{Ground, Ramp};
-pub use instrument::EPOCH_S;
 pub use motion::Motion;
 pub use scenario::{Noise, Path, Preset, Scenario, Waypoint};
-
-use nalgebra::Vector3;
-
-use crate::deployment::{ControlPointSet, GnssFix, RawRecord};
-use crate::geometry::{LevelTransform, Polar, RigidTransform};
-
-/// Everything that was measured, and the truth behind it.
-#[derive(Clone, Debug)]
-pub struct Simulated {
-    /// The scenario, with the errors that were drawn.
-    pub scenario: Scenario,
-    pub seed: u64,
-    /// Readings of all stations in order of time; ranges lack the prism constant.
-    pub records: Vec<RawRecord>,
-    pub control_points: Vec<ControlPointSet>,
-    /// A static station's averaged reading of the three prisms, prism constant included.
-    pub rig_reading: [Polar; 3],
-    pub antennas: Option<[Vec<GnssFix>; 3]>,
-    pub truth: Truth,
-}
-
-/// What no calibration may look at.
-#[derive(Clone, Debug)]
-pub struct Truth {
-    /// How the stations were set up, level by station 1's plumb line: what is wrong besides is in the errors.
-    pub station1_from_station: [LevelTransform; 3],
-    pub inter_prism_m: [f64; 3],
-    /// Prisms about the vehicle's origin: x ahead, y left, z up (m).
-    pub prisms_m: [Vector3<f64>; 3],
-    /// The drive itself, from [`EPOCH_S`] on.
-    pub motion: Motion,
-    /// Readings that were given a gross error, and how many were suppressed as lost locks.
-    pub outliers: usize,
-    pub lost_readings: usize,
-}
-
-/// Simulates a preset.
-pub fn simulate(preset: Preset, seed: u64) -> Simulated {
-    simulate_scenario(&preset.scenario(), seed)
-}
-
-/// Simulates any scenario.
-pub fn simulate_scenario(scenario: &Scenario, seed: u64) -> Simulated {
-    instrument::measure(&scenario.clone().draw_errors(seed), seed)
-}
-
-impl Simulated {
-    /// Where the frame of each station is at a time of the drive (s, 0 at [`EPOCH_S`]), settling included.
-    ///
-    /// It maps the station's frame of that moment into station 1's frame at set-up, which is the frame of all
-    /// truth here. Station 1's own is the identity only until it settles. A frame is what the tripod carries, so the
-    /// leaning of [`Settling`] is in it; tilt and plumb line are errors of the axes against it, and are not.
-    pub fn station1_from_station_at(&self, time_s: f64) -> [RigidTransform; 3] {
-        let errors = &self.scenario.errors;
-        std::array::from_fn(|station| {
-            errors.settled(station, &self.truth.station1_from_station[station], time_s)
-        })
-    }
-}
+pub use simulate::{simulate, simulate_scenario};
+pub use simulated::{EPOCH_S, Simulated, Truth};

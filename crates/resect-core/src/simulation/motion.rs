@@ -8,10 +8,10 @@ use rand_chacha::ChaCha8Rng;
 
 use super::follow::Follower;
 use super::ground::Ramp;
+use super::planar::{Planar, STEP_S, reacting};
 use super::scenario::{Path, Scenario, Waypoint};
 use crate::geometry::wrap_to_pi;
 
-const STEP_S: f64 = 0.01;
 /// The vehicle stands this long at the start, and at each stop.
 const STAND_S: f64 = 8.0;
 const BETWEEN_STOPS_S: f64 = 75.0;
@@ -23,14 +23,6 @@ const TURN_RADIUS_M: f64 = 3.5;
 pub struct Motion {
     poses: Vec<Planar>,
     terrain: Terrain,
-}
-
-/// A place on the ground, and which way the vehicle faces there.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Planar {
-    pub x_m: f64,
-    pub y_m: f64,
-    pub heading_rad: f64,
 }
 
 impl Motion {
@@ -110,11 +102,6 @@ impl Motion {
         let left = up.cross(&ahead);
         (Vector3::new(x, y, height), Matrix3::from_columns(&[ahead, left, up]))
     }
-}
-
-/// The speed a hundredth of a second later: a soft foot on the pedal, about half a second to react.
-pub fn reacting(speed_m_per_s: f64, wanted_m_per_s: f64) -> f64 {
-    speed_m_per_s + (wanted_m_per_s - speed_m_per_s) * STEP_S / 0.6
 }
 
 /// A sum of waves, its slopes being what tilts the vehicle.

@@ -2,8 +2,8 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use super::error_kind::ErrorKind;
 use super::errors::SystematicErrors;
-use super::field_errors::ErrorKind;
 use super::ground::Ground;
 use crate::geometry::ARCSECOND_RAD;
 

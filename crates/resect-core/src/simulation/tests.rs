@@ -5,8 +5,7 @@ use nalgebra::Vector3;
 use super::errors::WanderingRange;
 use super::*;
 use crate::deployment::Measurement;
-use crate::geometry::ARCSECOND_RAD;
-use crate::geometry::wrap_to_pi;
+use crate::geometry::{ARCSECOND_RAD, Polar, wrap_to_pi};
 
 /// A minute of the Warthog's drive without noise, read with some errors.
 fn drive(errors: SystematicErrors) -> Simulated {

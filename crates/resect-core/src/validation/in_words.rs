@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use super::{Cause, Difference, LEVEL, MetricThere, Outcome, StationMove, Validation};
+use super::metric::MetricThere;
+use super::moved::{Difference, StationMove};
+use super::outcome::{Cause, LEVEL, Outcome};
+use super::validate::Validation;
 use crate::deployment::{ToldAngle, ToldIn};
 
 /// How an angle is worded: in which unit, with how many digits.

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, Vector3};
 
-use super::Earlier;
+use super::earlier::Earlier;
 use super::moved::Difference;
 use crate::analysis::Answer;
 use crate::calibration::distance_errors_m;
@@ -11,7 +11,7 @@ use crate::evaluation::Spread;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
 
-/// A normal deviate that chance exceeds with probability [`LEVEL_OF_ONE`](super::LEVEL_OF_ONE).
+/// A normal deviate that chance exceeds with probability [`LEVEL_OF_ONE`](super::outcome::LEVEL_OF_ONE).
 const NORMAL_OF_ONE: f64 = 2.8782;
 /// More triplets than this say nothing new about how distances follow the transforms.
 const MOST_TRIPLETS: usize = 2000;
@@ -95,7 +95,7 @@ fn follows(
 }
 
 /// What a mean square dᵀA d of normal d with covariance Σ exceeds with probability
-/// [`LEVEL_OF_ONE`](super::LEVEL_OF_ONE), from AΣ (m²).
+/// [`LEVEL_OF_ONE`](super::outcome::LEVEL_OF_ONE), from AΣ (m²).
 ///
 /// A shifted multiple of χ² with the same first three moments (Pearson's approximation: Imhof 1961), and the cube root of
 /// that normal (Wilson & Hilferty 1931).
@@ -112,7 +112,7 @@ fn allowed_m2(follows_covariance: &SMatrix<f64, 8, 8>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::validation::LEVEL_OF_ONE;
+    use crate::validation::outcome::LEVEL_OF_ONE;
     use nalgebra::SVector;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;

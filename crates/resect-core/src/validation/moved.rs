@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix4, SMatrix, SVector, Vector3, Vector4};
 
-use super::{Cause, LEVEL_OF_ONE};
+use super::outcome::{Cause, LEVEL_OF_ONE};
 use crate::calibration::ErrorSizes;
 use crate::calibration::Estimate;
 use crate::geometry::{LevelTransform, wrap_to_pi};

@@ -5,8 +5,10 @@
 
 use nalgebra::Vector3;
 
+use super::earlier::Earlier;
 use super::in_words::Tell;
-use super::{Earlier, Outcome, Validation, validate};
+use super::outcome::Outcome;
+use super::validate::{Validation, validate};
 use crate::analysis::{Analysis, Answer};
 use crate::deployment::Deployment;
 use crate::evaluation::site::seen_m;

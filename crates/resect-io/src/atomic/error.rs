@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::folder_of;
+use super::part::folder_of;
 
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot be {what}: {error}; {}", path.display(), self.remedy())]

@@ -8,8 +8,6 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::folder_of;
-
 /// A half-written file, removed when it is dropped.
 pub(super) struct Part {
     /// Locked as long as it is open.
@@ -116,6 +114,11 @@ fn sync_folder(folder: &Path) {
     {
         _ = folder;
     }
+}
+
+/// The folder that a file lies in.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 #[cfg(test)]

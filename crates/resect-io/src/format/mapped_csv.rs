@@ -3,6 +3,7 @@
 //! Columns are separated by commas, semicolons, tabs or bars; where it is not a comma, numbers may have a decimal comma.
 //! An empty number is no reading, and counted as such.
 
+mod head;
 mod stamps;
 mod suggestion;
 mod values;
@@ -11,6 +12,7 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::io::Read;
 
+use self::head::{first_rows, separator};
 use self::stamps::Stamps;
 pub use self::suggestion::{suggest, suggest_meanings};
 use self::values::{angle_rad, metres, number, station_number};
@@ -25,11 +27,8 @@ use resect_core::deployment::{Finding, Measurement, RawRecord};
 use resect_core::geometry::Polar;
 use resect_core::progress::Progress;
 
-/// Rows that a preview shows.
-const PREVIEWED: usize = 20;
 /// Named columns from which on an unknown table may hold tracks: time, and three of a position.
 const FEWEST_COLUMNS: usize = 4;
-const SEPARATORS: [char; 4] = [',', ';', '\t', '|'];
 const REMEDY: &str = "correct the line, or what [columns] in deployment.toml says of it";
 
 /// The first rows of a table, as they stand and as they are understood.
@@ -141,36 +140,6 @@ pub fn looks_like(head: &str) -> bool {
 /// Whether a header names every column of a mapping.
 pub fn fits(header: &str, mapping: &ColumnMapping) -> bool {
     Columns::of(header, separator(header), mapping).is_ok()
-}
-
-/// A row by its number of line: its fields, or why it has none.
-type NumberedRow<'a> = (usize, Result<Vec<Cow<'a, str>>, String>);
-
-/// The header of a text, and its first whole rows.
-fn first_rows(head: &str) -> (String, Vec<NumberedRow<'_>>) {
-    let head = head.trim_start_matches(super::BYTE_ORDER_MARK);
-    // A short file may end without a line end; one that was cut off ends anywhere.
-    let whole = if head.len() < 1024 { head } else { &head[..head.rfind('\n').unwrap_or(0)] };
-    let mut lines =
-        whole.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(PREVIEWED + 1);
-    let header = lines.next().map_or("", |(_, line)| line).trim().to_owned();
-    let separator = separator(&header);
-    let expected = table::fields(&header, separator).map_or(0, |names| names.len());
-    let rows = lines.map(|(index, line)| {
-        let fields = table::fields(line, separator).and_then(|fields| match fields.len() {
-            count if count == expected => Ok(fields),
-            count => Err(format!("{count} fields where the header has {expected}")),
-        });
-        (index + 1, fields)
-    });
-    (header, rows.collect())
-}
-
-/// What separates the columns: whatever does most often in the header.
-fn separator(header: &str) -> char {
-    let count = |separator: &char| header.matches(*separator).count();
-    // The first of equals: a comma.
-    SEPARATORS.into_iter().rev().max_by_key(count).unwrap_or(',')
 }
 
 /// A mapping, found in a header.

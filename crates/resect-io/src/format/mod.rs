@@ -10,6 +10,7 @@ pub mod cartesian_tracks;
 pub mod control_points;
 pub mod deployment_toml;
 mod estimate;
+mod format;
 pub mod gsi;
 pub mod jobxml;
 pub mod mapped_csv;
@@ -23,4 +24,6 @@ pub mod surveyed_points;
 pub mod table;
 mod text_chunks;
 
-pub use recognise::{BYTE_ORDER_MARK, Format, SESSION_KEY, recognise};
+pub use format::{Format, SESSION_KEY};
+pub use recognise::recognise;
+pub use text_chunks::BYTE_ORDER_MARK;

@@ -2,8 +2,10 @@
 
 use std::io::Read;
 
-use super::BYTE_ORDER_MARK;
 use crate::error::OpenError;
+
+/// What some editors put before UTF-8 text.
+pub const BYTE_ORDER_MARK: char = '\u{feff}';
 
 const CHUNK_BYTES: usize = 1 << 18;
 /// Longer lines are no rows of a table of measurements; a file without any line end must not fill the memory.

@@ -10,6 +10,7 @@ use nalgebra::Vector3;
 use resect_core::geometry::ARCSECOND_RAD;
 
 use super::found::FoundFile;
+use super::station_in_name::station_in_name;
 use crate::error::{OpenError, Question};
 use crate::format::Format;
 use crate::format::applied_transforms;
@@ -17,7 +18,6 @@ use crate::format::applied_transforms::AppliedTransforms;
 use crate::format::cartesian_tracks;
 use crate::format::cartesian_tracks::{Position, own_from_theirs};
 use crate::recording::Recording;
-use crate::recording::station_index;
 use resect_core::deployment::{
     Finding, Measurement, PAIRS, RawRecord, ToldAngle, ToldIn, TrackFrame,
 };
@@ -104,17 +104,6 @@ fn set_of<'a>(
         files.clone().find(named)
     };
     (1..=3).map(of).collect::<Option<_>>().ok_or_else(|| incomplete(&one.file))
-}
-
-/// The last number of a file's name, and the path without it.
-pub fn station_in_name(file: &str) -> Option<(String, i64)> {
-    let folder = file.rfind(['/', '\\']).map_or(0, |at| at + 1);
-    let end = folder + file[folder..].rfind(|c: char| c.is_ascii_digit())? + 1;
-    let start = file[..end].rfind(|c: char| !c.is_ascii_digit()).map_or(0, |at| at + 1);
-    // The character before the digits may be longer than a byte.
-    let start = (start..end).find(|at| file.is_char_boundary(*at))?;
-    let number = file[start..end].parse().ok()?;
-    Some((format!("{}#{}", &file[..start], &file[end..]), number))
 }
 
 /// Reads the files of stations 1, 2, 3 into polar readings, and gives the frame they are in and the files of transforms
@@ -318,38 +307,4 @@ fn mean_phase(values: impl Iterator<Item = f64>) -> f64 {
         (cos, sin, count) = (cos + c, sin + s, count + 1);
     }
     if count < FEWEST_MOVED { 0.0 } else { f64::hypot(cos, sin) / count as f64 }
-}
-
-/// Gives what was computed from tracks its reason to be passed over, by the folder it lies in; positions also where their
-/// name has no station.
-pub fn pass_over_derived(files: &mut [FoundFile]) {
-    const FOLDERS: [&str; 5] =
-        ["filtered_prediction", "raw_prediction", "ground_truth", "uncertainty", "gps_data"];
-    let place =
-        |f: &FoundFile| f.file.split(['/', '\\']).rev().skip(1).any(|p| FOLDERS.contains(&p));
-    for file in files.iter_mut().filter(|f| f.format == Format::CartesianTrack) {
-        if place(file) || station_in_name(&file.file).and_then(|(_, n)| station_index(n)).is_none()
-        {
-            file.format = Format::Ignored("positions made from tracks, not measured ones");
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_last_number_of_a_name_is_the_station() {
-        for (name, expected) in [
-            ("total_stations/trimble1.csv", Some(("total_stations/trimble#.csv", 1))),
-            ("f-2-1-1-1-6-0-L_3.csv", Some(("f-2-1-1-1-6-0-L_#.csv", 3))),
-            ("2022/x.csv", None),
-            ("été2", Some(("été#", 2))),
-            ("3", Some(("#", 3))),
-        ] {
-            let found = station_in_name(name);
-            assert_eq!(found.as_ref().map(|(p, n)| (p.as_str(), *n)), expected, "{name}");
-        }
-    }
 }

@@ -3,12 +3,13 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::cartesian::pass_over_derived;
 use super::collection;
+use super::station_in_name::station_in_name;
 use crate::error::OpenError;
+use crate::extras::Extras;
 use crate::format;
 use crate::format::{Format, recognise};
-use crate::source::Extras;
+use crate::recording::station_index;
 use resect_core::deployment::Overrides;
 use resect_core::progress::Progress;
 
@@ -198,6 +199,21 @@ pub fn in_memory(name: &str, files: &[(&str, &str)]) -> Found {
         .collect();
     pass_over_derived(&mut files);
     Found { name: name.to_owned(), chosen: None, put_right: Overrides::default(), files }
+}
+
+/// Gives what was computed from tracks its reason to be passed over, by the folder it lies in; positions also where their
+/// name has no station.
+fn pass_over_derived(files: &mut [FoundFile]) {
+    const FOLDERS: [&str; 5] =
+        ["filtered_prediction", "raw_prediction", "ground_truth", "uncertainty", "gps_data"];
+    let place =
+        |f: &FoundFile| f.file.split(['/', '\\']).rev().skip(1).any(|p| FOLDERS.contains(&p));
+    for file in files.iter_mut().filter(|f| f.format == Format::CartesianTrack) {
+        if place(file) || station_in_name(&file.file).and_then(|(_, n)| station_index(n)).is_none()
+        {
+            file.format = Format::Ignored("positions made from tracks, not measured ones");
+        }
+    }
 }
 
 /// A path as it is told: from the folder on.

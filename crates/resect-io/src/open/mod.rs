@@ -10,6 +10,7 @@ mod found;
 mod gnss;
 mod reading;
 mod rig;
+mod station_in_name;
 mod surveys;
 mod tables;
 mod tracks;

@@ -7,9 +7,9 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
-use super::cartesian::station_in_name;
 use super::found::{FoundFile, Standing};
 use super::reading::Reading;
+use super::station_in_name::station_in_name;
 use crate::error::OpenError;
 use crate::format::survey::Survey;
 use crate::format::{Format, gsi, jobxml};

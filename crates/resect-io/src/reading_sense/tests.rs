@@ -1,10 +1,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Impossible, LARGEST_SAMPLE, Measurement, StationSense};
+use super::impossible::Impossible;
+use super::station_sense::{LARGEST_SAMPLE, StationSense};
 use crate::format::polar_csv;
 use crate::open::open_files;
 use crate::sample::Sample;
-use resect_core::deployment::Deployment;
+use resect_core::deployment::{Deployment, Measurement};
 
 use resect_core::simulation::{Preset, simulate};
 

@@ -2,7 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::{Column, FEWEST, LARGEST_AZIMUTH_RAD, LATEST_STAMP_S, StationSense, number, stations};
+use super::impossible::{LARGEST_AZIMUTH_RAD, LATEST_STAMP_S};
+use super::station_sense::{Column, FEWEST, StationSense};
+use super::words::{number, stations};
 use crate::error::OpenError;
 
 /// Nearer to the vertical than this no vehicle is tracked, so such zenith angles are angles of elevation.

@@ -1,6 +1,6 @@
 //! The boxes of a chart: how wide they are, whether their numbers have room, and their marks.
 
-use super::SMALL;
+use super::sizes::SMALL;
 use crate::axis::{Axis, number};
 use crate::drawing::{Anchor, Ink, Mark, shortened, text_width, wrap};
 use resect_core::experiment::{Quantiles, Study};

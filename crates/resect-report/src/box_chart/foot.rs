@@ -1,6 +1,6 @@
 //! What stands below a box chart: the groups' names and notes in their slots, the axis title, the caption.
 
-use super::{LABEL, SMALL};
+use super::sizes::{LABEL, SMALL};
 use crate::drawing::{Anchor, Ink, Mark, text_width, wrap};
 use resect_core::deployment::Finding;
 use resect_core::experiment::Study;

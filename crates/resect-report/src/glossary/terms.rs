@@ -1,6 +1,6 @@
 //! The list of terms, on the way from readings to a verdict: plain data.
 
-use super::Term;
+use super::term::Term;
 
 macro_rules! terms {
     ($($constant:ident = $name:literal $(/ $also:literal)*: $means:literal $(($paper:literal))?;)*) => {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, SVector};
 use serde::Deserialize;
 
-use super::SCHEMA;
+use super::schema::SCHEMA;
 use resect_core::calibration::{Method, Verdict};
 use resect_core::deployment::TrackFrame;
 use resect_core::geometry::RigidTransform;

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use serde_json::Value;
 
-use super::findings;
+use super::findings::findings;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::deployment::{Deployment, pair_label};
 use resect_core::pipeline::SampleFate;

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::charts::figure;
-use super::findings;
+use super::findings::findings;
 use crate::estimates::{Angles, compared, contradiction, draw, rows};
 use resect_core::deployment::Finding;
 use resect_core::estimates::Judgement;

@@ -2,7 +2,7 @@
 
 use egui::RichText;
 
-use super::trouble;
+use super::trouble::trouble;
 use crate::app::model::{Asked, AskedColumns, Commands, DialogCommand, TableHead};
 use crate::app::panels::number;
 use crate::app::theme;

@@ -1,9 +1,12 @@
 //! The recorder's clock as a witness: whether stamps or own clocks of the stations lie apart against it.
 
-use super::{DOUBTED_S, FEWEST_READINGS};
 use crate::deployment::Finding;
 use crate::statistics::median;
 
+/// Fewer readings than this tell nothing of a drift (readings on either side of a jump: half of it).
+pub const FEWEST_READINGS: usize = 10;
+/// Headers that lie apart by this much (s) against the recorder, where the own clocks do not, are doubted.
+pub const DOUBTED_S: f64 = 0.05;
 /// Arrivals that are kept of a station, at most.
 const KEPT_ARRIVALS: usize = 4096;
 

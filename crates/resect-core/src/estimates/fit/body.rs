@@ -2,9 +2,9 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::Fit;
+use super::fit::Fit;
 use super::pieces::{BLOCKS, SHORTEST_BLOCK_S};
-use crate::estimates::EstimatedPose;
+use crate::estimates::estimate::EstimatedPose;
 use crate::estimates::reference::True;
 use crate::statistics::median;
 

@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::{CLOCK, LEVER, SCALE, State, TRANSLATION, UNKNOWNS};
+use super::state::{CLOCK, LEVER, SCALE, State, TRANSLATION, UNKNOWNS};
 use crate::calibration::joint::prisms::ByConstants;
-use crate::estimates::EstimatedPose;
+use crate::estimates::estimate::EstimatedPose;
 use crate::estimates::reference::True;
 use crate::statistics::robust::huber;
 use crate::statistics::{median, sandwich};

@@ -1,6 +1,6 @@
 //! Which threshold would let a reading past the module that stopped it.
 
-use super::{Explanation, Place, Rate};
+use super::explanation::{Explanation, Place, Rate};
 use crate::pipeline::{OutlierReason, PipelineSettings, SampleFate};
 
 /// A longer gap is not worth closing: what is interpolated across it is no measurement.

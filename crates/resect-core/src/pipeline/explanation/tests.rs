@@ -1,8 +1,9 @@
 //! Every fate on small tracks, and all readings of a sample.
 
 use super::*;
-use crate::deployment::Track;
+use crate::deployment::{Deployment, Measurement, Track};
 use crate::pipeline;
+use crate::pipeline::{OutlierReason, PipelineSettings, SampleFate};
 use crate::simulation::{Preset, simulate};
 
 /// Readings of one station, by time (s); everything else is still, unless changed.

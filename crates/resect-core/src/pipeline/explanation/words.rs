@@ -1,6 +1,6 @@
 //! The explanation of a reading in one or two sentences.
 
-use super::{Explanation, Place, Rate, Silence, Step};
+use super::explanation::{Explanation, Place, Rate, Silence, Step};
 use crate::pipeline::{Interval, SampleFate};
 
 impl Explanation {

@@ -11,10 +11,11 @@
 use nalgebra::{DMatrix, Vector2, Vector3};
 use rayon::prelude::*;
 
-use super::{
-    AXIS_GROUPS, Allowance, Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval,
-    dense::{self, Kernel},
-    minimise,
+use super::allowance::Allowance;
+use super::dense::{self, Kernel};
+use super::minimise;
+use super::series::{
+    AXIS_GROUPS, Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval,
 };
 use crate::pipeline::{FilteredTrack, Interval};
 use crate::progress::{Cancelled, Progress};

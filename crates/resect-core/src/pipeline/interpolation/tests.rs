@@ -5,7 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{Estimate, Series, linear, squared_exponential, white_noise_on_acceleration};
+use super::series::{Estimate, Series};
+use super::{linear, squared_exponential, white_noise_on_acceleration};
 use crate::pipeline::{FilteredTrack, Interval};
 use crate::progress::{Cancelled, Progress};
 

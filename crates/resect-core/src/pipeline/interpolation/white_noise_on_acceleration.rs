@@ -13,9 +13,9 @@
 use nalgebra::{Matrix2, RowVector2, SMatrix, Vector2, Vector3};
 use rayon::prelude::*;
 
-use super::{
-    Allowance, Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval, minimise,
-};
+use super::allowance::Allowance;
+use super::minimise;
+use super::series::{Estimate, FEWEST_TO_LEARN_FROM, LEAST_NOISE_M, Series, by_interval};
 use crate::pipeline::{FilteredTrack, Interval};
 use crate::progress::{Cancelled, Progress};
 

@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
-use super::OpenError;
 use super::intake::Intake;
+use crate::error::OpenError;
 
 /// How far a record's header is looked at when a place is judged.
 pub const JUDGED_BYTES: usize = 4096;

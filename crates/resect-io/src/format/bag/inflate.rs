@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
-use super::OpenError;
+use crate::error::OpenError;
 use resect_core::progress::Progress;
 
 /// What a file may inflate to whatever its own size is.

@@ -1,10 +1,10 @@
 //! What the containers hand their messages to: it fills the recording, and keeps count of what was lost on the way.
 
-use super::OpenError;
 use super::messages::StampedPose;
 use super::stream::{Heard, Stream};
 pub use super::stream::{LARGEST_MESSAGE_BYTES, Subscription};
 use super::wire::Encoding;
+use crate::error::OpenError;
 use crate::recording::Recording;
 use resect_core::deployment::Finding;
 use resect_core::progress::Progress;

@@ -11,11 +11,11 @@
 use std::collections::HashMap;
 use std::io::Read;
 
-use super::OpenError;
 use super::container::{At, Bytes, Holder, Positioned, Stop, read_up_to, salvage};
 use super::inflate::{Budget, decoder};
 use super::intake::{Intake, LARGEST_MESSAGE_BYTES, Subscription};
 use super::wire::{Encoding, Malformed, Wire};
+use crate::error::OpenError;
 
 pub const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// The definition of a message is text.

@@ -1,9 +1,8 @@
 //! What is said of the messages of a bag when all are in: by which clock, from which topics, or why there is nothing.
 
-use super::OpenError;
 use super::intake::{Intake, natural_key};
 use super::messages::{Kind, THEODOLITE_TYPE};
-use crate::error::{Question, Topic};
+use crate::error::{OpenError, Question, Topic};
 
 impl Intake<'_> {
     /// What holds for all files together: whether there was anything to read, and by which clock.

@@ -12,11 +12,11 @@
 use std::collections::HashMap;
 use std::io::Read;
 
-use super::OpenError;
 use super::container::{At, Bytes, Holder, JUDGED_BYTES, Positioned, Stop, read_up_to, salvage};
 use super::inflate::{Budget, decoder};
 use super::intake::{Intake, LARGEST_MESSAGE_BYTES, Subscription};
 use super::wire::Encoding;
+use crate::error::OpenError;
 
 pub const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 /// A header names a topic and little else.

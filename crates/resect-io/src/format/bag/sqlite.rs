@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, Row};
 
-use super::OpenError;
 use super::intake::{Intake, LARGEST_MESSAGE_BYTES, Subscription};
 use super::wire::Encoding;
+use crate::error::OpenError;
 
 pub const MAGIC: &[u8] = b"SQLite format 3\0";
 /// What a killed recorder leaves beside a file.

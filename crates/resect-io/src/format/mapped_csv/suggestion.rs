@@ -3,8 +3,9 @@
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
+use super::head::{first_rows, separator};
 use super::values::with_point;
-use super::{first_rows, separator, table};
+use crate::format::table;
 use resect_core::deployment::ColumnMapping;
 use resect_core::deployment::{TableAngle, TableLength, TimeFormat, VerticalAngle};
 use resect_core::statistics::median;

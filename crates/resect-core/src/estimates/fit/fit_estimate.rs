@@ -1,0 +1,249 @@
+//! The Gauss–Newton iteration that fits an estimate to the ground truth.
+
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+
+use super::body::turn_body;
+use super::fit::Fit;
+use super::pieces::{Pieces, by_common};
+use super::state::{CLOCK, LEVER, SCALE, State, UNKNOWNS, prior_of};
+use crate::deployment::Finding;
+use crate::estimates::estimate::{Estimate, EstimatedPose};
+use crate::estimates::options::{Alignment, Body, Options};
+use crate::estimates::reference::{Reference, True, matched, sound};
+use crate::estimates::time_offset;
+use crate::estimates::unfit::Unfit;
+use crate::estimates::unjudged::Unjudged;
+use crate::evaluation::vehicle::Instants;
+use crate::geometry::{RigidTransform, align_rigid, align_similar};
+use crate::statistics::{median, sandwich};
+
+/// Fits take so many epochs at most, evenly spread.
+const MOST_EPOCHS: usize = 4000;
+const MOST_STEPS: usize = 40;
+/// Clock and lever arm are refined until a step is smaller (s, m).
+const SETTLED: f64 = 1e-5;
+/// Beyond such a change of the offset the ground truth is asked again, and not moved along its velocity (s): on the way,
+/// and before the end.
+const LINEAR_S: f64 = 0.01;
+const EXACT_S: f64 = 1e-4;
+const FEWEST_EPOCHS: usize = 10;
+/// Clocks further apart than this (s) have nothing in common, such as one since 1970 and one since the start.
+const FAR_S: f64 = 60.0;
+
+/// Brings an estimate together with the ground truth; gives the truth at its times as well.
+pub fn fit(
+    reference: &Reference<'_>,
+    estimate: &Estimate,
+    options: &Options,
+) -> Result<(Fit, Vec<True>), Unjudged> {
+    let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
+    let poses = &estimate.poses;
+    if poses.len() < FEWEST_EPOCHS {
+        return Err(unfit(Unfit::FewPoses(poses.len())));
+    }
+    let turning =
+        reference.has_orientation() || poses.iter().all(|pose| pose.orientation.is_some());
+    if matches!(options.body, Body::Lever(_)) && !turning {
+        return Err(unfit(Unfit::NoOrientation));
+    }
+    let offset_s = match options.time_offset_s {
+        Some(given_s) => given_s,
+        None => {
+            let truths = reference.at(Instants::Rate(time_offset::RATE_HZ))?;
+            time_offset::coarse(poses, &truths).ok_or_else(|| unfit(Unfit::NoOverlap))?
+        }
+    };
+    let mut sought = Sought {
+        frame: options.alignment,
+        clock: options.time_offset_s.is_none(),
+        lever: options.body == Body::Found && turning,
+    };
+    let mut state = State {
+        fit: Fit {
+            station1_from_estimate: RigidTransform {
+                rotation: Rotation3::identity(),
+                translation_m: Vector3::zeros(),
+            },
+            scale: 1.0,
+            time_offset_s: offset_s,
+            time_offset_sigma_s: None,
+            lever_arm_m: turning.then(|| match options.body {
+                Body::Lever(lever_m) => lever_m,
+                Body::Found | Body::Same => Vector3::zeros(),
+            }),
+            lever_arm_sigma_m: None,
+            body_rotation: None,
+            body_rotation_sigma_rad: None,
+            findings: Vec::new(),
+        },
+        later_s: 0.0,
+    };
+    let thinned = thinned(poses);
+    if sought.clock || sought.lever {
+        let truths = at(reference, &thinned, offset_s)?;
+        // Once and for all: a set that changes with the clock would not let it settle.
+        let sound = sound(&matched(&thinned, &truths, offset_s));
+        align(&mut state.fit, &sound, sought.frame).map_err(unfit)?;
+        let poses: Vec<EstimatedPose> = sound.iter().map(|(pose, _)| **pose).collect();
+        let longer = times_longer(&sound).filter(|_| sought.frame == Alignment::Rigid);
+        refine(&mut state, reference, &poses, &mut sought, estimate).map_err(|why| {
+            match (&why, longer) {
+                (Unjudged::Unfit { why: Unfit::Undetermined, .. }, Some(longer)) => {
+                    unfit(Unfit::OtherScale(longer))
+                }
+                _ => why,
+            }
+        })?;
+    }
+    let mut fit = state.fit;
+    if options.time_offset_s.is_none() && fit.time_offset_s.abs() > FAR_S {
+        let line = format!(
+            "{}: its clock is off by {:.0} s; the two were brought together by their speeds alone: check that both are of one drive",
+            estimate.name, -fit.time_offset_s
+        );
+        fit.findings.push(Finding::warning(line));
+    }
+    let truths = at(reference, poses, fit.time_offset_s)?;
+    let pairs = matched(poses, &truths, fit.time_offset_s);
+    align(&mut fit, &pairs, options.alignment).map_err(unfit)?;
+    if let Some(longer) = times_longer(&pairs).filter(|_| options.alignment == Alignment::Rigid) {
+        let line = format!("{}: {}", estimate.name, Unfit::OtherScale(longer));
+        fit.findings.push(Finding::warning(line));
+    }
+    turn_body(&mut fit, &pairs, options.body == Body::Same);
+    Ok((fit, truths))
+}
+
+/// What is to be found.
+struct Sought {
+    frame: Alignment,
+    clock: bool,
+    lever: bool,
+}
+
+fn at(
+    reference: &Reference<'_>,
+    poses: &[EstimatedPose],
+    offset_s: f64,
+) -> Result<Vec<True>, Unjudged> {
+    let times_s: Vec<f64> = poses.iter().map(|pose| pose.time_s + offset_s).collect();
+    Ok(reference.at(Instants::At(&times_s))?)
+}
+
+/// Tells how many times as long as the ground truth's the estimate's ways are, where that is no drift but another unit, or one
+/// camera alone: the median over ways of some metres, whatever the two frames and errors are.
+fn times_longer(pairs: &[(&EstimatedPose, &True)]) -> Option<f64> {
+    const WAY_M: f64 = 2.0;
+    const DRIFT: f64 = 1.1;
+    let (mut from, mut ratios) = (0, Vec::new());
+    for (to, (pose, truth)) in pairs.iter().enumerate() {
+        let (first, first_true) = pairs[from];
+        let true_m = (truth.position_m - first_true.position_m).norm();
+        if true_m >= WAY_M {
+            ratios.push((pose.position_m - first.position_m).norm() / true_m);
+            from = to;
+        }
+    }
+    median(ratios).filter(|longer| *longer > 0.0 && !(DRIFT.recip()..DRIFT).contains(longer))
+}
+
+fn thinned(poses: &[EstimatedPose]) -> Vec<EstimatedPose> {
+    poses.iter().step_by(poses.len().div_ceil(MOST_EPOCHS).max(1)).copied().collect()
+}
+
+/// The frame by plain least squares, clock and lever arm as they are.
+pub fn align(
+    fit: &mut Fit,
+    pairs: &[(&EstimatedPose, &True)],
+    alignment: Alignment,
+) -> Result<(), Unfit> {
+    if pairs.len() < FEWEST_EPOCHS {
+        return Err(Unfit::FewEpochs);
+    }
+    if alignment == Alignment::None {
+        return Ok(());
+    }
+    let lever_m = fit.lever_arm_m.unwrap_or_default();
+    let of_truth: Vec<Vector3<f64>> = pairs
+        .iter()
+        .map(|(_, truth)| match &truth.turned {
+            Some(turned) => truth.position_m + turned.orientation * lever_m,
+            None => truth.position_m,
+        })
+        .collect();
+    let own: Vec<Vector3<f64>> = pairs
+        .iter()
+        .map(|(pose, truth)| match (&truth.turned, pose.orientation) {
+            // The lever is as long whatever the scale.
+            (None, Some(own)) => pose.position_m + own * lever_m / fit.scale,
+            _ => pose.position_m,
+        })
+        .collect();
+    let found = match alignment {
+        Alignment::Similarity => align_similar(&of_truth, &own),
+        _ => align_rigid(&of_truth, &own).map(|transform| (transform, 1.0)),
+    };
+    (fit.station1_from_estimate, fit.scale) = found.ok_or(Unfit::OnALine)?;
+    Ok(())
+}
+
+/// Frame, lever arm and clock together, with the σ of the latter two.
+fn refine(
+    state: &mut State,
+    reference: &Reference<'_>,
+    poses: &[EstimatedPose],
+    sought: &mut Sought,
+    estimate: &Estimate,
+) -> Result<(), Unjudged> {
+    let unfit = |why| Unjudged::Unfit { name: estimate.name.clone(), why };
+    let open = |sought: &Sought| -> Vec<usize> {
+        let frame = match sought.frame {
+            Alignment::None => 0..0,
+            Alignment::Rigid => 0..SCALE,
+            Alignment::Similarity => 0..SCALE + 1,
+        };
+        let lever = if sought.lever { LEVER..CLOCK } else { 0..0 };
+        let clock = if sought.clock { CLOCK..UNKNOWNS } else { 0..0 };
+        frame.chain(lever).chain(clock).collect()
+    };
+    let open = open(sought);
+    let mut asked_s = state.fit.time_offset_s;
+    let mut truths = at(reference, poses, asked_s)?;
+    for _ in 0..MOST_STEPS {
+        let pairs = matched(poses, &truths, asked_s);
+        if pairs.len() < FEWEST_EPOCHS {
+            return Err(unfit(Unfit::FewEpochs));
+        }
+        let pieces = Pieces::of(&pairs, state);
+        let (blocks, prior) = (pieces.blocks(&open), prior_of(&open));
+        let mut information = DMatrix::from_diagonal(&prior);
+        let mut gradient = DVector::zeros(open.len());
+        for block in &blocks {
+            information += &block.information;
+            gradient += &block.gradient;
+        }
+        let now = DVector::from_iterator(open.len(), open.iter().map(|k| state.value(*k)));
+        gradient -= prior.component_mul(&now);
+        let root = information.cholesky().ok_or_else(|| unfit(Unfit::Undetermined))?;
+        let step = root.solve(&gradient);
+        let change = state.step(&open, &step);
+        let settled = change < SETTLED;
+        if state.later_s.abs() > if settled { EXACT_S } else { LINEAR_S } {
+            state.later_s = 0.0;
+            asked_s = state.fit.time_offset_s;
+            truths = at(reference, poses, asked_s)?;
+        } else if settled {
+            let prior = sandwich::Prior { precision: prior, weight: 1.0 };
+            let mut covariance = sandwich::covariance(&blocks, Some(&prior))
+                .ok_or_else(|| unfit(Unfit::Undetermined))?;
+            let times_s: Vec<f64> = pairs.iter().map(|(_, truth)| truth.time_s).collect();
+            if let Some(common) = reference.common_errors(&times_s) {
+                let moved = root.solve(&by_common(&pieces, &open, state, &common));
+                covariance += &moved * &common.covariance * moved.transpose();
+            }
+            state.take_sigmas(&open, &covariance);
+            return Ok(());
+        }
+    }
+    Err(unfit(Unfit::Undetermined))
+}

@@ -1,0 +1,119 @@
+//! The metrics of an answer: inter-prism errors and control points.
+
+use serde::{Deserialize, Serialize};
+
+use crate::calibration::distance_errors_m;
+use crate::calibration::{Calibration, Targets};
+use crate::deployment::Deployment;
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+use super::spread::Spread;
+
+/// The control-point metric of one file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ControlPointMetric {
+    pub file: String,
+    /// Distances between the stations' versions of the same point (mm).
+    #[serde(flatten)]
+    pub spread: Spread,
+}
+
+impl ControlPointMetric {
+    /// The one whose median is the largest.
+    pub fn worst(of: &[Self]) -> Option<&Self> {
+        of.iter().max_by(|a, b| a.spread.median.total_cmp(&b.spread.median))
+    }
+}
+
+/// Both metrics of an answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    /// Apparent minus known distance of every triplet (mm), for pairs 12, 13, 23; the known distance is zero where
+    /// all stations follow one prism.
+    pub distance_errors_mm: [Vec<f64>; 3],
+    /// |distance error| pooled over the pairs (mm): the paper's inter-prism metric.
+    pub inter_prism_mm: Option<Spread>,
+    /// |distance error| against the distances as measured on the vehicle (mm), where the answer estimates them.
+    pub against_measured_mm: Option<Spread>,
+    pub inter_prism_by_pair_mm: [Option<Spread>; 3],
+    /// The control-point metric of each file of control points (mm); pillars are left out.
+    pub control_points_mm: Vec<ControlPointMetric>,
+}
+
+/// The distances that errors are measured against (m): as measured on the vehicle, or zero where all stations follow
+/// one prism, whose versions should coincide.
+pub fn known_distances_m(deployment: &Deployment, targets: Targets) -> Option<[f64; 3]> {
+    match targets {
+        Targets::OnePrism => Some([0.0; 3]),
+        _ => deployment.rig.as_ref().map(|rig| rig.inter_prism_m),
+    }
+}
+
+/// Evaluates an answer on the corrected triplets, with its own distances where it estimates them.
+///
+/// Returns the corrected triplets, where there are any.
+pub fn evaluate_answer(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    targets: Targets,
+    calibration: &Calibration,
+) -> (Option<Triplets>, Evaluation) {
+    let estimated_m = calibration.joint().and_then(|joint| joint.distances_m);
+    let corrected = calibration.corrected(triplets);
+    let distances_m = estimated_m
+        .map(|distances| distances.map(|distance| distance.value))
+        .or_else(|| known_distances_m(deployment, targets));
+    let distances_m = distances_m.filter(|_| calibration.placing_tracks(deployment).is_some());
+    let mut evaluation = evaluate(
+        deployment,
+        corrected.as_ref().unwrap_or(triplets),
+        distances_m,
+        &calibration.station1_from_station,
+    );
+    let measured_m = known_distances_m(deployment, targets)
+        .filter(|_| distances_m.is_some() && estimated_m.is_some());
+    if let Some(measured_m) = measured_m {
+        let triplets = corrected.as_ref().unwrap_or(triplets);
+        let errors = distance_errors_m(triplets, &calibration.station1_from_station, &measured_m);
+        evaluation.against_measured_mm =
+            Spread::of(errors.iter().flatten().map(|error_m| error_m.abs() * 1e3));
+    }
+    if calibration.placing_control_points(deployment).is_none() {
+        evaluation.control_points_mm.clear();
+    }
+    (corrected, evaluation)
+}
+
+/// Evaluates transforms on a deployment's triplets and control points.
+pub fn evaluate(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    inter_prism_m: Option<[f64; 3]>,
+    station1_from_station: &[RigidTransform; 3],
+) -> Evaluation {
+    let distance_errors_mm: [Vec<f64>; 3] = match inter_prism_m {
+        Some(inter_prism_m) => distance_errors_m(triplets, station1_from_station, &inter_prism_m)
+            .map(|errors| errors.into_iter().map(|e| e * 1e3).collect()),
+        None => Default::default(),
+    };
+    let control_points_mm = deployment
+        .control_points
+        .iter()
+        .filter(|set| !set.pillars)
+        .filter_map(|set| {
+            let distances = set.disagreements_m(station1_from_station);
+            let spread = Spread::of(distances.into_iter().map(|d| d * 1e3))?;
+            Some(ControlPointMetric { file: set.file.clone(), spread })
+        })
+        .collect();
+    Evaluation {
+        against_measured_mm: None,
+        inter_prism_mm: Spread::of(distance_errors_mm.iter().flatten().copied()),
+        inter_prism_by_pair_mm: distance_errors_mm
+            .each_ref()
+            .map(|errors| Spread::of(errors.iter().copied())),
+        distance_errors_mm,
+        control_points_mm,
+    }
+}

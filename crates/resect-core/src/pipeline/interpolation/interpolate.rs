@@ -1,0 +1,52 @@
+//! Interpolation of three tracks by one of the models.
+
+use rayon::prelude::*;
+
+use super::series::Estimate;
+use super::{linear, squared_exponential, white_noise_on_acceleration};
+use crate::pipeline::interval_split::Interval;
+use crate::pipeline::outlier_filter::FilteredTrack;
+use crate::pipeline::settings::Interpolation;
+use crate::pipeline::triplets::Triplets;
+use crate::progress::{Cancelled, Progress};
+
+/// Triplets on a grid of `rate_hz` from the start of each interval, unless `progress` is cancelled.
+pub fn interpolate(
+    tracks: &[FilteredTrack; 3],
+    intervals: &[Interval],
+    method: Interpolation,
+    rate_hz: f64,
+    progress: &Progress,
+) -> Result<Triplets, Cancelled> {
+    let (time_s, interval) = grid(intervals, rate_hz);
+    let model = match method {
+        Interpolation::Linear => {
+            let points_m = tracks.each_ref().map(|track| linear::at(track, &time_s));
+            return Ok(Triplets::new(time_s, interval, points_m));
+        }
+        Interpolation::Gp => squared_exponential::at,
+        Interpolation::Wnoa => white_noise_on_acceleration::at,
+    };
+    let of_track = |track| model(track, intervals, (&time_s, &interval), progress);
+    let mut estimates: Vec<Estimate> = tracks.par_iter().map(of_track).collect::<Result<_, _>>()?;
+    let mut sigma_m = [const { Vec::new() }; 3];
+    let mut points_m = [const { Vec::new() }; 3];
+    for (station, estimate) in estimates.drain(..).enumerate() {
+        points_m[station] = estimate.points_m;
+        sigma_m[station] = estimate.sigma_m;
+    }
+    Ok(Triplets { sigma_m: Some(sigma_m), ..Triplets::new(time_s, interval, points_m) })
+}
+
+/// Instants (s) and the interval each belongs to.
+fn grid(intervals: &[Interval], rate_hz: f64) -> (Vec<f64>, Vec<u32>) {
+    let (mut time_s, mut owner) = (Vec::new(), Vec::new());
+    for (index, interval) in intervals.iter().enumerate() {
+        let steps = (interval.length_s() * rate_hz).floor() as usize;
+        for step in 0..=steps {
+            time_s.push(interval.start_s + step as f64 / rate_hz);
+            owner.push(index as u32);
+        }
+    }
+    (time_s, owner)
+}

@@ -1,0 +1,187 @@
+//! The validation of an earlier calibration by another run.
+
+use std::sync::Arc;
+
+use super::earlier::{Earlier, first_doubt};
+use super::metric::{self, MetricThere};
+use super::moved::{self, Difference};
+use super::outcome::{Cause, Outcome};
+use crate::analysis::{Analysis, Answer};
+use crate::calibration::{Method, Targets, Verdict};
+use crate::deployment::{Deployment, Finding, TrackFrame, pair_label};
+use crate::evaluation::known_distances_m;
+use crate::geometry::{LevelTransform, RigidTransform};
+
+/// A difference that is not known better than this (m, 1 σ) hides what matters: answers are weak from here on as well.
+const COARSE_SIGMA_M: f64 = 0.020;
+/// Stations further from where they were were carried, not knocked (m, rad).
+const CARRIED_M: f64 = 0.3;
+const CARRIED_RAD: f64 = 0.05;
+/// Distances of a rig that differ by more than so many σ are of two rigs.
+const OTHER_RIG_SIGMAS: f64 = 3.0;
+
+/// What is said of a calibration and a run, and all that it rests on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Validation {
+    /// Names of the earlier calibration and of the run.
+    pub earlier: String,
+    pub deployment: String,
+    pub outcome: Outcome,
+    /// What else has to be known to read it.
+    pub caveats: Vec<Finding>,
+    /// The verdict on the run's own answer; `None` where there is none.
+    pub own_verdict: Option<Verdict>,
+    /// `None` where an answer or its σ is missing, or they are about different frames.
+    pub difference: Option<Difference>,
+    /// `None` likewise, and where the rig's distances are not known.
+    pub metric: Option<MetricThere>,
+}
+
+/// The run without its control points, to be analysed for [`validate`].
+///
+/// They are read before or after a drive, and a station that moves in between makes them contradict it: the question here
+/// is about the drive.
+pub fn drive_alone(deployment: &Arc<Deployment>) -> Arc<Deployment> {
+    if deployment.control_points.is_empty() {
+        return Arc::clone(deployment);
+    }
+    let mut alone = Deployment::clone(deployment);
+    alone.control_points.clear();
+    Arc::new(alone)
+}
+
+/// Whether an earlier calibration holds for a run, by that run's own analysis, which [`drive_alone`] prepares.
+pub fn validate(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> Validation {
+    let answer = own.answer.as_deref().map_err(ToString::to_string);
+    let mut validation = Validation {
+        earlier: earlier.name.clone(),
+        deployment: deployment.name.clone(),
+        outcome: Outcome::Holds,
+        caveats: caveats(earlier, deployment, own),
+        own_verdict: answer.as_ref().ok().map(|answer| answer.calibration.verdict),
+        difference: None,
+        metric: None,
+    };
+    if let Ok(answer) = &answer
+        && !in_other_frames(earlier, deployment)
+    {
+        let level = |transforms: &[RigidTransform; 3]| {
+            transforms.map(|to| LevelTransform::new(to.translation_m, to.yaw_rad()))
+        };
+        let errors = &own.settings.calibration.errors;
+        let [before, after] =
+            [&earlier.station1_from_station, &answer.calibration.station1_from_station].map(level);
+        let both = earlier.covariance.zip(answer.calibration.covariance);
+        let covariance = both
+            .map(|(before_one, own_one)| before_one + own_one + moved::settled(&before, errors));
+        validation.difference =
+            covariance.and_then(|covariance| Difference::between(&before, &after, covariance));
+        let one_prism = own.offer.targets == Targets::OnePrism;
+        if let (Some(difference), Some(known_m)) =
+            (&validation.difference, known_distances_m(deployment, own.offer.targets))
+        {
+            validation.metric =
+                metric::metric_there(earlier, answer, difference, &known_m, one_prism);
+        }
+    }
+    validation.outcome = outcome(earlier, deployment, &answer, &validation);
+    validation
+}
+
+fn in_other_frames(earlier: &Earlier, deployment: &Deployment) -> bool {
+    earlier.frame().is_some_and(|frame| frame != deployment.track_frame)
+}
+
+fn outcome(
+    earlier: &Earlier,
+    deployment: &Deployment,
+    answer: &Result<&Answer, String>,
+    found: &Validation,
+) -> Outcome {
+    let cannot = |why: String| Outcome::CannotBeTold(why);
+    if in_other_frames(earlier, deployment) {
+        return cannot(
+            "it is about other frames: the stations' own for one run, and one that the tracks were turned into for the other"
+                .to_owned(),
+        );
+    }
+    let answer = match answer {
+        Ok(answer) => &answer.calibration,
+        Err(why) => return cannot(format!("the run has no answer of its own: {why}")),
+    };
+    if answer.verdict != Verdict::Good {
+        let why = first_doubt(&answer.findings);
+        return cannot(with_doubt("the run's own answer is", answer.verdict, why.as_deref()));
+    }
+    if earlier.verdict > Verdict::Weak {
+        return cannot(with_doubt("it is itself", earlier.verdict, earlier.doubt.as_deref()));
+    }
+    let Some(difference) = &found.difference else {
+        return cannot(
+            "one of the answers has no σ that a difference could be held against".to_owned(),
+        );
+    };
+    if difference.rejects() {
+        return Outcome::DoesNotHold(if difference.reaches(CARRIED_M, CARRIED_RAD) {
+            Cause::OtherSetUp
+        } else {
+            difference.cause()
+        });
+    }
+    if found.metric.as_ref().is_some_and(MetricThere::is_worse) {
+        return Outcome::DoesNotHold(Cause::Metric);
+    }
+    let sigma_m = difference.largest_sigma_m();
+    if sigma_m > COARSE_SIGMA_M {
+        return cannot(format!(
+            "the two answers agree, but σ of their difference is up to {:.0} mm, which hides what matters",
+            sigma_m * 1e3
+        ));
+    }
+    Outcome::Holds
+}
+
+/// "the run's own answer is weak: …".
+fn with_doubt(of: &str, verdict: Verdict, doubt: Option<&str>) -> String {
+    let why = doubt.map_or(String::new(), |doubt| format!(": {doubt}"));
+    format!("{of} {}{why}", verdict.name())
+}
+
+/// What is not tested, and matters to whoever reads the result.
+fn caveats(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> Vec<Finding> {
+    let mut caveats = Vec::new();
+    if earlier.verdict == Verdict::Weak {
+        let line =
+            with_doubt("the earlier calibration is", earlier.verdict, earlier.doubt.as_deref());
+        caveats.push(Finding::warning(line));
+    }
+    let own_method = own.settings.calibration.method.unwrap_or_default();
+    for (which, method) in
+        [("earlier calibration", earlier.method), ("run's own answer", own_method)]
+    {
+        if method != Method::Joint {
+            caveats.push(Finding::note(format!(
+                "the {which} is by {method}, not by the joint estimate: errors that its σ leaves out look like a move"
+            )));
+        }
+    }
+    if earlier.frame() == Some(TrackFrame::Common) && deployment.track_frame == TrackFrame::Common {
+        caveats.push(Finding::warning(
+            "the tracks of both runs were turned into one frame, and what turned them is not known: where they were turned \
+             otherwise, that looks like a move",
+        ));
+    }
+    if let (Some(before), Some(rig)) = (earlier.inter_prism_m, &deployment.rig) {
+        let sigma_m = 2_f64.sqrt() * own.settings.calibration.inter_prism_sigma_m;
+        for pair in 0..3 {
+            let (before_m, now_m) = (before[pair], rig.inter_prism_m[pair]);
+            if (now_m - before_m).abs() > OTHER_RIG_SIGMAS * sigma_m {
+                caveats.push(Finding::warning(format!(
+                    "the rig is another one: prisms {} were {before_m:.4} m apart and are {now_m:.4} m",
+                    pair_label(pair)
+                )));
+            }
+        }
+    }
+    caveats
+}

@@ -1,0 +1,112 @@
+//! A sample of the readings of a station, and counts of those that are impossible.
+
+use super::impossible::Impossible;
+use resect_core::deployment::{Finding, Measurement};
+use resect_core::statistics::median;
+
+/// Fewest readings of a column of which anything is said as a whole.
+pub const FEWEST: usize = 10;
+/// More whole-second stamps than this in a row are no chance.
+const MANY: usize = 50;
+/// Share of impossible readings from which on the recorder is not believed.
+const DOUBTFUL_SHARE: f64 = 0.01;
+pub const LARGEST_SAMPLE: usize = 4096;
+
+/// What is remembered of a station's readings that its recorder calls valid: how many are impossible, and a sample spread
+/// evenly over all.
+#[derive(Clone, Debug, Default)]
+pub struct StationSense {
+    valid: u64,
+    impossible: [u64; Impossible::DOUBTFUL.len()],
+    pub sample: Vec<Sampled>,
+    /// Every how manieth reading is in the sample, less one.
+    skipped: u64,
+    seen: u64,
+    last_s: Option<f64>,
+    pub span_s: Option<[f64; 2]>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Sampled {
+    pub measurement: Measurement,
+    /// Since the reading before.
+    pub step_s: Option<f64>,
+}
+
+impl StationSense {
+    /// Takes note of a reading with a valid status, and of what is impossible about it.
+    pub fn take(&mut self, m: &Measurement, impossible: Option<Impossible>) {
+        self.valid += 1;
+        if let Some(kind) = Impossible::DOUBTFUL.iter().position(|own| Some(*own) == impossible) {
+            self.impossible[kind] += 1;
+        }
+        // Where there is no range the rest is no reading either.
+        if matches!(impossible, Some(Impossible::NotANumber | Impossible::ZeroRange)) {
+            return;
+        }
+        let step_s = self.last_s.map(|last_s| m.time_s - last_s).filter(|step_s| *step_s > 0.0);
+        self.last_s = Some(m.time_s);
+        let [first_s, last_s] = self.span_s.get_or_insert([m.time_s; 2]);
+        (*first_s, *last_s) = (first_s.min(m.time_s), last_s.max(m.time_s));
+        if self.seen.is_multiple_of(self.skipped + 1) {
+            self.sample.push(Sampled { measurement: *m, step_s });
+            if self.sample.len() == LARGEST_SAMPLE {
+                let mut index = 0;
+                self.sample.retain(|_| {
+                    index += 1;
+                    index % 2 == 1
+                });
+                self.skipped = 2 * self.skipped + 1;
+            }
+        }
+        self.seen += 1;
+    }
+
+    pub fn column(&self, of: impl Fn(&Sampled) -> f64) -> Column {
+        Column(self.sample.iter().map(of).collect())
+    }
+
+    pub fn has_whole_seconds(&self) -> bool {
+        let stamps = self.column(|s| s.measurement.time_s);
+        stamps.0.len() >= MANY && stamps.0.iter().all(|stamp_s| stamp_s.fract() == 0.0)
+    }
+
+    /// The doubt that its impossible readings raise.
+    pub fn doubt(&self, number: usize) -> Option<Finding> {
+        let impossible: u64 = self.impossible.iter().sum();
+        let share = impossible as f64 / self.valid.max(1) as f64;
+        if share < DOUBTFUL_SHARE {
+            return None;
+        }
+        let counts =
+            Impossible::DOUBTFUL.iter().zip(self.impossible).filter(|(_, count)| *count > 0);
+        let counts: Vec<_> =
+            counts.map(|(kind, count)| format!("{}: {count}", kind.short())).collect();
+        Some(Finding::doubt(format!(
+            "station {number}: {impossible} of {} readings that are marked as valid ({:.1} %) cannot be any ({}): the \
+             recorder writes invalid readings as valid, and the others may be no better",
+            self.valid,
+            100.0 * share,
+            counts.join(", ")
+        )))
+    }
+}
+
+/// One column of the sample.
+pub struct Column(pub Vec<f64>);
+
+impl Column {
+    pub fn median(&self) -> Option<f64> {
+        if self.0.len() < FEWEST {
+            return None;
+        }
+        median(self.0.iter().copied())
+    }
+
+    pub fn share(&self, is: impl Fn(f64) -> bool) -> f64 {
+        if self.0.len() < FEWEST {
+            return 0.0;
+        }
+        self.0.iter().filter(|value| is(**value)).count() as f64 / self.0.len() as f64
+    }
+}

@@ -1,0 +1,206 @@
+//! The page of a report: a table of all deployments, and a section for each.
+
+use std::sync::Arc;
+
+use jiff::Timestamp;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::findings::{badge, findings};
+use super::{answer, input, judged};
+use resect_core::analysis::{Analysis, Answer};
+use resect_core::calibration::Calibration;
+use resect_core::deployment::{Deployment, Finding};
+use resect_core::estimates::Judgement;
+use resect_core::palette;
+use resect_io::file_mark::FileMark;
+
+const STYLE: &str = include_str!("style.css");
+
+/// What came of one path.
+pub enum Chapter {
+    Analysed {
+        deployment: Arc<Deployment>,
+        analysis: Box<Analysis>,
+        /// The files it was read from; none of a sample.
+        files: Vec<FileMark>,
+        /// Trajectories of other systems that were held against it.
+        judgement: Option<Arc<Judgement>>,
+    },
+    /// The path could not be opened; the error is one line.
+    Unopened { path: String, error: String },
+}
+
+impl Chapter {
+    fn name(&self) -> &str {
+        match self {
+            Self::Analysed { deployment, .. } => &deployment.name,
+            Self::Unopened { path, .. } => path,
+        }
+    }
+
+    /// The files that it was read from.
+    pub fn files(&self) -> &[FileMark] {
+        match self {
+            Self::Analysed { files, .. } => files,
+            Self::Unopened { .. } => &[],
+        }
+    }
+
+    /// The answer, or in one line why there is none.
+    pub fn answer(&self) -> Result<&Answer, String> {
+        match self {
+            Self::Analysed { analysis, .. } => match &analysis.answer {
+                Ok(answer) => Ok(answer),
+                Err(error) => Err(error.to_string()),
+            },
+            Self::Unopened { error, .. } => Err(error.clone()),
+        }
+    }
+}
+
+/// The whole page: a section for each chapter, and above them a table of all where there are several.
+pub fn page(chapters: &[Chapter], date: Timestamp) -> String {
+    let title = match chapters {
+        [chapter] => format!("{}: extrinsic calibration", chapter.name()),
+        _ => "Extrinsic calibration".to_owned(),
+    };
+    // Nothing in it is ever run or fetched, whatever the names of deployments and files hold.
+    let policy = "default-src 'none'; style-src 'unsafe-inline'";
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(policy);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { "Extrinsic calibration of three robotic total stations" }
+                    p.weak {
+                        "by resect " (env!("CARGO_PKG_VERSION")) ", "
+                        (date.strftime("%Y-%m-%d %H:%M UTC"))
+                        "; frames of stations 2 and 3 into the frame of station 1; ± is one standard deviation"
+                    }
+                }
+                @if chapters.len() > 1 { (summary(chapters)) }
+                @for (index, chapter) in chapters.iter().enumerate() {
+                    section id=(anchor(index)) { (section(chapter)) }
+                }
+            }
+        }
+    };
+    // Of control characters HTML allows only those that are white space.
+    let is_control = |c: char| c.is_control() && c != '\n' && c != '\t';
+    markup.into_string().replace(is_control, "\u{fffd}")
+}
+
+fn anchor(index: usize) -> String {
+    format!("deployment-{}", index + 1)
+}
+
+/// One row for each chapter.
+fn summary(chapters: &[Chapter]) -> Markup {
+    html! {
+        h2 { "Summary" }
+        div.wide { table.summary {
+            thead {
+                tr {
+                    th rowspan="2" { "deployment" }
+                    th rowspan="2" { "verdict" }
+                    th.group colspan="4" { "T12" }
+                    th.group colspan="4" { "T13" }
+                    th.group colspan="2" { "medians (mm)" }
+                }
+                tr {
+                    @for _ in 1..3 {
+                        @for heading in ["x (m)", "y (m)", "z (m)", "yaw (deg)"] {
+                            th.number { (heading) }
+                        }
+                    }
+                    th.number { "distances" }
+                    th.number.points { "control points" }
+                }
+            }
+            tbody {
+                @for (index, chapter) in chapters.iter().enumerate() {
+                    tr {
+                        td { a href={ "#" (anchor(index)) } { (chapter.name()) } }
+                        @match chapter.answer() {
+                            Ok(answer) => (summary_cells(answer)),
+                            Err(error) => {
+                                td { (no_answer()) }
+                                td.prose colspan="10" { (error) }
+                            }
+                        }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+fn summary_cells(Answer { calibration, evaluation, .. }: &Answer) -> Markup {
+    html! {
+        td { (verdict(calibration)) }
+        @for transform in &calibration.station1_from_station[1..] {
+            @for metres in &transform.translation_m { td.number { (format!("{metres:.3}")) } }
+            td.number { (format!("{:.4}", transform.yaw_rad().to_degrees())) }
+        }
+        td.number {
+            @if let Some(spread) = &evaluation.inter_prism_mm { (format!("{:.2}", spread.median)) }
+            @else { "–" }
+        }
+        td.number {
+            @for (index, metric) in evaluation.control_points_mm.iter().enumerate() {
+                @if index > 0 { ", " }
+                (format!("{:.2}", metric.spread.median))
+            }
+            @if evaluation.control_points_mm.is_empty() { "–" }
+        }
+    }
+}
+
+/// The verdict first, what was found next, what it was found from last.
+fn section(chapter: &Chapter) -> Markup {
+    html! {
+        h2 { (chapter.name()) }
+        @match chapter.answer() {
+            Ok(answer) => {
+                p.verdict {
+                    (verdict(&answer.calibration))
+                    " · " (answer.calibration.method.in_words())
+                }
+                (findings(&answer.calibration.findings))
+            }
+            Err(error) => {
+                p.verdict { (no_answer()) }
+                (findings(&[Finding::problem(error)]))
+            }
+        }
+        @if let Chapter::Analysed { deployment, analysis, files, judgement } = chapter {
+            @if let Ok(answer) = &analysis.answer {
+                (answer::markup(deployment, analysis, answer))
+            }
+            @if let Some(judgement) = judgement {
+                (judged::markup(judgement, deployment.start_s().unwrap_or(0.0)))
+            }
+            (input::markup(deployment, analysis, files))
+        }
+    }
+}
+
+fn verdict(calibration: &Calibration) -> Markup {
+    let [ground, ink] = palette::verdict(calibration.verdict);
+    html! {
+        (badge(&calibration.verdict.name().to_uppercase(), ground, ink))
+        (calibration.verdict.caveat(calibration.is_independently_checked()))
+    }
+}
+
+fn no_answer() -> Markup {
+    badge("NO ANSWER", [90, 94, 100], [255; 3])
+}

@@ -1,0 +1,80 @@
+//! The joint estimate is the default, and the paper's answer stands beside it unchanged.
+
+use crate::common::{analyse, answer, by, field_data, published};
+use resect_core::analysis::{Analyst, Settings};
+use resect_core::calibration::{Calibration, Method};
+use resect_core::deployment::Deployment;
+use resect_core::progress::Progress;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::open::open;
+use resect_io::sample::Sample;
+
+fn calibration(deployment: &Deployment, settings: &Settings) -> Calibration {
+    answer(&analyse(deployment, settings)).calibration.clone()
+}
+
+/// The same numbers to the last bit, and the same judgement.
+#[track_caller]
+fn assert_same(a: &Calibration, b: &Calibration) {
+    assert_eq!(a.method, b.method);
+    assert_eq!(a.station1_from_station, b.station1_from_station);
+    assert_eq!(a.covariance, b.covariance);
+    assert_eq!((a.verdict, &a.findings), (b.verdict, &b.findings));
+    assert_eq!(a.checked_by, b.checked_by);
+}
+
+fn sample() -> Deployment {
+    Sample::Warthog.open().expect("built in")
+}
+
+#[test]
+fn without_a_method_the_answer_is_the_joint_estimate() {
+    let found = calibration(&sample(), &Settings::default());
+    assert_eq!(found.method, Method::Joint);
+    assert_same(&found, &calibration(&sample(), &by(Method::Joint)));
+    let joint = found.joint().expect("a joint estimate");
+    assert!(found.clocks().is_some() && joint.distances_m.is_some());
+    assert!(found.inter_prism().is_some(), "three prisms");
+}
+
+#[test]
+fn the_papers_answer_stands_beside_it_to_the_last_bit() {
+    let mut deployments = vec![sample(), Sample::Hd2Tunnel.open().expect("built in")];
+    deployments.extend(field_data("2022-07-11-2").map(|path| open(&path).expect("opens")));
+    for deployment in &deployments {
+        let joint = calibration(deployment, &Settings::default());
+        let beside = joint.published.as_deref().expect("the paper's method has an answer");
+        let alone = calibration(deployment, &published());
+        assert_same(beside, &alone);
+        assert!(alone.published.is_none(), "only a joint estimate carries another answer");
+        assert_ne!(joint.station1_from_station, alone.station1_from_station);
+    }
+}
+
+#[test]
+fn of_one_prism_the_joint_estimate_has_the_clocks_and_c_beside_it() {
+    let deployment =
+        resect_io::simulation_files::open(&simulate(Preset::SinglePrism, 5)).expect("valid");
+    let joint = calibration(&deployment, &Settings::default());
+    assert_eq!(joint.method, Method::Joint);
+    assert!(joint.clocks().is_some());
+    let beside = joint.published.as_deref().expect("C has an answer");
+    assert_same(beside, &calibration(&deployment, &by(Method::DynamicGcp)));
+    assert!(beside.clocks().is_none(), "as published, C knows no clocks");
+}
+
+/// The window shows it before the joint estimate is there.
+#[test]
+fn the_papers_answer_can_be_had_first() {
+    let mut analyst = Analyst::new(sample().into());
+    let progress = Progress::default();
+    let first = analyst.run_published_while(&Settings::default(), &progress);
+    let first = first.expect("nobody cancels it").expect("the default is the joint estimate");
+    let joint = analyst.run(&Settings::default());
+    assert_same(
+        &answer(&first).calibration,
+        answer(&joint).calibration.published.as_deref().expect("beside it"),
+    );
+    let none = analyst.run_published_while(&published(), &progress).expect("nobody cancels it");
+    assert!(none.is_none(), "there is nothing to follow");
+}

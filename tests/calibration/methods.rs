@@ -1,0 +1,199 @@
+//! The four methods on simulated deployments, whose truth is known.
+
+use crate::common::{analyse, answer, by, normalised, rms_by_component};
+use resect_core::analysis::Settings;
+use resect_core::calibration::{Alignment, Method, Targets, Verdict};
+use resect_core::geometry::LevelTransform;
+use resect_core::simulation::{Preset, simulate};
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+#[test]
+fn c_recovers_the_truth_within_its_stated_uncertainty() {
+    for alignment in [Alignment::Level, Alignment::Rigid] {
+        let mut all = Vec::new();
+        for seed in 0..8 {
+            let simulated = simulate(Preset::SinglePrism, seed);
+            let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
+            let mut settings = by(Method::DynamicGcp);
+            settings.calibration.alignment = alignment;
+            let analysis = analyse(&deployment, &settings);
+            let verdict = answer(&analysis).calibration.verdict;
+            assert_eq!(verdict, Verdict::Good, "{:?}", answer(&analysis).calibration.findings);
+            all.extend(normalised(&analysis, &simulated.truth.station1_from_station));
+        }
+        let rms = rms(&all);
+        assert!((0.7..1.4).contains(&rms), "{alignment:?}: rms of error/σ is {rms:.2}");
+        assert!(all.iter().all(|z| z.abs() < 4.0), "{alignment:?}: {all:.1?}");
+    }
+}
+
+#[test]
+fn b_recovers_the_truth_within_its_stated_uncertainty() {
+    let mut all = Vec::new();
+    for seed in 0..12 {
+        let simulated = simulate(Preset::Warthog, seed);
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
+        let analysis = analyse(&deployment, &by(Method::StaticGcp));
+        all.extend(normalised(&analysis, &simulated.truth.station1_from_station));
+    }
+    let rms = rms(&all);
+    assert!((0.7..1.4).contains(&rms), "rms of error/σ is {rms:.2}");
+}
+
+#[test]
+fn known_coordinates_give_the_same_relative_answer_and_the_global_one() {
+    let simulated = simulate(Preset::Warthog, 3);
+    let mut deployment = resect_io::simulation_files::open(&simulated).expect("valid");
+    let relative = analyse(&deployment, &by(Method::StaticGcp));
+    // A map frame, turned and far away, in which the points' true positions are known.
+    let map_from_station1 = LevelTransform::new([5000.0, -2000.0, 90.0].into(), 2.1);
+    for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
+        let read: Vec<nalgebra::Vector3<f64>> = (0..3)
+            .filter_map(|s| {
+                let polar = point.readings[s]?;
+                Some(simulated.truth.station1_from_station[s].apply(&polar.to_cartesian()))
+            })
+            .collect();
+        let mean = read.iter().sum::<nalgebra::Vector3<f64>>() / read.len() as f64;
+        point.known_m = Some(map_from_station1.apply(&mean));
+    }
+    let global = analyse(&deployment, &by(Method::StaticGcp));
+    let (relative, global) = (&answer(&relative).calibration, &answer(&global).calibration);
+    for station in 1..3 {
+        crate::common::assert_close(
+            &global.station1_from_station[station],
+            &relative.station1_from_station[station],
+            [0.004; 3],
+            1e-4,
+        );
+    }
+    let resect_core::calibration::Details::StaticGcp(details) = &global.details else {
+        panic!("method B")
+    };
+    let world = details.world_from_station1.expect("coordinates are known");
+    crate::common::assert_close(&world, &map_from_station1, [0.004; 3], 1e-4);
+    // Method A can use them too: two of the points are enough.
+    let two_point = analyse(&deployment, &by(Method::TwoPoint));
+    for station in 1..3 {
+        let found = &answer(&two_point).calibration.station1_from_station[station];
+        let truth = &simulated.truth.station1_from_station[station];
+        crate::common::assert_close(found, truth, [0.02; 3], 5e-4);
+    }
+}
+
+#[test]
+fn one_prism_is_recognised_and_three_are_not_mistaken_for_it() {
+    for (preset, expected) in [
+        (Preset::SinglePrism, Targets::OnePrism),
+        (Preset::Warthog, Targets::ThreePrisms),
+        (Preset::Hd2Tunnel, Targets::ThreePrisms),
+        (Preset::StraightLine, Targets::ThreePrisms),
+    ] {
+        let deployment = resect_io::simulation_files::open(&simulate(preset, 5)).expect("valid");
+        let analysis = analyse(&deployment, &Settings::default());
+        assert_eq!(analysis.offer.targets, expected, "{preset:?}");
+        let by_paper = analysis.offer.published_method();
+        assert_eq!(by_paper == Method::DynamicGcp, expected == Targets::OnePrism);
+    }
+}
+
+#[test]
+fn a_straight_drive_without_a_rig_does_not_pass_for_one_prism() {
+    // Level and straight: a translation makes the three prisms' tracks coincide.
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::StraightLine, 5)).expect("valid");
+    deployment.rig = None;
+    let analysis = analyse(&deployment, &by(Method::DynamicGcp));
+    assert_eq!(analysis.offer.targets, Targets::Undecided);
+    assert_eq!(answer(&analysis).calibration.verdict, Verdict::Ambiguous);
+}
+
+#[test]
+fn a_lacking_method_says_what_it_needs() {
+    for (preset, method, word) in [
+        (Preset::Hd2Tunnel, Method::TwoPoint, "known coordinates"),
+        (Preset::Hd2Tunnel, Method::StaticGcp, "3 control points"),
+        (Preset::Hd2Tunnel, Method::DynamicGcp, "one prism"),
+        (Preset::SinglePrism, Method::InterPrism, "three prisms"),
+    ] {
+        let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
+        let analysis = analyse(&deployment, &by(method));
+        let error = analysis.answer.map(|_| ()).expect_err("not for this data").to_string();
+        assert!(error.contains(word), "{error}");
+        assert!(analysis.offer.lack(method).is_some_and(|lack| lack.contains(word)));
+    }
+}
+
+#[test]
+fn a_recovers_the_truth_within_its_stated_uncertainty() {
+    let mut all = Vec::new();
+    for seed in 0..12 {
+        let simulated = simulate(Preset::Warthog, seed);
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
+        let analysis = analyse(&deployment, &by(Method::TwoPoint));
+        all.extend(normalised(&analysis, &simulated.truth.station1_from_station));
+    }
+    // The pair is chosen by the points left out, which helps; the σ are those of any pair.
+    let rms = rms(&all);
+    assert!((0.4..1.3).contains(&rms), "rms of error/σ is {rms:.2}");
+}
+
+/// Of each component on its own: ranges are noisier than directions, so x and y err more than z.
+#[test]
+fn the_sigmas_of_b_hold_for_every_component() {
+    const SEEDS: u64 = 40;
+    let mut runs = Vec::new();
+    for seed in 100..100 + SEEDS {
+        let simulated = simulate(Preset::Warthog, seed);
+        let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
+        let analysis = analyse(&deployment, &by(Method::StaticGcp));
+        runs.push(normalised(&analysis, &simulated.truth.station1_from_station));
+    }
+    let rms = rms_by_component(&runs);
+    assert!(rms.iter().all(|rms| (0.75..1.4).contains(rms)), "{rms:.2?}");
+}
+
+#[test]
+fn a_blunder_is_named_and_lowers_the_verdict() {
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, 7)).expect("valid");
+    let point = &mut deployment.control_points[1].points[3];
+    let marker = point.marker;
+    point.readings[2].as_mut().expect("read").range_m += 0.05;
+    let analysis = analyse(&deployment, &by(Method::StaticGcp));
+    let calibration = &answer(&analysis).calibration;
+    assert_eq!(calibration.verdict, Verdict::Weak);
+    let name = format!("marker {marker} of GCP_raw_2.txt is off by");
+    assert!(calibration.findings.iter().any(|f| f.message.contains(&name)));
+
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, 7)).expect("valid");
+    let pillars = deployment.control_points.iter_mut().find(|set| set.pillars).expect("pillars");
+    pillars.points[2].known_m.as_mut().expect("surveyed").x += 0.1;
+    let analysis = analyse(&deployment, &by(Method::TwoPoint));
+    let calibration = &answer(&analysis).calibration;
+    assert_eq!(calibration.verdict, Verdict::Weak, "{:?}", calibration.findings);
+    assert!(
+        calibration.findings.iter().any(|f| f.message.contains("marker 3 of Two_points.txt lies")),
+        "{:?}",
+        calibration.findings
+    );
+}
+
+#[test]
+fn stations_that_share_few_points_with_each_other_still_have_their_sigma() {
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::Warthog, 7)).expect("valid");
+    deployment.control_points.truncate(1);
+    // Station 2 sees the first five, station 3 the others.
+    for (index, point) in deployment.control_points[0].points.iter_mut().enumerate() {
+        point.readings[if index < 5 { 2 } else { 1 }] = None;
+    }
+    let analysis = analyse(&deployment, &by(Method::StaticGcp));
+    let calibration = &answer(&analysis).calibration;
+    assert!(calibration.sigma.is_some());
+    assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
+}

@@ -1,0 +1,225 @@
+//! No verdict against one's own evidence: what an answer itself shows to be wrong caps it at weak, and is said first.
+
+use crate::common::{analyse, answer, by, of_field};
+use nalgebra::{Rotation3, Vector3};
+use resect_core::calibration::{Calibration, ErrorSizes, Method, Verdict};
+use resect_core::deployment::Deployment;
+use resect_core::geometry::FOOT_M;
+use resect_core::geometry::Polar;
+use resect_core::simulation::{Preset, Scenario, Settling, simulate_scenario};
+use resect_io::open::open;
+use resect_io::sample::Sample;
+
+fn solved(deployment: &Deployment, method: Method) -> Calibration {
+    answer(&analyse(deployment, &by(method))).calibration.clone()
+}
+
+fn sample() -> Deployment {
+    Sample::Warthog.open().expect("built in")
+}
+
+/// Weak or worse, and what is said first is why; only other doubts, or the mistake that explains it, go before.
+#[track_caller]
+fn assert_doubted(calibration: &Calibration, why: &str) {
+    let said: Vec<_> = calibration.findings.iter().map(ToString::to_string).collect();
+    assert!(calibration.verdict >= Verdict::Weak, "{said:#?}");
+    assert!(said[..3].iter().any(|line| line.contains(why)), "`{why}` is not first in {said:#?}");
+}
+
+/// Nothing of all this is said of data that is right.
+#[test]
+fn what_is_right_is_not_doubted() {
+    let calibration = solved(&sample(), Method::Joint);
+    assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
+}
+
+#[test]
+fn an_estimate_that_did_not_converge_is_not_good() {
+    let mut feet = sample();
+    feet.rig.as_mut().expect("a rig").prisms_m = None;
+    feet.control_points.clear();
+    for m in feet.tracks.iter_mut().flat_map(|track| &mut track.measurements) {
+        m.range_m /= FOOT_M;
+    }
+    let calibration = solved(&feet, Method::Joint);
+    assert_doubted(&calibration, "did not converge");
+}
+
+#[test]
+fn a_fifth_of_the_triplets_left_out_is_too_much() {
+    let mut wrong = sample();
+    // Every eighth reading of station 3 is of something nearer, and spoils the triplets on both sides.
+    wrong.tracks[2].measurements.iter_mut().step_by(8).for_each(|m| m.range_m -= 0.3);
+    assert_doubted(&solved(&wrong, Method::Joint), "cannot be right were left out");
+}
+
+#[test]
+fn a_distance_that_its_measurement_does_not_allow_is_a_doubt() {
+    let mut wrong = sample();
+    wrong.rig.as_mut().expect("a rig").inter_prism_m[1] += 0.02;
+    assert_doubted(&solved(&wrong, Method::Joint), "prisms 1–3 would be");
+}
+
+#[test]
+fn a_lean_that_no_compensator_leaves_is_a_doubt() {
+    let mut wrong = sample();
+    let lean = Rotation3::from_axis_angle(&Vector3::x_axis(), 1e-3);
+    for m in &mut wrong.tracks[1].measurements {
+        let polar =
+            Polar { range_m: m.range_m, azimuth_rad: m.azimuth_rad, zenith_rad: m.zenith_rad };
+        let leaning = Polar::from_cartesian(lean * polar.to_cartesian());
+        (m.azimuth_rad, m.zenith_rad) = (leaning.azimuth_rad, leaning.zenith_rad);
+    }
+    assert_doubted(&solved(&wrong, Method::Joint), "taken together: it was knocked");
+}
+
+/// The same drive, the same distances, and two methods from points: neither holds it together.
+#[test]
+#[cfg_attr(not(field_data), ignore = "needs ../shared/datasets")]
+fn what_leaves_the_prisms_10_mm_apart_is_good_by_no_method() {
+    let path = of_field("2022-07-11-2");
+    let deployment = open(&path).expect("the field data");
+    for method in [Method::TwoPoint, Method::StaticGcp] {
+        let calibration = solved(&deployment, method);
+        assert_eq!(calibration.verdict, Verdict::Weak, "{:?}", calibration.findings);
+        let said: Vec<_> = calibration.findings.iter().map(ToString::to_string).collect();
+        assert!(
+            said.iter().any(|line| line.contains("inter-prism distances are off")),
+            "{said:#?}"
+        );
+    }
+}
+
+/// A clock that is estimated explains what the published answer cannot fit: the joint estimate is not blamed for it, and its
+/// twin and cost are its own.
+#[test]
+fn a_joint_estimate_is_judged_as_itself() {
+    let mut late = sample();
+    late.tracks[2].measurements.iter_mut().for_each(|m| m.time_s += 0.04);
+    let plain = solved(&late, Method::InterPrism);
+    let joint = solved(&late, Method::Joint);
+    let fits_poorly =
+        |c: &Calibration| c.findings.iter().any(|f| f.message.contains("distances fit poorly"));
+    assert!(fits_poorly(&plain), "{:?}", plain.findings);
+    assert!(!fits_poorly(&joint), "{:?}", joint.findings);
+    assert_eq!(joint.verdict, Verdict::Good, "{:?}", joint.findings);
+    let rms_mm =
+        |c: &Calibration| 1e3 * c.inter_prism().expect("method D").basin.mean_square_m2.sqrt();
+    assert!(rms_mm(&plain) > 5.0 && rms_mm(&joint) < 3.0, "{} {}", rms_mm(&plain), rms_mm(&joint));
+    let details = joint.inter_prism().expect("method D");
+    let (basin, transforms) = (&details.basin, &joint.station1_from_station);
+    for station in 1..3 {
+        let apart_m =
+            basin.station1_from_station[station].translation_m - transforms[station].translation_m;
+        assert!(apart_m.norm() < 1e-6, "{apart_m}");
+    }
+    let direct = details.mirror.twin.as_ref().map(|twin| details.cost_ratio(twin));
+    assert_eq!(direct.map(|ratio| ratio > 10.0), Some(true), "{direct:?}");
+}
+
+/// The drive through the tunnel, station 2's azimuths turned by this much (mrad) at each share of the drive.
+fn turned(by_mrad: impl Fn(f64) -> f64) -> Calibration {
+    let mut tunnel = Sample::Hd2Tunnel.open().expect("built in");
+    let (from_s, to_s) = (tunnel.start_s().expect("readings"), tunnel.end_s().expect("readings"));
+    for m in &mut tunnel.tracks[1].measurements {
+        m.azimuth_rad += 1e-3 * by_mrad((m.time_s - from_s) / (to_s - from_s));
+    }
+    solved(&tunnel, Method::Joint)
+}
+
+/// When something happened, by what is said of it (s).
+fn after_s(said: &str) -> f64 {
+    let time = said.split_once("about ").and_then(|(_, rest)| rest.split_once(" s into the drive"));
+    time.and_then(|(time, _)| time.parse().ok()).unwrap_or_else(|| panic!("{said}"))
+}
+
+/// Along a tunnel a turn looks like a move, which hides it from who compares two halves.
+#[test]
+fn a_station_that_turns_half_way_through_a_tunnel_is_told() {
+    let calibration = turned(|share| if share > 0.5 { 0.5 } else { 0.0 });
+    assert_doubted(&calibration, "station 2 turned by");
+    let said = calibration.findings[0].to_string();
+    assert!((after_s(&said) - 200.0).abs() < 15.0, "{said}");
+}
+
+#[test]
+fn a_station_that_turns_slowly_is_told() {
+    let calibration = turned(|share| 0.4 * share);
+    assert_doubted(&calibration, "station 2 turned by");
+}
+
+/// The longer a drive, the smaller the share of it that a moment is.
+#[test]
+fn a_station_that_turns_within_an_hour_is_told_when() {
+    let mut hour = Preset::Warthog.scenario();
+    hour.duration_s = 3600.0;
+    hour.errors.settling = vec![Settling {
+        station: 1,
+        from_s: 1733.0,
+        over_s: 0.0,
+        turn_rad: 3e-4,
+        move_m: Vector3::zeros(),
+        lean_rad: [0.0; 2],
+    }];
+    let deployment =
+        resect_io::simulation_files::open(&simulate_scenario(&hour, 5)).expect("valid");
+    let calibration = solved(&deployment, Method::Joint);
+    let told = calibration.findings.iter().map(ToString::to_string);
+    let told: Vec<String> = told.filter(|line| line.contains("station 2 turned by")).collect();
+    assert_eq!(told.len(), 1, "{:#?}", calibration.findings);
+    assert!((after_s(&told[0]) - 1733.0).abs() < 20.0, "{told:?}");
+    assert_eq!(calibration.verdict, Verdict::Weak);
+}
+
+/// Ranges 0.1 m too long for the first forty seconds: what fits is the rest alone.
+#[test]
+fn what_was_left_out_in_a_row_is_told() {
+    let mut moved = sample();
+    let from_s = moved.start_s().expect("readings");
+    for m in &mut moved.tracks[2].measurements {
+        if m.time_s < from_s + 40.0 {
+            m.range_m += 0.1;
+        }
+    }
+    let calibration = solved(&moved, Method::Joint);
+    assert_doubted(&calibration, "of the drive does not fit the rest and was left out");
+}
+
+/// Errors that settings call none are held against the data; those that are none stand.
+#[test]
+fn a_size_that_the_data_contradicts_is_told() {
+    let told = |scenario: &Scenario, set: fn(&mut ErrorSizes)| {
+        let mut settings = by(Method::Joint);
+        set(&mut settings.calibration.errors);
+        let deployment =
+            resect_io::simulation_files::open(&simulate_scenario(scenario, 3)).expect("valid");
+        answer(&analyse(&deployment, &settings)).calibration.clone()
+    };
+    let right = Preset::Warthog.scenario();
+    let none: fn(&mut ErrorSizes) =
+        |sizes| (sizes.latency_s, sizes.range_scale, sizes.clock_drift) = (0.0, 0.0, 0.0);
+    let calibration = told(&right, none);
+    assert_eq!(calibration.verdict, Verdict::Good, "{:?}", calibration.findings);
+
+    let mut late = right.clone();
+    late.errors.latency_s[2] = 0.03;
+    assert_doubted(&told(&late, none), "station 3's angles are older than its ranges by +");
+    let mut long = right;
+    long.errors.range_scale[1] = 200e-6;
+    assert_doubted(&told(&long, none), "station 2's ranges are off by +");
+}
+
+/// Two stations that follow each other's prism for a while look like a rig that is another one.
+#[test]
+fn distances_that_are_off_together_are_a_doubt() {
+    let mut wrong = sample();
+    let inter_prism_m = &mut wrong.rig.as_mut().expect("a rig").inter_prism_m;
+    for distance_m in &mut inter_prism_m[1..] {
+        *distance_m += 0.004;
+    }
+    wrong.rig.as_mut().expect("a rig").prisms_m = None;
+    assert_doubted(
+        &solved(&wrong, Method::Joint),
+        "taken together: a station followed another prism",
+    );
+}

@@ -1,0 +1,99 @@
+//! What must hold whatever the data: moving the input moves the output alike.
+
+mod cases;
+mod moved;
+mod renumbered;
+mod told;
+mod written;
+
+use crate::common::{analyse, answer, published};
+use resect_core::calibration::{PriorMethod, ResolvedBy, Verdict};
+use resect_core::deployment::Deployment;
+use resect_core::simulation::{Preset, simulate};
+use resect_io::sample::Sample;
+
+fn sample() -> Deployment {
+    Sample::Warthog.open().expect("built in")
+}
+
+#[test]
+fn a_wrong_prism_order_is_called_ambiguous_not_good() {
+    let mut wrong = sample();
+    // The rig's heights upside down, the cost clearly against them.
+    if let Some(prisms) = wrong.rig.as_mut().and_then(|rig| rig.prisms_m.as_mut()) {
+        for prism in prisms {
+            prism.z = -prism.z;
+        }
+    }
+    wrong.control_points.clear();
+    let analysis = analyse(&wrong, &published());
+    assert_eq!(answer(&analysis).calibration.verdict, Verdict::Ambiguous);
+}
+
+#[test]
+fn a_standing_vehicle_is_degenerate_and_gets_no_sigma() {
+    let mut short = Sample::Hd2Tunnel.open().expect("built in");
+    let start = short.start_s().expect("readings");
+    for track in &mut short.tracks {
+        track.measurements.retain(|m| m.time_s - start < 6.9);
+    }
+    let analysis = analyse(&short, &published());
+    let calibration = &answer(&analysis).calibration;
+    assert_eq!(calibration.verdict, Verdict::Degenerate, "{:?}", calibration.findings);
+    assert!(calibration.sigma.is_none());
+}
+
+/// Drives that do not hold the answer are called what they are, whichever prior they start from.
+#[test]
+fn the_shape_of_the_drive_shows_in_the_verdict() {
+    let expected = [
+        (Preset::StraightLine, Verdict::Degenerate, "leaves a direction free"),
+        (Preset::Circle, Verdict::Degenerate, "leaves a direction free"),
+        (Preset::FigureEight, Verdict::Good, "least certain"),
+        (Preset::UnevenGround, Verdict::Good, "least certain"),
+        (Preset::FlatFloor, Verdict::Good, "the rig decides"),
+    ];
+    for (preset, verdict, reason) in expected {
+        let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
+        for prior in [PriorMethod::ClosedForm, PriorMethod::Search] {
+            let mut settings = published();
+            settings.calibration.prior = prior;
+            let analysis = analyse(&deployment, &settings);
+            let calibration = &answer(&analysis).calibration;
+            assert_eq!(calibration.verdict, verdict, "{preset:?}: {:?}", calibration.findings);
+            assert!(calibration.findings.iter().any(|f| f.message.contains(reason)), "{preset:?}");
+        }
+    }
+}
+
+#[test]
+fn on_flat_ground_without_a_witness_the_mirror_stays_undecided() {
+    let mut deployment =
+        resect_io::simulation_files::open(&simulate(Preset::FlatFloor, 1)).expect("valid");
+    deployment.control_points.clear();
+    deployment.rig.as_mut().expect("a rig").prisms_m = None;
+    let analysis = analyse(&deployment, &published());
+    let calibration = &answer(&analysis).calibration;
+    assert_eq!(calibration.verdict, Verdict::Ambiguous);
+    assert_eq!(
+        calibration.inter_prism().expect("method D").mirror.resolved_by,
+        ResolvedBy::Nothing
+    );
+    let ratio = calibration.inter_prism().expect("method D").mirror.cost_ratio.expect("a twin");
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}
+
+#[test]
+fn a_wrong_distance_or_swapped_stations_are_not_good() {
+    let mut wrong_distance = sample();
+    wrong_distance.rig.as_mut().expect("a rig").inter_prism_m[0] += 0.05;
+    let mut swapped = sample();
+    swapped.tracks.swap(1, 2);
+    for (what, mut deployment) in [("d12 5 cm long", wrong_distance), ("2 and 3 swapped", swapped)]
+    {
+        deployment.control_points.clear();
+        let analysis = analyse(&deployment, &published());
+        let calibration = &answer(&analysis).calibration;
+        assert!(calibration.verdict > Verdict::Good, "{what}: {:?}", calibration.findings);
+    }
+}

@@ -1,0 +1,94 @@
+//! Stations that are turned about their verticals, and clocks that begin elsewhere.
+
+use nalgebra::{SMatrix, Vector3};
+use resect_core::deployment::Deployment;
+use resect_core::geometry::{LevelTransform, RigidTransform};
+use resect_core::simulation::EPOCH_S;
+
+use super::cases::complaints;
+use super::told::{OF_STAMPS, in_another_frame};
+
+/// Turns a station's zero direction: its azimuths grow, its points turn clockwise.
+fn turn_station(deployment: &mut Deployment, station: usize, by_rad: f64) {
+    for m in &mut deployment.tracks[station].measurements {
+        m.azimuth_rad += by_rad;
+    }
+    for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
+        if let Some(polar) = &mut point.readings[station] {
+            polar.azimuth_rad += by_rad;
+        }
+    }
+}
+
+/// The covariance of an answer in a frame that is turned.
+fn turned(covariance: &SMatrix<f64, 8, 8>, new_from_old: &RigidTransform) -> SMatrix<f64, 8, 8> {
+    let mut turn = SMatrix::<f64, 8, 8>::identity();
+    for from in [0, 4] {
+        turn.fixed_view_mut::<3, 3>(from, from).copy_from(new_from_old.rotation.matrix());
+    }
+    turn * covariance * turn.transpose()
+}
+
+/// What is wrong once stations were turned by these angles.
+fn complaints_of_turning(by_rad: [f64; 3]) -> Vec<String> {
+    complaints(
+        |deployment| (0..3).for_each(|station| turn_station(deployment, station, by_rad[station])),
+        |before, after, method| {
+            let back = |station: usize| -> RigidTransform {
+                LevelTransform::new(Vector3::zeros(), by_rad[station]).into()
+            };
+            let new_from_old = back(0).inverse();
+            let expected = std::array::from_fn(|station| {
+                new_from_old.then_from(&before.transforms[station]).then_from(&back(station))
+            });
+            let covariance = before.covariance.map(|c| turned(&c, &new_from_old));
+            let within = in_another_frame(method);
+            let mut wrong = after.says_else(before, within);
+            wrong.extend(after.stands_elsewhere(&expected, covariance.as_ref(), within));
+            wrong
+        },
+    )
+}
+
+#[test]
+fn turning_stations_2_and_3_turns_their_transforms_back_and_nothing_else() {
+    // Across the cut of azimuths, and beyond half a turn.
+    for by_rad in [[0.0, -2.0, 3.1], [0.0, 0.3, -4.0]] {
+        let complaints = complaints_of_turning(by_rad);
+        assert!(complaints.is_empty(), "{by_rad:?}: {complaints:#?}");
+    }
+}
+
+#[test]
+fn turning_station_1_turns_the_whole_answer() {
+    // What dominates σ is said along x and y, which are others now.
+    let mut complaints = complaints_of_turning([1.2, 0.5, 0.0]);
+    complaints.retain(|what| !what.contains("what dominates σ"));
+    assert!(complaints.is_empty(), "{complaints:#?}");
+}
+
+fn shift_clocks(deployment: &mut Deployment, by_s: f64) {
+    for track in &mut deployment.tracks {
+        track.measurements.iter_mut().for_each(|m| m.time_s += by_s);
+        track.own_clock_s.iter_mut().for_each(|time_s| *time_s += by_s);
+    }
+    for fix in deployment.gnss.iter_mut().flatten().flatten() {
+        fix.time_s += by_s;
+    }
+}
+
+#[test]
+fn clocks_that_begin_elsewhere_change_nothing() {
+    for by_s in [4096.0, 1.6e9 - 0.03125, -EPOCH_S] {
+        let complaints = complaints(
+            |deployment| shift_clocks(deployment, by_s),
+            |before, after, _| {
+                let mut wrong = after.says_else(before, OF_STAMPS);
+                let covariance = before.covariance.as_ref();
+                wrong.extend(after.stands_elsewhere(&before.transforms, covariance, OF_STAMPS));
+                wrong
+            },
+        );
+        assert!(complaints.is_empty(), "{by_s} s later: {complaints:#?}");
+    }
+}

@@ -1,0 +1,84 @@
+//! Stations that have other numbers, their prisms with them.
+
+use nalgebra::SMatrix;
+use resect_core::calibration::Method;
+use resect_core::deployment::{Deployment, PAIRS};
+
+use super::cases::complaints;
+use super::told::{OF_PROBES, ROUNDING, Within, in_another_frame};
+
+/// Gives each place the station that had another number: place `i` gets station `from[i]`.
+fn renumber(deployment: &mut Deployment, from: [usize; 3]) {
+    deployment.tracks = from.map(|station| deployment.tracks[station].clone());
+    deployment.time_corrections = from.map(|station| deployment.time_corrections[station].clone());
+    for point in deployment.control_points.iter_mut().flat_map(|set| &mut set.points) {
+        point.readings = from.map(|station| point.readings[station]);
+    }
+    let Some(rig) = &mut deployment.rig else { return };
+    let old = rig.inter_prism_m;
+    rig.inter_prism_m = PAIRS.map(|(a, b)| {
+        let (a, b) = (from[a].min(from[b]), from[a].max(from[b]));
+        PAIRS.iter().zip(old).find(|(pair, _)| **pair == (a, b)).expect("a pair").1
+    });
+    for prisms_m in [&mut rig.prisms_m, &mut rig.in_vehicle_m].into_iter().flatten() {
+        *prisms_m = from.map(|prism| prisms_m[prism]);
+    }
+}
+
+/// What is wrong once the stations have other numbers.
+fn complaints_of_renumbering(from: [usize; 3], within: fn(Method) -> Within) -> Vec<String> {
+    complaints(
+        |deployment| renumber(deployment, from),
+        |before, after, method| {
+            let old_first = before.transforms[from[0]].inverse();
+            let expected = from.map(|station| old_first.then_from(&before.transforms[station]));
+            // Where station 1 is another one, σ are about another frame.
+            let swapped = before
+                .covariance
+                .map(|covariance| SMatrix::from_fn(|i, j| covariance[((i + 4) % 8, (j + 4) % 8)]));
+            let covariance = if from[0] == 0 { swapped } else { after.covariance };
+            let within = within(method);
+            let mut wrong = after.says_else(before, within);
+            wrong.extend(after.stands_elsewhere(&expected, covariance.as_ref(), within));
+            wrong
+        },
+    )
+}
+
+#[test]
+fn stations_2_and_3_change_places_with_their_numbers() {
+    let complaints = complaints_of_renumbering([0, 2, 1], in_another_frame);
+    assert!(complaints.is_empty(), "{complaints:#?}");
+}
+
+/// How near answers about another station 1 have to be.
+fn about_another_station(method: Method) -> Within {
+    match method {
+        // The clock and the plumb line that all else is held against, by priors of their own, are another station's.
+        Method::Joint => Within { sigmas: 0.5, millimetres: 1.0, ..OF_PROBES },
+        // Each station is aligned to station 1 by itself; that one alignment after another is the third holds to the first
+        // order of the noise.
+        Method::StaticGcp | Method::DynamicGcp => {
+            Within { sigmas: 1e-3, millimetres: 1e-3, ..ROUNDING }
+        }
+        Method::TwoPoint | Method::InterPrism => ROUNDING,
+    }
+}
+
+#[test]
+fn another_station_1_leaves_the_stations_where_they_stood() {
+    // What is said against station 1 is said against another one, and of two solutions that nothing tells apart either may
+    // fit better.
+    let about_station_1 = [
+        "stamps are",
+        "least certain",
+        "what dominates σ",
+        "measured distance",
+        "another minimum fits better",
+    ];
+    for from in [[1, 0, 2], [1, 2, 0]] {
+        let mut complaints = complaints_of_renumbering(from, about_another_station);
+        complaints.retain(|what| !about_station_1.iter().any(|words| what.contains(words)));
+        assert!(complaints.is_empty(), "from {from:?}: {complaints:#?}");
+    }
+}

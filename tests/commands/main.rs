@@ -1,0 +1,15 @@
+//! The commands and their output: text, JSON, reports, trajectories, studies, validations and live deployments.
+//!
+//! Tests with `peer` in their name compare with programs from PyPI; they are ignored here, and `tests/run --peers` runs them.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod commands;
+mod evaluate;
+mod golden;
+mod live;
+mod report;
+mod studies;
+mod trajectory;
+mod validation;

@@ -1,0 +1,36 @@
+//! Memory of the joint estimate of a long drive.
+
+use resect_core::calibration::{CalibrationSettings, Offer, solve};
+use resect_core::pipeline;
+use resect_core::pipeline::PipelineSettings;
+use resect_core::simulation::{Preset, simulate_scenario};
+
+use crate::{ALLOCATED, process};
+
+/// What the joint estimate keeps of the first half hour of a drive, and of its first two hours, whatever its length.
+const KEPT_BYTES: f64 = 45e6;
+
+/// With all that is made of the parts of the drive kept it would be 400 bytes, with the rows of the motion 2400.
+#[test]
+fn the_joint_estimate_of_a_long_drive_takes_less_than_200_bytes_a_reading() {
+    process::alone(
+        "long_drive::the_joint_estimate_of_a_long_drive_takes_less_than_200_bytes_a_reading",
+        |_| measure(),
+    );
+}
+
+fn measure() {
+    let mut scenario = Preset::Warthog.scenario();
+    scenario.duration_s = 36_000.0;
+    let deployment =
+        resect_io::simulation_files::open(&simulate_scenario(&scenario, 1)).expect("valid");
+    let readings: usize = deployment.tracks.iter().map(|track| track.measurements.len()).sum();
+    let triplets = pipeline::run(&deployment, &PipelineSettings::default()).triplets;
+    let offer = Offer::of(&deployment, &triplets);
+    ALLOCATED.reset_peak_usage();
+    let before = ALLOCATED.current_usage() as f64;
+    solve(&deployment, &triplets, &CalibrationSettings::default(), &offer).expect("an answer");
+    let took = ALLOCATED.peak_usage() as f64 - before;
+    let each = (took - KEPT_BYTES) / readings as f64;
+    assert!(each < 200.0, "{each:.0} bytes for each of {readings} readings: {:.0} MB", took / 1e6);
+}

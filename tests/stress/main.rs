@@ -1,0 +1,14 @@
+//! The program under stress: random events, kills, long drives, and any number of threads.
+
+mod determinism;
+mod kills;
+mod live_day;
+mod long_drive;
+mod monkey;
+mod process;
+
+use peak_alloc::PeakAlloc;
+
+/// Counts what the whole process allocates: a test that reads it runs by [`process::alone`].
+#[global_allocator]
+static ALLOCATED: PeakAlloc = PeakAlloc;
