@@ -25,7 +25,10 @@ fn window(start: &Start, kept_in: Option<&Path>) -> Window {
     // Saves in every frame, so that no test has to wait.
     let keeping = kept_in
         .map(|folder| Keeping::start(&Folders::inside(folder)).every(std::time::Duration::ZERO));
-    window_from(SMALL, Theme::Dark, start, keeping)
+    let mut harness = window_from(SMALL, Theme::Dark, start, keeping);
+    // A session opens its deployments, and then calibrates them.
+    settle(&mut harness);
+    harness
 }
 
 /// A simulated deployment in a folder of its own.

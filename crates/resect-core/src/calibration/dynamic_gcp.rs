@@ -9,15 +9,14 @@ use nalgebra::SMatrix;
 
 use super::inter_prism::gross_errors::{self, NOTABLE_PULL_M};
 use super::joint;
-use super::joint_details::{JointDetails, JointTargets};
 use super::judgement::Judgement;
 use super::point_to_point::{self, Aligned, Errors, Matches};
 use super::targets::Targets;
 use super::track_clocks::{self, TrackClocks};
 use super::unchecked::UncheckedAnswer;
 use super::{
-    Alignment, Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict,
-    checks, common_errors, time_blocks,
+    Alignment, Calibration, CalibrationError, CalibrationSettings, Details, JointDetails,
+    JointTargets, Method, Offer, Verdict, checks, common_errors, time_blocks,
 };
 use super::{clocks_in_words, with_clocks};
 use crate::deployment::{Deployment, Finding, Overrides, Remedy};

@@ -15,7 +15,6 @@ mod extras;
 pub mod instrument;
 pub mod inter_prism;
 pub mod joint;
-mod joint_details;
 mod judgement;
 mod method;
 mod misfits;
@@ -38,7 +37,6 @@ pub use error::CalibrationError;
 pub use estimate::{Estimate, Quantity};
 pub use extras::Extra;
 pub use instrument::ErrorSizes;
-pub use joint_details::{JointDetails, JointTargets};
 pub use method::{Method, Offer};
 pub use misfits::{distance_errors_m, each_distance_error_m};
 pub use moving_triplets::{Clock, MovingTriplets, velocity_m_per_s, with_clocks};
@@ -140,6 +138,23 @@ pub struct Calibration {
     /// Wall time of the prior and of the rest (ms).
     pub prior_ms: f64,
     pub solve_ms: f64,
+}
+
+/// Details of a joint estimate, for three prisms or for one.
+#[derive(Clone, Debug)]
+pub struct JointDetails {
+    /// `None` where the data does not determine all unknowns; the answer is then that of the published method.
+    pub estimate: Option<joint::JointEstimate>,
+    pub targets: JointTargets,
+}
+
+/// Properties of the answer that depend on the number of prisms.
+#[derive(Clone, Debug)]
+pub enum JointTargets {
+    /// Minima, mirror twin and observability on the corrected readings.
+    ThreePrisms(inter_prism::InterPrismDetails),
+    /// Alignment of the tracks that the estimate starts from.
+    OnePrism(dynamic_gcp::DynamicGcpDetails),
 }
 
 /// Details of an answer by method.
