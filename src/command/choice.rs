@@ -11,7 +11,7 @@ use resect_core::simulation::Preset;
 type Choices<T> = &'static [(T, &'static str, &'static str)];
 
 /// Parses one of the words.
-pub fn choice<T>(choices: Choices<T>) -> impl TypedValueParser<Value = T> + Clone
+pub fn choice<T>(choices: Choices<T>) -> impl TypedValueParser<Value = T>
 where
     T: Copy + Send + Sync + 'static,
 {

@@ -198,7 +198,7 @@ mod tests {
         }
     }
 
-    fn word<T: PartialEq>(choices: &[(T, &str, &str)], value: T) -> String {
+    fn word<T: Copy + PartialEq>(choices: &[(T, &str, &str)], value: T) -> String {
         let choice = choices.iter().find(|(own, ..)| *own == value);
         choice.expect("a word for each value").1.to_owned()
     }

@@ -75,7 +75,7 @@ impl Slam {
 
 pub fn span_s(simulated: &Simulated) -> f64 {
     let last = |track: &Track| track.measurements.last().map(|m| m.time_s);
-    let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
+    let deployment = resect_io::simulation_files::open(simulated).expect("valid");
     deployment.tracks.iter().filter_map(last).fold(0.0, f64::max) - EPOCH_S
 }
 

@@ -17,6 +17,7 @@ use resect_report::copy::{CopyFormat, Part};
 
 /// A request of a pane, by the part of the state that it changes.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a frame has a few at most")]
 pub enum Command {
     Deployment(DeploymentCommand),
     Time(TimeCommand),

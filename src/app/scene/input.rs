@@ -124,7 +124,7 @@ pub fn click(
     }
     match under {
         Some(UnderPointer::Reading(picked)) => {
-            commands.push(TimeCommand::PickInScene(picked).into())
+            commands.push(TimeCommand::PickInScene(picked).into());
         }
         Some(track @ UnderPointer::Track { .. }) => {
             commands.extend(

@@ -29,7 +29,7 @@ impl State {
         use ViewPreset::{Fit, Front, Side, Slanted, Station, Top};
         match preset {
             Slanted | Top | Front | Side if self.scene.options.follow => {
-                self.scene.view.camera.turn(preset)
+                self.scene.view.camera.turn(preset);
             }
             Fit | Station(_) | Slanted | Top | Front | Side => {
                 self.scene.options.follow = false;

@@ -15,6 +15,7 @@ use resect_report::summary::ResultSummary;
 const MOST_RUNS: usize = 200;
 
 impl State {
+    #[expect(clippy::needless_pass_by_value, reason = "a command is handled once")]
     pub(super) fn handle_results(&mut self, command: ResultsCommand, ctx: &egui::Context) {
         use ResultsCommand as Command;
         match command {

@@ -16,6 +16,7 @@ use resect_core::deployment::Finding;
 use resect_io::source::Source;
 
 impl State {
+    #[expect(clippy::needless_pass_by_value, reason = "a command is handled once")]
     pub(super) fn handle_session(&mut self, command: SessionCommand) {
         match command {
             SessionCommand::OpenDialog => self.open_session_dialog(),

@@ -150,6 +150,7 @@ pub struct JointDetails {
 
 /// Properties of the answer that depend on the number of prisms.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "its owner is in a box")]
 pub enum JointTargets {
     /// Minima, mirror twin and observability on the corrected readings.
     ThreePrisms(inter_prism::InterPrismDetails),

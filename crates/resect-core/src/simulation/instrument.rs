@@ -18,6 +18,7 @@ use crate::geometry::{LevelTransform, Polar, RigidTransform};
 /// The readings of the rig are averaged over this many.
 const RIG_READINGS: f64 = 10.0;
 
+#[expect(clippy::too_many_lines, reason = "one list; not split yet")]
 pub fn measure(scenario: &Scenario, seed: u64) -> Simulated {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let motion = Motion::drive(scenario, &mut rng);

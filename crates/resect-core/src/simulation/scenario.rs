@@ -160,6 +160,7 @@ impl Preset {
         }
     }
 
+    #[expect(clippy::too_many_lines, reason = "one list; not split yet")]
     pub fn scenario(self) -> Scenario {
         let flat = || Ground { slope_rms_rad: 0.0, ..Ground::default() };
         let warthog = || Self::Warthog.scenario();

@@ -26,6 +26,7 @@ const DESCRIBE_A_RIG: [Format; 5] = [
 ];
 
 /// `None`, with a finding, where nothing gives the inter-prism distances.
+#[expect(clippy::too_many_lines, reason = "not split yet")]
 pub fn read_rig<'a>(
     reading: &mut Reading<'a, '_>,
     prism_constants_m: &[f64; 3],

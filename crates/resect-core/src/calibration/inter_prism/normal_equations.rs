@@ -165,6 +165,7 @@ fn add<const L: usize, const FOR_SOLVER: bool>(
 
 /// Adds one pair; `moving` says whether station a is free too (only in pair 23).
 #[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "not grouped yet")]
 fn add_pair<const L: usize, const FOR_SOLVER: bool>(
     at_a: &[[f64; L]; 3],
     turned_a: &[[f64; L]; 2],

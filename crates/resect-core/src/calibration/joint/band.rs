@@ -127,6 +127,7 @@ impl<const LOCAL: usize, const ROW: usize> Band<LOCAL, ROW> {
     }
 
     /// Adds what such equations have in common with one unknown of a part.
+    #[expect(clippy::too_many_arguments, reason = "not grouped yet")]
     pub fn add_border<const SIZE: usize>(
         &mut self,
         first: usize,

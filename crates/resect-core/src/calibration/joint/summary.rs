@@ -17,6 +17,7 @@ use crate::calibration::Estimate;
 use crate::geometry::LevelTransform;
 
 impl<const LOCAL: usize, const ROW: usize> Pass<LOCAL, ROW> {
+    #[expect(clippy::too_many_lines, reason = "one list; not split yet")]
     pub fn summary(&self, solution: Solution) -> JointEstimate {
         let Solution { drive, at, by: Weigh { levels, .. }, model, sizes, prisms } = &solution;
         let rig = *prisms == 3;

@@ -8,8 +8,6 @@ use crate::deployment::{
 };
 use crate::pipeline::Triplets;
 
-/// The international foot (m). The US survey foot is 2 ppm longer, which no drive tells.
-
 /// One mistake in how readings were understood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misreading {
