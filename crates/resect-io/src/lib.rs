@@ -12,7 +12,7 @@
 //! | [`error`] | errors of opening, and questions that only the user can answer | |
 //! | [`reading_sense`] | whether numbers can be radians, metres and seconds | |
 //! | [`recording`] | records of files become tracks: impossible readings are counted and left out | |
-//! | [`format`] | one file a format, `bag/` for the bags; `recognise.rs` distinguishes them by content | a format (a new GNSS format, say): a file here, a variant of `Format` and a line in `recognise.rs`, its part in `open/`; `examples/add_a_format.rs` shows the whole way |
+//! | [`format`](mod@format) | one file a format, `bag/` for the bags; `recognise.rs` distinguishes them by content | a format (a new GNSS format, say): a file here, a variant of `Format` and a line in `recognise.rs`, its part in `open/`; `examples/add_a_format.rs` shows the whole way |
 //! | [`extras`] | files and overrides that the user names beside a deployment | |
 //! | [`open`](mod@open) | a folder becomes a deployment: which file plays which part | |
 //! | [`sample`], [`source`] | the built-in deployments; where a deployment comes from | |
