@@ -4,7 +4,7 @@
 //! Plan ──drive──▶ readings without noise ──joint::foresee──▶ Prediction ──improvements──▶ better plans, ranked
 //!         before there are any: opening_m; readings so far of a drive in progress ──what_next──▶ manoeuvres, ranked
 //! ```
-//! A [`Plan`] is a file ([`plan_file`]) or made from a preset or a past deployment ([`past`]); [`way`] lays out its way, which [`way_file`] can read, and
+//! A [`Plan`] is a file (`resect_io::plan_file`) or made from a preset or a past deployment ([`past`]); [`way`] lays out its way, which `resect_io::way_file` can read, and
 //! [`drive`] drives and reads it by the simulation. [`predict()`] asks the joint estimate what such readings leave open, with
 //! the conditions of [`locks`]; [`in_words`] says it. [`improvements()`] tries [`manoeuvres`] and other changes.
 

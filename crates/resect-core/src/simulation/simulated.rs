@@ -45,7 +45,7 @@ impl Simulated {
     ///
     /// It maps the station's frame of that moment into station 1's frame at set-up, which is the frame of all
     /// truth here. Station 1's own is the identity only until it settles. A frame is what the tripod carries, so the
-    /// leaning of [`Settling`] is in it; tilt and plumb line are errors of the axes against it, and are not.
+    /// leaning of [`super::Settling`] is in it; tilt and plumb line are errors of the axes against it, and are not.
     pub fn station1_from_station_at(&self, time_s: f64) -> [RigidTransform; 3] {
         let errors = &self.scenario.errors;
         std::array::from_fn(|station| {

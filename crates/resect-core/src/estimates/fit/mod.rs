@@ -2,7 +2,7 @@
 //! and the estimate's frame.
 //!
 //! Clocks and lever arm are found together with the frame, by Gauss & Newton with Huber's loss on the distances between the
-//! two; their σ come from blocks of time ([`sandwich`]), because errors of estimates drift, and from the errors that the ground
+//! two; their σ come from blocks of time (a sandwich), because errors of estimates drift, and from the errors that the ground
 //! truth has at all instants alike, which no estimate's errors tell of. Then the frame is aligned once more, by plain least
 //! squares over all epochs, as evo does it.
 
