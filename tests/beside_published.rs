@@ -74,7 +74,7 @@ fn a_loss_or_estimates_are_of_the_published_methods_and_the_joint_estimate_says_
     let chosen = calibration(&sample(), &settings);
     let plain = calibration(&sample(), &Settings::default());
     assert_eq!(chosen.station1_from_station, plain.station1_from_station);
-    let said = |c: &Calibration| c.findings.iter().any(|f| f.message.contains("were not used"));
+    let said = |c: &Calibration| c.findings.iter().any(|f| f.to_string().contains("were not used"));
     assert!(said(&chosen) && !said(&plain), "{:?}", chosen.findings);
     assert_same(
         chosen.published.as_deref().expect("beside it"),
@@ -112,7 +112,7 @@ fn settings_of_older_versions_say_what_became_of_them() {
     let read = |text: &str| {
         std::fs::write(file.path(), text).expect("writable");
         let (settings, findings) = resect_io::settings_file::read(file.path()).expect("opens");
-        (settings, findings.into_iter().map(|f| f.message).collect::<Vec<_>>().join("; "))
+        (settings, findings.into_iter().map(|f| f.to_string()).collect::<Vec<_>>().join("; "))
     };
     let (settings, said) = read(
         "[calibration]\nloss = \"cauchy\"\ncontinuous_time = true\nestimate = { clocks = true }\n",

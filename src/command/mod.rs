@@ -13,6 +13,7 @@ mod judging_args;
 mod live;
 mod output;
 mod plan;
+mod remedy_flags;
 mod report;
 mod screenshot;
 mod settings_args;
@@ -138,7 +139,7 @@ pub fn run() -> ExitCode {
             ExitCode::from(2)
         }
         Err(Failure::Input(error)) => {
-            complain(&format!("{error:#}"));
+            complain(&remedy_flags::error_with_flags(&error));
             ExitCode::from(1)
         }
     }

@@ -5,6 +5,9 @@
 
 mod units;
 
+use crate::findings::readings::{
+    readings_implausible, stamps_relative, stamps_whole_seconds, stations_without_common_time,
+};
 use std::f64::consts::{PI, TAU};
 
 use crate::error::OpenError;
@@ -146,7 +149,7 @@ impl StationSense {
     }
 
     /// The doubt that its impossible readings raise.
-    fn doubt(&self, number: usize) -> Option<Finding> {
+    fn doubt(&self, station: usize) -> Option<Finding> {
         let impossible: u64 = self.impossible.iter().sum();
         let share = impossible as f64 / self.valid.max(1) as f64;
         if share < DOUBTFUL_SHARE {
@@ -154,15 +157,9 @@ impl StationSense {
         }
         let counts =
             Impossible::DOUBTFUL.iter().zip(self.impossible).filter(|(_, count)| *count > 0);
-        let counts: Vec<_> =
-            counts.map(|(kind, count)| format!("{}: {count}", kind.short())).collect();
-        Some(Finding::doubt(format!(
-            "station {number}: {impossible} of {} readings that are marked as valid ({:.1} %) cannot be any ({}): the \
-             recorder writes invalid readings as valid, and the others may be no better",
-            self.valid,
-            100.0 * share,
-            counts.join(", ")
-        )))
+        let counts: Vec<_> = counts.map(|(kind, count)| (kind.short(), count as usize)).collect();
+        let (impossible, valid) = (impossible as usize, self.valid as usize);
+        Some(readings_implausible(station, impossible, valid, &counts))
     }
 }
 
@@ -195,13 +192,10 @@ pub fn check(
 ) -> Result<Vec<Finding>, OpenError> {
     units::check(all, files, is_table)?;
     let mut findings: Vec<_> =
-        all.iter().enumerate().filter_map(|(station, own)| own.doubt(station + 1)).collect();
-    let whole: Vec<_> = (1..=3).filter(|n| all[n - 1].has_whole_seconds()).collect();
+        all.iter().enumerate().filter_map(|(station, own)| own.doubt(station)).collect();
+    let whole: Vec<_> = (0..3).filter(|station| all[*station].has_whole_seconds()).collect();
     if !whole.is_empty() {
-        findings.push(Finding::doubt(format!(
-            "every stamp of {} is a whole second: too coarse for a moving prism, which goes a metre in that time",
-            stations(&whole)
-        )));
+        findings.push(stamps_whole_seconds(&whole));
     }
     findings.extend(clocks(all));
     Ok(findings)
@@ -209,42 +203,22 @@ pub fn check(
 
 /// Notes of clocks that count from a start of their own, and of stations that never measured at the same time.
 fn clocks(all: &[StationSense; 3]) -> Vec<Finding> {
-    let spans: Vec<_> = (1..=3).filter_map(|n| Some((n, all[n - 1].span_s?))).collect();
+    let spans: Vec<_> =
+        (0..3).filter_map(|station| Some((station, all[station].span_s?))).collect();
     let Some((_, [start_s, _])) = spans.iter().min_by(|a, b| a.1[0].total_cmp(&b.1[0])) else {
         return Vec::new();
     };
     let mut findings = Vec::new();
     if start_s.abs() < EARLIEST_UNIX_S {
-        findings.push(Finding::note(format!(
-            "stamps count from a start of their own (the first is {start_s:.3} s): they cannot be compared with GNSS"
-        )));
+        findings.push(stamps_relative(*start_s));
     }
     let apart = spans.iter().enumerate().find_map(|(index, (a, [a_from, a_to]))| {
         let after = &spans[index + 1..];
-        let (b, [b_from, b_to]) =
-            after.iter().find(|(_, [from, to])| from > a_to || to < a_from)?;
-        Some(format!(
-            "stations {a} and {b} never measured at the same time: {} to {} s, {} to {} s; their clocks differ, or they \
-             are not of one drive",
-            number(*a_from), number(*a_to), number(*b_from), number(*b_to)
-        ))
+        let (b, b_span) = after.iter().find(|(_, [from, to])| from > a_to || to < a_from)?;
+        Some(stations_without_common_time([*a, *b], [[*a_from, *a_to], *b_span]))
     });
-    findings.extend(apart.map(Finding::problem));
+    findings.extend(apart);
     findings
-}
-
-/// "station 2" or "stations 1, 3".
-fn stations(numbers: &[usize]) -> String {
-    let list = numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-    if numbers.len() == 1 { format!("station {list}") } else { format!("stations {list}") }
-}
-
-fn number(value: f64) -> String {
-    match value.abs() {
-        size if size >= 1e11 => format!("{value:.3e}"),
-        size if size >= 1e3 => format!("{value:.1}"),
-        _ => format!("{value:.3}"),
-    }
 }
 
 #[cfg(test)]

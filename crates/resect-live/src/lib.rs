@@ -6,6 +6,7 @@
 //! | [`foxglove`], [`bonn`], [`replay`] | the sources |
 //! | [`connect`] | the way to one over the network, again and again |
 //! | [`recorder`] | what comes in, as MCAP, while it comes in |
+//! | [`findings`] | the warnings of the live drive, one constructor for each kind |
 //! | [`status`], [`warnings`] | how the stations are, and what is amiss |
 //! | [`judged`], [`coach`], [`next`] | what an answer means in the field: is it enough, and if not what to drive |
 //! | [`pace`] | how often answers are begun |
@@ -22,6 +23,7 @@ pub mod coach;
 pub mod connect;
 pub mod engine;
 pub mod event;
+pub mod findings;
 pub mod foxglove;
 pub mod judged;
 mod next;

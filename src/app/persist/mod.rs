@@ -15,6 +15,7 @@ mod writer;
 
 use std::path::{Path, PathBuf};
 
+use crate::app::model::findings::unusable_file_kept;
 use resect_core::deployment::Finding;
 
 /// Says where everything is kept instead of in the user's own folders.
@@ -64,11 +65,7 @@ fn keep_aside(path: &Path, why: &str) -> (bool, Finding) {
         })
         .find(|kept| !kept.exists());
     let moved = free.and_then(|kept| std::fs::rename(path, &kept).ok().map(|()| kept));
-    let line = match &moved {
-        Some(kept) => format!("{why}; it is kept as {}", kept.display()),
-        None => format!("{why}; it could not be moved aside and stays as it is"),
-    };
-    (moved.is_some(), Finding::warning(line))
+    (moved.is_some(), unusable_file_kept(why, moved.as_deref()))
 }
 
 /// Line of a byte of a text, from 1.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::hashes::FileMark;
 use super::session::{Files, SavedDeployment, SavedPin, SavedView, Session, yes};
+use crate::app::model::findings::{session_part_unknown, session_plan_invalid};
 use crate::app::model::{LayoutDescription, SavedEstimate};
 use resect_core::analysis::Settings;
 use resect_core::calibration::Method;
@@ -103,8 +104,7 @@ impl<T> Lenient<T> {
         match self {
             Self::Read(value) => Some(value),
             Self::Unreadable(_) => {
-                let line = format!("{what} is in a form that this resect does not know; left out");
-                findings.push(Finding::warning(line));
+                findings.push(session_part_unknown(what));
                 None
             }
         }
@@ -215,17 +215,14 @@ fn read_estimates(
 
 fn plan_makes_sense(plan: &Plan, findings: &mut Vec<Finding>) -> bool {
     let Err((what, _)) = plan.check() else { return true };
-    findings.push(Finding::warning(format!("the plan: {what}; left out")));
+    findings.push(session_plan_invalid(&what));
     false
 }
 
 /// Says of which of a session's settings it is, what this version has no switch for.
 fn take_removed(settings: &mut Settings, of: &str) -> Vec<Finding> {
-    let mut removed = settings.calibration.take_removed();
-    for finding in &mut removed {
-        finding.message = format!("settings of {of}: {}", finding.message);
-    }
-    removed
+    let removed = settings.calibration.take_removed();
+    removed.into_iter().map(|finding| finding.within(format!("settings of {of}"))).collect()
 }
 
 fn read_pin(pin: Lenient<SavedPin>, findings: &mut Vec<Finding>) -> Option<SavedPin> {

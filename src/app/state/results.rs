@@ -66,7 +66,7 @@ impl State {
         let Some(open) = self.open.iter().find(|open| open.id == deployment) else { return };
         let result = match (&analysis.answer, &open.summary) {
             (Ok(_), Some(summary)) => Ok(Arc::clone(summary)),
-            (Err(error), _) => Err(error.finding().message),
+            (Err(error), _) => Err(error.finding().to_string()),
             (Ok(_), None) => return,
         };
         let step = self.undo.begun();

@@ -1,5 +1,6 @@
 //! The way from triplets to an answer: by which method, beside which other, and held against what.
 
+use crate::deployment::findings::answers::{published_answer_missing, tracks_not_transformed};
 use std::time::Instant;
 
 use super::{
@@ -86,10 +87,10 @@ fn jointly_beside_published(
     }
     match published {
         Ok(published) => joint.published = Some(Box::new(published)),
-        Err(why) => joint.findings.push(Finding::warning(format!(
-            "the paper's answer is not there to compare with: {published_method} has none ({})",
-            why.finding().message
-        ))),
+        Err(why) => {
+            let method = published_method.to_string();
+            joint.findings.push(published_answer_missing(&method, &why.finding()));
+        }
     }
     joint.solve_ms = started.elapsed().as_secs_f64() * 1e3 - joint.prior_ms;
     Ok(joint)
@@ -136,15 +137,12 @@ fn checked(
         hold_against_control_points(&mut calibration, deployment, settings, offer);
     }
     sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;
-    for doubt in deployment.findings.iter().filter(|finding| finding.doubt) {
+    for doubt in deployment.findings.iter().filter(|finding| finding.kind.is_doubt()) {
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
         calibration.findings.push(doubt.clone());
     }
     if calibration.placing_tracks(deployment).is_none() {
-        calibration.findings.push(Finding::warning(
-            "this answer is about the stations' own frames, and the tracks are in another: it does not place them, and \
-             nothing of the drive was held against it",
-        ));
+        calibration.findings.push(tracks_not_transformed());
     }
     Ok(calibration)
 }

@@ -4,6 +4,9 @@
 //! and 3 to station 1 (Vaidis et al. 2022, section "Static methods", "Static GCPs calibration"). All files of control
 //! points count, pillars do not.
 
+use crate::deployment::findings::points::{
+    control_point_outlier, control_points_aligned, control_points_fit_poorly,
+};
 use nalgebra::Vector3;
 
 use super::method::FEWEST_POINTS;
@@ -11,7 +14,7 @@ use super::point_to_point::{self, Errors, Matches};
 use super::{
     Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict, checks,
 };
-use crate::deployment::{ControlPoint, Deployment, Finding, Remedy};
+use crate::deployment::{ControlPoint, Deployment, Finding};
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
@@ -94,25 +97,11 @@ pub fn solve(
         .sqrt();
     let used = matches.len();
     let counts = [matches[used - 2].len(), matches[used - 1].len()];
-    let mut findings = vec![Finding::note(format!(
-        "{} control points aligned {}, {:.1} mm rms",
-        counts[0].max(counts[1]),
-        if global { "to their global coordinates" } else { "to station 1" },
-        rms_m * 1e3
-    ))];
+    let mut findings = vec![control_points_aligned(counts[0].max(counts[1]), global, rms_m)];
     let mut verdict = Verdict::Good;
     if rms_m > checks::POOR_POINT_FIT_M {
         verdict = Verdict::Weak;
-        let line = format!(
-            "the control points fit poorly ({:.1} mm rms): check markers, coordinates, prism constant and whether a station moved",
-            rms_m * 1e3
-        );
-        let finding = if rms_m > checks::HOPELESS_FIT_M {
-            Finding::problem(line)
-        } else {
-            Finding::warning(line)
-        };
-        findings.push(finding.with(Remedy::PutRight));
+        findings.push(control_points_fit_poorly(rms_m, rms_m > checks::HOPELESS_FIT_M));
     }
     for finding in blunders(deployment, &matches, &aligned.residuals_m) {
         verdict = verdict.max(Verdict::Weak);
@@ -170,15 +159,6 @@ fn blunders(
         .iter()
         .zip(&worst)
         .filter(|(_, size)| **size > limit_m)
-        .map(|((file, point), size)| {
-            Finding::warning(format!(
-                "marker {} of {file} is off by {:.0} mm where half of the points are within {:.0} mm: check its readings, \
-                 or leave it out",
-                point.marker,
-                size * 1e3,
-                typical_m * 1e3
-            ))
-            .with(Remedy::ShowPoint { file: (*file).to_owned(), marker: point.marker })
-        })
+        .map(|((file, point), size)| control_point_outlier(file, point.marker, *size, typical_m))
         .collect()
 }
