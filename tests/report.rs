@@ -98,7 +98,7 @@ fn it_holds_what_calibrate_says() {
     let place = |what: &str| all.find(what).unwrap_or_else(|| panic!("{what} is not in:\n{all}"));
     assert!(place(&verdict) < place("Transforms"), "the verdict comes first");
     for finding in json["diagnosis"]["findings"].as_array().expect("findings") {
-        place(finding.as_str().expect("a line"));
+        place(finding["message"].as_str().expect("a line"));
     }
     for (axis, name) in ["x (m)", "y (m)", "z (m)"].into_iter().enumerate() {
         let cells = row(&document, name);
