@@ -5,7 +5,7 @@ mod common;
 use common::{analyse, answer, by, knock, two_runs};
 use resect_core::analysis::Analysis;
 use resect_core::calibration::joint::{DriveClocks, JointEstimate, Stepped};
-use resect_core::calibration::{Calibration, Details, Method, Verdict};
+use resect_core::calibration::{Calibration, Method, Verdict};
 use resect_core::deployment::{Deployment, Finding, FindingKind};
 use resect_core::geometry::wrap_to_pi;
 use resect_core::progress::Progress;
@@ -39,12 +39,7 @@ fn jointly(deployment: &Deployment) -> Analysis {
 }
 
 fn joint(calibration: &Calibration) -> &JointEstimate {
-    match &calibration.details {
-        Details::InterPrism(found) => {
-            found.refinement.as_ref().and_then(|refined| refined.joint.as_deref()).expect("joint")
-        }
-        _ => panic!("three prisms"),
-    }
+    calibration.joint().expect("a joint estimate")
 }
 
 /// By how many of its σ the answer is off, at most.

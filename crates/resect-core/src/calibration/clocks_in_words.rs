@@ -20,9 +20,6 @@ fn is_suspicious(offset_s: &Estimate) -> bool {
         && offset_s.value.abs() > SUSPICIOUS_OFFSET_S
 }
 
-/// To be removed with the refinement: a drift that is not estimated.
-pub const NOT_CORRECTED: bool = false;
-
 /// The estimates of stations 2 and 3, each with its station.
 fn by_station<'a>(estimates: &'a [Estimate; 2]) -> impl Iterator<Item = (usize, &'a Estimate)> {
     estimates.iter().enumerate().map(|(slot, estimate)| (slot + 1, estimate))

@@ -1,3 +1,3 @@
 //! A number with its uncertainty: see [`crate::statistics`].
 
-pub use crate::statistics::estimate::{Estimate, Quantity, SUPPORTED_SIGMAS, sigmas_in_words};
+pub use crate::statistics::estimate::{Estimate, Quantity, SUPPORTED_SIGMAS};

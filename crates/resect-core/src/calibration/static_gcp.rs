@@ -9,8 +9,10 @@ use crate::deployment::findings::points::{
 };
 use nalgebra::Vector3;
 
+use super::judgement::Judgement;
 use super::method::FEWEST_POINTS;
 use super::point_to_point::{self, Errors, Matches};
+use super::unchecked::UncheckedAnswer;
 use super::{
     Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict, checks,
 };
@@ -97,36 +99,25 @@ pub fn solve(
         .sqrt();
     let used = matches.len();
     let counts = [matches[used - 2].len(), matches[used - 1].len()];
-    let mut findings = vec![control_points_aligned(counts[0].max(counts[1]), global, rms_m)];
-    let mut verdict = Verdict::Good;
+    let count = counts[0].max(counts[1]);
+    let mut judgement = Judgement::good(vec![control_points_aligned(count, global, rms_m)]);
     if rms_m > checks::POOR_POINT_FIT_M {
-        verdict = Verdict::Weak;
-        findings.push(control_points_fit_poorly(rms_m, rms_m > checks::HOPELESS_FIT_M));
+        let is_hopeless = rms_m > checks::HOPELESS_FIT_M;
+        judgement.lower(Verdict::Weak, control_points_fit_poorly(rms_m, is_hopeless));
     }
-    for finding in blunders(deployment, &matches, &aligned.residuals_m) {
-        verdict = verdict.max(Verdict::Weak);
-        findings.push(finding);
-    }
-    let mut calibration = Calibration {
+    judgement.doubt(blunders(deployment, &matches, &aligned.residuals_m));
+    let answer = UncheckedAnswer {
         method: Method::StaticGcp,
         station1_from_station,
-        sigma: covariance.as_ref().map(point_to_point::sigmas),
         covariance,
-        verdict,
-        findings,
-        checked_by: Vec::new(),
+        judgement,
         details: Details::StaticGcp(StaticGcpDetails {
             points: counts,
             rms_m,
             world_from_station1,
         }),
-        published: None,
-        prior_ms: 0.0,
-        solve_ms: 0.0,
     };
-    checks::hold_against_the_rest(&mut calibration, deployment, triplets);
-    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
-    Ok(calibration)
+    Ok(answer.checked(deployment, triplets, started))
 }
 
 /// All control points with their file, in the order of the blocks' numbers.

@@ -11,8 +11,10 @@ use crate::deployment::findings::points::{
 use nalgebra::Vector3;
 
 use super::checks;
+use super::judgement::Judgement;
 use super::point_to_point::{self, Errors, Matches};
-use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer, Verdict};
+use super::unchecked::UncheckedAnswer;
+use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS};
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
@@ -124,35 +126,23 @@ pub fn solve(
         covariance.as_ref(),
     );
     let covariance = covariance.map(|c| point_to_point::level_part(&c));
-    let mut findings = findings(&pairs, chosen);
-    let mut verdict = Verdict::Good;
+    let mut judgement = Judgement::good(findings(&pairs, chosen));
     let doubt = match pairs[chosen].median_left_out_m() {
         None => Some(resection_unchecked()),
         Some(median_m) => {
             (median_m > checks::WEAK_SIGMA_M).then(|| resection_inconsistent(median_m))
         }
     };
-    for doubt in doubt.into_iter().chain(misplaced.map(|point| point.finding())) {
-        verdict = Verdict::Weak;
-        findings.push(doubt);
-    }
-    let details = Details::TwoPoint(TwoPointDetails { pairs, chosen });
-    let mut calibration = Calibration {
+    judgement.doubt(doubt);
+    judgement.doubt(misplaced.map(|point| point.finding()));
+    let answer = UncheckedAnswer {
         method: Method::TwoPoint,
         station1_from_station,
-        sigma: covariance.as_ref().map(point_to_point::sigmas),
         covariance,
-        verdict,
-        findings,
-        checked_by: Vec::new(),
-        details,
-        published: None,
-        prior_ms: 0.0,
-        solve_ms: 0.0,
+        judgement,
+        details: Details::TwoPoint(TwoPointDetails { pairs, chosen }),
     };
-    checks::hold_against_the_rest(&mut calibration, deployment, triplets);
-    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
-    Ok(calibration)
+    Ok(answer.checked(deployment, triplets, started))
 }
 
 struct Placed {

@@ -185,44 +185,6 @@ impl fmt::Display for Finding {
     }
 }
 
-// To be removed with the last sentence outside of `findings`.
-impl Finding {
-    fn unclassified(severity: Severity, message: impl Into<Message>) -> Self {
-        Self::new(FindingKind::Unclassified, message).with_severity(severity)
-    }
-
-    pub fn note(message: impl Into<Message>) -> Self {
-        Self::unclassified(Severity::Note, message)
-    }
-
-    pub fn warning(message: impl Into<Message>) -> Self {
-        Self::unclassified(Severity::Warning, message)
-    }
-
-    pub fn problem(message: impl Into<Message>) -> Self {
-        Self::unclassified(Severity::Problem, message)
-    }
-
-    #[must_use]
-    pub fn tabled(self) -> Self {
-        Self { kind: FindingKind::UnclassifiedTabled, ..self }
-    }
-
-    #[must_use]
-    pub fn telling(mut self, angles: impl IntoIterator<Item = ToldAngle>) -> Self {
-        let text = self.message.to_string();
-        let (mut message, mut rest) = (Message::default(), text.as_str());
-        for angle in angles {
-            let own = angle.to_string();
-            let Some((before, after)) = rest.split_once(&own) else { continue };
-            message = message.text(before).angle(angle);
-            rest = after;
-        }
-        self.message = message.text(rest);
-        self
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -45,6 +45,7 @@ pub const ADVICE: [Advice; 14] = [
         kinds: &[
             Kind::FlatGround,
             Kind::RivalMinimum,
+            Kind::OtherMinimumFitsBetter,
             Kind::MirrorUnresolved,
             Kind::MirrorWitnessContradicted,
             Kind::MirrorNeedsWitness,
@@ -95,6 +96,7 @@ pub const ADVICE: [Advice; 14] = [
                station followed another prism. Check under Put right; then measure the rig again.",
         kinds: &[
             Kind::DistancesFitPoorly,
+            Kind::DistanceOff,
             Kind::DistanceImplausible,
             Kind::DistancesImplausible,
             Kind::OutliersShiftAnswer,

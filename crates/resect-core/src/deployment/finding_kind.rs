@@ -257,6 +257,8 @@ finding_kinds! {
     SolverNotConverged = "solver-not-converged", Warning;
     /// The data does not determine all parameters of the joint estimate.
     JointEstimateUndetermined = "joint-estimate-undetermined", Warning;
+    /// Another minimum fits better than the joint estimate.
+    OtherMinimumFitsBetter = "other-minimum-fits-better", Warning;
     /// The published method and the joint estimate differ by more than instrument errors.
     PublishedAnswerFarApart = "published-answer-far-apart", Warning;
     /// The published method has no result to compare with.
@@ -366,6 +368,10 @@ finding_kinds! {
     StationErrorsImplausible = "station-errors-implausible", Warning;
     /// The errors of all stations and distances, taken together, are implausible.
     ErrorsImplausible = "errors-implausible", Warning;
+    /// An estimated inter-prism distance.
+    DistanceEstimated = "distance-estimated", Tabled;
+    /// An estimated inter-prism distance is far from its measurement.
+    DistanceOff = "distance-off", Warning;
     /// An inter-prism distance contradicts its measurement.
     DistanceImplausible = "distance-implausible", Warning;
     /// The inter-prism distances, taken together, contradict their measurements.
@@ -473,9 +479,4 @@ finding_kinds! {
     SessionFileMissing = "session-file-missing", Warning;
     /// The stored layout of the window has an unknown or repeated part.
     LayoutInvalid = "layout-invalid", Warning;
-
-    /// A finding whose constructor is still a sentence. To be removed.
-    Unclassified = "unclassified", Warning;
-    /// A note of the same sort that a table shows too. To be removed.
-    UnclassifiedTabled = "unclassified-tabled", Tabled;
 }

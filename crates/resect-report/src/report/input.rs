@@ -157,7 +157,7 @@ mod tests {
     fn every_setting_is_listed_and_a_changed_one_stands_out() {
         let mut changed = Settings::default();
         changed.pipeline.thresholds.tau_s_seconds = 1.5;
-        changed.calibration.estimate.clocks = true;
+        changed.calibration.inter_prism_sigma_m = 0.002;
         let list = listed(&changed);
         assert!(list.contains(&("calibration.method".to_owned(), "joint".to_owned())));
         assert!(list.contains(&("pipeline.thresholds.tau_s_seconds".to_owned(), "1.5".to_owned())));

@@ -7,10 +7,10 @@ use super::{Dominant, JointEstimate, Step, Stepped};
 use crate::calibration::Verdict;
 use crate::calibration::{Estimate, Quantity, clocks_in_words};
 use crate::deployment::findings::instruments::{
-    NamedError, Noise, StepContext, UncertaintySource, clock_stepped, distance_implausible,
-    distances_implausible, errors_implausible, instrument_error, instrument_error_implausible,
-    noise_levels, range_wander_implausible, stated_error_contradicted, station_errors_implausible,
-    station_moved, uncertainty_sources,
+    NamedError, Noise, StepContext, UncertaintySource, clock_stepped, distance_estimated,
+    distance_implausible, distances_implausible, errors_implausible, instrument_error,
+    instrument_error_implausible, noise_levels, range_wander_implausible,
+    stated_error_contradicted, station_errors_implausible, station_moved, uncertainty_sources,
 };
 use crate::deployment::{Finding, pair_label};
 
@@ -20,10 +20,23 @@ const MOST_STRAIN: f64 = 4.2;
 /// thousand.
 const MOST_STRAIN_OF_STATION: f64 = 3.0;
 const MOST_STRAIN_OF_ALL: f64 = 3.3;
+/// A distance this far from its measurement asks for a new one (m).
+const NOTABLE_DISTANCE_M: f64 = 0.003;
 /// The largest errors of ranges to prisms that turn are 5 mm (Lackner & Lienhart 2016).
 const MOST_WANDER_M: f64 = 0.005;
 /// What is looked at before and after a step (s): its moment is known to about six seconds.
 const AROUND_A_STEP_S: f64 = 20.0;
+
+/// Estimated distances, and the distances measured on the vehicle (m).
+pub fn distances(found: &JointEstimate, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
+    let estimated = found.distances_m.iter().flatten().zip(inter_prism_m).enumerate();
+    estimated
+        .map(|(pair, (distance, measured_m))| {
+            let is_notable = (distance.value - measured_m).abs() > NOTABLE_DISTANCE_M;
+            distance_estimated(pair, *measured_m, distance, is_notable)
+        })
+        .collect()
+}
 
 pub fn findings(found: &JointEstimate) -> Vec<Finding> {
     let mut findings = vec![noise(found)];

@@ -75,12 +75,21 @@ pub fn solver_not_converged() -> Finding {
     )
 }
 
-/// The answer is that of the aligned tracks.
-pub fn joint_estimate_undetermined() -> Finding {
+/// `fallback` is the answer that stands in its place: "this is …".
+pub fn joint_estimate_undetermined(fallback: &str) -> Finding {
     Finding::new(
         FindingKind::JointEstimateUndetermined,
-        "the readings do not hold all that the joint estimate asks of them: these are the aligned tracks",
+        format!("the readings do not determine all parameters of the joint estimate: {fallback}"),
     )
+}
+
+pub fn other_minimum_fits_better(cost_ratio: f64) -> Finding {
+    Finding::new(
+        FindingKind::OtherMinimumFitsBetter,
+        "with all that was estimated taken into account another minimum fits better than this answer; nothing decides \
+         between them",
+    )
+    .quantity("cost_ratio", cost_ratio, Unit::Ratio)
 }
 
 pub fn published_answer_far_apart(station: usize, apart_m: f64) -> Finding {
@@ -184,7 +193,8 @@ pub(super) fn examples() -> Vec<Finding> {
         cancelled(),
         estimate_not_converged(),
         solver_not_converged(),
-        joint_estimate_undetermined(),
+        joint_estimate_undetermined("these are the aligned tracks"),
+        other_minimum_fits_better(0.8),
         published_answer_far_apart(2, 0.4),
         published_answer_missing("method D", &too_few_triplets("drive", 4, 10)),
         tracks_not_transformed(),

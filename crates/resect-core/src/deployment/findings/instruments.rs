@@ -3,7 +3,7 @@
 use crate::deployment::{
     Finding, FindingKind, Message, Remedy, Severity, Subject, ToldAngle, ToldIn, Unit, pair_label,
 };
-use crate::statistics::estimate::{Estimate, Quantity};
+use crate::statistics::estimate::{Estimate, Quantity, sigmas_in_words};
 
 /// Noise of the readings about the motion, one standard deviation each.
 #[derive(Clone, Copy)]
@@ -128,6 +128,30 @@ pub fn stated_error_contradicted(error: &NamedError<'_>, sigmas: f64) -> Finding
         sigmas,
         Unit::Ratio,
     )
+}
+
+/// An estimated distance; a warning where it is notably far from its measurement.
+pub fn distance_estimated(
+    pair: usize,
+    measured_m: f64,
+    distance_m: &Estimate,
+    is_notable: bool,
+) -> Finding {
+    let off_m = Estimate { value: distance_m.value - measured_m, ..*distance_m };
+    let line = format!(
+        "prisms {}: {:+.1} ± {:.1} mm against the measured distance{}",
+        pair_label(pair),
+        off_m.value * 1e3,
+        off_m.sigma * 1e3,
+        sigmas_in_words(off_m.sigmas_from(0.0)),
+    );
+    let finding = if is_notable {
+        Finding::new(FindingKind::DistanceOff, format!("{line}; measure the rig again"))
+            .with(Remedy::PutRight)
+    } else {
+        Finding::new(FindingKind::DistanceEstimated, line)
+    };
+    finding.about(Subject::Pair(pair)).estimate("error", &off_m, Unit::Metre)
 }
 
 /// A distance that would be `off_m` from its measurement, of which `prior_sigma_m` is one standard deviation.
@@ -338,6 +362,8 @@ pub(super) fn examples() -> Vec<Finding> {
         instrument_error(&error),
         instrument_error_implausible(&angle, 6.0),
         stated_error_contradicted(&clock, 7.0),
+        distance_estimated(0, 0.9, &estimate(0.9005, 0.0003), false),
+        distance_estimated(0, 0.9, &estimate(0.905, 0.0003), true),
         distance_implausible(0, 0.02, 0.001, 6.0),
         distances_implausible([0.01, 0.01, -0.01], 4.0),
         station_errors_implausible(1, 4.0),
