@@ -115,27 +115,6 @@ fn one_prism_has_the_joint_estimate_by_default_and_the_papers_c_beside_it() {
 }
 
 #[test]
-fn a_flag_of_the_published_methods_beside_the_joint_estimate_is_bad_usage() {
-    let path = sample_folder("warthog");
-    for (flags, name) in [
-        (&["--loss", "cauchy"][..], "--loss"),
-        (&["--method", "joint", "--estimate", "clocks"], "--estimate"),
-        (&["--robust", "--loss", "huber"], "--loss"),
-    ] {
-        let line = complaint(&[&["calibrate", text(&path)], flags].concat(), 2);
-        assert!(line.contains(name) && line.contains("--method inter-prism"), "{line}");
-    }
-    let by_d =
-        ["--method", "inter-prism", "--loss", "cauchy", "--estimate", "clocks,distances,tilt"];
-    let value = json(&[&["calibrate", text(&path), "--json"], &by_d[..]].concat());
-    assert!(value["details"]["refinement"]["clock_offsets_s"].is_array());
-    for gone in ["--weigh-by-noise", "--continuous-time"] {
-        let line = complaint(&["calibrate", text(&path), gone], 2);
-        assert!(line.contains("unexpected argument"), "{line}");
-    }
-}
-
-#[test]
 fn one_page_or_file_is_by_one_method() {
     let folder = tempfile::tempdir().expect("a folder");
     let (path, page) = (sample_folder("warthog"), folder.path().join("a.html"));
@@ -156,23 +135,6 @@ fn one_page_or_file_is_by_one_method() {
     let methods: Vec<&str> =
         both.as_array().expect("a list").iter().filter_map(|it| it["method"].as_str()).collect();
     assert_eq!(methods, ["joint", "inter-prism"]);
-}
-
-#[test]
-fn a_config_of_an_older_version_opens_and_says_what_became_of_it() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (path, config) = (sample_folder("warthog"), folder.path().join("old.toml"));
-    let old = "[calibration]\nloss = \"cauchy\"\nweigh_by_noise = true\ncontinuous_time = true\n";
-    std::fs::write(&config, old).expect("written");
-    let output = resect(&["calibrate", text(&path), "--config", text(&config), "--json"]);
-    let said = String::from_utf8(output.stderr).expect("UTF-8");
-    assert_eq!(output.status.code(), Some(0), "{said}");
-    for word in ["old.toml", "weigh_by_noise", "continuous_time", "joint estimate"] {
-        assert!(said.contains(word), "{word} is not in {said}");
-    }
-    let value: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(value["method"], "joint");
-    assert!(value["settings"]["calibration"]["continuous_time"].is_null());
 }
 
 #[test]

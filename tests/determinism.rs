@@ -105,10 +105,7 @@ fn answers() {
         ("calibrate @", 0),
         ("calibrate @ --json", 0),
         ("calibrate @ --method two-point --method static-gcp --method inter-prism --json", 0),
-        (
-            "calibrate @ --method inter-prism --prior search --loss cauchy --estimate clocks,tilt --json",
-            0,
-        ),
+        ("calibrate @ --method inter-prism --prior search --json", 0),
         ("calibrate @ --method inter-prism --interpolation wnoa --json", 0),
     ]);
 }

@@ -39,12 +39,7 @@ fn jointly(deployment: &Deployment) -> Analysis {
 }
 
 fn joint(calibration: &Calibration) -> &JointEstimate {
-    match &calibration.details {
-        Details::InterPrism(found) => {
-            found.refinement.as_ref().and_then(|refined| refined.joint.as_deref()).expect("joint")
-        }
-        _ => panic!("three prisms"),
-    }
+    calibration.joint().expect("a joint estimate")
 }
 
 /// By how many of its σ the answer is off, at most.

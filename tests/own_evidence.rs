@@ -93,10 +93,10 @@ fn what_leaves_the_prisms_10_mm_apart_is_good_by_no_method() {
     }
 }
 
-/// A clock that is estimated explains what the published answer cannot fit: the refined one is not blamed for it, and its
+/// A clock that is estimated explains what the published answer cannot fit: the joint estimate is not blamed for it, and its
 /// twin and cost are its own.
 #[test]
-fn a_refined_answer_is_judged_as_itself() {
+fn a_joint_estimate_is_judged_as_itself() {
     let mut late = sample();
     late.tracks[2].measurements.iter_mut().for_each(|m| m.time_s += 0.04);
     let plain = solved(&late, Method::InterPrism);

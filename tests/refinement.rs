@@ -1,39 +1,24 @@
-//! What is estimated beyond the paper, on simulated deployments with known errors and on the field data.
+//! The joint estimate on simulated deployments with known errors and on the field data.
 
 mod common;
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use common::{
-    analyse, answer, by, normalised, of_field, off_in_sigmas, published, rms_by_component,
-};
+use common::{analyse, answer, by, normalised, of_field, published, rms_by_component};
 use resect_core::analysis::{Analysis, Analyst, Settings};
-use resect_core::calibration::inter_prism::Refinement;
-use resect_core::calibration::joint::Stepped;
-use resect_core::calibration::{
-    CalibrationSettings, Estimated, Loss, Method, Offer, Verdict, solve, time_blocks,
-};
+use resect_core::calibration::joint::{JointEstimate, Stepped};
+use resect_core::calibration::{CalibrationSettings, Method, Offer, Verdict, solve};
+use resect_core::deployment::Finding;
 use resect_core::pipeline;
-use resect_core::pipeline::PipelineSettings;
 use resect_core::progress::{Cancelled, Progress};
 use resect_core::simulation::{
     ARCSECOND_RAD, ClockStep, ErrorKind, Preset, SystematicErrors, simulate, simulate_scenario,
 };
 use resect_io::open::open;
 
-fn settings(loss: Loss, estimate: Estimated) -> Settings {
-    let mut settings = published();
-    settings.calibration.loss = loss;
-    settings.calibration.estimate = estimate;
-    settings
-}
-
-const CLOCKS: Estimated = Estimated { clocks: true, distances: false, tilt: false };
-
-fn refinement(analysis: &Analysis) -> &Refinement {
-    let details = answer(analysis).calibration.inter_prism().expect("method D");
-    details.refinement.as_ref().expect("it was asked for")
+fn joint(analysis: &Analysis) -> &JointEstimate {
+    answer(analysis).calibration.joint().expect("a joint estimate")
 }
 
 fn with_errors(errors: SystematicErrors, seed: u64) -> resect_core::simulation::Simulated {
@@ -52,7 +37,7 @@ fn clock_offsets_of_10_ms_are_recovered_within_1_ms_and_bias_nothing() {
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let truth = &simulated.truth.station1_from_station;
         let analysis = analyse(&deployment, &by(Method::Joint));
-        let clocks = refinement(&analysis).clock_offsets_s.expect("estimated");
+        let clocks = joint(&analysis).clock_offsets_s;
         for (slot, clock) in clocks.iter().enumerate() {
             let true_s = offsets_s[slot + 1] - offsets_s[0];
             let off_s = clock.value - true_s;
@@ -74,11 +59,10 @@ fn a_wrong_distance_is_found_as_far_as_the_prior_lets_it() {
     let errors = SystematicErrors { inter_prism_m: [0.003, 0.0, 0.0], ..Default::default() };
     let simulated = with_errors(errors, 4);
     let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
-    let estimate = Estimated { clocks: false, distances: true, tilt: false };
-    let mut all = settings(Loss::Squared, estimate);
+    let mut all = by(Method::Joint);
     all.calibration.inter_prism_sigma_m = 0.003;
     let analysis = analyse(&deployment, &all);
-    let found = refinement(&analysis).distances_m.expect("estimated");
+    let found = joint(&analysis).distances_m.expect("a rig");
     for pair in 0..3 {
         let off_m = found[pair].value - simulated.truth.inter_prism_m[pair];
         assert!(off_m.abs() < 3.0 * found[pair].sigma, "{pair}: {off_m} {:?}", found[pair]);
@@ -103,40 +87,11 @@ fn stated_sigmas_hold_for_the_joint_estimate() {
         let simulated = simulate_scenario(&scenario, seed);
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
-        assert!(refinement(&analysis).converged, "seed {seed}");
+        assert!(joint(&analysis).converged, "seed {seed}");
         runs.push(normalised(&analysis, &simulated.truth.station1_from_station));
     }
     let rms = rms_by_component(&runs);
     assert!(rms.iter().all(|rms| (0.6..1.4).contains(rms)), "{rms:.2?}");
-}
-
-/// Drives of a minute and a half, of which all is estimated that can be: one unknown for each stretch of time.
-#[test]
-fn stated_sigmas_of_a_refinement_hold_where_stretches_of_time_are_few() {
-    const SEEDS: std::ops::Range<u64> = 500..524;
-    let all = Estimated { clocks: true, distances: true, tilt: true };
-    let settings = settings(Loss::Huber, all).calibration;
-    for blocks in [16, 20] {
-        let (mut squares, mut clock_squares) = (0.0, 0.0);
-        for seed in SEEDS {
-            let simulated = simulate(Preset::Warthog, seed);
-            let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
-            let triplets = pipeline::run(&deployment, &PipelineSettings::default()).triplets;
-            let end = time_blocks::of(&triplets.time_s, &triplets.interval)[blocks - 1].end;
-            let triplets = triplets.select(&(0..end).collect::<Vec<_>>());
-            let offer = Offer::of(&deployment, &triplets);
-            let calibration = solve(&deployment, &triplets, &settings, &offer).expect("an answer");
-            let off = off_in_sigmas(&calibration, &simulated.truth.station1_from_station);
-            squares += off.iter().map(|z| z * z).sum::<f64>() / 8.0;
-            let clocks = calibration.clock_estimates().expect("estimated");
-            clock_squares +=
-                clocks.map(|(late_s, _)| late_s.sigmas_from(0.0).powi(2)).iter().sum::<f64>() / 2.0;
-        }
-        for squares in [squares, clock_squares] {
-            let rms = (squares / SEEDS.count() as f64).sqrt();
-            assert!((0.75..1.35).contains(&rms), "{blocks} blocks: {rms:.2}");
-        }
-    }
 }
 
 #[test]
@@ -144,20 +99,16 @@ fn stated_sigmas_of_a_refinement_hold_where_stretches_of_time_are_few() {
 fn the_field_data_has_a_late_station_3_and_the_joint_estimate_is_better() {
     let path = of_field("2022-07-11-2");
     let deployment = open(&path).expect("opens");
-    let analysis = analyse(&deployment, &settings(Loss::Squared, CLOCKS));
-    let [second, third] = refinement(&analysis).clock_offsets_s.expect("estimated");
-    assert!((3.5e-3..5e-3).contains(&third.value), "{third:?}");
-    assert!(second.value.abs() < 1e-3, "{second:?}");
-    let words: Vec<&str> =
-        answer(&analysis).calibration.findings.iter().map(|f| f.message.as_str()).collect();
-    let late = |w: &&str| w.contains("station 3's stamps are 4.") && w.contains("late");
-    assert!(words.iter().any(late), "{words:?}");
-
     let analysis = analyse(&deployment, &by(Method::Joint));
     let metric = answer(&analysis).evaluation.inter_prism_mm.expect("a rig");
     assert!(metric.median <= 1.05 && metric.iqr <= 2.1, "{metric:?}");
-    let [second, third] = refinement(&analysis).clock_offsets_s.expect("estimated");
-    assert!((3.5e-3..5e-3).contains(&third.value) && second.value.abs() < 1e-3);
+    let [second, third] = joint(&analysis).clock_offsets_s;
+    assert!((3.5e-3..5e-3).contains(&third.value), "{third:?}");
+    assert!(second.value.abs() < 1e-3, "{second:?}");
+    let late =
+        |f: &Finding| f.message.contains("station 3's stamps are 4.") && f.message.contains("late");
+    let findings = &answer(&analysis).calibration.findings;
+    assert!(findings.iter().any(late), "{findings:?}");
 }
 
 #[test]
@@ -168,7 +119,7 @@ fn a_clock_that_jumps_is_said_with_when_and_by_how_much() {
         let simulated = with_errors(errors, seed);
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
-        let steps = &answer(&analysis).calibration.joint().expect("joint").stepped;
+        let steps = &joint(&analysis).stepped;
         let [step] = &steps[..] else { panic!("seed {seed}: {steps:?}") };
         let Stepped::Clock(found_s) = &step.what else { panic!("seed {seed}: {step:?}") };
         assert_eq!(step.station, 2, "seed {seed}: the others are steady");
@@ -199,8 +150,7 @@ fn a_station_that_follows_another_prism_for_a_while_does_not_lead_the_joint_esti
         let plain = analyse(&deployment, &published());
         let calibration = &answer(&plain).calibration;
         assert!(calibration.verdict >= Verdict::Weak, "seed {seed}");
-        let pulled =
-            |f: &resect_core::deployment::Finding| f.message.contains("pull this answer by");
+        let pulled = |f: &Finding| f.message.contains("pull this answer by");
         assert!(calibration.findings.iter().any(pulled), "seed {seed}: {:?}", calibration.findings);
     }
 }
@@ -216,7 +166,7 @@ fn the_noise_of_ranges_and_angles_is_learned() {
         let simulated = simulate_scenario(&scenario, 31);
         let deployment = resect_io::simulation_files::open(&simulated).expect("valid");
         let analysis = analyse(&deployment, &by(Method::Joint));
-        let noise = answer(&analysis).calibration.joint().expect("joint").levels;
+        let noise = joint(&analysis).levels;
         // Ranges have 2 ppm more than ranges of no length, and weights of Cauchy's loss take some per cent off.
         assert!((0.8..1.2).contains(&(noise.range_m() / range_sigma_m)), "{noise:?}");
         let angle = noise.angle_rad / scenario.noise.angle_sigma_rad;
@@ -284,7 +234,7 @@ fn an_analysis_that_nobody_wants_any_more_stops() {
         Arc::new(resect_io::simulation_files::open(&simulate(Preset::Warthog, 1)).expect("valid"));
     let settings = by(Method::Joint);
     let mut analyst = Analyst::new(Arc::clone(&deployment));
-    // The pipeline's stages are remembered, so that what is stopped below is the refinement.
+    // The pipeline's stages are remembered, so that the joint estimate is what is stopped below.
     let started = Instant::now();
     let whole = analyst.run(&settings);
     let whole_seconds = started.elapsed().as_secs_f64();

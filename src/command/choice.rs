@@ -1,7 +1,7 @@
 //! Flags whose value is one of a few words: each word with its meaning in the help.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use resect_core::calibration::{Alignment, Loss, Method, PriorMethod};
+use resect_core::calibration::{Alignment, Method, PriorMethod};
 use resect_core::estimates::Alignment as EstimateAlignment;
 use resect_core::experiment::Parameter;
 use resect_core::pipeline::Interpolation;
@@ -58,12 +58,6 @@ pub const PRIORS: Choices<PriorMethod> = &[
         "One small linear least squares per pair; needs no guess",
     ),
     (PriorMethod::Search, "search", "The paper's two-step search over the speed limit τ_v"),
-];
-
-pub const LOSSES: Choices<Loss> = &[
-    (Loss::Squared, "squared", "The square of the error, as published"),
-    (Loss::Huber, "huber", "Beyond 1.345 σ only its size"),
-    (Loss::Cauchy, "cauchy", "Hardly more than a middling one"),
 ];
 
 pub const ALIGNMENTS: Choices<Alignment> = &[

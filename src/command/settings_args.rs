@@ -2,23 +2,16 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use nalgebra::Vector3;
 
-use super::choice::{ALIGNMENTS, INTERPOLATIONS, LOSSES, METHODS, PRIORS, choice};
-use super::{Failure, complain};
+use super::Failure;
+use super::choice::{ALIGNMENTS, INTERPOLATIONS, METHODS, PRIORS, choice};
 use resect_core::analysis::Settings;
-use resect_core::calibration::{Alignment, Loss, Method, PriorMethod};
+use resect_core::calibration::{Alignment, Method, PriorMethod};
 use resect_core::pipeline::Interpolation;
 use resect_io::error::OpenError;
 use resect_io::source::Extras;
-
-#[derive(Clone, Copy, ValueEnum)]
-enum EstimateName {
-    Clocks,
-    Distances,
-    Tilt,
-}
 
 /// The method and the settings of a command that calibrates.
 #[derive(Args)]
@@ -54,13 +47,6 @@ impl AnswerArguments {
         }
         if methods.is_empty() {
             methods.push(settings.calibration.method);
-        }
-        let joint = methods.iter().any(|method| method.unwrap_or_default() == Method::Joint);
-        if let (true, Some(flag)) = (joint, self.settings.flag_of_published_methods()) {
-            return Err(Failure::Usage(format!(
-                "{flag} is about the published methods, and the joint estimate has its own; name another (--method \
-                 inter-prism), or leave {flag} out"
-            )));
         }
         let with = |method| {
             let mut settings = settings;
@@ -108,12 +94,6 @@ pub struct SettingsArguments {
     /// Where method D starts from, and the joint estimate with it [default: closed-form]
     #[arg(long, value_parser = choice(PRIORS))]
     prior: Option<PriorMethod>,
-    /// What a large error costs methods C and D [default: squared]
-    #[arg(long, value_parser = choice(LOSSES))]
-    loss: Option<Loss>,
-    /// What methods C (clocks alone) and D estimate beside the transforms: clocks, distances, tilt
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
-    estimate: Vec<EstimateName>,
     /// What methods B and C may turn: yaw, or roll and pitch as well [default: level]
     #[arg(long, value_parser = choice(ALIGNMENTS))]
     alignment: Option<Alignment>,
@@ -136,17 +116,10 @@ impl SettingsArguments {
     pub fn settings(&self) -> Result<Settings, Failure> {
         let mut settings = match &self.config {
             None => Settings::default(),
-            Some(path) => {
-                let (settings, findings) =
-                    resect_io::settings_file::read(path).map_err(|error| match error {
-                        OpenError::Io { .. } => Failure::from(error),
-                        error => Failure::Usage(error.to_string()),
-                    })?;
-                for finding in findings {
-                    complain(&format!("{}: {finding}", path.display()));
-                }
-                settings
-            }
+            Some(path) => resect_io::settings_file::read(path).map_err(|error| match error {
+                OpenError::Io { .. } => Failure::from(error),
+                error => Failure::Usage(error.to_string()),
+            })?,
         };
         let thresholds = &mut settings.pipeline.thresholds;
         for (flag, setting) in [
@@ -172,27 +145,8 @@ impl SettingsArguments {
             self.interpolation.unwrap_or(settings.pipeline.interpolation);
         calibration.prior = self.prior.unwrap_or(calibration.prior);
         calibration.alignment = self.alignment.unwrap_or(calibration.alignment);
-        calibration.loss = self.loss.unwrap_or(calibration.loss);
-        for name in &self.estimate {
-            match name {
-                EstimateName::Clocks => calibration.estimate.clocks = true,
-                EstimateName::Distances => calibration.estimate.distances = true,
-                EstimateName::Tilt => calibration.estimate.tilt = true,
-            }
-        }
         settings.check().map_err(Failure::Usage)?;
         Ok(settings)
-    }
-
-    /// The first flag given that the joint estimate has no use for.
-    fn flag_of_published_methods(&self) -> Option<&'static str> {
-        if self.loss.is_some() {
-            Some("--loss")
-        } else if !self.estimate.is_empty() {
-            Some("--estimate")
-        } else {
-            None
-        }
     }
 
     /// The files of `--rig`, `--gcp` and `--drive`.
@@ -234,7 +188,6 @@ mod tests {
             ("rate", pipeline.rate_hz.to_string()),
             ("interpolation", word(INTERPOLATIONS, pipeline.interpolation)),
             ("prior", word(PRIORS, calibration.prior)),
-            ("loss", word(LOSSES, calibration.loss)),
             ("alignment", word(ALIGNMENTS, calibration.alignment)),
         ];
         let command = SettingsArguments::augment_args(clap::Command::new("resect"));

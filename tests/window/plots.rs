@@ -428,7 +428,7 @@ fn a_long_drive_is_hardly_more_shapes_than_a_short_one() {
         resect_io::simulation_files::open(&simulate_scenario(&scenario, 1)).expect("simulated"),
     );
     set(&mut harness, |settings| {
-        settings.calibration = settings.calibration.plain(Method::InterPrism);
+        settings.calibration = settings.calibration.with_method(Method::InterPrism);
         settings.pipeline.interval_filter = false;
     });
     let kept = shown(&harness).analysis.as_ref().expect("analysed").pipeline.kept_intervals.len();

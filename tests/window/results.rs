@@ -4,7 +4,7 @@
 use egui::{OutputCommand, Theme, accesskit::Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use resect::app::{AngleUnit, Command, LengthUnit, Pane, Picked, Units};
-use resect_core::calibration::{Loss, Method};
+use resect_core::calibration::{Method, PriorMethod};
 use resect_core::pipeline::{Interpolation, OutlierReason, SampleFate};
 use resect_core::simulation::{Preset, simulate};
 
@@ -68,11 +68,11 @@ fn a_pinned_result_is_what_later_ones_are_seen_against() {
 
         set(&mut harness, |s| {
             s.calibration.method = Some(Method::InterPrism);
-            s.calibration.loss = Loss::Cauchy;
+            s.calibration.prior = PriorMethod::Search;
         });
         set(&mut harness, |s| s.pipeline.thresholds.tau_a_deg_per_s = 0.5);
         assert!(harness.query_by_label("This is the pinned result.").is_none());
-        assert!(harness.query_by_label("loss squared → Cauchy").is_some());
+        assert!(harness.query_by_label("prior closed form → search").is_some());
         let method = "method joint estimate → D (inter-prism distances)";
         assert!(harness.query_by_label(method).is_some());
         assert!(harness.query_by_label("τ_a 1 → 0.5 °/s").is_some());
@@ -163,7 +163,7 @@ fn the_history_names_what_changed_and_brings_it_back() {
         set(&mut harness, |s| s.pipeline.thresholds.tau_l_seconds = 20.0);
         set(&mut harness, |s| {
             s.calibration.method = Some(Method::InterPrism);
-            s.calibration.loss = Loss::Huber;
+            s.calibration.prior = PriorMethod::Search;
         });
         set(&mut harness, |s| s.pipeline.outlier_filter = false);
         send(&mut harness, Command::ShowPane(Pane::Runs));
@@ -183,7 +183,7 @@ fn the_history_names_what_changed_and_brings_it_back() {
         settle(&mut harness);
         let settings = *harness.state().state.settings();
         assert_eq!(settings.pipeline.thresholds.tau_l_seconds, 20.0);
-        assert_eq!(settings.calibration.loss, Loss::Squared);
+        assert_eq!(settings.calibration.prior, PriorMethod::ClosedForm);
         assert_eq!(settings.calibration.method, None);
         assert!(settings.pipeline.outlier_filter);
 

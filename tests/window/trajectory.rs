@@ -87,7 +87,7 @@ fn the_vehicles_way_is_plotted_with_its_sigma() {
     }
     // Another answer is another way; by the paper's D it has no speed.
     set(&mut harness, |settings| {
-        settings.calibration = settings.calibration.plain(Method::InterPrism);
+        settings.calibration = settings.calibration.with_method(Method::InterPrism);
     });
     let by_d = shown(&harness).way.newest.clone().expect("made");
     assert!(by_d.instants.iter().all(|at| Aspect::Speed.of(at).is_none()));
@@ -454,7 +454,7 @@ fn the_paper_s_answer_has_no_motion_and_leads_to_one_that_has() {
     let lio = write_slam(&harness, folder.path(), "lio.tum", 0.01, 0.0);
     let vio = write_slam(&harness, folder.path(), "vio.tum", 0.03, 0.0);
     set(&mut harness, |settings| {
-        settings.calibration = settings.calibration.plain(Method::InterPrism);
+        settings.calibration = settings.calibration.with_method(Method::InterPrism);
     });
     send(&mut harness, Command::AddEstimates(vec![lio, vio]));
     settle(&mut harness);

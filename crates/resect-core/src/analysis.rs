@@ -141,7 +141,7 @@ impl Analyst {
         let pipeline = self.pipeline.run_while(&self.deployment, &settings.pipeline, progress)?;
         let pipeline_ms = started.elapsed().as_secs_f64() * 1e3;
         let method = Offer::of(&self.deployment, &pipeline.triplets).published_method();
-        let calibration = settings.calibration.plain(method);
+        let calibration = settings.calibration.with_method(method);
         let mut analysis = self.run_while(&Settings { calibration, ..*settings }, progress)?;
         analysis.pipeline_ms += pipeline_ms;
         Ok(Some(analysis))

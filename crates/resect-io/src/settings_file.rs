@@ -3,19 +3,16 @@
 use std::path::Path;
 
 use resect_core::analysis::Settings;
-use resect_core::deployment::Finding;
 
 use crate::error::OpenError;
 use crate::format::deployment_toml::parse_toml;
 
-/// Reads settings; each one that the file does not name has its default. Removed settings are findings.
+/// Reads settings; each one that the file does not name has its default.
 ///
 /// # Errors
 /// [`OpenError::Io`] for a file that cannot be read, [`OpenError::Line`] for a wrong value or key.
-pub fn read(path: &Path) -> Result<(Settings, Vec<Finding>), OpenError> {
+pub fn read(path: &Path) -> Result<Settings, OpenError> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| OpenError::Io { path: path.to_owned(), error })?;
-    let mut settings: Settings = parse_toml(&path.display().to_string(), &text)?;
-    let findings = settings.calibration.take_removed();
-    Ok((settings, findings))
+    parse_toml(&path.display().to_string(), &text)
 }

@@ -152,10 +152,9 @@ fn clocks(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
     table.write_record(header)?;
     let Some([two, three]) = answer.calibration.clock_estimates() else { return Ok(()) };
     for (station, (offset_s, drift)) in [(2, two), (3, three)] {
-        let drift = drift.map_or([None; 2], |drift| [Some(drift.value), Some(drift.sigma)]);
         let mut row = vec![station.to_string()];
-        row.extend([offset_s.value, offset_s.sigma].map(|value| value.to_string()));
-        row.extend(drift.map(optional));
+        let numbers = [offset_s.value, offset_s.sigma, drift.value, drift.sigma];
+        row.extend(numbers.map(|value| value.to_string()));
         table.write_record(row)?;
     }
     Ok(())

@@ -12,10 +12,11 @@ use crate::difference::moved_from_published;
 use crate::of_run;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::Estimate;
-use resect_core::calibration::inter_prism::{InterPrismDetails, PriorSearch, Refinement};
+use resect_core::calibration::dynamic_gcp::DynamicGcpDetails;
+use resect_core::calibration::inter_prism::{InterPrismDetails, PriorSearch};
 use resect_core::calibration::joint::{DriveClocks, JointEstimate, Stepped};
 use resect_core::calibration::two_point::PairResection;
-use resect_core::calibration::{Basin, Calibration, Details, TransformSigma};
+use resect_core::calibration::{Basin, Calibration, Details, JointTargets, TransformSigma};
 use resect_core::deployment::{Deployment, Severity};
 use resect_core::geometry::RigidTransform;
 
@@ -185,7 +186,7 @@ pub fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
     (0..N).map(|row| matrix.row(row).iter().copied().collect()).collect()
 }
 
-/// What only the method knows.
+/// The details of the answer's method.
 fn details(calibration: &Calibration) -> Value {
     let mm = |metres: &[f64]| metres.iter().map(|m| m * 1e3).collect::<Vec<_>>();
     match &calibration.details {
@@ -218,44 +219,28 @@ fn details(calibration: &Calibration) -> Value {
                 "tilt_rad": world.tilt_rad(),
             })),
         }),
-        Details::DynamicGcp(details) => {
-            json!({
-                "rms_mm": details.rms_m * 1e3,
-                "blocks": details.blocks,
-                "joint": details.joint.as_deref().map(joint),
-            })
-        }
-        Details::InterPrism(details) => {
-            json!({
-                "prior_search": details.prior_search.as_ref().map(prior_search),
-                "refinement": details.refinement.as_ref().map(refinement),
-            })
+        Details::DynamicGcp(details) => dynamic_gcp(details),
+        Details::InterPrism(details) => inter_prism(details),
+        Details::Joint(details) => {
+            let mut value = match &details.targets {
+                JointTargets::ThreePrisms(details) => inter_prism(details),
+                JointTargets::OnePrism(details) => dynamic_gcp(details),
+            };
+            value["joint"] = json!(details.estimate.as_ref().map(joint));
+            value
         }
     }
 }
 
-fn refinement(refined: &Refinement) -> Value {
-    let estimate = |e: &Estimate| json!({ "value": e.value, "sigma": e.sigma });
-    let estimates = |all: &[Estimate]| all.iter().map(estimate).collect::<Vec<_>>();
-    json!({
-        "clock_offsets_s": refined.clock_offsets_s.map(|clocks| estimates(&clocks)),
-        "inter_prism_m": refined.distances_m.map(|distances| estimates(&distances)),
-        "tilts_rad": refined.tilts_rad.map(|tilts| tilts.each_ref().map(|t| estimates(t))),
-        "clock_drifts": refined.clock_drifts.map(|drifts| estimates(&drifts)),
-        "prism_constant_error_m": refined.prism_constant_error_m.as_ref().map(estimate),
-        "joint": refined.joint.as_deref().map(joint),
-        "support": refined.support.iter().map(|support| json!({
-            "what": support.what,
-            "chi_square": support.chi_square,
-            "unknowns": support.unknowns,
-            "supported": support.supported,
-        })).collect::<Vec<_>>(),
-        "moves_sigmas": refined.moves_sigmas,
-        "converged": refined.converged,
-    })
+fn dynamic_gcp(details: &DynamicGcpDetails) -> Value {
+    json!({ "rms_mm": details.rms_m * 1e3, "blocks": details.blocks })
 }
 
-/// What only a joint estimate knows: instruments by station 1 to 3, clocks of stations 2 and 3.
+fn inter_prism(details: &InterPrismDetails) -> Value {
+    json!({ "prior_search": details.prior_search.as_ref().map(prior_search) })
+}
+
+/// The details of a joint estimate: instruments by station 1 to 3, clocks of stations 2 and 3.
 fn joint(found: &JointEstimate) -> Value {
     let estimate = |e: &Estimate| json!({ "value": e.value, "sigma": e.sigma });
     let estimates = |all: &[Estimate]| all.iter().map(estimate).collect::<Vec<_>>();
@@ -293,10 +278,12 @@ fn joint(found: &JointEstimate) -> Value {
         "clock_offsets_s": estimates(&found.clock_offsets_s),
         "clock_drifts": estimates(&found.clock_drifts),
         "drives": found.drives.iter().map(drive).collect::<Vec<_>>(),
+        "inter_prism_m": found.distances_m.map(|distances| estimates(&distances)),
         "latencies_s": estimates(&found.latencies_s),
         "range_offsets_m": estimates(&found.range_offsets_m),
         "range_scales": estimates(&found.range_scales),
         "indices_rad": estimates(&found.indices_rad),
+        "collimations_rad": estimates(&found.collimations_rad),
         "leans_rad": found.leans_rad.each_ref().map(|leans| estimates(leans)),
         "noise": {
             "range_m": found.levels.range_m(),

@@ -150,17 +150,17 @@ fn details(calibration: &Calibration) -> String {
                 );
             }
         }
-        Details::DynamicGcp(_) => {}
-        Details::InterPrism(details) => {
-            if let Some(search) = &details.prior_search {
-                text += &search_table(search);
-            }
-            let next = details.basins.iter().find(|basin| **basin != details.basin);
-            let next = next.map_or(String::new(), |basin| {
-                format!("; the next best costs {:.2} times the answer", details.cost_ratio(basin))
-            });
-            _ = writeln!(text, "minima        {} found{next}", details.basins.len());
+        Details::DynamicGcp(_) | Details::InterPrism(_) | Details::Joint(_) => {}
+    }
+    if let Some(details) = calibration.inter_prism() {
+        if let Some(search) = &details.prior_search {
+            text += &search_table(search);
         }
+        let next = details.basins.iter().find(|basin| **basin != details.basin);
+        let next = next.map_or(String::new(), |basin| {
+            format!("; the next best costs {:.2} times the answer", details.cost_ratio(basin))
+        });
+        _ = writeln!(text, "minima        {} found{next}", details.basins.len());
     }
     text
 }

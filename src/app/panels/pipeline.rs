@@ -11,7 +11,7 @@ use crate::app::state::State;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::{
-    Alignment, CalibrationSettings, Loss, Method, Offer, PriorMethod, Targets,
+    Alignment, CalibrationSettings, Method, Offer, PriorMethod, Targets,
 };
 use resect_core::deployment::Deployment;
 use resect_core::pipeline::{Interpolation, Interval, PipelineSettings, SampleFate, Thresholds};
@@ -215,36 +215,8 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
                     "How well the inter-prism distances are known (1 σ); widens every σ of the result",
                 );
                 settings.inter_prism_sigma_m = sigma_mm / 1e3;
-                let own = method == Method::Joint;
-                ui.add_enabled_ui(!own, |ui| beyond(ui, settings, own));
             }
         }
-    });
-}
-
-/// What goes beyond method D as published, a switch each; the joint estimate has its own.
-fn beyond(ui: &mut egui::Ui, settings: &mut CalibrationSettings, joint_has_its_own: bool) {
-    let reason = "Of method D: the joint estimate has a loss of its own, and estimates clocks, distances and tilts";
-    let say = |response: egui::Response| {
-        if joint_has_its_own { response.on_disabled_hover_text(reason) } else { response }
-    };
-    ui.horizontal_wrapped(|ui| {
-        words::explain(ui.label("loss"), &glossary::LOSS);
-        for (loss, name) in
-            [(Loss::Squared, "squared"), (Loss::Huber, "Huber"), (Loss::Cauchy, "Cauchy")]
-        {
-            say(ui.radio_value(&mut settings.loss, loss, name));
-        }
-    });
-    ui.horizontal_wrapped(|ui| {
-        ui.label("estimate");
-        let estimate = &mut settings.estimate;
-        say(ui.checkbox(&mut estimate.clocks, "clocks"))
-            .on_hover_text("Offsets of stations 2 and 3 against station 1");
-        say(ui.checkbox(&mut estimate.distances, "distances"))
-            .on_hover_text("Inter-prism distances, held by the σ above");
-        say(ui.checkbox(&mut estimate.tilt, "tilt"))
-            .on_hover_text("Of stations 2 and 3, held to 1″");
     });
 }
 

@@ -256,39 +256,6 @@ fn what_an_older_session_asked_of_all_trajectories_it_asks_of_each() {
     assert!(findings[0].message.contains("how a trajectory is judged"), "{findings:?}");
 }
 
-/// Version 1 before the joint estimate: its switches are read, and what became of them is said.
-#[test]
-fn switches_that_are_gone_are_said_and_refuse_nothing() {
-    use resect_core::calibration::Method;
-    let folder = with_data();
-    let path = folder.path().join("a.resect.toml");
-    let mut saved = session(folder.path());
-    saved.pins[0].result.method = Method::InterPrism;
-    let good = saved.text(folder.path(), &HashCache::default()).expect("text");
-    let load_with = |switches: &str| {
-        let old = good.replace("calibration]\n", &format!("calibration]\n{switches}"));
-        assert_eq!(old.matches(switches).count(), 3, "two deployments and a pin: {old}");
-        std::fs::write(&path, old).expect("written");
-        load(&path).expect("an old session opens")
-    };
-    let (back, findings) = load_with("weigh_by_noise = false\ncontinuous_time = false\n");
-    assert_eq!((back, findings), (saved.clone(), vec![]), "what was off is not missed");
-
-    let (back, findings) = load_with("weigh_by_noise = true\ncontinuous_time = true\n");
-    let said = |word: &str, of: &str| {
-        let about = |it: &&Finding| it.message.contains(word) && it.message.contains(of);
-        findings.iter().filter(about).count()
-    };
-    assert_eq!(findings.len(), 6, "{findings:?}");
-    for word in ["weigh_by_noise", "continuous_time"] {
-        assert_eq!((said(word, "settings of "), said(word, "pinned result A")), (3, 1));
-    }
-    for settings in back.deployments.iter().map(|it| it.settings) {
-        assert_eq!(settings.calibration.method, Some(Method::Joint));
-    }
-    assert_eq!(back.pins[0].result.method, Method::Joint, "what was a switch is its method");
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 

@@ -9,7 +9,6 @@ use super::hashes::FileMark;
 use super::session::{Files, SavedDeployment, SavedPin, SavedView, Session, yes};
 use crate::app::model::{LayoutDescription, SavedEstimate};
 use resect_core::analysis::Settings;
-use resect_core::calibration::Method;
 use resect_core::deployment::Finding;
 use resect_core::estimates::Options;
 use resect_core::planning::Plan;
@@ -148,12 +147,8 @@ impl StoredSession {
     }
 
     /// The session with absolute paths, or what of it makes no sense.
-    pub fn read(mut self, folder: &Path) -> Result<(Session, Vec<Finding>), String> {
+    pub fn read(self, folder: &Path) -> Result<(Session, Vec<Finding>), String> {
         let mut findings = Vec::new();
-        for stored in &mut self.deployments {
-            let of = stored.source.title();
-            findings.extend(take_removed(&mut stored.settings, &of));
-        }
         for stored in &self.deployments {
             stored
                 .settings
@@ -182,7 +177,7 @@ impl StoredSession {
             deployments,
             view: self.view.read("the session's view", &mut findings).unwrap_or_default(),
             layout: self.layout.and_then(|it| it.read("the session's layout", &mut findings)),
-            pins: pins.filter_map(|pin| read_pin(pin, &mut findings)).collect(),
+            pins: pins.filter_map(|pin| pin.read("a pinned result", &mut findings)).collect(),
             plan: self
                 .plan
                 .and_then(|it| it.read("the plan", &mut findings))
@@ -217,26 +212,6 @@ fn plan_makes_sense(plan: &Plan, findings: &mut Vec<Finding>) -> bool {
     let Err((what, _)) = plan.check() else { return true };
     findings.push(Finding::warning(format!("the plan: {what}; left out")));
     false
-}
-
-/// Says of which of a session's settings it is, what this version has no switch for.
-fn take_removed(settings: &mut Settings, of: &str) -> Vec<Finding> {
-    let mut removed = settings.calibration.take_removed();
-    for finding in &mut removed {
-        finding.message = format!("settings of {of}: {}", finding.message);
-    }
-    removed
-}
-
-fn read_pin(pin: Lenient<SavedPin>, findings: &mut Vec<Finding>) -> Option<SavedPin> {
-    let mut pin = pin.read("a pinned result", findings)?;
-    let SavedPin { name, result, .. } = &mut pin;
-    findings.extend(take_removed(&mut result.settings, &format!("the pinned result {name}")));
-    // What was a switch of its method is the method now.
-    if result.settings.calibration.method == Some(Method::Joint) {
-        result.method = Method::Joint;
-    }
-    Some(pin)
 }
 
 /// The source with another path for each of its own.

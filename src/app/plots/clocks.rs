@@ -110,7 +110,7 @@ impl Estimated {
         let time_s = &analysis.triplets().time_s;
         Some(Self {
             offsets_s: estimates.map(|(offset_s, _)| offset_s),
-            drifts: estimates.map(|(_, drift)| drift.map_or(0.0, |drift| drift.value)),
+            drifts: estimates.map(|(_, drift)| drift.value),
             span_s: [*time_s.first()?, *time_s.last()?],
         })
     }

@@ -295,7 +295,7 @@ mod tests {
     fn by_the_papers_d_there_are_poses_of_triplets_without_speed() {
         let deployment = Sample::Warthog.open().expect("built in");
         let mut settings = Settings::default();
-        settings.calibration = settings.calibration.plain(Method::InterPrism);
+        settings.calibration = settings.calibration.with_method(Method::InterPrism);
         let analysis = Analyst::new(deployment.clone().into()).run(&settings);
         let way = Way::of(&deployment, &analysis);
         assert_eq!(way.instants.len(), analysis.triplets().len());

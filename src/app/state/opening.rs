@@ -11,7 +11,7 @@ use crate::app::model::undo::Moment;
 use crate::app::persist::hashes::HashCache;
 use crate::app::persist::session::{Files, SavedDeployment};
 use resect_core::analysis::Settings;
-use resect_core::deployment::{Deployment, Finding};
+use resect_core::deployment::Deployment;
 use resect_core::progress::Progress;
 use resect_io::error::OpenError;
 use resect_io::sample::Sample;
@@ -280,9 +280,8 @@ impl State {
         }
         if let Some(path) = settings.last() {
             match read_settings(path) {
-                Ok((settings, findings)) => {
+                Ok(settings) => {
                     self.change_active(settings, Moment::NEVER);
-                    self.tell(&findings);
                 }
                 Err(line) => self.toasts.error(&line),
             }
@@ -309,9 +308,8 @@ impl State {
 }
 
 /// Settings as `--config` reads them, or why not.
-fn read_settings(path: &Path) -> Result<(Settings, Vec<Finding>), String> {
-    let (settings, findings) =
-        resect_io::settings_file::read(path).map_err(|error| error.to_string())?;
+fn read_settings(path: &Path) -> Result<Settings, String> {
+    let settings = resect_io::settings_file::read(path).map_err(|error| error.to_string())?;
     settings.check().map_err(|what| format!("{}: {what}", path.display()))?;
-    Ok((settings, findings))
+    Ok(settings)
 }

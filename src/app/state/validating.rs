@@ -80,5 +80,5 @@ fn newest(open: &OpenDeployment) -> AnswerOf {
 
 /// A run's own answer is the joint estimate, whatever is shown of it.
 fn jointly(settings: Settings) -> Settings {
-    Settings { calibration: settings.calibration.plain(Method::Joint), ..settings }
+    Settings { calibration: settings.calibration.with_method(Method::Joint), ..settings }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::Settings;
 use crate::calibration::ErrorSizes;
-use crate::calibration::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
+use crate::calibration::{Alignment, CalibrationSettings, PriorMethod};
 use crate::pipeline::{PipelineSettings, Thresholds};
 
 /// One setting that differs. Displays as "τ_r 2 → 1.5 m/s".
@@ -41,7 +41,7 @@ pub fn setting_changes(before: &Settings, after: &Settings) -> Vec<SettingChange
         .collect()
 }
 
-/// The changes as one line: "τ_r 2 → 1.5 m/s, loss squared → Cauchy"; empty where nothing differs.
+/// The changes as one line: "τ_r 2 → 1.5 m/s, prior closed form → search"; empty where nothing differs.
 pub fn changes_in_words(changes: &[SettingChange]) -> String {
     changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
@@ -52,9 +52,8 @@ struct NamedValue {
     unit: &'static str,
 }
 
-/// Every setting there is. The patterns name every field, so that a new one does not compile until it is here; those that
-/// older versions wrote are none any more.
-fn named_values(settings: &Settings) -> [NamedValue; 29] {
+/// Every setting. The patterns name every field, so that a new one does not compile until it is here.
+fn named_values(settings: &Settings) -> [NamedValue; 25] {
     let Settings { pipeline, calibration } = settings;
     let PipelineSettings { outlier_filter, interval_filter, thresholds, interpolation, rate_hz } =
         pipeline;
@@ -65,18 +64,7 @@ fn named_values(settings: &Settings) -> [NamedValue; 29] {
         tau_s_seconds,
         tau_l_seconds,
     } = thresholds;
-    let CalibrationSettings {
-        method,
-        alignment,
-        prior,
-        inter_prism_sigma_m,
-        loss,
-        estimate,
-        errors,
-        weigh_by_noise: _,
-        continuous_time: _,
-    } = calibration;
-    let Estimated { clocks, distances, tilt } = estimate;
+    let CalibrationSettings { method, alignment, prior, inter_prism_sigma_m, errors } = calibration;
     let ErrorSizes {
         clock_offset_s,
         clock_drift,
@@ -112,10 +100,6 @@ fn named_values(settings: &Settings) -> [NamedValue; 29] {
         word("alignment", alignment_name(*alignment)),
         word("prior", prior_name(*prior)),
         number("σ distances", *inter_prism_sigma_m * 1e3, "mm"),
-        word("loss", loss_name(*loss)),
-        switch("estimate clocks", *clocks),
-        switch("estimate distances", *distances),
-        switch("estimate tilt", *tilt),
         number("σ clock offsets", *clock_offset_s, "s"),
         number("σ clock drifts", *clock_drift * 1e6, "ppm"),
         number("σ wandering clocks", *clock_wander_s * 1e3, "ms"),
@@ -158,14 +142,6 @@ fn prior_name(prior: PriorMethod) -> &'static str {
     }
 }
 
-fn loss_name(loss: Loss) -> &'static str {
-    match loss {
-        Loss::Squared => "squared",
-        Loss::Huber => "Huber",
-        Loss::Cauchy => "Cauchy",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,7 +158,8 @@ mod tests {
     fn a_change_is_named_with_its_values_and_unit() {
         assert_eq!(words(|s| s.pipeline.thresholds.tau_r_m_per_s = 1.5), "τ_r 2 → 1.5 m/s");
         assert_eq!(words(|s| s.pipeline.outlier_filter = false), "outlier filter on → off");
-        assert_eq!(words(|s| s.calibration.loss = Loss::Cauchy), "loss squared → Cauchy");
+        let search = words(|s| s.calibration.prior = PriorMethod::Search);
+        assert_eq!(search, "prior closed form → search");
         // 0.0041 m in mm is 4.1000000000000005 in floating point.
         assert_eq!(words(|s| s.calibration.inter_prism_sigma_m = 0.0041), "σ distances 1 → 4.1 mm");
         assert_eq!(
@@ -195,10 +172,10 @@ mod tests {
     #[test]
     fn several_changes_come_in_the_order_of_the_pipeline() {
         let text = words(|s| {
-            s.calibration.loss = Loss::Huber;
+            s.calibration.prior = PriorMethod::Search;
             s.pipeline.rate_hz = 5.0;
         });
-        assert_eq!(text, "rate 10 → 5 Hz, loss squared → Huber");
+        assert_eq!(text, "rate 10 → 5 Hz, prior closed form → search");
     }
 
     /// Turns every leaf of the serialised settings into something else, one by one: each must be seen, and alone.
@@ -241,7 +218,6 @@ mod tests {
                 "method" => "static-gcp",
                 "alignment" => "rigid",
                 "prior" => "search",
-                "loss" => "huber",
                 _ => panic!("what else can {key} be?"),
             }),
         }

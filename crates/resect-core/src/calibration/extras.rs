@@ -1,9 +1,8 @@
 //! What was estimated beside the transforms, as rows of a table.
 
-use super::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
 use super::joint::JointEstimate;
 use super::joint::instruments::instruments;
-use super::{Calibration, CalibrationSettings, Details, Estimate, Quantity};
+use super::{Calibration, Estimate, Quantity};
 use crate::deployment::{Deployment, pair_label};
 
 /// Something that was estimated beside the transforms.
@@ -39,36 +38,10 @@ fn station(index: usize) -> String {
 }
 
 impl Calibration {
-    /// What was estimated beside the transforms: clocks, instruments, inter-prism distances; nothing of methods that do not.
-    pub fn extras(&self, deployment: &Deployment, settings: &CalibrationSettings) -> Vec<Extra> {
+    /// The estimates of a joint estimate beside the transforms: clocks, instruments, inter-prism distances.
+    pub fn extras(&self, deployment: &Deployment) -> Vec<Extra> {
         let rig_m = deployment.rig.as_ref().map(|rig| rig.inter_prism_m);
-        if let Some(joint) = self.joint() {
-            return of_joint(joint, rig_m);
-        }
-        let mut extras = Vec::new();
-        for (slot, (offset_s, drift)) in self.clock_estimates().into_iter().flatten().enumerate() {
-            let mut add = |name, quantity, estimate| {
-                extras.push(Extra::new(station(slot + 1), name, quantity, estimate, None));
-            };
-            add("clock offset", Quantity::Time, offset_s);
-            if let Some(drift) = drift {
-                add("clock drift", Quantity::Drift, drift);
-            }
-        }
-        let Details::InterPrism(details) = &self.details else { return extras };
-        let Some(refined) = &details.refinement else { return extras };
-        for (slot, tilts) in refined.tilts_rad.iter().flatten().enumerate() {
-            for (name, tilt) in ["lean about x", "lean about y"].into_iter().zip(tilts) {
-                let of = station(slot + 1);
-                extras.push(Extra::new(of, name, Quantity::Angle, *tilt, Some(TILT_SIGMA_RAD)));
-            }
-        }
-        if let Some(constant_m) = refined.prism_constant_error_m {
-            let (of, prior) = ("all stations".to_owned(), Some(PRISM_CONSTANT_SIGMA_M));
-            extras.push(Extra::new(of, "range offset", Quantity::Length, constant_m, prior));
-        }
-        extras.extend(distances(refined.distances_m, rig_m, settings.inter_prism_sigma_m));
-        extras
+        self.joint().map_or_else(Vec::new, |joint| of_joint(joint, rig_m))
     }
 }
 

@@ -15,6 +15,8 @@ mod extras;
 pub mod instrument;
 pub mod inter_prism;
 pub mod joint;
+mod joint_details;
+mod judgement;
 mod method;
 mod misfits;
 mod moving_triplets;
@@ -27,6 +29,7 @@ mod targets;
 pub mod time_blocks;
 mod track_clocks;
 pub mod two_point;
+mod unchecked;
 mod verdict;
 mod witness;
 
@@ -35,10 +38,11 @@ pub use error::CalibrationError;
 pub use estimate::{Estimate, Quantity};
 pub use extras::Extra;
 pub use instrument::ErrorSizes;
+pub use joint_details::{JointDetails, JointTargets};
 pub use method::{Method, Offer};
 pub use misfits::{distance_errors_m, each_distance_error_m};
 pub use moving_triplets::{Clock, MovingTriplets, velocity_m_per_s, with_clocks};
-pub use settings::{Alignment, CalibrationSettings, Estimated, Loss, PriorMethod};
+pub use settings::{Alignment, CalibrationSettings, PriorMethod};
 pub use solve::{solve, solve_while};
 pub use targets::Targets;
 pub use verdict::Verdict;
@@ -128,7 +132,7 @@ pub struct Calibration {
     pub findings: Vec<Finding>,
     /// What could have contradicted it, and did not.
     pub checked_by: Vec<Witness>,
-    /// What only its method knows.
+    /// Details of its method.
     pub details: Details,
     /// Beside a joint estimate, the paper's answer to the same data, checked and judged like any other. `None` if the
     /// paper's method has none, which a finding says.
@@ -138,13 +142,14 @@ pub struct Calibration {
     pub solve_ms: f64,
 }
 
-/// What one method knows and the others do not.
+/// Details of an answer by method.
 #[derive(Clone, Debug)]
 pub enum Details {
     TwoPoint(two_point::TwoPointDetails),
     StaticGcp(static_gcp::StaticGcpDetails),
     DynamicGcp(dynamic_gcp::DynamicGcpDetails),
     InterPrism(Box<inter_prism::InterPrismDetails>),
+    Joint(Box<JointDetails>),
 }
 
 impl Calibration {
@@ -172,28 +177,23 @@ impl Calibration {
         self.verdict.in_words(self.is_independently_checked())
     }
 
-    /// How well the points of methods A, B and C fit (m, root mean square).
+    /// Root mean square of the point errors of methods A, B and C, and of the tracks of one prism (m).
     pub fn fit_rms_m(&self) -> Option<f64> {
         match &self.details {
             Details::TwoPoint(details) => Some(details.rms_m()),
             Details::StaticGcp(details) => Some(details.rms_m),
             Details::DynamicGcp(details) => Some(details.rms_m),
             Details::InterPrism(_) => None,
+            Details::Joint(details) => match &details.targets {
+                JointTargets::ThreePrisms(_) => None,
+                JointTargets::OnePrism(details) => Some(details.rms_m),
+            },
         }
     }
 
-    /// The triplets with what was estimated beside the transforms taken into account: clocks and the prism constant.
-    /// `None` where nothing was.
+    /// The triplets corrected by the joint estimate's clocks and instrument errors; `None` of other methods.
     pub fn corrected(&self, triplets: &Triplets) -> Option<Triplets> {
-        match &self.details {
-            Details::InterPrism(details) => {
-                Some(details.refinement.as_ref()?.corrected(Cow::Borrowed(triplets)))
-            }
-            Details::DynamicGcp(dynamic_gcp::DynamicGcpDetails { joint: Some(joint), .. }) => {
-                Some(joint.corrected(Cow::Borrowed(triplets)))
-            }
-            _ => Some(with_clocks(triplets, self.clocks()?)),
-        }
+        Some(self.joint()?.corrected(Cow::Borrowed(triplets)))
     }
 
     /// Correlations of what [`Calibration::covariance`] is of, from −1 to 1.
@@ -203,43 +203,21 @@ impl Calibration {
         Some(SMatrix::from_fn(|i, j| covariance[(i, j)] / (sigma[i] * sigma[j])))
     }
 
-    /// How late the stamps of stations 2 and 3 are, where that was estimated.
+    /// Clocks of stations 2 and 3 against station 1, where they are estimated.
     pub fn clocks(&self) -> Option<[Clock; 2]> {
-        match &self.details {
-            Details::InterPrism(details) => details.refinement.as_ref()?.clocks(),
-            Details::DynamicGcp(details) => match &details.joint {
-                Some(joint) => Some(joint.clocks()),
-                None => Some(details.clocks.as_ref()?.clocks()),
-            },
-            _ => None,
-        }
+        Some(self.joint()?.clocks())
     }
 
-    /// How late the stamps of stations 2 and 3 are, with uncertainty: offset (s) and, where it was estimated, drift
-    /// (s/s).
-    pub fn clock_estimates(&self) -> Option<[(Estimate, Option<Estimate>); 2]> {
-        let (offsets_s, drifts) = match &self.details {
-            Details::InterPrism(details) => {
-                let refinement = details.refinement.as_ref()?;
-                (refinement.clock_offsets_s?, refinement.clock_drifts)
-            }
-            Details::DynamicGcp(details) => match &details.joint {
-                Some(joint) => (joint.clock_offsets_s, Some(joint.clock_drifts)),
-                None => {
-                    let clocks = details.clocks.as_ref()?;
-                    (clocks.offsets_s, Some(clocks.drifts))
-                }
-            },
-            _ => return None,
-        };
-        Some(std::array::from_fn(|slot| (offsets_s[slot], drifts.map(|drifts| drifts[slot]))))
+    /// Offset (s) and drift (s/s) of the clocks of stations 2 and 3 against station 1, where they are estimated.
+    pub fn clock_estimates(&self) -> Option<[(Estimate, Estimate); 2]> {
+        let joint = self.joint()?;
+        Some([0, 1].map(|slot| (joint.clock_offsets_s[slot], joint.clock_drifts[slot])))
     }
 
-    /// The joint estimate's own details.
+    /// The joint estimate; `None` of other methods, and where the data does not determine it.
     pub fn joint(&self) -> Option<&joint::JointEstimate> {
         match &self.details {
-            Details::InterPrism(details) => details.refinement.as_ref()?.joint.as_deref(),
-            Details::DynamicGcp(details) => details.joint.as_deref(),
+            Details::Joint(details) => details.estimate.as_ref(),
             _ => None,
         }
     }
@@ -248,6 +226,10 @@ impl Calibration {
     pub fn inter_prism(&self) -> Option<&inter_prism::InterPrismDetails> {
         match &self.details {
             Details::InterPrism(details) => Some(details),
+            Details::Joint(details) => match &details.targets {
+                JointTargets::ThreePrisms(details) => Some(details),
+                JointTargets::OnePrism(_) => None,
+            },
             _ => None,
         }
     }

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x6, Matrix6, SMatrix, Vector3};
 
-use super::{Alignment, TransformSigma};
+use super::Alignment;
 use crate::geometry::{LevelTransform, RigidTransform, align_level, align_rigid};
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
@@ -240,14 +240,6 @@ pub fn level_part(covariance: &DMatrix<f64>) -> SMatrix<f64, 8, 8> {
     const COLUMNS: [usize; 4] = [0, 1, 2, 5];
     SMatrix::from_fn(|i, j| {
         covariance[(6 * (i / 4) + COLUMNS[i % 4], 6 * (j / 4) + COLUMNS[j % 4])]
-    })
-}
-
-pub fn sigmas(covariance: &SMatrix<f64, 8, 8>) -> [TransformSigma; 2] {
-    let sigma = |k: usize| covariance[(k, k)].max(0.0).sqrt();
-    [0, 4].map(|k| TransformSigma {
-        translation_m: Vector3::new(sigma(k), sigma(k + 1), sigma(k + 2)),
-        yaw_rad: sigma(k + 3),
     })
 }
 

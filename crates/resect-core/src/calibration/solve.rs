@@ -3,9 +3,8 @@
 use std::time::Instant;
 
 use super::{
-    Alignment, Calibration, CalibrationError, CalibrationSettings, Estimated, Loss, Method, Offer,
-    Targets, Verdict, Witness, checks, disagreements, dynamic_gcp, inter_prism, sense, static_gcp,
-    two_point,
+    Calibration, CalibrationError, CalibrationSettings, Method, Offer, Targets, Verdict, Witness,
+    checks, disagreements, dynamic_gcp, inter_prism, sense, static_gcp, two_point,
 };
 use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::pipeline::Triplets;
@@ -55,7 +54,7 @@ fn jointly_beside_published(
     let started = Instant::now();
     let published_method = offer.published_method();
     let by = |method: Method| {
-        let settings = settings.plain(method);
+        let settings = settings.with_method(method);
         answer_by(method, deployment, triplets, &settings, offer, progress)
     };
     let (published, joint) = if triplets.len() < LONG {
@@ -67,7 +66,7 @@ fn jointly_beside_published(
     // What one check has tried serves the other.
     let mut tried = sense::Tried::default();
     let mut checked = |answer: Result<Calibration, CalibrationError>, method: Method| {
-        let settings = settings.plain(method);
+        let settings = settings.with_method(method);
         checked(answer?, deployment, triplets, &settings, offer, &mut tried, progress)
     };
     let published = checked(published, published_method);
@@ -79,11 +78,6 @@ fn jointly_beside_published(
         }
         (joint, _) => joint?,
     };
-    if settings.has_parts() {
-        joint.findings.push(Finding::warning(
-            "loss and estimate were not used: they are about the published methods, and the joint estimate has its own",
-        ));
-    }
     match published {
         Ok(published) => joint.published = Some(Box::new(published)),
         Err(why) => joint.findings.push(Finding::warning(format!(
@@ -157,21 +151,13 @@ fn estimate_jointly(
     offer: &Offer,
     progress: &Progress,
 ) -> Result<Calibration, CalibrationError> {
-    let settings = CalibrationSettings {
-        loss: Loss::Cauchy,
-        estimate: Estimated { clocks: true, distances: true, tilt: true },
-        ..*settings
-    };
-    let calibration = if offer.targets == Targets::OnePrism {
-        if offer.lack(Method::Joint).is_some() {
-            return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
-        }
-        let settings = CalibrationSettings { alignment: Alignment::Level, ..settings };
-        dynamic_gcp::solve_jointly(deployment, triplets, &settings, offer, progress)?
-    } else {
-        inter_prism::solve(deployment, triplets, &settings, offer, progress)?
-    };
-    Ok(Calibration { method: Method::Joint, ..calibration })
+    if offer.targets != Targets::OnePrism {
+        return inter_prism::solve_jointly(deployment, triplets, settings, offer, progress);
+    }
+    if offer.lack(Method::Joint).is_some() {
+        return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
+    }
+    dynamic_gcp::solve_jointly(deployment, triplets, settings, offer, progress)
 }
 
 /// Method B on the control points, where there are any, as a witness of an answer from inter-prism distances.

@@ -6,8 +6,10 @@
 
 use nalgebra::Vector3;
 
+use super::judgement::Judgement;
 use super::method::FEWEST_POINTS;
 use super::point_to_point::{self, Errors, Matches};
+use super::unchecked::UncheckedAnswer;
 use super::{
     Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict, checks,
 };
@@ -94,15 +96,13 @@ pub fn solve(
         .sqrt();
     let used = matches.len();
     let counts = [matches[used - 2].len(), matches[used - 1].len()];
-    let mut findings = vec![Finding::note(format!(
+    let mut judgement = Judgement::good(vec![Finding::note(format!(
         "{} control points aligned {}, {:.1} mm rms",
         counts[0].max(counts[1]),
         if global { "to their global coordinates" } else { "to station 1" },
         rms_m * 1e3
-    ))];
-    let mut verdict = Verdict::Good;
+    ))]);
     if rms_m > checks::POOR_POINT_FIT_M {
-        verdict = Verdict::Weak;
         let line = format!(
             "the control points fit poorly ({:.1} mm rms): check markers, coordinates, prism constant and whether a station moved",
             rms_m * 1e3
@@ -112,32 +112,21 @@ pub fn solve(
         } else {
             Finding::warning(line)
         };
-        findings.push(finding.with(Remedy::PutRight));
+        judgement.lower(Verdict::Weak, finding.with(Remedy::PutRight));
     }
-    for finding in blunders(deployment, &matches, &aligned.residuals_m) {
-        verdict = verdict.max(Verdict::Weak);
-        findings.push(finding);
-    }
-    let mut calibration = Calibration {
+    judgement.doubt(blunders(deployment, &matches, &aligned.residuals_m));
+    let answer = UncheckedAnswer {
         method: Method::StaticGcp,
         station1_from_station,
-        sigma: covariance.as_ref().map(point_to_point::sigmas),
         covariance,
-        verdict,
-        findings,
-        checked_by: Vec::new(),
+        judgement,
         details: Details::StaticGcp(StaticGcpDetails {
             points: counts,
             rms_m,
             world_from_station1,
         }),
-        published: None,
-        prior_ms: 0.0,
-        solve_ms: 0.0,
     };
-    checks::hold_against_the_rest(&mut calibration, deployment, triplets);
-    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
-    Ok(calibration)
+    Ok(answer.checked(deployment, triplets, started))
 }
 
 /// All control points with their file, in the order of the blocks' numbers.

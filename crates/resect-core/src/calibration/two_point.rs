@@ -7,8 +7,10 @@
 use nalgebra::Vector3;
 
 use super::checks;
+use super::judgement::Judgement;
 use super::point_to_point::{self, Errors, Matches};
-use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer, Verdict};
+use super::unchecked::UncheckedAnswer;
+use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer};
 use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS, Remedy};
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
@@ -120,8 +122,7 @@ pub fn solve(
         covariance.as_ref(),
     );
     let covariance = covariance.map(|c| point_to_point::level_part(&c));
-    let mut findings = findings(&pairs, chosen);
-    let mut verdict = Verdict::Good;
+    let mut judgement = Judgement::good(findings(&pairs, chosen));
     let doubt = match pairs[chosen].median_left_out_m() {
         None => Some(
             "no third known point checks this resection; a wrong coordinate or a wrong marker would not show"
@@ -134,29 +135,16 @@ pub fn solve(
             )
         }),
     };
-    let doubt =
-        doubt.map(Finding::warning).into_iter().chain(misplaced.map(|point| point.in_words()));
-    for doubt in doubt {
-        verdict = Verdict::Weak;
-        findings.push(doubt);
-    }
-    let details = Details::TwoPoint(TwoPointDetails { pairs, chosen });
-    let mut calibration = Calibration {
+    judgement.doubt(doubt.map(Finding::warning));
+    judgement.doubt(misplaced.map(|point| point.in_words()));
+    let answer = UncheckedAnswer {
         method: Method::TwoPoint,
         station1_from_station,
-        sigma: covariance.as_ref().map(point_to_point::sigmas),
         covariance,
-        verdict,
-        findings,
-        checked_by: Vec::new(),
-        details,
-        published: None,
-        prior_ms: 0.0,
-        solve_ms: 0.0,
+        judgement,
+        details: Details::TwoPoint(TwoPointDetails { pairs, chosen }),
     };
-    checks::hold_against_the_rest(&mut calibration, deployment, triplets);
-    calibration.solve_ms = started.elapsed().as_secs_f64() * 1e3;
-    Ok(calibration)
+    Ok(answer.checked(deployment, triplets, started))
 }
 
 struct Placed {

@@ -76,18 +76,18 @@ pub fn known_distances_m(deployment: &Deployment, targets: Targets) -> Option<[f
     }
 }
 
-/// Evaluates an answer with all that it estimates: its clocks and its prism constant put the triplets right, its distances are the known ones.
-/// Gives the corrected triplets, where there are any.
+/// Evaluates an answer on the corrected triplets, with its own distances where it estimates them.
+///
+/// Returns the corrected triplets, where there are any.
 pub fn evaluate_answer(
     deployment: &Deployment,
     triplets: &Triplets,
     targets: Targets,
     calibration: &Calibration,
 ) -> (Option<Triplets>, Evaluation) {
-    let refinement = calibration.inter_prism().and_then(|details| details.refinement.as_ref());
+    let estimated_m = calibration.joint().and_then(|joint| joint.distances_m);
     let corrected = calibration.corrected(triplets);
-    let distances_m = refinement
-        .and_then(|refined| refined.distances_m)
+    let distances_m = estimated_m
         .map(|distances| distances.map(|distance| distance.value))
         .or_else(|| known_distances_m(deployment, targets));
     let distances_m = distances_m.filter(|_| calibration.placing_tracks(deployment).is_some());
@@ -98,7 +98,7 @@ pub fn evaluate_answer(
         &calibration.station1_from_station,
     );
     let measured_m = known_distances_m(deployment, targets)
-        .filter(|_| distances_m.is_some() && refinement.is_some_and(|r| r.distances_m.is_some()));
+        .filter(|_| distances_m.is_some() && estimated_m.is_some());
     if let Some(measured_m) = measured_m {
         let triplets = corrected.as_ref().unwrap_or(triplets);
         let errors = distance_errors_m(triplets, &calibration.station1_from_station, &measured_m);

@@ -71,7 +71,7 @@ pub fn matching(query: &str) -> Vec<&'static Term> {
 }
 
 /// Names that everybody reads right in a sentence.
-const EVERYDAY: [&str; 14] = [
+const EVERYDAY: [&str; 13] = [
     "reading",
     "measurement",
     "deployment",
@@ -83,7 +83,6 @@ const EVERYDAY: [&str; 14] = [
     "time stamp",
     "gap",
     "silence",
-    "loss",
     "jump",
     "verdict",
 ];

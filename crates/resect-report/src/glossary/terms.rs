@@ -128,9 +128,6 @@ terms! {
     TAU_V = "τ_v" / "speed limit":
         "In the search of the prior, only triplets slower than this count; it grows from 1 cm/s by 10 cm/s over the range of speeds."
         ("section III-B, search of prior");
-    LOSS = "loss" / "Huber" / "Cauchy":
-        "How much a large error counts: squared as published, or less (Huber, Cauchy) so that a few bad triplets do not bend the \
-         answer.";
     SIGMA_DISTANCES = "σ distances":
         "How well you know the inter-prism distances (1 σ): one millimetre unless given. It is part of every σ of the answer.";
 

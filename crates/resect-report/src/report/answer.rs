@@ -7,8 +7,7 @@ use super::{charts, correlation};
 use crate::difference::moved_from_published;
 use crate::text;
 use resect_core::analysis::{Analysis, Answer};
-use resect_core::calibration::Estimate;
-use resect_core::calibration::inter_prism::{InterPrismDetails, Refinement};
+use resect_core::calibration::inter_prism::InterPrismDetails;
 use resect_core::calibration::static_gcp::StaticGcpDetails;
 use resect_core::calibration::two_point::TwoPointDetails;
 use resect_core::calibration::{Calibration, Details, ResolvedBy, Targets};
@@ -27,15 +26,12 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
         @match &calibration.details {
             Details::TwoPoint(details) => (two_point(details)),
             Details::StaticGcp(details) => (static_gcp(details)),
-            Details::DynamicGcp(_) => {}
-            Details::InterPrism(details) => {
-                (mirror(details))
-                @if let Some(refinement) = &details.refinement {
-                    (refined(refinement, deployment, calibration.published.is_none()))
-                }
-            }
+            Details::DynamicGcp(_) | Details::InterPrism(_) | Details::Joint(_) => {}
         }
-        @if let Some(found) = calibration.joint() { (joint(found)) }
+        @if let Some(details) = calibration.inter_prism() {
+            (mirror(details, calibration.joint().is_some()))
+        }
+        @if let Some(found) = calibration.joint() { (joint(found, &calibration.extras(deployment))) }
         (metrics(evaluation, analysis.offer.targets))
         h3 { "Plan view" }
         (charts::plan(deployment, analysis, answer))
@@ -120,7 +116,7 @@ fn transforms(calibration: &Calibration) -> Markup {
     }
 }
 
-fn mirror(details: &InterPrismDetails) -> Markup {
+fn mirror(details: &InterPrismDetails, is_joint: bool) -> Markup {
     let (Some(twin), Some(ratio)) = (&details.mirror.twin, details.mirror.cost_ratio) else {
         return html! {
             h3 { "Mirror twin" }
@@ -161,8 +157,8 @@ fn mirror(details: &InterPrismDetails) -> Markup {
                 }
             }
         }
-        @if details.refinement.is_some() {
-            p.weak { "Both on the readings as the refinement below puts them right." }
+        @if is_joint {
+            p.weak { "Both on the readings as the joint estimate corrects them." }
         }
     }
 }
@@ -214,75 +210,6 @@ fn published(joint: &Calibration) -> Markup {
             }
         }
         p.weak { "In σ of the joint estimate: both come from the same readings." }
-    }
-}
-
-/// What was estimated beside the transforms, and how far that moved them unless that is said elsewhere.
-fn refined(refined: &Refinement, deployment: &Deployment, say_moves: bool) -> Markup {
-    let row = |name: String, value: String, sigma: String, sigmas: f64| {
-        html! { tr {
-            th { (name) }
-            td.number { (value) }
-            td.sigma { "± " (sigma) }
-            td.number { (format!("{sigmas:+.1}")) }
-        } }
-    };
-    let measured_m = deployment.rig.as_ref().map(|rig| rig.inter_prism_m);
-    let arcseconds = |rad: f64| rad.to_degrees() * 3600.0;
-    let any = refined.clock_offsets_s.is_some()
-        || refined.distances_m.is_some()
-        || refined.tilts_rad.is_some();
-    html! {
-        h3 { "Refinement" }
-        @if !refined.converged { p { "It stopped before it reached the minimum." } }
-        @if any { table {
-            thead { tr {
-                th { "estimated" }
-                th.number { "value" }
-                th { "σ" }
-                th.number { "in σ from what was assumed" }
-            } }
-            tbody {
-                @for (slot, clock) in refined.clock_offsets_s.iter().flatten().enumerate() {
-                    (row(
-                        format!("stamps of station {} late by (ms)", slot + 2),
-                        format!("{:+.2}", clock.value * 1e3),
-                        format!("{:.2} ms", clock.sigma * 1e3),
-                        clock.sigmas_from(0.0),
-                    ))
-                }
-                @for (pair, distance) in refined.distances_m.iter().flatten().enumerate() {
-                    (row(
-                        format!("distance of prisms {} (m)", pair_label(pair)),
-                        format!("{:.4}", distance.value),
-                        format!("{:.1} mm", distance.sigma * 1e3),
-                        distance.sigmas_from(measured_m.map_or(f64::NAN, |measured| measured[pair])),
-                    ))
-                }
-                @for (slot, tilts) in refined.tilts_rad.iter().flatten().enumerate() {
-                    @for (axis, tilt) in tilts.iter().enumerate() {
-                        (row(
-                            format!("tilt of station {} about {} (arcsec)", slot + 2, ["x", "y"][axis]),
-                            format!("{:+.1}", arcseconds(tilt.value)),
-                            format!("{:.1}″", arcseconds(tilt.sigma)),
-                            Estimate::sigmas_from(tilt, 0.0),
-                        ))
-                    }
-                }
-            }
-        } }
-        @if say_moves { table {
-            thead { tr {
-                th { "moved against the published method, in σ" }
-                @for name in ["x", "y", "z", "yaw"] { th.number { (name) } }
-            } }
-            tbody {
-                @for (slot, moves) in refined.moves_sigmas.chunks(4).enumerate() { tr {
-                    th { "T1" (slot + 2) }
-                    @for sigmas in moves { td.number { (format!("{sigmas:+.1}")) } }
-                } }
-            }
-        } }
     }
 }
 

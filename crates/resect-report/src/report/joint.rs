@@ -1,35 +1,25 @@
-//! What only a joint estimate knows: the instruments, and what its σ are made of.
+//! A joint estimate: its estimates beside the transforms, and the sources of their σ.
 
 use maud::{Markup, html};
 
-use resect_core::calibration::Estimate;
+use resect_core::calibration::Extra;
 use resect_core::calibration::joint::JointEstimate;
 
-/// Errors of the three instruments, and the parts of each σ.
-pub fn joint(found: &JointEstimate) -> Markup {
-    let arcseconds = 3600.0_f64.to_degrees();
-    let rows: [(&str, [Estimate; 3], f64); 6] = [
-        ("ranges too long by (mm)", found.range_offsets_m, 1e3),
-        ("ranges too long by (ppm)", found.range_scales, 1e6),
-        ("zenith angles too large by (″)", found.indices_rad, arcseconds),
-        ("leans about x (″)", found.leans_rad.map(|lean| lean[0]), arcseconds),
-        ("leans about y (″)", found.leans_rad.map(|lean| lean[1]), arcseconds),
-        ("angles older than ranges by (ms)", found.latencies_s, 1e3),
-    ];
+/// The estimates beside the transforms, and the parts of each σ.
+pub fn joint(found: &JointEstimate, extras: &[Extra]) -> Markup {
     html! {
-        h3 { "Instruments" }
+        h3 { "Estimated besides" }
+        @if !found.converged { p { "It stopped before it reached the minimum." } }
         table {
             thead { tr {
-                th { "estimated" }
-                @for station in 1..=3 { th.number { "station " (station) } }
+                th { "error" }
+                th.number { "value" }
+                th { "σ" }
+                th.number { "in σ" }
+                th.number { "known before, 1 σ" }
             } }
             tbody {
-                @for (name, estimates, scale) in rows { tr {
-                    th { (name) }
-                    @for estimate in estimates {
-                        td.number { (format!("{:+.1} ± {:.1}", estimate.value * scale, estimate.sigma * scale)) }
-                    }
-                } }
+                @for extra in extras { (row(extra)) }
             }
         }
         h3 { "What σ is made of" }
@@ -54,6 +44,18 @@ pub fn joint(found: &JointEstimate) -> Markup {
             }
         }
     }
+}
+
+fn row(extra: &Extra) -> Markup {
+    let (scale, unit) = extra.quantity.told();
+    let estimate = extra.estimate;
+    html! { tr {
+        th { (extra.of) ", " (extra.name) " (" (unit) ")" }
+        td.number { (format!("{:+.2}", estimate.value * scale)) }
+        td.sigma { (format!("± {:.2} {unit}", estimate.sigma * scale)) }
+        td.number { (format!("{:+.1}", estimate.sigmas_from(0.0))) }
+        td.number { (extra.prior.map_or("–".to_owned(), |sigma| format!("{:.2}", sigma * scale))) }
+    } }
 }
 
 fn sigma(place: usize, variance: f64) -> String {

@@ -5,19 +5,13 @@ use egui::RichText;
 use crate::app::model::estimates::column;
 use crate::app::model::{OpenDeployment, Units};
 use crate::app::words;
-use resect_core::analysis::Analysis;
 use resect_core::calibration::joint::{Dominant, JointEstimate};
 use resect_core::calibration::{Calibration, Extra, Quantity};
 use resect_report::glossary;
 
 /// Shows the tables, folded; nothing where nothing was estimated.
-pub fn ui(
-    ui: &mut egui::Ui,
-    (open, analysis): (&OpenDeployment, &Analysis),
-    calibration: &Calibration,
-    units: Units,
-) {
-    let extras = calibration.extras(&open.deployment, &analysis.settings.calibration);
+pub fn ui(ui: &mut egui::Ui, open: &OpenDeployment, calibration: &Calibration, units: Units) {
+    let extras = calibration.extras(&open.deployment);
     if extras.is_empty() {
         return;
     }

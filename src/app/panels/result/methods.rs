@@ -1,4 +1,4 @@
-//! What only one method knows: the mirror twin of D, the pairs of A, the frame of B.
+//! Details by method: the mirror twin of D, the pairs of A, the frame of B.
 
 use crate::app::model::Units;
 use crate::app::panels::{heading, minima, number_head, observability};
@@ -6,19 +6,19 @@ use crate::app::words;
 use resect_core::calibration::inter_prism::InterPrismDetails;
 use resect_core::calibration::static_gcp::StaticGcpDetails;
 use resect_core::calibration::two_point::TwoPointDetails;
-use resect_core::calibration::{Details, Mirror, ResolvedBy};
+use resect_core::calibration::{Calibration, Details, Mirror, ResolvedBy};
 use resect_report::glossary;
 
-pub fn ui(ui: &mut egui::Ui, details: &Details, units: Units) {
-    match details {
+pub fn ui(ui: &mut egui::Ui, calibration: &Calibration, units: Units) {
+    match &calibration.details {
         Details::TwoPoint(details) => two_point(ui, details, units),
         Details::StaticGcp(details) => static_gcp(ui, details, units),
-        Details::DynamicGcp(_) => {}
-        Details::InterPrism(details) => {
-            mirror(ui, details, units);
-            minima::ui(ui, details, units);
-            observability::ui(ui, &details.observability);
-        }
+        Details::DynamicGcp(_) | Details::InterPrism(_) | Details::Joint(_) => {}
+    }
+    if let Some(details) = calibration.inter_prism() {
+        mirror(ui, details, units);
+        minima::ui(ui, details, units);
+        observability::ui(ui, &details.observability);
     }
 }
 

@@ -100,10 +100,10 @@ fn show(
         }
     });
     transforms::matrices(ui, calibration);
-    extras::ui(ui, (open, analysis), calibration, units);
+    extras::ui(ui, open, calibration, units);
     published::ui(ui, state, calibration, commands);
     against_pinned::ui(ui, state, open, commands);
-    methods::ui(ui, &calibration.details, units);
+    methods::ui(ui, calibration, units);
     if let Some(correlation) = calibration.correlation() {
         correlations::ui(ui, &correlation);
     }

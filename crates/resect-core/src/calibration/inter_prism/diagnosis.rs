@@ -30,7 +30,7 @@ pub struct Evidence<'a> {
     pub uncertainty: &'a Uncertainty,
     pub observability: &'a Observability,
     pub choice: &'a Choice,
-    /// The answer, refined where that was asked for, and its σ.
+    /// The answer and its σ.
     pub station1_from_station: &'a [RigidTransform; 3],
     pub sigma: Option<[TransformSigma; 2]>,
 }

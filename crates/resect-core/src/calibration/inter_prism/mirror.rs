@@ -206,12 +206,12 @@ mod tests {
     }
 
     #[test]
-    fn a_refined_answer_is_what_the_twin_is_compared_with() {
+    fn a_corrected_answer_is_what_the_twin_is_compared_with() {
         let choice = choose(&rig(None), &[], basin(0.4, 1.0), Some(basin(-0.4, 8.0)));
-        let refined = choice.with_answer(basin(0.41, 2.0));
-        assert_eq!(refined.mirror.cost_ratio, Some(4.0));
-        assert!(refined.findings[0].message.contains("costs 4.00 times the answer"));
-        let fits_as_badly = refined.with_answer(basin(0.41, 5.0));
+        let corrected = choice.with_answer(basin(0.41, 2.0));
+        assert_eq!(corrected.mirror.cost_ratio, Some(4.0));
+        assert!(corrected.findings[0].message.contains("costs 4.00 times the answer"));
+        let fits_as_badly = corrected.with_answer(basin(0.41, 5.0));
         assert_eq!(fits_as_badly.mirror.resolved_by, ResolvedBy::Nothing);
         assert!(fits_as_badly.ambiguous);
     }

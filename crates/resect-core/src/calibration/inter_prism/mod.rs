@@ -7,16 +7,19 @@
 //! prior ([`closed_form`] or [`prior_search`]) → [`search`] of all its minima → these on the exact cost, the best one
 //! and its mirror twin finished on all triplets ([`minima`]; [`normal_equations`] is the one fused pass over the data)
 //! → [`mirror`] decides between the two → [`uncertainty`] → [`observability`] and [`drive_shape`] → [`diagnosis`].
-//! What goes beyond the paper is [`refinement`]; its answer then takes the place of the published one in all that follows
-//! ([`refined_answer`]). [`mod@solve`] walks it; [`mod@foresee`] looks at a drive before it is driven.
+//! The [`clock_check`] looks for clock offsets that bias the answer. [`mod@solve`] runs method D; [`mod@solve_jointly`] runs
+//! the joint estimate of three prisms, whose minima and verdict are computed in the same way ([`joint_answer`]).
+//! [`mod@foresee`] predicts an answer before the drive.
 
 mod centred;
+mod clock_check;
 mod closed_form;
 mod compression;
 mod diagnosis;
 pub mod drive_shape;
 mod foresee;
 pub mod gross_errors;
+mod joint_answer;
 mod levenberg_marquardt;
 mod minima;
 mod mirror;
@@ -25,15 +28,14 @@ mod normal_equations;
 pub mod observability;
 mod prior_search;
 mod published;
-mod refined_answer;
-mod refinement;
-pub mod refinement_in_words;
 mod search;
 mod solve;
+mod solve_jointly;
 mod squared_cost;
 mod sums;
 mod twins;
 mod uncertainty;
+mod unjudged;
 mod used;
 mod valley;
 
@@ -44,8 +46,8 @@ pub use levenberg_marquardt::{Minimum, minimise};
 pub use normal_equations::{NormalEquations, distance_pulls};
 use observability::Observability;
 pub use prior_search::{PriorSearch, SearchRun};
-pub use refinement::{Refinement, Support};
 pub use solve::solve;
+pub use solve_jointly::solve_jointly;
 pub use squared_cost::SquaredCost;
 pub use twins::Twins;
 
@@ -58,7 +60,7 @@ const FEWEST_TRIPLETS: usize = 10;
 pub const SAME_TRANSLATION_M: f64 = 0.05;
 pub const SAME_YAW_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
-/// What only method D knows of its answer.
+/// Details of an answer from inter-prism distances: of method D, or of a joint estimate of three prisms.
 #[derive(Clone, Debug)]
 pub struct InterPrismDetails {
     /// The minimum that is the answer.
@@ -70,8 +72,6 @@ pub struct InterPrismDetails {
     pub basins: Vec<Basin>,
     /// What the search of the prior did, when it was asked for.
     pub prior_search: Option<PriorSearch>,
-    /// What goes beyond the published method, when it was asked for: the answer is then its.
-    pub refinement: Option<Refinement>,
 }
 
 impl InterPrismDetails {

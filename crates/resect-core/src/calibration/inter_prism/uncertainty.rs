@@ -6,9 +6,10 @@
 //! Errors of the inter-prism distances act on every triplet alike, so no residual shows them; they are
 //! propagated with their own σ.
 
-use nalgebra::{Const, DMatrix, DVector, SMatrix, SVector, SymmetricEigen, Vector3};
+use nalgebra::{Const, DMatrix, DVector, SMatrix, SVector, SymmetricEigen};
 
 use super::{CentredTriplets, Minimum, NormalEquations, Parameters, distance_pulls};
+use crate::calibration::unchecked::sigmas;
 use crate::calibration::{CalibrationSettings, TransformSigma, time_blocks};
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::Block;
@@ -40,12 +41,7 @@ pub struct Uncertainty {
 
 impl Uncertainty {
     pub fn sigma(&self) -> Option<[TransformSigma; 2]> {
-        let covariance = self.covariance?;
-        let sigma = |k: usize| covariance[(k, k)].max(0.0).sqrt();
-        Some([0, 4].map(|k| TransformSigma {
-            translation_m: Vector3::new(sigma(k), sigma(k + 1), sigma(k + 2)),
-            yaw_rad: sigma(k + 3),
-        }))
+        self.covariance.as_ref().map(sigmas)
     }
 }
 

@@ -5,6 +5,7 @@ use super::instruments::{InstrumentError, instruments};
 use super::unknowns::{CLOCKS, DISTANCES, DRIFTS, LATENCIES};
 use super::{Dominant, JointEstimate, Step, Stepped};
 use crate::calibration::Verdict;
+use crate::calibration::estimate::sigmas_in_words;
 use crate::calibration::{Estimate, clocks_in_words};
 use crate::deployment::{Finding, Remedy, ToldAngle, ToldIn, pair_label};
 
@@ -14,12 +15,36 @@ const MOST_STRAIN: f64 = 4.2;
 /// thousand.
 const MOST_STRAIN_OF_STATION: f64 = 3.0;
 const MOST_STRAIN_OF_ALL: f64 = 3.3;
+/// A distance this far from its measurement asks for a new one (m).
+const NOTABLE_DISTANCE_M: f64 = 0.003;
 /// The largest errors of ranges to prisms that turn are 5 mm (Lackner & Lienhart 2016).
 const MOST_WANDER_M: f64 = 0.005;
 /// What becomes of a clock that drifts as none does.
 const ALLOWED_FOR: &str = "the estimate allows for a drift, and for no more than that";
 /// What is looked at before and after a step (s): its moment is known to about six seconds.
 const AROUND_A_STEP_S: f64 = 20.0;
+
+/// Estimated distances, and the distances measured on the vehicle (m).
+pub fn distances(found: &JointEstimate, inter_prism_m: &[f64; 3]) -> Vec<Finding> {
+    let estimated = found.distances_m.iter().flatten().zip(inter_prism_m).enumerate();
+    estimated
+        .map(|(pair, (distance, measured_m))| {
+            let off_m = distance.value - measured_m;
+            let line = format!(
+                "prisms {}: {:+.1} ± {:.1} mm against the measured distance{}",
+                pair_label(pair),
+                off_m * 1e3,
+                distance.sigma * 1e3,
+                sigmas_in_words(distance.sigmas_from(*measured_m)),
+            );
+            if off_m.abs() > NOTABLE_DISTANCE_M {
+                Finding::warning(format!("{line}; measure the rig again")).with(Remedy::PutRight)
+            } else {
+                Finding::note(line).tabled()
+            }
+        })
+        .collect()
+}
 
 pub fn findings(found: &JointEstimate) -> Vec<Finding> {
     let mut findings = vec![noise(found)];

@@ -1,35 +1,40 @@
-//! How noisy each distance of each triplet is, and from what size on an error is doubted.
+//! Noise of the distances of each triplet, and the bend of Huber's loss.
 
 use nalgebra::Matrix3;
 
-use super::INSTRUMENT;
-use super::model::{State, residuals, transforms};
-use crate::calibration::Loss;
+use super::model::{Linearised, PolarNoise, State, residuals, transforms};
 use crate::calibration::MovingTriplets;
 use crate::deployment::PAIRS;
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
-use crate::statistics::robust::{CAUCHY_SCALE, HUBER_BEND};
+use crate::statistics::robust::HUBER_BEND;
 use crate::statistics::sigma_of_errors;
 
-/// What straight lines between readings miss on bends (m, 1 σ); a Gaussian process states its own.
+/// The Trimble S7: 2 mm + 2 ppm, one arcsecond (Vaidis et al. 2022, section "Experiments").
+const INSTRUMENT: PolarNoise = PolarNoise {
+    range_m: 0.002,
+    range_share: 2e-6,
+    angle_rad: std::f64::consts::PI / 180.0 / 3600.0,
+};
+/// Interpolation error of straight lines between readings on bends (m, 1 σ); a Gaussian process states its own.
 const CHORD_SIGMA_M: f64 = 0.001;
-/// Share of two readings' noise that a point between them has on average: ∫(1−s)² + s² ds.
+/// Weight of a distance residual (1/m²). Its size does not matter: λ and the loss scale with the residuals.
+pub const WEIGHT_PER_M2: f64 = 1.0 / (CHORD_SIGMA_M * CHORD_SIGMA_M);
+/// Mean share of two readings' noise in a point between them: ∫(1−s)² + s² ds.
 const CHORD_NOISE: f64 = 2.0 / 3.0;
-/// Errors of a simulation without any are this at least, in units of the stated noise.
+/// Residuals of a simulation without noise are this at least, in units of the stated noise.
 const LEAST_SIGMA: f64 = 1e-12;
 
-/// What is known of the noise of each triplet and pair.
+/// Covariances of the separations of each triplet's pairs, in station 1's frame (m²).
 pub struct Noise {
-    /// 1/σ² of the distance (1/m²), all alike.
-    pub weights: Vec<[f64; 3]>,
-    /// Covariance of the separation, in station 1's frame (m²).
     pub covariance_m2: Vec<[Matrix3<f64>; 3]>,
 }
 
 impl Noise {
-    /// No larger than the residuals show: what is stated may be too much for a good day, and for a Gaussian process. Not
-    /// larger than stated either: residuals hold more than noise.
+    /// Scales the noise down to the residuals where the stated noise is larger than they are.
+    ///
+    /// Stated noise may be too large for a good day, and for a Gaussian process. Residuals contain more than noise, so it
+    /// is never scaled up.
     pub fn no_larger_than_residuals(mut self, data: &MovingTriplets<'_>, state: &State) -> Self {
         let placed = transforms(state);
         let mut ratios = Vec::with_capacity(3 * self.covariance_m2.len());
@@ -45,12 +50,12 @@ impl Noise {
         self
     }
 
-    /// Noise that the instruments and the interpolation make.
+    /// Noise of the instruments and the interpolation.
     pub fn new(triplets: &Triplets, station1_from_station: &[RigidTransform; 3]) -> Self {
         let point = |station: usize, index: usize| {
             let to_station1 = &station1_from_station[station];
             match &triplets.sigma_m {
-                // A Gaussian process has weighed the readings already.
+                // A Gaussian process has weighted the readings already.
                 Some(sigma) => {
                     let turn = to_station1.rotation.matrix();
                     let own = Matrix3::from_diagonal(&sigma[station][index].map(|s| s * s));
@@ -62,31 +67,19 @@ impl Noise {
                 }
             }
         };
-        let covariance_m2: Vec<[Matrix3<f64>; 3]> = (0..triplets.len())
+        let covariance_m2 = (0..triplets.len())
             .map(|index| {
                 let points = [0, 1, 2].map(|station| point(station, index));
                 PAIRS.map(|(a, b)| points[a] + points[b])
             })
             .collect();
-        // The size does not matter: λ and the loss take their scale from the residuals.
-        let weights = vec![[CHORD_SIGMA_M.powi(-2); 3]; triplets.len()];
-        Self { weights, covariance_m2 }
+        Self { covariance_m2 }
     }
 }
 
-/// The scale of the loss, in units of the stated noise, from the σ of each triplet's errors (m).
-pub fn loss_scale(
-    residuals_m: impl Iterator<Item = [f64; 3]>,
-    noise: &Noise,
-    loss: Loss,
-) -> Option<f64> {
-    let scale = match loss {
-        Loss::Squared => return None,
-        Loss::Huber => HUBER_BEND,
-        Loss::Cauchy => CAUCHY_SCALE,
-    };
-    let errors = residuals_m.zip(&noise.weights).flat_map(|(residual_m, weights)| {
-        [0, 1, 2].map(|pair| residual_m[pair] * weights[pair].sqrt())
-    });
-    Some(scale * sigma_of_errors(errors)?.max(LEAST_SIGMA))
+/// Bend of Huber's loss in units of the stated noise, from the σ of the residuals; infinite without any.
+pub fn huber_bend(each: &[Linearised]) -> f64 {
+    let weight = WEIGHT_PER_M2.sqrt();
+    let errors = each.iter().flat_map(|triplet| triplet.residual_m.map(|m| m * weight));
+    sigma_of_errors(errors).map_or(f64::INFINITY, |sigma| HUBER_BEND * sigma.max(LEAST_SIGMA))
 }

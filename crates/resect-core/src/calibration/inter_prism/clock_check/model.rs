@@ -1,4 +1,4 @@
-//! The distances of one triplet as a function of everything that can be estimated.
+//! Distance residuals of one triplet and their Jacobian.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
@@ -6,13 +6,13 @@ use crate::calibration::{Clock, MovingTriplets};
 use crate::deployment::PAIRS;
 use crate::geometry::{LevelTransform, RigidTransform};
 
-/// (x, y, z, yaw) of stations 2 and 3; their clock offsets; the three distances; their tilts about their own x and y; the
-/// drifts of their clocks; how much too long all ranges are by the prism constant's error.
+/// The state vector: (x, y, z, yaw) of stations 2 and 3; their clock offsets; the three distances; their tilts about their
+/// own x and y; the jumps of their clocks; the error of the prism constant, which lengthens all ranges.
 pub const UNKNOWNS: usize = 20;
 pub const CLOCKS: usize = 8;
 pub const DISTANCES: usize = 10;
 pub const TILTS: usize = 13;
-pub const DRIFTS: usize = 17;
+pub const JUMPS: usize = 17;
 pub const CONSTANT: usize = 19;
 
 pub type State = SVector<f64, UNKNOWNS>;
@@ -36,7 +36,7 @@ pub fn reduced_vector(vector: &State, places: &[usize]) -> DVector<f64> {
 
 /// The clock of station 2 (slot 0) or 3.
 pub fn clock(state: &State, slot: usize) -> Clock {
-    Clock { offset_s: state[CLOCKS + slot], drift: state[DRIFTS + slot] }
+    Clock { offset_s: state[CLOCKS + slot], drift: state[JUMPS + slot] }
 }
 
 /// Frames of stations 1, 2, 3 into station 1's: the yaw turns what the tilt has put upright.
@@ -115,7 +115,7 @@ struct Distances {
 /// The unknowns that move the points of station 2 (slot 0) or 3.
 fn places(slot: usize) -> [usize; 8] {
     let (at, tilt) = (4 * slot, TILTS + 2 * slot);
-    [at, at + 1, at + 2, at + 3, CLOCKS + slot, DRIFTS + slot, tilt, tilt + 1]
+    [at, at + 1, at + 2, at + 3, CLOCKS + slot, JUMPS + slot, tilt, tilt + 1]
 }
 
 /// Where each station sees its prism in its own frame, and the direction it looks in.
@@ -139,7 +139,7 @@ fn seen(
     (points_m, sights)
 }
 
-/// The distances alone, for whoever asks how large errors are.
+/// Returns the residuals without their Jacobian.
 pub fn residuals(
     data: &MovingTriplets<'_>,
     index: usize,

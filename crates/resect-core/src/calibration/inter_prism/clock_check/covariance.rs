@@ -1,26 +1,21 @@
-//! How far a refined answer may be off.
+//! Covariance of the clock check.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::model::{CONSTANT, DISTANCES, DRIFTS, Matrix, State, TILTS, reduced, reduced_vector};
+use super::model::{JUMPS, Matrix, State, TILTS, reduced, reduced_vector};
 use super::sums::Sums;
-use crate::calibration::instrument::{PRISM_CONSTANT_SIGMA_M, TILT_SIGMA_RAD};
+use crate::calibration::instrument::TILT_SIGMA_RAD;
 use crate::statistics::sandwich;
 use crate::statistics::sandwich::{Block, Prior};
 
-/// How far the noise's share of the variances may be off (1 σ); what it pulls the answer by is uncertain as much.
+/// Relative standard deviation of the noise model; the bias that the noise causes is as uncertain.
 const NOISE_SHARE_SIGMA: f64 = 0.5;
 
-/// Covariance of the estimated unknowns: the sandwich with their priors. Distances and tilts that are not estimated are
-/// not known exactly either: their σ is propagated, since an error of theirs acts on every triplet alike and no
-/// residual shows it.
-pub fn covariance(
-    sums: &Sums,
-    precision: &State,
-    lambda: f64,
-    places: &[usize],
-    distance_sigma_m: f64,
-) -> Option<Matrix> {
+/// Returns the covariance of the estimated unknowns: the sandwich with their priors.
+///
+/// Tilts are not estimated. An error of theirs acts on every triplet alike and no residual shows it, so their σ is
+/// propagated.
+pub fn covariance(sums: &Sums, precision: &State, lambda: f64, places: &[usize]) -> Option<Matrix> {
     let each: Vec<Block> = sums
         .blocks
         .iter()
@@ -37,14 +32,8 @@ pub fn covariance(
         let moved = &inverse * pull;
         small += &moved * moved.transpose();
     };
-    let held = (DISTANCES..DRIFTS).chain([CONSTANT]).filter(|place| !places.contains(place));
-    for held in held {
-        let sigma = match held {
-            CONSTANT => PRISM_CONSTANT_SIGMA_M,
-            TILTS.. => TILT_SIGMA_RAD,
-            _ => distance_sigma_m,
-        };
-        add(reduced_vector(&sums.hessian.column(held).into_owned(), places) * sigma);
+    for tilt in TILTS..JUMPS {
+        add(reduced_vector(&sums.hessian.column(tilt).into_owned(), places) * TILT_SIGMA_RAD);
     }
     add(reduced_vector(&sums.by_noise, places) * NOISE_SHARE_SIGMA);
     let mut full = Matrix::zeros();

@@ -1,21 +1,18 @@
-//! What the triplets say about the unknowns at a state: sums over each block of time, and steps out of them.
+//! Normal matrix, Hessian and gradient of the triplets, by block of time, and the Gauss–Newton step.
 
-use std::borrow::Borrow;
 use std::ops::Range;
 
 use multiversion::multiversion;
 
 use super::model::{Linearised, Matrix, State, UNKNOWNS, reduced, reduced_vector};
-use super::noise::Noise;
-use crate::calibration::Loss;
-use crate::statistics::robust;
-use crate::statistics::robust::Influence;
+use super::noise::WEIGHT_PER_M2;
+use crate::statistics::robust::{Influence, huber};
 
 /// Sums over the triplets of a block of time.
 pub struct Block {
     /// Σ ψ'(r) J Jᵀ, on and below the diagonal.
     pub hessian: Matrix,
-    /// Σ ψ(r) J, less what noise alone makes of it.
+    /// Σ ψ(r) J, less the bias that noise causes.
     pub gradient: State,
 }
 
@@ -26,21 +23,15 @@ pub struct Sums {
     pub normal: Matrix,
     /// Σ ψ'(r) J Jᵀ.
     pub hessian: Matrix,
-    /// Σ ψ(r) J, less what noise alone makes of it.
+    /// Σ ψ(r) J, less the bias that noise causes.
     pub gradient: State,
-    /// What noise alone makes of it.
+    /// Bias of the gradient that noise causes.
     pub by_noise: State,
 }
 
 impl Sums {
-    /// The sums out of each triplet at the state. `scale` is that of the loss, in units of the stated noise.
-    pub fn over<T: Borrow<Linearised>>(
-        blocks: &[Range<usize>],
-        at_state: impl Fn(usize) -> T,
-        noise: &Noise,
-        loss: Loss,
-        scale: Option<f64>,
-    ) -> Self {
+    /// Sums the triplets, each at the state; `bend` is that of Huber's loss, in units of the stated noise.
+    pub fn over(blocks: &[Range<usize>], each: &[Linearised], bend: f64) -> Self {
         let mut sums = Self {
             blocks: Vec::with_capacity(blocks.len()),
             normal: Matrix::zeros(),
@@ -51,17 +42,14 @@ impl Sums {
         for range in blocks {
             let mut block = Block { hessian: Matrix::zeros(), gradient: State::zeros() };
             let mut by_noise = State::zeros();
-            for index in range.clone() {
-                let found = at_state(index);
-                let Linearised { residual_m, derivative, noise_pull } = found.borrow();
+            for Linearised { residual_m, derivative, noise_pull } in &each[range.clone()] {
                 for pair in 0..3 {
-                    let stated = noise.weights[index][pair];
-                    let size = residual_m[pair].abs() * stated.sqrt();
-                    let Influence { weight, slope } = influence(loss, size, scale);
-                    let (weight, slope) = (stated * weight, stated * slope);
+                    let size = residual_m[pair].abs() * WEIGHT_PER_M2.sqrt();
+                    let Influence { weight, slope } = huber(size, bend);
+                    let (weight, slope) = (WEIGHT_PER_M2 * weight, WEIGHT_PER_M2 * slope);
                     let derivative = &derivative[pair];
                     add_square(block.hessian.as_mut_slice(), derivative.as_slice(), slope);
-                    // Most errors are of a size where weight and slope are the same.
+                    // Weight and slope are equal for most residuals.
                     if weight != slope {
                         add_square(
                             sums.normal.as_mut_slice(),
@@ -86,10 +74,10 @@ impl Sums {
     }
 }
 
-/// Numbers of a column that are worked on at once.
+/// SIMD lanes of a column.
 const LANES: usize = 4;
 
-/// Adds w J Jᵀ on and below the diagonal. A pair moves with half of the unknowns: the other columns need no work.
+/// Adds w J Jᵀ on and below the diagonal. Half of the columns are zero for a pair, and are skipped.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 fn add_square(matrix: &mut [f64], derivative: &[f64], weight: f64) {
     let (rows, _) = derivative.as_chunks::<LANES>();
@@ -108,17 +96,9 @@ fn add_square(matrix: &mut [f64], derivative: &[f64], weight: f64) {
     }
 }
 
-/// What an error of this size counts.
-fn influence(loss: Loss, size: f64, scale: Option<f64>) -> Influence {
-    match (loss, scale) {
-        (Loss::Huber, Some(bend)) => robust::huber(size, bend),
-        (Loss::Cauchy, Some(scale)) => robust::cauchy(size, scale),
-        _ => robust::SQUARED,
-    }
-}
-
-/// λ of the refinement's documentation; `None` when the transforms are not held by the data. What the answer follows of
-/// each block is missing in it: the prior is for weighing, and its weight need not be exact for σ to be
+/// Returns λ, the weight of the priors; `None` where the data does not determine the transforms.
+///
+/// The leverage of each block is missing in it. The prior's weight need not be exact for σ to be
 /// ([`crate::statistics::sandwich`]).
 pub fn prior_weight(sums: &Sums) -> Option<f64> {
     let hessian = sums.hessian.fixed_view::<8, 8>(0, 0).into_owned();
@@ -130,7 +110,7 @@ pub fn prior_weight(sums: &Sums) -> Option<f64> {
     Some((sums.blocks.iter().map(of_block).sum::<f64>() / 8.0).max(f64::MIN_POSITIVE))
 }
 
-/// The step of the estimated unknowns, zero for the held ones; `None` where the matrix has no minimum.
+/// Returns the step of the estimated unknowns, zero for the constrained ones; `None` where the matrix is not positive definite.
 pub fn step(
     matrix: &Matrix,
     precision: &State,

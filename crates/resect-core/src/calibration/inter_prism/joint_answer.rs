@@ -1,0 +1,83 @@
+//! The joint estimate as an answer of its own: its fit, minima and mirror twin on the corrected readings.
+
+use super::published::{self, Published};
+use super::used::Used;
+use super::{
+    CentredTriplets, FEWEST_TRIPLETS, Minimum, NormalEquations, basin, gross_errors, same_solution,
+};
+use crate::calibration::joint::JointEstimate;
+use crate::calibration::{Basin, Verdict};
+use crate::deployment::{ControlPointSet, Finding, Rig};
+use crate::geometry::RigidTransform;
+
+/// The published method's solution on the corrected readings, with the joint estimate in the place of its answer.
+pub struct JointAnswer {
+    pub solution: Published,
+    /// The corrected triplets that are kept.
+    pub data: CentredTriplets,
+    /// Times of the kept triplets (s), where others are rejected.
+    pub kept_s: Option<Vec<f64>>,
+    pub doubt: Option<(Verdict, Finding)>,
+}
+
+/// Solves the corrected readings by the published method, with the estimated distances.
+///
+/// Adds a doubt where the solution and the joint estimate are not the same minimum: the corrections then exchange answer
+/// and twin.
+pub fn solve(
+    estimate: &JointEstimate,
+    rig: &Rig,
+    control_points: &[ControlPointSet],
+    used: &Used<'_>,
+) -> JointAnswer {
+    let level = estimate.station1_from_station;
+    let (time_s, interval) = used.instants();
+    let mut points_m = used.points_m();
+    estimate.put_right(&time_s, &interval, &mut points_m);
+    let inter_prism_m =
+        estimate.distances_m.map_or(rig.inter_prism_m, |all| all.map(|distance| distance.value));
+    let rig = Rig { inter_prism_m, ..rig.clone() };
+    // Triplets that cannot be right must not move the minima.
+    let placed = level.map(RigidTransform::from);
+    let fitting = gross_errors::fitting_triplets(&points_m, &placed, &inter_prism_m);
+    let mut kept_s = None;
+    if fitting.len() >= FEWEST_TRIPLETS {
+        kept_s = Some(fitting.iter().map(|i| time_s[*i]).collect());
+        points_m.iter_mut().for_each(|points| keep(points, &fitting));
+    }
+    let data = CentredTriplets::from_points(points_m, inter_prism_m);
+    let mut solution = published::solve(&rig, control_points, &data, None);
+    let parameters = data.parameters(&level);
+    let normal = NormalEquations::at(&data, &parameters);
+    // The convergence of the joint estimate is checked elsewhere.
+    solution.answer = Minimum { parameters, normal, converged: true, passes: 1 };
+    let answer = basin(&data, &solution.answer);
+    let other = solution.choice.answer;
+    let same = |basin: &Basin| same_solution(&basin.station1_from_station, &level);
+    if let Some(own) = solution.basins.iter_mut().find(|basin| same(basin)) {
+        *own = answer;
+    }
+    // Cost ratios are over the joint estimate's cost, the same in every table and sentence.
+    if same(&other) || !estimate.converged {
+        solution.choice = solution.choice.with_answer(answer);
+        return JointAnswer { solution, data, kept_s, doubt: None };
+    }
+    solution.choice.answer = answer;
+    solution.choice.mirror.twin = Some(other);
+    solution.choice.mirror.cost_ratio = Some(other.mean_square_m2 / answer.mean_square_m2);
+    // These findings are about the other minimum.
+    solution.choice.findings.clear();
+    let finding = Finding::warning(
+        "with all that was estimated taken into account another minimum fits better than this answer; nothing decides \
+         between them",
+    );
+    JointAnswer { solution, data, kept_s, doubt: Some((Verdict::Ambiguous, finding)) }
+}
+
+/// Keeps some of the values, in their order.
+fn keep<T: Copy>(values: &mut Vec<T>, indices: &[usize]) {
+    for (to, from) in indices.iter().enumerate() {
+        values[to] = values[*from];
+    }
+    values.truncate(indices.len());
+}

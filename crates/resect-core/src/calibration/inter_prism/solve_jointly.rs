@@ -1,0 +1,139 @@
+//! The joint estimate of three prisms: from the published answer to one from the readings, with its verdict.
+
+use std::borrow::Cow;
+use std::time::Instant;
+
+use super::joint_answer::{self, JointAnswer};
+use super::published::{self, Published};
+use super::unjudged::{Unjudged, required_rig};
+use super::used::Used;
+use super::{CentredTriplets, FEWEST_TRIPLETS, gross_errors, observability, uncertainty};
+use crate::calibration::joint::{self, JointEstimate};
+use crate::calibration::unchecked::UncheckedAnswer;
+use crate::calibration::{
+    Calibration, CalibrationError, CalibrationSettings, Details, ErrorSizes, JointDetails,
+    JointTargets, Method, Offer, PriorMethod, Verdict, checks,
+};
+use crate::deployment::{Deployment, Finding, Rig};
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+use crate::progress::Progress;
+
+/// Rounds of rejecting triplets that do not fit the answer; the second one is usually the last.
+const MOST_SCREENINGS: usize = 4;
+
+/// Calibrates by the joint estimate of three prisms.
+pub fn solve_jointly(
+    deployment: &Deployment,
+    triplets: &Triplets,
+    settings: &CalibrationSettings,
+    offer: &Offer,
+    progress: &Progress,
+) -> Result<Calibration, CalibrationError> {
+    let rig = required_rig(deployment, triplets, offer)?;
+    let started = Instant::now();
+    let (published, data, used) = screened(deployment, rig, triplets, settings, progress)?;
+    let prior_ms = published.prior_ms;
+    let plain = published.choice.answer.station1_from_station;
+    let mut answer = Unjudged::published(published, &data, &used, settings);
+    drop(data);
+    let sizes = ErrorSizes { inter_prism_m: settings.inter_prism_sigma_m, ..settings.errors };
+    let estimate = match answer.uncertainty.covariance {
+        Some(_) => {
+            let distances_m = Some(&rig.inter_prism_m);
+            joint::estimate(&|| used.triplets(), &plain, distances_m, &sizes, progress)?
+        }
+        // Where the published answer has a free direction, so has the joint estimate.
+        None => None,
+    };
+    progress.check()?;
+    let mut kept_s = None;
+    let mut doubts = Vec::new();
+    if let Some(estimate) = &estimate {
+        (kept_s, doubts) = replace(&mut answer, estimate, (deployment, rig), &used);
+    }
+    let observability = answer.observability();
+    let mut judgement = answer.judge(deployment, &observability);
+    match &estimate {
+        Some(estimate) => {
+            judgement.findings.extend(joint::in_words::distances(estimate, &rig.inter_prism_m));
+            judgement.findings.extend(joint::in_words::findings(estimate));
+        }
+        None => judgement.doubt([Finding::warning(
+            "nothing was refined: the data does not hold all that was to be estimated",
+        )]),
+    }
+    let kept_s = kept_s.map_or_else(|| used.instants().0, Cow::Owned);
+    doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s));
+    judgement.put_first(doubts);
+    let answer = UncheckedAnswer {
+        method: Method::Joint,
+        station1_from_station: answer.station1_from_station,
+        covariance: answer.uncertainty.covariance,
+        judgement,
+        details: Details::Joint(Box::new(JointDetails {
+            estimate,
+            targets: JointTargets::ThreePrisms(answer.into_details(observability)),
+        })),
+    };
+    Ok(answer.into_calibration(started, prior_ms))
+}
+
+/// The published answer without the triplets that cannot be right, which no robust loss makes harmless.
+fn screened<'a>(
+    deployment: &Deployment,
+    rig: &Rig,
+    triplets: &'a Triplets,
+    settings: &CalibrationSettings,
+    progress: &Progress,
+) -> Result<(Published, CentredTriplets, Used<'a>), CalibrationError> {
+    let points = deployment.comparable_control_points();
+    let solve = |used: &Used<'_>, data: &CentredTriplets| {
+        let search = (settings.prior == PriorMethod::Search).then_some(used);
+        published::solve(rig, points, data, search)
+    };
+    let mut used = Used::all(triplets);
+    let mut data = used.centred(rig.inter_prism_m);
+    let mut published = solve(&used, &data);
+    progress.check()?;
+    for _ in 0..MOST_SCREENINGS {
+        let answer = published.choice.answer.station1_from_station.map(RigidTransform::from);
+        let kept = gross_errors::fitting_triplets(&triplets.points_m, &answer, &rig.inter_prism_m);
+        if kept.len() == used.len() || kept.len() < FEWEST_TRIPLETS {
+            break;
+        }
+        used = Used::some(triplets, kept);
+        drop(data);
+        data = used.centred(rig.inter_prism_m);
+        published = solve(&used, &data);
+    }
+    Ok((published, data, used))
+}
+
+/// Replaces the published answer by the joint estimate, on the corrected readings.
+///
+/// Returns the times of the kept triplets (s), where some are rejected, and the doubts about the estimate.
+fn replace(
+    answer: &mut Unjudged,
+    estimate: &JointEstimate,
+    (deployment, rig): (&Deployment, &Rig),
+    used: &Used<'_>,
+) -> (Option<Vec<f64>>, Vec<(Verdict, Finding)>) {
+    let points = deployment.comparable_control_points();
+    let JointAnswer { solution, data, kept_s, doubt } =
+        joint_answer::solve(estimate, rig, points, used);
+    let findings = std::mem::replace(&mut answer.published, solution).findings;
+    answer.published.findings = findings;
+    let Published { thinned, answer: minimum, .. } = &answer.published;
+    answer.fitting = observability::fitting(thinned, &minimum.parameters);
+    answer.uncertainty =
+        uncertainty::of_covariance(&data, &answer.fitting, minimum, estimate.covariance);
+    let placed = estimate.station1_from_station.map(RigidTransform::from);
+    let published = std::mem::replace(&mut answer.station1_from_station, placed);
+    let mut doubts = Vec::new();
+    doubts.extend(checks::far_apart(&published, &placed));
+    doubts.extend(doubt);
+    doubts.extend(checks::unconverged(estimate.converged));
+    doubts.extend(joint::in_words::doubts(estimate));
+    (kept_s, doubts)
+}

@@ -1,0 +1,102 @@
+//! An answer from inter-prism distances, of method D or of the joint estimate, before its verdict.
+
+use super::diagnosis::{self, Evidence};
+use super::observability::{self, Observability};
+use super::published::Published;
+use super::uncertainty::{self, Uncertainty};
+use super::used::Used;
+use super::{CentredTriplets, FEWEST_TRIPLETS, InterPrismDetails, PriorSearch};
+use crate::calibration::judgement::Judgement;
+use crate::calibration::method::why_no_triplets;
+use crate::calibration::{CalibrationError, CalibrationSettings, Method, Offer, Targets};
+use crate::deployment::{Deployment, Rig};
+use crate::geometry::RigidTransform;
+use crate::pipeline::Triplets;
+
+/// Returns the rig, where the deployment has all that the method needs.
+pub fn required_rig<'a>(
+    deployment: &'a Deployment,
+    triplets: &Triplets,
+    offer: &Offer,
+) -> Result<&'a Rig, CalibrationError> {
+    let name = || deployment.name.clone();
+    if triplets.is_empty() {
+        let why = why_no_triplets(deployment);
+        return Err(CalibrationError::NoTriplets { deployment: name(), why });
+    }
+    if offer.targets == Targets::OnePrism {
+        return Err(CalibrationError::lacking(deployment, Method::InterPrism, offer));
+    }
+    if triplets.len() < FEWEST_TRIPLETS {
+        let (found, needed) = (triplets.len(), FEWEST_TRIPLETS);
+        return Err(CalibrationError::TooFewTriplets { deployment: name(), found, needed });
+    }
+    deployment.rig.as_ref().ok_or_else(|| CalibrationError::NoRig { deployment: name() })
+}
+
+/// An answer without its verdict.
+pub struct Unjudged {
+    pub published: Published,
+    pub prior_search: Option<PriorSearch>,
+    /// The triplets whose distances fit.
+    pub fitting: CentredTriplets,
+    pub uncertainty: Uncertainty,
+    pub station1_from_station: [RigidTransform; 3],
+}
+
+impl Unjudged {
+    /// The answer of the published method on these triplets, with its uncertainty.
+    pub fn published(
+        mut published: Published,
+        data: &CentredTriplets,
+        used: &Used<'_>,
+        settings: &CalibrationSettings,
+    ) -> Self {
+        let (time_s, interval) = used.instants();
+        let fitting = observability::fitting(&published.thinned, &published.answer.parameters);
+        let answer = &published.answer;
+        let uncertainty =
+            uncertainty::estimate(data, &fitting, &time_s, &interval, answer, settings);
+        let plain = published.choice.answer.station1_from_station;
+        Self {
+            prior_search: published.prior_search.take(),
+            published,
+            fitting,
+            uncertainty,
+            station1_from_station: plain.map(RigidTransform::from),
+        }
+    }
+
+    pub fn observability(&self) -> Observability {
+        observability::observe(&self.fitting, &self.published.answer.parameters, &self.uncertainty)
+    }
+
+    /// Judges the answer by its own data. The findings of the solution become those of the judgement.
+    pub fn judge(&mut self, deployment: &Deployment, observability: &Observability) -> Judgement {
+        let mut findings = std::mem::take(&mut self.published.findings);
+        let evidence = Evidence {
+            deployment,
+            thinned: &self.published.thinned,
+            answer: &self.published.answer,
+            rival: self.published.rival,
+            uncertainty: &self.uncertainty,
+            observability,
+            choice: &self.published.choice,
+            station1_from_station: &self.station1_from_station,
+            sigma: self.uncertainty.sigma(),
+        };
+        let verdict = diagnosis::judge(&evidence, &mut findings);
+        Judgement { verdict, findings }
+    }
+
+    pub fn into_details(self, observability: Observability) -> InterPrismDetails {
+        let Published { choice, basins, .. } = self.published;
+        InterPrismDetails {
+            basin: choice.answer,
+            mirror: choice.mirror,
+            observability,
+            basins,
+            prior_search: self.prior_search,
+        }
+    }
+}
