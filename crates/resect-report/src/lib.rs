@@ -3,7 +3,7 @@
 //! | module | content | next change |
 //! |---|---|---|
 //! | [`glossary`], [`font`] | the terms of the field, explained; the one font | a term: a line in `glossary/terms.rs` |
-//! | [`text`], [`summary`], [`csv`], [`copy`] | an answer in the terminal, as tables, for the clipboard | |
+//! | [`rows`], [`text`], [`summary`], [`csv`], [`copy`] | an answer in the terminal, as tables, for the clipboard | |
 //! | [`json`] | `calibrate --json` and its reader | a field: `json.rs`, read again by `json/earlier.rs` |
 //! | [`trajectory`] | TUM, CSV, PLY, bags | a new export of a trajectory: a file here, a variant of its `FileKind` |
 //! | [`drawing`], [`svg`], [`box_chart`], [`residual_chart`], [`plan_view`] | charts as one [`drawing::Drawing`], painted as SVG or by the window | |
@@ -30,6 +30,7 @@ pub mod report;
 #[cfg_attr(not(feature = "rerun"), path = "rerun_missing.rs")]
 pub mod rerun;
 pub mod residual_chart;
+pub mod rows;
 pub mod study;
 pub mod summary;
 pub mod svg;

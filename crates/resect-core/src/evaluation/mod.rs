@@ -1,5 +1,6 @@
 //! How good an answer is, by the paper's two metrics.
 
+pub mod answer_rows;
 pub mod far_end;
 pub mod gnss;
 pub mod rig_motion;

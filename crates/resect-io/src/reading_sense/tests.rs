@@ -123,8 +123,7 @@ fn good_data_raise_no_doubt() {
         assert_eq!(doubts(&sample.open().expect("built in")), [""; 0]);
     }
     for preset in Preset::ALL {
-        let deployment =
-            crate::simulation_files::open(&simulate(preset, 3)).expect("simulated");
+        let deployment = crate::simulation_files::open(&simulate(preset, 3)).expect("simulated");
         assert_eq!(doubts(&deployment), [""; 0], "{preset:?}");
         let notes = deployment.findings.iter().filter(|f| f.message.contains("start of their own"));
         assert_eq!(notes.count(), 0);
