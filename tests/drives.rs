@@ -5,7 +5,7 @@ mod common;
 use common::{analyse, answer, by, knock, two_runs};
 use resect_core::analysis::Analysis;
 use resect_core::calibration::joint::{DriveClocks, JointEstimate, Stepped};
-use resect_core::calibration::{Calibration, Details, Method, Verdict};
+use resect_core::calibration::{Calibration, Method, Verdict};
 use resect_core::deployment::Deployment;
 use resect_core::geometry::wrap_to_pi;
 use resect_core::progress::Progress;
