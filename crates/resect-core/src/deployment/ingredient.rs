@@ -5,9 +5,9 @@ use std::path::PathBuf;
 pub struct Ingredient {
     /// Relative to the folder.
     pub file: String,
-    /// Where it lies; `None` of what was never a file.
+    /// Path on disk; `None` for data that was never a file.
     pub path: Option<PathBuf>,
-    /// What it holds, or why it was passed over.
+    /// Content in words, or the reason why it was not used.
     pub what: &'static str,
     pub used: bool,
 }

@@ -1,4 +1,4 @@
-//! Overrides against the word of the files: what of them says anything else, and other station numbers.
+//! Differences of overrides from the values in the files, and renumbered stations.
 
 use super::{AzimuthSense, Overrides, PrismConstants};
 
@@ -6,7 +6,7 @@ use super::{AzimuthSense, Overrides, PrismConstants};
 pub const AS_NUMBERED: [i64; 3] = [1, 2, 3];
 
 impl Overrides {
-    /// What of these says anything else than the folder does, whose word is `as_read`.
+    /// Returns the overrides that differ from those of the folder, `as_read`.
     #[must_use]
     pub fn beyond(self, as_read: &Self) -> Self {
         /// `silent`: what is meant where neither says anything.

@@ -64,9 +64,9 @@ pub struct RawRecord {
     pub station: i64,
     /// 0 when the station had a valid reading.
     pub status: i64,
-    /// Where the record stands: line of a text file, running number of a message in a bag.
+    /// Line of a text file, or running number of a message in a bag.
     pub place: usize,
     pub measurement: Measurement,
-    /// What the station's own clock said (s), where the file has it beside the synchronised time.
+    /// Time by the station's own clock (s), if the file has it beside the synchronised time.
     pub own_clock_s: Option<f64>,
 }
