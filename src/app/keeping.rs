@@ -12,6 +12,7 @@ use super::persist::last::LastSession;
 use super::persist::preferences::{Preferences, PreferencesFile};
 use crate::app::layout::Layout;
 use crate::app::model::ago::ago;
+use crate::app::model::findings::{autosave_unavailable, earlier_session_kept};
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::deployment::Finding;
@@ -45,10 +46,7 @@ impl Keeping {
                 (Some(autosave), recovered)
             }
             Err(error) => {
-                let folder = folders.autosave.display();
-                findings.push(Finding::warning(format!(
-                    "{folder}: {error}; what is open will not be restored if resect stops"
-                )));
+                findings.push(autosave_unavailable(&folders.autosave, &error));
                 (None, None)
             }
         };
@@ -93,10 +91,7 @@ impl Keeping {
                 state.recover(session, &when);
                 restored = true;
             } else {
-                findings.push(Finding::warning(format!(
-                    "resect stopped before, {when}; what was open is kept and comes back when resect is started without \
-                     a path"
-                )));
+                findings.push(earlier_session_kept(&when));
             }
         }
         state.tell(&findings);

@@ -81,8 +81,8 @@ pub use model::{
     WayPlots, WorkspaceCommand, toasts,
 };
 pub use picture::{offscreen_renderer, picture};
+pub use prepared::aspects::Aspect;
 pub use prepared::channels::Channel;
-pub use prepared::way::Aspect;
 pub use scene::SceneView;
 pub use state::State;
 pub use window::{ResectWindow, Start, open_window};

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::remedy_flags::with_flags;
 use super::{Failure, load, print};
 use resect_core::analysis::{Analysis, Analyst, Settings};
 use resect_core::calibration::{CalibrationError, Method};
@@ -90,7 +91,7 @@ fn report(deployment: &Deployment, analysis: &Analysis) -> String {
     text += &first_look(analysis);
     text += "\nfindings\n";
     for finding in &deployment.findings {
-        _ = writeln!(text, "  {} {finding}", finding.severity.mark());
+        _ = writeln!(text, "  {} {}", finding.severity.mark(), with_flags(finding));
     }
     text
 }
@@ -103,9 +104,9 @@ fn first_look(analysis: &Analysis) -> String {
         Ok(answer) => {
             let calibration = &answer.calibration;
             _ = writeln!(text, "  {}", calibration.verdict_in_words());
-            let own = |f: &&Finding| f.severity > Severity::Note && !f.doubt;
+            let own = |f: &&Finding| f.severity > Severity::Note && !f.kind.is_doubt();
             for finding in calibration.findings.iter().filter(own) {
-                _ = writeln!(text, "  {} {finding}", finding.severity.mark());
+                _ = writeln!(text, "  {} {}", finding.severity.mark(), with_flags(finding));
             }
         }
         // No triplets may come of ranges in another unit, which the error says.

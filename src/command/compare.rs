@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::remedy_flags::with_flags;
 use super::study_args::StudyArguments;
 use super::{Failure, print};
 use resect_core::experiment::compare;
@@ -23,7 +24,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         print(&format!("{:#}\n", study::comparison_json(&result)))?;
     } else {
         print(&study::table(&result.study))?;
-        print(&study::transforms_table(&result))?;
+        print(&study::transforms_table(&result, with_flags))?;
     }
     arguments.study.write(&result.study)
 }

@@ -11,9 +11,11 @@ use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
+use super::remedy_flags::with_flags;
 use super::settings_args::AnswerArguments;
 use super::{Failure, complain, print};
 use resect_core::analysis::{Analyst, Settings};
+use resect_core::deployment::Finding;
 use resect_io::atomic::WriteError;
 use resect_io::source::{Extras, Source};
 use resect_live::{Feed, Finished, Link, LiveError, Session, View, Wanted};
@@ -163,6 +165,11 @@ fn tell(session: &Session, arguments: &Arguments, stop: &AtomicBool) -> Result<(
     Ok(())
 }
 
+/// True if the view has this warning already, with whatever numbers.
+fn is_known(view: &View, finding: &Finding) -> bool {
+    view.warnings.iter().any(|known| known.finding.identity() == finding.identity())
+}
+
 /// What is new since the line before, and the line.
 fn lines(before: &View, view: &View) -> String {
     let mut text = String::new();
@@ -170,8 +177,8 @@ fn lines(before: &View, view: &View) -> String {
         text += &format!("- {}\n", told::link(view));
     }
     for warning in &view.warnings {
-        if !before.warnings.iter().any(|known| known.amiss == warning.amiss) {
-            text += &format!("! {}\n", warning.finding);
+        if !is_known(before, &warning.finding) {
+            text += &format!("! {}\n", with_flags(&warning.finding));
         }
     }
     for left in &view.left_out {
@@ -232,7 +239,7 @@ fn end(finished: Finished, arguments: &Arguments, settings: &Settings) -> Result
         let answer = json::calibration(&deployment, &analysis, &answer, 0.0);
         print(&format!("{}\n", json!({ "schema": json::SCHEMA, "answer": answer })))?;
     } else {
-        print(&text::calibration(&deployment, &analysis, &answer))?;
+        print(&text::calibration(&deployment, &analysis, &answer, with_flags))?;
     }
     Ok(())
 }

@@ -17,6 +17,7 @@ mod output;
 mod plan;
 mod printing;
 mod program;
+mod remedy_flags;
 mod report;
 mod screenshot;
 mod settings_args;

@@ -93,7 +93,7 @@ pub fn run() -> ExitCode {
             ExitCode::from(2)
         }
         Err(Failure::Input(error)) => {
-            complain(&format!("{error:#}"));
+            complain(&super::remedy_flags::error_with_flags(&error));
             ExitCode::from(1)
         }
     }

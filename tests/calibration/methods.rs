@@ -3,6 +3,7 @@
 use crate::common::{analyse, answer, by, normalised, rms_by_component};
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Alignment, Method, Targets, Verdict};
+use resect_core::deployment::{Finding, FindingKind, Subject};
 use resect_core::geometry::LevelTransform;
 use resect_core::simulation::{Preset, simulate};
 
@@ -166,8 +167,9 @@ fn a_blunder_is_named_and_lowers_the_verdict() {
     let analysis = analyse(&deployment, &by(Method::StaticGcp));
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Weak);
-    let name = format!("marker {marker} of GCP_raw_2.txt is off by");
-    assert!(calibration.findings.iter().any(|f| f.message.contains(&name)));
+    let point = Some(Subject::Point { file: "GCP_raw_2.txt".to_owned(), marker });
+    let is_named = |f: &Finding| f.kind == FindingKind::ControlPointOutlier && f.subject == point;
+    assert!(calibration.findings.iter().any(is_named), "{:?}", calibration.findings);
 
     let mut deployment =
         resect_io::simulation_files::open(&simulate(Preset::Warthog, 7)).expect("valid");
@@ -176,11 +178,9 @@ fn a_blunder_is_named_and_lowers_the_verdict() {
     let analysis = analyse(&deployment, &by(Method::TwoPoint));
     let calibration = &answer(&analysis).calibration;
     assert_eq!(calibration.verdict, Verdict::Weak, "{:?}", calibration.findings);
-    assert!(
-        calibration.findings.iter().any(|f| f.message.contains("marker 3 of Two_points.txt lies")),
-        "{:?}",
-        calibration.findings
-    );
+    let point = Some(Subject::Point { file: "Two_points.txt".to_owned(), marker: 3 });
+    let is_named = |f: &Finding| f.kind == FindingKind::KnownPointMisplaced && f.subject == point;
+    assert!(calibration.findings.iter().any(is_named), "{:?}", calibration.findings);
 }
 
 #[test]

@@ -114,7 +114,7 @@ fn the_findings_name_the_drive_and_what_to_drive_next() {
         let analysis = analyse(&simulated(preset, 1), &published());
         let findings = &answer(&analysis).calibration.findings;
         for part in parts {
-            assert!(findings.iter().any(|f| f.message.contains(part)), "{part}: {findings:?}");
+            assert!(findings.iter().any(|f| f.to_string().contains(part)), "{part}: {findings:?}");
         }
     }
 }

@@ -8,7 +8,7 @@ mod written;
 
 use crate::common::{analyse, answer, published};
 use resect_core::calibration::{PriorMethod, ResolvedBy, Verdict};
-use resect_core::deployment::Deployment;
+use resect_core::deployment::{Deployment, FindingKind};
 use resect_core::simulation::{Preset, simulate};
 use resect_io::sample::Sample;
 
@@ -47,11 +47,11 @@ fn a_standing_vehicle_is_degenerate_and_gets_no_sigma() {
 #[test]
 fn the_shape_of_the_drive_shows_in_the_verdict() {
     let expected = [
-        (Preset::StraightLine, Verdict::Degenerate, "leaves a direction free"),
-        (Preset::Circle, Verdict::Degenerate, "leaves a direction free"),
-        (Preset::FigureEight, Verdict::Good, "least certain"),
-        (Preset::UnevenGround, Verdict::Good, "least certain"),
-        (Preset::FlatFloor, Verdict::Good, "the rig decides"),
+        (Preset::StraightLine, Verdict::Degenerate, FindingKind::DriveLeavesDirectionFree),
+        (Preset::Circle, Verdict::Degenerate, FindingKind::DriveLeavesDirectionFree),
+        (Preset::FigureEight, Verdict::Good, FindingKind::WeakestDirection),
+        (Preset::UnevenGround, Verdict::Good, FindingKind::WeakestDirection),
+        (Preset::FlatFloor, Verdict::Good, FindingKind::MirrorResolvedByRig),
     ];
     for (preset, verdict, reason) in expected {
         let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
@@ -61,7 +61,7 @@ fn the_shape_of_the_drive_shows_in_the_verdict() {
             let analysis = analyse(&deployment, &settings);
             let calibration = &answer(&analysis).calibration;
             assert_eq!(calibration.verdict, verdict, "{preset:?}: {:?}", calibration.findings);
-            assert!(calibration.findings.iter().any(|f| f.message.contains(reason)), "{preset:?}");
+            assert!(calibration.findings.iter().any(|f| f.kind == reason), "{preset:?}");
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::common::{analyse, answer, assert_close, field_data, of_field};
 use nalgebra::{Rotation3, Vector3};
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Alignment, Calibration, Method};
-use resect_core::deployment::{Deployment, Severity, TrackFrame};
+use resect_core::deployment::{Deployment, FindingKind, Severity, Subject, TrackFrame};
 use resect_core::geometry::{LevelTransform, RigidTransform, wrap_to_pi};
 use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
@@ -254,9 +254,10 @@ fn one_file_of_three_stands_for_all_and_two_sets_are_a_question() {
 fn stamps_of_another_day_than_the_folder_are_a_doubt() {
     let published = Published::new("20200101-1", |_| {});
     let deployment = published.open();
-    let doubt = deployment.findings.iter().find(|f| f.message.contains("2020-01-01"));
+    let doubt =
+        deployment.findings.iter().find(|f| f.kind == FindingKind::FolderDateContradictsStamps);
     let doubt = doubt.unwrap_or_else(|| panic!("not said: {}", said(&deployment)));
-    assert!(doubt.doubt && doubt.severity == Severity::Warning, "{doubt}");
+    assert!(doubt.kind.is_doubt() && doubt.severity == Severity::Warning, "{doubt}");
     assert!(published.folder.path().is_dir());
 }
 
@@ -272,18 +273,17 @@ fn positions_of_the_sensors_are_a_reading_of_the_rig() {
     std::fs::remove_file(rig("calibration_raw.csv")).expect("there");
     let deployment = published.open();
     assert_eq!(deployment.rig.as_ref().and_then(|rig| rig.prisms_m), Some(prisms_m));
-    assert!(!deployment.findings.iter().any(|f| f.doubt), "{}", said(&deployment));
+    assert!(!deployment.findings.iter().any(|f| f.kind.is_doubt()), "{}", said(&deployment));
 
     std::fs::remove_file(rig("calibration_results.csv")).expect("there");
     let deployment = published.open();
-    let doubt = deployment.findings.iter().find(|f| f.doubt).expect("derived distances");
-    assert!(
-        doubt.message.contains("derived from sensors_extrinsic_calibration/sensor_pos"),
-        "{doubt}"
-    );
+    let doubt = deployment.findings.iter().find(|f| f.kind.is_doubt()).expect("derived distances");
+    assert_eq!(doubt.kind, FindingKind::RigDerivedFromReading);
+    let file = "sensors_extrinsic_calibration/sensor_positions.csv".to_owned();
+    assert_eq!(doubt.subject, Some(Subject::File(file)), "{doubt}");
 
     published.write("distances.csv", "0.70 0.90 1.03\n");
-    let doubts = published.open().findings.into_iter().filter(|f| f.doubt).count();
+    let doubts = published.open().findings.into_iter().filter(|f| f.kind.is_doubt()).count();
     assert_eq!(doubts, 1, "more than 5 mm off the reading");
     published.write("again.csv", "0.70 0.90 1.03\n");
     let error = open(&published.name).expect_err("two").to_string();
@@ -324,7 +324,7 @@ fn the_published_run_gives_the_table_of_the_data() {
     let path = of_field("2022-07-11-2-published");
     let deployment = open(&path).expect("opens");
     assert_eq!(deployment.track_frame, TrackFrame::Common);
-    assert!(!deployment.findings.iter().any(|f| f.doubt), "{}", said(&deployment));
+    assert!(!deployment.findings.iter().any(|f| f.kind.is_doubt()), "{}", said(&deployment));
     let left = calibration(&deployment, Method::InterPrism);
     let mut settings = Settings::default();
     settings.calibration.method = Some(Method::StaticGcp);

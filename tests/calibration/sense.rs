@@ -4,7 +4,7 @@ use crate::common::{analyse, answer, by, of_field, published};
 use rayon::prelude::*;
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Calibration, Method, Verdict, Witness};
-use resect_core::deployment::{Deployment, Finding};
+use resect_core::deployment::Deployment;
 use resect_core::geometry::FOOT_M;
 use resect_core::simulation::{Preset, simulate};
 use resect_io::open::open;
@@ -323,13 +323,14 @@ fn methods_on_points_are_held_against_the_drive_as_well() {
 #[test]
 fn a_doubt_of_the_reader_caps_every_answer() {
     let mut deployment = Sample::Warthog.open().expect("built in");
-    deployment.findings.push(Finding::doubt("the distances are derived from another file"));
+    let doubt = resect_io::findings::rig::rig_derived_from_reading("another.csv");
+    deployment.findings.push(doubt.clone());
     for method in [Method::TwoPoint, Method::StaticGcp, Method::InterPrism] {
         let mut settings = published();
         settings.calibration.method = Some(method);
         let calibration = solved(&deployment, &settings);
         assert_eq!(calibration.verdict, Verdict::Weak, "{method:?}");
-        assert!(calibration.findings.iter().any(|f| f.message.contains("another file")));
+        assert!(calibration.findings.contains(&doubt));
     }
 }
 

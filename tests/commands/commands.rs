@@ -139,7 +139,7 @@ fn one_page_or_file_is_by_one_method() {
 fn the_json_keeps_its_contract() {
     let path = sample_folder("warthog");
     let value = json(&["calibrate", text(&path), "--method", "inter-prism", "--json"]);
-    assert_eq!(value["schema"], 1);
+    assert_eq!(value["schema"], 2);
     assert_eq!(value["deployment"], "warthog (simulated)");
     assert_eq!(value["method"], "inter-prism");
     assert_eq!(value["settings"]["pipeline"]["thresholds"]["tau_s_seconds"], 1.0);
@@ -628,7 +628,7 @@ fn the_studies_print_tables_and_write_pictures() {
         }
         all.push("--json");
         let object = json(&all);
-        assert_eq!((&object["schema"], &object["study"]), (&1.into(), &name.into()));
+        assert_eq!((&object["schema"], &object["study"]), (&2.into(), &name.into()));
     }
 }
 
@@ -895,7 +895,7 @@ fn plan_says_what_a_drive_will_leave_open_and_what_improves_it() {
     std::fs::write(&way, "x,y,speed\n40,0,0.6\n60,0,0.6\n60,20,0.6\n45,12,0.6\n60,-5,0.6\n")
         .expect("writable");
     let value = json(&["plan", text(&file), "--way", text(&way), "--target", "3", "--json"]);
-    assert_eq!(value["schema"], 1);
+    assert_eq!(value["schema"], 2);
     assert_eq!(value["plan"]["target_mm"], 3.0);
     assert_eq!(value["plan"]["way"][0]["waypoints"][1][2], 0.6);
     let far_m = value["held"]["far_end"]["sigma_m"].as_f64().expect("held");

@@ -79,7 +79,7 @@ fn another_unit_is_named_as_such() {
             judged(&deployment, vec![estimate], &Options { alignment, ..Options::default() });
         let unjudged = found.unjudged.iter().map(|(_, why)| why.to_string());
         let of_judged = found.judged.iter().flat_map(|one| &one.fit.findings);
-        unjudged.chain(of_judged.map(|finding| finding.message.clone())).collect()
+        unjudged.chain(of_judged.map(ToString::to_string)).collect()
     };
     for (times, told) in [(3.2808, "are 3.28"), (0.3048, "are 0.30")] {
         let said = longer_by(times, Alignment::Rigid).join("\n");

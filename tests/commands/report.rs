@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 use crate::common::{of_field, sample_folder};
 use resect_core::analysis::{Analysis, Settings};
-use resect_core::deployment::{Deployment, Finding};
+use resect_core::deployment::{Deployment, Finding, FindingKind};
 use resect_core::estimates::{Estimate, EstimatedPose, Judgement, Options, judge};
 use resect_core::evaluation::trajectory::Pose;
 use resect_core::evaluation::vehicle::{Instants, trajectory_by};
@@ -96,7 +96,7 @@ fn it_holds_what_calibrate_says() {
     let place = |what: &str| all.find(what).unwrap_or_else(|| panic!("{what} is not in:\n{all}"));
     assert!(place(&verdict) < place("Transforms"), "the verdict comes first");
     for finding in json["diagnosis"]["findings"].as_array().expect("findings") {
-        place(finding.as_str().expect("a line"));
+        place(finding["message"].as_str().expect("a line"));
     }
     for (axis, name) in ["x (m)", "y (m)", "z (m)"].into_iter().enumerate() {
         let cells = row(&document, name);
@@ -215,7 +215,7 @@ fn no_name_can_break_the_page() {
     deployment.name = hostile.to_owned();
     deployment.ingredients[0].file = hostile.to_owned();
     deployment.control_points[0].file = hostile.to_owned();
-    deployment.findings.push(Finding::warning(hostile));
+    deployment.findings.push(Finding::new(FindingKind::FileUnreadable, hostile));
     let analysis = Box::new(crate::common::analyse(&deployment, &Settings::default()));
     let unopened = Chapter::Unopened { path: hostile.to_owned(), error: hostile.to_owned() };
     let files = vec![FileMark { path: hostile.into(), bytes: 1, sha256: hostile.to_owned() }];

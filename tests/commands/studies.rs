@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::common::of_field;
 use resect_core::analysis::Settings;
 use resect_core::calibration::Method;
-use resect_core::deployment::Deployment;
+use resect_core::deployment::{Deployment, FindingKind};
 use resect_core::experiment::{Parameter, Splits, StudyError, Sweep, ablate, compare, sweep};
 use resect_core::progress::Progress;
 use resect_core::simulation::{Preset, simulate};
@@ -120,7 +120,11 @@ fn what_cannot_be_judged_is_left_out_and_said() {
     let both = [Arc::clone(&sample()[0]), Arc::new(without_rig)];
     let study =
         ablate(&both, &Settings::default(), None, None, &Progress::default()).expect("one is left");
-    assert!(study.findings.iter().any(|f| f.message.contains("left out")), "{:?}", study.findings);
+    assert!(
+        study.findings.iter().any(|f| f.kind == FindingKind::DeploymentLeftOut),
+        "{:?}",
+        study.findings
+    );
     let error = ablate(&both[1..], &Settings::default(), None, None, &Progress::default())
         .expect_err("none is left");
     assert!(matches!(error, StudyError::Nothing(why) if why.contains("inter-prism distances")));

@@ -321,7 +321,7 @@ fn bags_of_the_peer_give_the_answer_of_the_table() {
         let deployment = open_bag(name);
         let said = words(&deployment);
         assert!(said.contains("station 2 +0.300 s, station 3 -0.200 s"), "{name}: {said}");
-        assert!(deployment.findings.iter().any(|f| f.doubt), "{name}: {said}");
+        assert!(deployment.findings.iter().any(|f| f.kind.is_doubt()), "{name}: {said}");
         let robust = Settings::default();
         let analysis = analyse(&deployment, &robust);
         let found = answer(&analysis);

@@ -1,5 +1,6 @@
 //! Opening: how far it is, giving it up, and files that the user names beside those that lie with the tracks.
 
+use resect_core::deployment::FindingKind;
 use std::path::{Path, PathBuf};
 
 use crate::common::{field_data, sample_folder};
@@ -88,7 +89,7 @@ fn a_named_rig_is_used_whatever_else_describes_one() {
     assert_eq!(own, [0.7, 0.9, 1.0]);
     let named = with(Some(rig)).expect("opens");
     assert_eq!(named.rig.expect("named").inter_prism_m, [0.8, 0.9, 1.1]);
-    assert!(named.findings.iter().any(|f| f.message.contains("not inter_prism_m")));
+    assert!(named.findings.iter().any(|f| f.kind == FindingKind::RigFilePreferred));
     let error = with(Some(path("p.csv"))).expect_err("tracks are no rig").to_string();
     assert!(error.contains("does not describe the rig (polar measurements"), "{error}");
 }

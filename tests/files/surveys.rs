@@ -1,6 +1,6 @@
 //! Surveyors' files: control points, their coordinates and the rig out of GSI and JobXML.
 
-use resect_core::deployment::Deployment;
+use resect_core::deployment::{Deployment, FindingKind, Subject};
 use resect_core::geometry::{Polar, RigidTransform};
 use resect_core::simulation::{Preset, simulate};
 use resect_io::error::OpenError;
@@ -140,8 +140,9 @@ fn a_rig_is_the_first_three_points_of_the_file_that_is_named() {
         assert!((found - known).abs() < 0.005, "{found} {known}");
     }
     assert!(deployment.control_points.is_empty());
-    let doubt = deployment.findings.iter().find(|f| f.doubt).expect("derived distances");
-    assert!(doubt.message.contains("derived from rig.gsi"), "{doubt}");
+    let doubt = deployment.findings.iter().find(|f| f.kind.is_doubt()).expect("derived distances");
+    assert_eq!(doubt.kind, FindingKind::RigDerivedFromReading);
+    assert_eq!(doubt.subject, Some(Subject::File("rig.gsi".to_owned())), "{doubt}");
 }
 
 #[test]

@@ -4,7 +4,9 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use crate::common::{field_data, sample_folder};
-use resect_core::deployment::{ColumnMapping, Deployment, Finding, OneOrMany, Overrides};
+use resect_core::deployment::{
+    ColumnMapping, Deployment, Finding, FindingKind, OneOrMany, Overrides,
+};
 use resect_core::progress::Progress;
 use resect_io::error::{OpenError, Question};
 use resect_io::open::open;
@@ -43,7 +45,7 @@ fn opened(files: &[(&str, &str)], put_right: Overrides) -> Result<Deployment, Op
 }
 
 fn doubts(deployment: &Deployment) -> Vec<&Finding> {
-    deployment.findings.iter().filter(|f| f.doubt).collect()
+    deployment.findings.iter().filter(|f| f.kind.is_doubt()).collect()
 }
 
 /// What is done to a reading.
@@ -139,7 +141,7 @@ fn zero_ranges_among_valid_readings_raise_a_doubt_and_good_data_none() {
             opened(&[("p.csv", &polar(&original))], Overrides::default()).expect("the rest");
         let said = doubts(&spoiled);
         assert_eq!(said.len(), 3, "one a station: {said:?}");
-        assert!(said.iter().all(|f| f.message.contains("ranges of zero")), "{said:?}");
+        assert!(said.iter().all(|f| f.kind == FindingKind::ReadingsImplausible), "{said:?}");
         // In time of its own, as some recorders count.
         for reading in &mut original {
             reading[0] -= 1.6e9;
@@ -189,7 +191,7 @@ fn foreign_columns_are_a_question_and_its_answer_reads_the_same_tracks() {
     // The same said by the window.
     let columns: Overrides = toml::from_str(&toml).expect("valid");
     let deployment = opened(&files[..1], columns).expect("answered");
-    assert!(deployment.findings.iter().any(|f| f.message.contains("range (millimetres)")));
+    assert!(deployment.findings.iter().any(|f| f.kind == FindingKind::TableColumns && f.to_string().contains("(millimetres)")));
 }
 
 #[test]
@@ -274,5 +276,5 @@ fn bonns_files_are_stations_in_the_order_that_the_user_gives() {
     let bonn = opened(&files, answer).expect("answered");
     let good = opened(&[("p.csv", &polar(&original))], Overrides::default()).expect("good");
     assert_same(&bonn, &good);
-    assert!(bonn.findings.iter().any(|f| f.message.contains("not tried on a real recording")));
+    assert!(bonn.findings.iter().any(|f| f.kind == FindingKind::TableClock));
 }

@@ -53,12 +53,11 @@ fn a_warning_has_the_numbers_of_the_answer_that_is_shown() {
         set(&mut harness, |settings| settings.pipeline.thresholds.tau_l_seconds = tau_l);
         let (open, analysis) = harness.state().state.analysed().expect("analysed");
         let of_answer = analysis.answer.iter().flat_map(|answer| &answer.calibration.findings);
-        let now: Vec<&str> = (open.deployment.findings.iter().chain(of_answer))
-            .map(|finding| finding.message.as_str())
-            .collect();
+        let now: Vec<String> =
+            (open.deployment.findings.iter().chain(of_answer)).map(ToString::to_string).collect();
         for toast in harness.state().state.toasts.shown() {
             let said = if toast.detail.is_empty() { &toast.text } else { &toast.detail };
-            assert!(now.iter().any(|finding| said.contains(finding)), "{said} of {now:?}");
+            assert!(now.iter().any(|finding| said.contains(finding.as_str())), "{said} of {now:?}");
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The window through crashes and session files: what was open comes back, and nothing of it is lost.
 
+use resect_core::deployment::FindingKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -174,7 +175,7 @@ fn a_session_keeps_what_cannot_be_opened_and_names_what_changed() {
     std::fs::write(&tracks, shorter).expect("written");
     let harness = window(&start, None);
     let findings = &harness.state().state.deployments.open[0].deployment.findings;
-    assert!(findings[0].message.contains("inter_prism.csv: changed"), "{findings:?}");
+    assert_eq!(findings[0].kind, FindingKind::SessionFileChanged, "{findings:?}");
     drop(harness);
 
     // A deployment that is not there stays in the session, through a save, until it is there again.

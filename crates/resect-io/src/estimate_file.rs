@@ -4,6 +4,10 @@
 //! What a file is, is told from its lines: commas or spaces, how many numbers, and the names of the columns. Lines that begin
 //! with `#` or `%` are comments, but for one that names columns. Times above 10¹⁵ are nanoseconds.
 
+use crate::findings::trajectories::{
+    estimate_orientations_missing, estimate_out_of_order, estimate_quaternions_normalised,
+    estimate_times_repeated,
+};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -122,24 +126,18 @@ fn put_in_order(
 ) -> Estimate {
     let file = path.display().to_string();
     if !poses.is_sorted_by(|a, b| a.time_s <= b.time_s) {
-        findings.push(Finding::warning(format!("{file}: its times go back; sorted")));
+        findings.push(estimate_out_of_order(&file));
         poses.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     }
     let all = poses.len();
     poses.dedup_by_key(|pose| pose.time_s);
     if poses.len() < all {
-        let line =
-            format!("{file}: {} poses repeat a time; the first of each is kept", all - poses.len());
-        findings.push(Finding::warning(line));
+        findings.push(estimate_times_repeated(&file, all - poses.len()));
     }
     let with = poses.iter().filter(|pose| pose.orientation.is_some()).count();
     if with > 0 && with < poses.len() {
-        let line = format!(
-            "{file}: {} of {} poses have no orientation; none is used",
-            poses.len() - with,
-            poses.len()
-        );
-        findings.push(Finding::warning(line));
+        let without = poses.len() - with;
+        findings.push(estimate_orientations_missing(&file, without, poses.len()));
         poses.iter_mut().for_each(|pose| pose.orientation = None);
     }
     Estimate { name, path: path.to_owned(), topic, poses, findings }
@@ -227,8 +225,7 @@ fn poses(
         poses.push(pose);
     }
     if rough > 0 {
-        let line = format!("{file}: {rough} quaternions have another length than one; made one");
-        findings.push(Finding::warning(line));
+        findings.push(estimate_quaternions_normalised(file, rough));
     }
     if rows_of_kitti.is_empty() { Ok(poses) } else { of_kitti(file, path, &rows_of_kitti) }
 }

@@ -11,7 +11,7 @@ use crate::error::OpenError;
 use crate::extras::Extras;
 use crate::open;
 use crate::recording::Recording;
-use resect_core::deployment::{Deployment, Overrides, Track};
+use resect_core::deployment::{Deployment, FindingKind, Overrides, Track};
 use resect_core::progress::Progress;
 
 /// Where readings come from, in findings.
@@ -53,7 +53,7 @@ impl Growing {
     pub fn of_readings_again(mut deployment: Deployment, put_right: &Overrides) -> Self {
         deployment.tracks = Default::default();
         // What is added to ranges is said again of the readings that come.
-        deployment.findings.retain(|finding| !finding.message.starts_with("prism constant of"));
+        deployment.findings.retain(|finding| finding.kind != FindingKind::PrismConstantAdded);
         // They come as they were read: what was said of that is done.
         deployment.as_read = deployment.as_read.beside_readings();
         deployment.overrides = put_right.clone().over(deployment.as_read.clone());

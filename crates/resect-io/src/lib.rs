@@ -10,6 +10,7 @@
 //! |---|---|---|
 //! | [`atomic`] | files that are the old one or the new one, never a part of it | a remedy for a failed write: `error.rs` |
 //! | [`error`] | errors of opening, and questions that only the user can answer | |
+//! | [`findings`] | findings of opening, one constructor for each kind | a new finding: a constructor here, its kind in `finding_kind.rs` of resect-core |
 //! | [`reading_sense`] | whether numbers can be radians, metres and seconds | |
 //! | [`recording`] | records of files become tracks: impossible readings are counted and left out | |
 //! | [`format`](mod@format) | one file a format, `bag/` for the bags; `recognise.rs` distinguishes them by content | a format (a new GNSS format, say): a file here, a variant of `Format` and a line in `recognise.rs`, its part in `open/`; `examples/add_a_format.rs` shows the whole way |
@@ -28,6 +29,7 @@ pub mod error;
 pub mod estimate_file;
 mod extras;
 pub mod file_mark;
+pub mod findings;
 pub mod format;
 pub mod growing;
 pub mod open;

@@ -2,6 +2,9 @@
 
 use super::reading_sense::{self, Impossible, StationSense};
 use crate::error::OpenError;
+use crate::findings::readings::{
+    records_dropped, stamps_out_of_order, stamps_repeated, station_without_readings,
+};
 use resect_core::deployment::{
     AS_NUMBERED, Finding, Measurement, RawRecord, TimeCorrection, Track,
 };
@@ -187,22 +190,15 @@ impl Recording {
         let stations = tracks.into_iter().zip(late).zip(duplicates).enumerate();
         let tracks: Vec<Track> = stations
             .map(|(station, ((track, late), (repeated, first)))| {
-                let number = station + 1;
                 if late > 0 {
-                    findings.push(Finding::warning(format!(
-                        "station {number}: {late} out-of-order stamps in {files}; the track was sorted by time"
-                    )));
+                    findings.push(stamps_out_of_order(station, late, files));
                 }
                 if repeated > 0 {
                     let first = first.unwrap_or_default();
-                    findings.push(Finding::warning(format!(
-                        "station {number}: {repeated} duplicate stamps dropped{first}"
-                    )));
+                    findings.push(stamps_repeated(station, repeated, &first));
                 }
                 if track.measurements.is_empty() {
-                    findings.push(Finding::problem(format!(
-                        "station {number} has no measurement in {files}; a calibration needs all three stations"
-                    )));
+                    findings.push(station_without_readings(station, files));
                 }
                 track
             })
@@ -285,10 +281,9 @@ impl Dropped {
     }
 
     fn into_findings(self) -> impl Iterator<Item = Finding> {
-        self.0.into_iter().map(|(reason, count, place)| {
-            let reason = reason_in_words(&reason);
-            Finding::warning(format!("{reason}: {count} dropped ({place})"))
-        })
+        self.0
+            .into_iter()
+            .map(|((station, why), count, place)| records_dropped(station, &why, count, &place))
     }
 }
 

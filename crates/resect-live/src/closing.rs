@@ -4,6 +4,7 @@
 use super::coach::Coach;
 use super::judged::judge;
 use super::view::View;
+use super::warnings::speaks_against_readings;
 use resect_core::analysis::Analysis;
 use resect_core::deployment::Deployment;
 
@@ -21,7 +22,7 @@ impl Closing {
     /// The last view with the answer of the settings to all readings in the place of the last one before them.
     pub fn judged(mut self, last: &View, deployment: &Deployment, analysis: &Analysis) -> View {
         let outcome = judge(deployment, analysis, false, None);
-        let is_amiss = last.warnings.iter().any(|warning| warning.amiss.speaks_against_readings());
+        let is_amiss = last.warnings.iter().any(|one| speaks_against_readings(one.finding.kind));
         self.coach.take(&outcome, is_amiss);
         let sentence = self.coach.sentence(Some(&outcome), &last.moves);
         let mut view = View { sentence, enough: self.coach.is_enough(), ..last.clone() };

@@ -159,8 +159,8 @@ impl Coach {
         if let Some(open) = judged.open.first() {
             return format!("{}{next}", open_in_words(open));
         }
-        if let Some((_, stepped)) = judged.stepped.first() {
-            return format!("{stepped}; set that station up again, and begin the drive again");
+        if let Some(stepped) = judged.stepped.first() {
+            return stepped.to_string();
         }
         if judged.verdict != Verdict::Good {
             return format!("the answer is {}; {at}{next}", judged.verdict_and_reason());
@@ -187,7 +187,10 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
+    use crate::findings::clock_stepped;
+    use resect_core::calibration::Estimate;
     use resect_core::calibration::Method;
+    use resect_core::deployment::Finding;
     use resect_core::evaluation::far_end::FarEnd;
     use resect_core::geometry::RigidTransform;
 
@@ -230,6 +233,11 @@ mod tests {
         assert!(!again.is_enough());
     }
 
+    fn a_step() -> Finding {
+        let by_s = Estimate { value: 0.1, sigma: 0.01 };
+        clock_stepped(1, &by_s, "20 s into the drive")
+    }
+
     #[test]
     fn one_answer_that_is_not_good_enough_begins_it_again() {
         type Change = fn(&mut Judged);
@@ -237,7 +245,7 @@ mod tests {
             ("far end", |judged| judged.far_end.as_mut().expect("there").sigma_m = 2.1e-3),
             ("verdict", |judged| judged.verdict = Verdict::Weak),
             ("direction", |judged| judged.open.push("station 2 can slide (weak)".to_owned())),
-            ("step", |judged| judged.stepped.push((1, "station 2 moved".to_owned()))),
+            ("step", |judged| judged.stepped.push(a_step())),
         ];
         for (what, change) in worse {
             let mut coach = Coach::new(2e-3);

@@ -10,9 +10,9 @@ use super::pace::Pace;
 use super::recorder::{RecordError, Recorded, Recorder};
 use super::status::{StationStatus, Watch};
 use super::view::{Left, Link, View};
-use super::warnings::{Amiss, Seen, Told, Warning, amiss};
-use resect_core::deployment::Deployment;
+use super::warnings::{Seen, Told, Warning, amiss, speaks_against_readings};
 use resect_core::deployment::printable::printable;
+use resect_core::deployment::{Deployment, FindingKind};
 use resect_core::planning::NextMove;
 use resect_io::error::OpenError;
 use resect_io::format::bag::stream::{Heard, Subscription};
@@ -168,7 +168,7 @@ impl Engine {
     /// Takes in what came of an analysis of a snapshot, at an instant of our own clock (s).
     pub fn judged(&mut self, outcome: Outcome, clock_s: f64) {
         self.paces[usize::from(!outcome.is_first)].end(clock_s);
-        let is_amiss = self.warnings.iter().any(|warning| warning.amiss.speaks_against_readings());
+        let is_amiss = self.warnings.iter().any(|one| speaks_against_readings(one.finding.kind));
         self.coach.take(&outcome, is_amiss);
         if let Ok(judged) = &outcome.judged {
             let kept = if outcome.is_first { &mut self.first } else { &mut self.answer };
@@ -350,16 +350,13 @@ impl Engine {
             no_station: no_station.as_deref(),
             not_recorded: self.not_recorded.as_ref().map(|(why, _)| why.as_str()),
         };
-        let amiss: Vec<(Amiss, String)> = match self.link {
+        let mut amiss = amiss(&seen);
+        if self.link == Link::Ended {
             // Nothing can be done any more about what has ended.
-            Link::Ended => {
-                let all = amiss(&seen);
-                all.into_iter().filter(|(amiss, _)| !matches!(amiss, Amiss::LostLock(_))).collect()
-            }
-            _ => amiss(&seen),
-        };
+            amiss.retain(|finding| finding.kind != FindingKind::LiveLostLock);
+        }
         self.warnings = self.told.update(now_s, amiss);
-        if self.warnings.iter().any(|warning| warning.amiss.speaks_against_readings()) {
+        if self.warnings.iter().any(|one| speaks_against_readings(one.finding.kind)) {
             self.coach.doubt();
         }
     }

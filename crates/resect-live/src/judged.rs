@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
+use super::findings::{clock_stepped, station_stepped};
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::inter_prism::drive_shape::Plan;
 use resect_core::calibration::inter_prism::observability::{Hold, Observability};
 use resect_core::calibration::joint::Stepped;
 use resect_core::calibration::{Method, Targets, TransformSigma, Verdict, distance_errors_m};
-use resect_core::deployment::{Deployment, PAIRS, doubts};
+use resect_core::deployment::{Deployment, Finding, PAIRS, doubts};
 use resect_core::evaluation::far_end::{FarEnd, far_end};
 use resect_core::geometry::RigidTransform;
 use resect_core::planning::OPENING;
@@ -50,8 +51,8 @@ pub struct Judged {
     pub plan: Option<Plan>,
     /// How late the stamps of stations 2 and 3 are, with σ (s).
     pub late_s: Option<[[f64; 2]; 2]>,
-    /// Stations and clocks that stepped, in words, with the station.
-    pub stepped: Vec<(usize, String)>,
+    /// Stations and clocks that stepped.
+    pub stepped: Vec<Finding>,
     pub station1_from_station: [RigidTransform; 3],
     pub sigma: Option<[TransformSigma; 2]>,
     /// The median distance error of the answer (mm).
@@ -105,7 +106,7 @@ pub fn judge(
     let judged = match &analysis.answer {
         Ok(answer) => Ok(Arc::new(judge_answer(deployment, analysis, answer))),
         Err(error) => Err(NoAnswer {
-            why: error.finding().message,
+            why: error.finding().to_string(),
             drive: opening(deployment, analysis).filter(|_| error.wants_readings()),
         }),
     };
@@ -135,30 +136,15 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
     let joint = calibration.joint();
     let stepped = joint.map_or_else(Vec::new, |joint| {
         let told = joint.stepped.iter().filter_map(|step| {
-            let (number, when) = (step.station + 1, joint.when(step));
-            let words = match &step.what {
+            let (station, when) = (step.station, joint.when(step));
+            match &step.what {
                 Stepped::Station { turned_rad, .. } => {
                     let moved_m = step.moved_m()?;
-                    let is_small =
-                        moved_m.value < MOVED_M && turned_rad.value.abs() < TURNED_RAD;
-                    if is_small {
-                        return None;
-                    }
-                    format!(
-                        "station {number} moved {when}: by {:.0} ± {:.0} mm, turned by {:+.2} ± {:.2} mrad",
-                        moved_m.value * 1e3,
-                        moved_m.sigma * 1e3,
-                        turned_rad.value * 1e3,
-                        turned_rad.sigma * 1e3
-                    )
+                    let is_small = moved_m.value < MOVED_M && turned_rad.value.abs() < TURNED_RAD;
+                    (!is_small).then(|| station_stepped(station, &moved_m, turned_rad, &when))
                 }
-                Stepped::Clock(by_s) => format!(
-                    "station {number}'s clock jumped {when}: its stamps are {:+.0} ± {:.0} ms later",
-                    by_s.value * 1e3,
-                    by_s.sigma * 1e3
-                ),
-            };
-            Some((step.station, words))
+                Stepped::Clock(by_s) => Some(clock_stepped(station, by_s, &when)),
+            }
         });
         told.collect()
     });
@@ -169,7 +155,7 @@ fn judge_answer(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -
         took_ms: analysis.total_ms(),
         verdict: calibration.verdict,
         verdict_in_words: calibration.verdict_in_words(),
-        reason: doubts(&calibration.findings).first().map(|finding| finding.message.clone()),
+        reason: doubts(&calibration.findings).first().map(ToString::to_string),
         far_end,
         open: observability.map_or_else(Vec::new, open),
         advice: observability.map(|observability| observability.advice),

@@ -9,6 +9,7 @@
 //! | [`foxglove`], [`bonn`], [`replay`] | the sources | another stream: a file that makes [`event::Event`]s, and its choice in `connect.rs` |
 //! | [`connect`] | the connection to a source over the network, made again when it breaks | |
 //! | [`recorder`] | the recording of all events as MCAP | |
+//! | [`findings`] | the warnings of a live drive, one constructor for each kind | |
 //! | [`status`] | the state of each station | |
 //! | [`judged`] | the verdict of an answer in the field | |
 //! | [`next`] | the advised next manoeuvre | |
@@ -29,6 +30,7 @@ pub mod coach;
 pub mod connect;
 pub mod engine;
 pub mod event;
+pub mod findings;
 pub mod foxglove;
 pub mod judged;
 mod next;

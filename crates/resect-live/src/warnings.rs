@@ -1,75 +1,36 @@
 //! What has to be known in the field at once, as data: what it is, since when, and what helps.
 
+use super::findings::{
+    clock_jumped, lost_lock, no_connection, no_rig, no_station, not_recorded, straight_line,
+    wrong_prism,
+};
 use super::judged::{Judged, Outcome, station_in_common};
 use super::status::StationStatus;
 use resect_core::calibration::inter_prism::drive_shape::Plan;
 use resect_core::deployment::station_clocks::ClockJump;
-use resect_core::deployment::{Finding, pair_label};
+use resect_core::deployment::{Finding, FindingKind};
 
 /// A station that has had no reading for so long (s) is told.
 const LOST_S: f64 = 10.0;
 /// What has happened is told for so long (s of the drive), whatever comes after.
 const TOLD_S: f64 = 60.0;
 
-/// What is amiss.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Amiss {
-    NoConnection,
-    LostLock(usize),
-    ClockJumped(usize),
-    /// A station that moved, or its clock, by the joint estimate.
-    Stepped(usize),
-    /// A prism that is not its own; of which station, where that can be told.
-    WrongPrism(Option<usize>),
-    StraightLine,
-    NoRig,
-    /// Topics or instruments whose station nobody says.
-    NoStation,
-    NotRecorded,
+/// True if a warning speaks against the readings, so that no answer is enough meanwhile.
+pub fn speaks_against_readings(kind: FindingKind) -> bool {
+    matches!(
+        kind,
+        FindingKind::LiveClockJumped | FindingKind::LiveStepped | FindingKind::LiveWrongPrism
+    )
 }
 
-impl Amiss {
-    /// The name that scripts read.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::NoConnection => "no-connection",
-            Self::LostLock(_) => "lost-lock",
-            Self::ClockJumped(_) => "clock-jumped",
-            Self::Stepped(_) => "stepped",
-            Self::WrongPrism(_) => "wrong-prism",
-            Self::StraightLine => "straight-line",
-            Self::NoRig => "no-rig",
-            Self::NoStation => "no-station",
-            Self::NotRecorded => "not-recorded",
-        }
-    }
-
-    /// The station that it is about, 0 to 2.
-    pub fn station(self) -> Option<usize> {
-        match self {
-            Self::LostLock(station) | Self::ClockJumped(station) | Self::Stepped(station) => {
-                Some(station)
-            }
-            Self::WrongPrism(station) => station,
-            _ => None,
-        }
-    }
-
-    /// Whether it speaks against the readings, so that no answer is enough meanwhile.
-    pub fn speaks_against_readings(self) -> bool {
-        matches!(self, Self::ClockJumped(_) | Self::Stepped(_) | Self::WrongPrism(_))
-    }
-
-    /// Whether it is told for a while after it has happened.
-    fn is_event(self) -> bool {
-        matches!(self, Self::ClockJumped(_) | Self::WrongPrism(_))
-    }
+/// True if a warning is shown for a while after it has happened.
+fn is_event(kind: FindingKind) -> bool {
+    matches!(kind, FindingKind::LiveClockJumped | FindingKind::LiveWrongPrism)
 }
 
-/// Something that is amiss, since when (s, the source's clock), and what helps.
+/// A finding of the live drive, and since when it holds (s, the source's clock).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
-    pub amiss: Amiss,
     pub since_s: f64,
     pub finding: Finding,
 }
@@ -90,97 +51,62 @@ pub struct Seen<'a> {
 }
 
 /// Everything that is amiss now.
-pub fn amiss(seen: &Seen<'_>) -> Vec<(Amiss, String)> {
+pub fn amiss(seen: &Seen<'_>) -> Vec<Finding> {
     let mut all = Vec::new();
     if let Some(why) = seen.lost {
-        all.push((Amiss::NoConnection, format!("no connection: {why}")));
+        all.push(no_connection(why));
     } else {
         for (station, status) in seen.stations.iter().enumerate() {
             if let Some(age_s) = status.age_s.filter(|age_s| *age_s > LOST_S) {
-                let line = format!(
-                    "station {} has had no reading for {age_s:.0} s; stand where it sees its prism, and lock it on again",
-                    station + 1
-                );
-                all.push((Amiss::LostLock(station), line));
+                all.push(lost_lock(station, age_s));
             }
         }
     }
     for (station, jump) in seen.clock_jumps.iter().enumerate() {
-        if let Some(jump) = jump {
-            let line = format!(
-                "station {}'s clock jumped by {:+.3} s; look at its synchronisation, and begin the drive again",
-                station + 1,
-                jump.by_s
-            );
-            all.push((Amiss::ClockJumped(station), line));
-        }
+        all.extend(jump.map(|jump| clock_jumped(station, jump.by_s)));
     }
-    for (station, words) in seen.deciding.iter().flat_map(|judged| &judged.stepped) {
-        if !all.iter().any(|(amiss, _)| *amiss == Amiss::Stepped(*station)) {
-            let line =
-                format!("{words}; look at its tripod and its clock, and begin the drive again");
-            all.push((Amiss::Stepped(*station), line));
+    for stepped in seen.deciding.iter().flat_map(|judged| &judged.stepped) {
+        if !all.iter().any(|known| known.identity() == stepped.identity()) {
+            all.push(stepped.clone());
         }
     }
     if let Some((outcome, off_m)) = seen.latest.and_then(|one| Some((one, one.lately_off_m?))) {
         let is_off = outcome.wrong_pairs();
         if is_off.contains(&true) {
-            let station = station_in_common(is_off);
-            let who = match station {
-                Some(station) => format!("station {} may follow another's prism", station + 1),
-                None => "a station may follow another's prism".to_owned(),
-            };
             let worst = (0..3).max_by(|a, b| off_m[*a].total_cmp(&off_m[*b])).unwrap_or(0);
-            let line = format!(
-                "{who}: the distance {} is off by {:.0} mm; look at which prism each station points at",
-                pair_label(worst),
-                off_m[worst] * 1e3
-            );
-            all.push((Amiss::WrongPrism(station), line));
+            all.push(wrong_prism(station_in_common(is_off), worst, off_m[worst]));
         }
     }
     let judged = seen.deciding.or_else(|| seen.latest?.judged.as_ref().ok().map(AsRef::as_ref));
     if let Some(Plan::StraightLine { length_m, .. }) = judged.and_then(|judged| judged.plan) {
-        let line = format!(
-            "the drive is a straight line of {length_m:.0} m so far, which leaves directions free; {}",
-            "leave the line: drive a figure-eight with turns to both sides"
-        );
-        all.push((Amiss::StraightLine, line));
+        all.push(straight_line(length_m));
     }
     if !seen.has_rig {
-        let line = "the inter-prism distances are not known, and without them there is no answer; name a file of the rig";
-        all.push((Amiss::NoRig, line.to_owned()));
+        all.push(no_rig());
     }
-    if let Some(line) = seen.no_station {
-        all.push((Amiss::NoStation, line.to_owned()));
-    }
-    if let Some(line) = seen.not_recorded {
-        all.push((Amiss::NotRecorded, line.to_owned()));
-    }
+    all.extend(seen.no_station.map(no_station));
+    all.extend(seen.not_recorded.map(not_recorded));
     all
 }
 
-/// What was told, and since when.
+/// The warnings that are shown, each with the last time at which it held.
 #[derive(Clone, Debug, Default)]
 pub struct Told {
     warnings: Vec<(Warning, f64)>,
 }
 
 impl Told {
-    /// What is to be told at an instant (s, the source's clock), of what is amiss then.
-    pub fn update(&mut self, now_s: f64, amiss: Vec<(Amiss, String)>) -> Vec<Warning> {
-        for (amiss, line) in amiss {
-            let finding = Finding::warning(line);
-            match self.warnings.iter_mut().find(|(known, _)| known.amiss == amiss) {
+    /// Returns the warnings to be shown at an instant (s, the source's clock), from what is amiss then.
+    pub fn update(&mut self, now_s: f64, amiss: Vec<Finding>) -> Vec<Warning> {
+        for finding in amiss {
+            let is_same = |known: &Warning| known.finding.identity() == finding.identity();
+            match self.warnings.iter_mut().find(|(known, _)| is_same(known)) {
                 Some((known, last_s)) => (known.finding, *last_s) = (finding, now_s),
-                None => {
-                    let warning = Warning { amiss, since_s: now_s, finding };
-                    self.warnings.push((warning, now_s));
-                }
+                None => self.warnings.push((Warning { since_s: now_s, finding }, now_s)),
             }
         }
         self.warnings.retain(|(warning, last_s)| {
-            let told_s = if warning.amiss.is_event() { TOLD_S } else { 0.0 };
+            let told_s = if is_event(warning.finding.kind) { TOLD_S } else { 0.0 };
             now_s - last_s <= told_s
         });
         self.warnings.iter().map(|(warning, _)| warning.clone()).collect()
@@ -211,8 +137,8 @@ mod tests {
 
     fn names(seen: &Seen<'_>) -> Vec<(&'static str, Option<usize>)> {
         let all = amiss(seen);
-        assert!(all.iter().all(|(_, line)| !line.contains('\n')), "{all:?}");
-        all.into_iter().map(|(amiss, _)| (amiss.name(), amiss.station())).collect()
+        let station = |finding: &Finding| (0..3).find(|k| finding.is_about_station(*k));
+        all.iter().map(|finding| (finding.kind.code(), station(finding))).collect()
     }
 
     #[test]

@@ -237,7 +237,8 @@ fn json(summary: &ResultSummary, stations: &[StationSummary]) -> String {
         "diagnosis": {
             "verdict": summary.verdict,
             "independently_checked": summary.independently_checked,
-            "findings": summary.doubts,
+            // A summary keeps the messages only.
+            "findings": summary.doubts.iter().map(|doubt| json!({ "message": doubt })).collect::<Vec<_>>(),
         },
     });
     format!("{value:#}\n")

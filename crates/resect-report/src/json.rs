@@ -1,10 +1,12 @@
-//! The JSON of `calibrate`: a contract with scripts, version 1. Lengths m, angles rad, metrics mm.
+//! The JSON of `calibrate`: a contract with scripts, version 2. Lengths m, angles rad, metrics mm.
 
 mod earlier;
+mod finding;
 mod observability;
 mod schema;
 
 pub use earlier::{EarlierError, read_earlier};
+pub use finding::{finding, findings};
 pub use schema::SCHEMA;
 
 use nalgebra::SMatrix;
@@ -30,20 +32,9 @@ pub fn calibration(
     load_ms: f64,
 ) -> Value {
     let Answer { calibration, evaluation, .. } = answer;
-    let findings: Vec<String> = deployment
-        .findings
-        .iter()
-        // Doubts stand among the answer's own.
-        .filter(|finding| !finding.doubt)
-        .chain(&calibration.findings)
-        .map(ToString::to_string)
-        .collect();
-    let doubts: Vec<String> = calibration
-        .findings
-        .iter()
-        .filter(|finding| finding.severity > Severity::Note)
-        .map(ToString::to_string)
-        .collect();
+    // Doubts stand among the answer's own.
+    let of_data = deployment.findings.iter().filter(|finding| !finding.kind.is_doubt());
+    let doubts = calibration.findings.iter().filter(|finding| finding.severity > Severity::Note);
     json!({
         "schema": SCHEMA,
         "deployment": deployment.name,
@@ -72,9 +63,9 @@ pub fn calibration(
             "verdict": calibration.verdict,
             "independently_checked": calibration.is_independently_checked(),
             "checked_by": calibration.checked_by,
-            "findings": findings,
-            // Those that limit the answer.
-            "doubts": doubts,
+            "findings": findings(of_data.chain(&calibration.findings)),
+            // The findings that limit the answer.
+            "doubts": findings(doubts),
             "observability": calibration
                 .inter_prism()
                 .map(|details| observability::observability(&details.observability)),
@@ -119,7 +110,7 @@ fn published(joint: &Calibration) -> Option<Value> {
         "method": published.method.name(),
         "verdict": published.verdict,
         "independently_checked": published.is_independently_checked(),
-        "findings": published.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "findings": findings(&published.findings),
         "transforms": [transform(published, 1), transform(published, 2)],
         "covariance": published.covariance.map(|covariance| rows(&covariance)),
         // The joint estimate minus this, in m, rad and σ of the joint estimate.

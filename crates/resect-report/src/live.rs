@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde_json::{Map, Value, json};
 
-use crate::json::SCHEMA;
+use crate::json::{SCHEMA, finding};
 use resect_live::judged::Judged;
 use resect_live::status::StationStatus;
 use resect_live::{Link, View};
@@ -45,12 +45,9 @@ pub fn json(view: &View) -> Value {
         .warnings
         .iter()
         .map(|warning| {
-            json!({
-                "name": warning.amiss.name(),
-                "station": warning.amiss.station().map(|station| station + 1),
-                "since_s": warning.since_s,
-                "text": warning.finding.to_string(),
-            })
+            let mut object = finding(&warning.finding);
+            object["since_s"] = warning.since_s.into();
+            object
         })
         .collect();
     let shown = view.shown();

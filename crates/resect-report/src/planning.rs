@@ -5,7 +5,7 @@ use std::fmt::Write;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use super::json::{SCHEMA, rows};
+use super::json::{SCHEMA, findings, rows};
 use super::text::sigma_text;
 use resect_core::calibration::inter_prism::observability::{Direction, Observability};
 use resect_core::planning::locks::{Lock, WhyNotRead};
@@ -106,7 +106,7 @@ pub fn json(plan: &Plan, found: &Prediction, better: &[Improvement]) -> Value {
         "schema": SCHEMA,
         "plan": plan,
         "verdict": found.verdict,
-        "findings": found.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "findings": findings(&found.findings),
         "held": found.held.as_ref().map(held),
         "observability": found.observability.as_ref().map(observability),
         "mirror_cost_ratio": found.mirror_cost_ratio,

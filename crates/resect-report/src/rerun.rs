@@ -138,7 +138,7 @@ fn log_all(deployment: &Deployment, analysis: &Analysis) -> Result<Chunks> {
         log_rates(&mut recording, station, track)?;
     }
     let verdict = match &analysis.answer {
-        Ok(answer) => text::calibration(deployment, analysis, answer),
+        Ok(answer) => text::calibration(deployment, analysis, answer, ToString::to_string),
         Err(error) => error.to_string(),
     };
     // Its columns stand one below the other only in letters of one width.

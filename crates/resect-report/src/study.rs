@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::box_chart;
+use super::json::{SCHEMA, findings};
 use super::svg::{Colours, PictureError, to_png, to_svg};
-use super::text::sigma_text;
+use super::text::{FindingLine, sigma_text};
 use resect_core::deployment::Severity;
 use resect_core::experiment::{Comparison, Quantiles, Study};
 use resect_io::atomic;
@@ -74,7 +75,7 @@ fn group_label_or_empty(study: &Study) -> &str {
 }
 
 /// The transforms of every method and deployment, and who disagrees with whom.
-pub fn transforms_table(comparison: &Comparison) -> String {
+pub fn transforms_table(comparison: &Comparison, finding_line: FindingLine) -> String {
     let mut text = String::new();
     for compared in &comparison.deployments {
         _ = writeln!(text, "\n{}", compared.deployment);
@@ -107,7 +108,7 @@ pub fn transforms_table(comparison: &Comparison) -> String {
             }
             let doubts = calibration.findings.iter().filter(|f| f.severity > Severity::Note);
             for finding in doubts {
-                _ = writeln!(text, "   {} {finding}", finding.severity.mark());
+                _ = writeln!(text, "   {} {}", finding.severity.mark(), finding_line(finding));
             }
         }
     }
@@ -138,7 +139,7 @@ pub fn json(study: &Study) -> Value {
         })
         .collect();
     json!({
-        "schema": 1,
+        "schema": SCHEMA,
         "study": study.name,
         "title": study.title,
         "subtitle": study.subtitle,
@@ -146,7 +147,7 @@ pub fn json(study: &Study) -> Value {
         "settings": study.settings,
         "groups": groups,
         "levels": study.levels.iter().map(|l| json!({ "label": l.label, "mm": l.value })).collect::<Vec<_>>(),
-        "findings": study.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "findings": findings(&study.findings),
     })
 }
 
@@ -188,7 +189,7 @@ pub fn comparison_json(comparison: &Comparison) -> Value {
                         "largest_sigmas": d.largest_sigmas,
                         "moved_m": d.moved_m,
                         "range_m": d.range_m,
-                        "in_words": d.finding().message,
+                        "in_words": d.finding().to_string(),
                     })
                 })
                 .collect();

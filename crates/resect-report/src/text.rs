@@ -7,11 +7,19 @@ use crate::of_run;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::inter_prism::PriorSearch;
 use resect_core::calibration::{Calibration, Details, Targets};
-use resect_core::deployment::Deployment;
+use resect_core::deployment::{Deployment, Finding};
 use resect_core::evaluation::Spread;
 
+/// Renders a finding as one line: its message, on the command line with the flags of its remedies.
+pub type FindingLine = fn(&Finding) -> String;
+
 /// Verdict, transforms with their σ, metrics and findings.
-pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> String {
+pub fn calibration(
+    deployment: &Deployment,
+    analysis: &Analysis,
+    answer: &Answer,
+    finding_line: FindingLine,
+) -> String {
     let Answer { calibration, evaluation, .. } = answer;
     let out = &analysis.pipeline;
     let raw = deployment.tracks.each_ref().map(|track| track.measurements.len());
@@ -72,9 +80,9 @@ pub fn calibration(deployment: &Deployment, analysis: &Analysis, answer: &Answer
     }
     text.push('\n');
     // What speaks against every answer from this data stands among the answer's own as well.
-    let of_data = deployment.findings.iter().filter(|finding| !finding.doubt);
+    let of_data = deployment.findings.iter().filter(|finding| !finding.kind.is_doubt());
     for finding in of_data.chain(&calibration.findings) {
-        _ = writeln!(text, "  {} {finding}", finding.severity.mark());
+        _ = writeln!(text, "  {} {}", finding.severity.mark(), finding_line(finding));
     }
     text
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::json::{SCHEMA, rows};
+use super::json::{SCHEMA, findings, rows};
 use super::text::spread_text;
 use resect_core::calibration::Estimate;
 use resect_core::validation::in_words::chance;
@@ -101,7 +101,7 @@ pub fn json(found: &Validation) -> Value {
             "allowed_mm": metric.allowed_m * 1e3,
             "worse": metric.is_worse(),
         })),
-        "findings": found.caveats.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "findings": findings(&found.caveats),
     })
 }
 

@@ -4,6 +4,7 @@ use egui_kittest::kittest::Queryable;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use resect_core::deployment::FindingKind;
 
 use super::super::behaviour::SIMPLIFICATION;
 use super::*;
@@ -192,14 +193,14 @@ fn what_is_wrong_in_a_file_is_put_right_and_said() {
     for (text, expected, finding) in cases {
         let (layout, findings) = read(text);
         assert_eq!(panes(&layout), expected, "{text}");
-        assert!(findings.iter().any(|f| f.message.contains(finding)), "{text}: {findings:?}");
+        assert!(findings.iter().any(|f| f.to_string().contains(finding)), "{text}: {findings:?}");
         let mut harness = drawn(layout, Vec2::new(1100.0, 700.0));
         harness.run_steps(2);
         assert!(!harness.state().places.is_empty(), "{text}");
     }
     let (layout, findings) = read("version = 1\n[root.tabs]\nchildren = []");
     assert_eq!(panes(&layout), panes(&Layout::default()));
-    assert!(findings[0].message.contains("no pane"), "{findings:?}");
+    assert_eq!(findings[0].kind, FindingKind::LayoutInvalid, "{findings:?}");
 }
 
 fn any_node() -> impl Strategy<Value = Node<String>> {

@@ -107,7 +107,7 @@ impl Units {
 
     /// A finding's message with its angles in the user's unit.
     pub fn message(self, finding: &Finding) -> String {
-        finding.with_angles(|angle| self.told(angle))
+        finding.render(|angle| self.told(angle))
     }
 
     /// An angle that a message tells, in the user's unit.
@@ -136,6 +136,7 @@ impl Units {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use resect_core::deployment::{FindingKind, Message};
 
     #[test]
     fn sigma_has_two_significant_digits_and_the_value_as_many_decimals() {
@@ -167,11 +168,15 @@ mod tests {
         let turned = ToldAngle::signed(0.000_5, ToldIn::Milliradians, 3).sigma(0.000_011);
         let corner = ToldAngle::size(90_f64.to_radians(), ToldIn::Degrees, 0);
         let lean = ToldAngle::size(-1_f64.to_radians() / 3600.0, ToldIn::Arcseconds, 1);
-        let finding =
-            Finding::warning(format!("turned by {turned} at a corner of {corner}, {lean}"))
-                .telling([turned, corner, lean]);
+        let message = Message::from("turned by ")
+            .angle(turned)
+            .text(" at a corner of ")
+            .angle(corner)
+            .text(", ")
+            .angle(lean);
+        let finding = Finding::new(FindingKind::StationMoved, message);
         let told = |angle| Units { angle, ..Units::default() }.message(&finding);
-        assert_eq!(finding.message, "turned by +0.500 ± 0.011 mrad at a corner of 90°, -1.0″");
+        assert_eq!(finding.to_string(), "turned by +0.500 ± 0.011 mrad at a corner of 90°, -1.0″");
         assert_eq!(
             AngleUnit::ALL.map(told),
             [

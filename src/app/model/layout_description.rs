@@ -4,6 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::findings::layout_invalid;
 use super::pane::Pane;
 use resect_core::deployment::Finding;
 
@@ -138,7 +139,7 @@ struct Reader {
 
 impl Reader {
     fn finding(&mut self, message: String) {
-        let finding = Finding::warning(message);
+        let finding = layout_invalid(&message);
         if !self.findings.contains(&finding) {
             self.findings.push(finding);
         }

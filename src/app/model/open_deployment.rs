@@ -10,7 +10,7 @@ use crate::app::prepared::beside::RunBeside;
 use crate::app::prepared::way::Way;
 use crate::app::prepared::{Clouds, PreparedPlots};
 use resect_core::analysis::{Analysis, Settings};
-use resect_core::deployment::Deployment;
+use resect_core::deployment::{Deployment, FindingIdentity};
 use resect_io::source::Source;
 use resect_report::summary::ResultSummary;
 
@@ -47,8 +47,8 @@ pub struct OpenDeployment {
     pub judging: Judging,
     /// Opened by the program itself, and never touched: gives way to the first that the user opens.
     pub placeholder: bool,
-    /// Findings that the user was told, numbers left out.
-    pub told: BTreeSet<String>,
+    /// Findings that the user has seen.
+    pub told: BTreeSet<FindingIdentity>,
     /// Whether any answer was there to the end, and not the paper's alone, ahead of a joint estimate.
     pub answered: bool,
     /// The newest request for an answer, while it is awaited.

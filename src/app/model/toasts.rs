@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use super::Pane;
 use super::Units;
-use super::told::{self, new_findings};
+use super::new_findings::new_findings;
 use super::{Command, WorkspaceCommand};
-use resect_core::deployment::{Finding, Severity};
+use resect_core::deployment::{Finding, FindingIdentity, Severity};
 use resect_io::source::Place;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,12 +129,12 @@ impl Toasts {
 
     /// Tells those findings about an open deployment that were not told before, in one toast with those that still hold.
     ///
-    /// `told` remembers them, numbers left out: while a slider moves, the same warning comes with other numbers.
+    /// `told` remembers their identities: while a slider moves, the same warning comes with other numbers.
     pub fn findings<'a>(
         &mut self,
         (id, name): (u64, &str),
         findings: impl IntoIterator<Item = &'a Finding>,
-        told: &mut BTreeSet<String>,
+        told: &mut BTreeSet<FindingIdentity>,
     ) {
         let new: Vec<Finding> = new_findings(findings, told).into_iter().cloned().collect();
         if new.is_empty() {
@@ -167,8 +167,8 @@ impl Toasts {
                 return true;
             }
             let present = |was: &Finding| {
-                let key = told::key(&was.message);
-                now.clone().find(|finding| told::key(&finding.message) == key).cloned()
+                let identity = was.identity();
+                now.clone().find(|finding| finding.identity() == identity).cloned()
             };
             *findings = findings.iter().filter_map(present).collect();
             if findings.is_empty() {

@@ -1,4 +1,6 @@
 use super::*;
+use crate::app::model::new_findings::forget_past;
+use resect_core::deployment::{FindingKind, Subject};
 
 fn texts(toasts: &Toasts) -> Vec<&str> {
     toasts.shown().iter().map(|toast| toast.text.as_str()).collect()
@@ -25,13 +27,16 @@ fn what_is_done_goes_and_errors_stay() {
 #[test]
 fn what_no_longer_holds_is_taken_away() {
     let (mut toasts, mut told) = (Toasts::default(), BTreeSet::new());
-    let late = |ms: f64| Finding::warning(format!("station 3 is {ms} ms late"));
+    let late = |ms: f64| {
+        Finding::new(FindingKind::ClockOffsetSuspected, format!("station 3 is {ms} ms late"))
+    };
+    let jump = Finding::new(FindingKind::ClockStepped, "the clocks jump");
     toasts.findings((1, "drive"), &[late(2.7)], &mut told);
     toasts.findings((2, "other"), &[late(1.0)], &mut BTreeSet::new());
     toasts.update((1, "drive"), &[late(3.1)].iter());
     // The number is the present one.
     assert_eq!(texts(&toasts)[0], "drive: station 3 is 3.1 ms late");
-    toasts.update((1, "drive"), &[Finding::warning("the clocks jump")].iter());
+    toasts.update((1, "drive"), &[jump].iter());
     assert_eq!(texts(&toasts), ["other: station 3 is 1 ms late"]);
     toasts.closed(2);
     let place = Place::Path("/day/broken.csv".into());
@@ -45,9 +50,10 @@ fn what_no_longer_holds_is_taken_away() {
 #[test]
 fn angles_are_told_in_the_unit_that_is_chosen_while_they_are_shown() {
     use super::super::AngleUnit;
-    use resect_core::deployment::{ToldAngle, ToldIn};
+    use resect_core::deployment::{Message, ToldAngle, ToldIn};
     let turned = ToldAngle::signed(1e-3, ToldIn::Milliradians, 2);
-    let finding = Finding::warning(format!("station 2 turned by {turned}")).telling([turned]);
+    let message = Message::from("station 2 turned by ").angle(turned);
+    let finding = Finding::new(FindingKind::StationMoved, message);
     let mut toasts = Toasts::default();
     toasts.findings((1, "drive"), &[finding], &mut BTreeSet::new());
     let told = |angle| {
@@ -81,23 +87,28 @@ fn they_never_flood_the_window() {
 #[test]
 fn each_finding_is_told_once_and_several_in_one_toast() {
     let (mut toasts, mut told) = (Toasts::default(), BTreeSet::new());
+    let repeated = |station: usize, count: usize| {
+        let message = format!("station {}: {count} duplicate stamps", station + 1);
+        Finding::new(FindingKind::StampsRepeated, message).about(Subject::Station(station))
+    };
     let findings = [
-        Finding::note("all is well"),
-        Finding::warning("station 2: 14 duplicate stamps"),
-        Finding::problem("station 3 has no measurement"),
+        Finding::new(FindingKind::BagsJoined, "all is well"),
+        repeated(1, 14),
+        Finding::new(FindingKind::StationWithoutReadings, "station 3 has no measurement"),
     ];
+    let short = Finding::new(FindingKind::FewTimeBlocks, "the drive is short");
     toasts.findings((1, "day 1"), &findings, &mut told);
     assert_eq!(texts(&toasts), ["2 warnings about day 1"]);
     assert_eq!(toasts.shown()[0].detail, "station 3 has no measurement");
     assert_eq!(toasts.shown()[0].level, ToastLevel::Error);
     toasts.dismiss(toasts.shown()[0].id);
     toasts.findings((1, "day 1"), &findings, &mut told);
-    toasts.findings((1, "day 1"), &[Finding::warning("station 2: 15 duplicate stamps")], &mut told);
+    toasts.findings((1, "day 1"), &[repeated(1, 15)], &mut told);
     assert!(toasts.shown().is_empty());
-    toasts.findings((1, "day 1"), &[Finding::warning("station 1: 15 duplicate stamps")], &mut told);
+    toasts.findings((1, "day 1"), &[repeated(0, 15)], &mut told);
     assert_eq!(texts(&toasts), ["day 1: station 1: 15 duplicate stamps"]);
-    told::forget_past([].iter(), &mut told);
+    forget_past([].iter(), &mut told);
     toasts.update((1, "day 1"), &[].iter());
-    toasts.findings((1, "day 1"), &[Finding::warning("the drive is short")], &mut told);
+    toasts.findings((1, "day 1"), &[short], &mut told);
     assert_eq!(texts(&toasts), ["day 1: the drive is short"]);
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::app::prepared::way::Aspect;
+use crate::app::prepared::aspects::Aspect;
 
 /// The strips that are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,12 +1,12 @@
 //! The guide: from data to an answer that is trusted, step by step, with buttons that do each step. [`steps`] has its words.
 
-mod doubts;
+#[cfg(test)]
+mod advice_tests;
 mod headless;
 mod steps;
 
 use egui::RichText;
 
-use self::doubts::{DOUBTS, Doubt};
 use self::steps::{Part, STEPS, Step};
 use super::{finding, result, scrolled};
 use crate::app::actions;
@@ -15,7 +15,7 @@ use crate::app::model::{Commands, WorkspaceCommand};
 use crate::app::state::State;
 use crate::app::{theme, words};
 use resect_core::calibration::Verdict;
-use resect_core::deployment::{Finding, Severity, doubts};
+use resect_core::deployment::{ADVICE, Advice, Finding, Severity, doubts};
 use resect_report::glossary;
 
 /// The most words shown below the steps, of those that have what is sought.
@@ -78,20 +78,20 @@ impl<'a> Guide<'a> {
         let mut any = false;
         for step in &STEPS {
             let parts = found_in(step, &has);
-            let doubts: Vec<&Doubt> = DOUBTS
+            let advice: Vec<&Advice> = ADVICE
                 .iter()
-                .filter(|doubt| {
+                .filter(|advice| {
                     step.parts.iter().any(|part| matches!(part, Part::Doubts))
-                        && has(&[doubt.title, doubt.means])
+                        && has(&[advice.title, advice.text])
                 })
                 .collect();
-            if parts.is_empty() && doubts.is_empty() {
+            if parts.is_empty() && advice.is_empty() {
                 continue;
             }
             any = true;
             ui.strong(step.title);
             parts.into_iter().for_each(|part| self.part(ui, part));
-            doubts.into_iter().for_each(|doubt| show_doubt(ui, doubt, false));
+            advice.into_iter().for_each(|advice| show_advice(ui, advice, false));
         }
         let terms = glossary::matching(query);
         if !terms.is_empty() {
@@ -201,17 +201,17 @@ impl<'a> Guide<'a> {
         ui.add_space(4.0);
     }
 
-    /// Every kind of doubt; those about the present answer come first, and open.
+    /// All advice; that about the present answer comes first, and open.
     fn doubts(&self, ui: &mut egui::Ui) {
         let present = self.present_doubts();
         let is_present =
-            |doubt: &Doubt| present.iter().any(|finding| doubt.is_of(&finding.message));
-        let (now, others): (Vec<&Doubt>, Vec<&Doubt>) =
-            DOUBTS.iter().partition(|doubt| is_present(doubt));
+            |advice: &Advice| present.iter().any(|finding| advice.kinds.contains(&finding.kind));
+        let (now, others): (Vec<&Advice>, Vec<&Advice>) =
+            ADVICE.iter().partition(|advice| is_present(advice));
         ui.strong("What the doubts mean");
-        now.into_iter().for_each(|doubt| show_doubt(ui, doubt, true));
-        for doubt in others {
-            ui.collapsing(doubt.title, |ui| ui.add(egui::Label::new(doubt.means).wrap()));
+        now.into_iter().for_each(|advice| show_advice(ui, advice, true));
+        for advice in others {
+            ui.collapsing(advice.title, |ui| ui.add(egui::Label::new(advice.text).wrap()));
         }
     }
 
@@ -269,16 +269,16 @@ fn found_in<'a>(step: &'a Step, has: &impl Fn(&[&str]) -> bool) -> Vec<&'a Part>
     found
 }
 
-fn show_doubt(ui: &mut egui::Ui, doubt: &Doubt, present: bool) {
-    let title = RichText::new(doubt.title);
+fn show_advice(ui: &mut egui::Ui, advice: &Advice, present: bool) {
+    let title = RichText::new(advice.title);
     let (colour, sign) = theme::severity(Severity::Warning, ui.visuals().dark_mode);
     ui.add_space(2.0);
     if present {
-        ui.label(RichText::new(format!("{sign} {}, here", doubt.title)).color(colour));
+        ui.label(RichText::new(format!("{sign} {}, here", advice.title)).color(colour));
     } else {
         ui.label(title.italics());
     }
-    ui.indent(doubt.title, |ui| ui.add(egui::Label::new(doubt.means).wrap()));
+    ui.indent(advice.title, |ui| ui.add(egui::Label::new(advice.text).wrap()));
 }
 
 #[cfg(test)]

@@ -93,10 +93,8 @@ fn show(
             copy_menu::ui(ui, summary, commands);
         }
         if ui.button("Copy as text").clicked() {
-            commands.push(
-                WorkspaceCommand::Copy(text::calibration(&open.deployment, analysis, answer))
-                    .into(),
-            );
+            let text = text::calibration(&open.deployment, analysis, answer, ToString::to_string);
+            commands.push(WorkspaceCommand::Copy(text).into());
         }
         if let Some(summary) = &open.summary {
             pin(ui, state, (open, summary), commands);
@@ -163,8 +161,10 @@ fn reasons(ui: &mut egui::Ui, state: &State, findings: &[Finding], commands: &mu
     const NOTES_IN_SIGHT: usize = 4;
     let mut finding = |ui: &mut egui::Ui, one: &Finding| finding(ui, state, one, commands);
     doubts(findings).into_iter().skip(1).for_each(|one| finding(ui, one));
-    let notes: Vec<&Finding> =
-        findings.iter().filter(|one| one.severity == Severity::Note && !one.is_tabled).collect();
+    let notes: Vec<&Finding> = findings
+        .iter()
+        .filter(|one| one.severity == Severity::Note && !one.kind.is_tabled())
+        .collect();
     let (shown, folded) = notes.split_at(notes.len().min(NOTES_IN_SIGHT));
     shown.iter().for_each(|one| finding(ui, one));
     if !folded.is_empty() {

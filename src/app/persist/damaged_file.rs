@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::app::model::findings::unusable_file_kept;
 use resect_core::deployment::Finding;
 
 /// Moves a file that cannot be used out of the way of the one that will be written; whether it could, and what to
@@ -15,11 +16,7 @@ pub fn keep_aside(path: &Path, why: &str) -> (bool, Finding) {
         })
         .find(|kept| !kept.exists());
     let moved = free.and_then(|kept| std::fs::rename(path, &kept).ok().map(|()| kept));
-    let line = match &moved {
-        Some(kept) => format!("{why}; it is kept as {}", kept.display()),
-        None => format!("{why}; it could not be moved aside and stays as it is"),
-    };
-    (moved.is_some(), Finding::warning(line))
+    (moved.is_some(), unusable_file_kept(why, moved.as_deref()))
 }
 
 /// Line of a byte of a text, from 1.

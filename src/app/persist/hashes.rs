@@ -8,6 +8,7 @@ use std::time::SystemTime;
 
 pub use resect_io::file_mark::{FileMark, used_files};
 
+use crate::app::model::findings::{session_file_changed, session_file_missing};
 use resect_core::deployment::Finding;
 use resect_io::file_mark::sha256;
 
@@ -58,22 +59,10 @@ impl HashCache {
     }
 
     fn change(&self, was: &FileMark) -> Option<Finding> {
-        let name = was.path.display();
         match self.mark(&was.path) {
             Ok(now) if now == *was => None,
-            Ok(now) => {
-                let sizes = if now.bytes == was.bytes {
-                    "the same size, other content".to_owned()
-                } else {
-                    format!("{} bytes, {} now", was.bytes, now.bytes)
-                };
-                Some(Finding::warning(format!(
-                    "{name}: changed since the session was saved ({sizes}); the answer may be another"
-                )))
-            }
-            Err(error) => Some(Finding::warning(format!(
-                "{name}: was read when the session was saved, and cannot be now ({error})"
-            ))),
+            Ok(now) => Some(session_file_changed(&was.path, was.bytes, now.bytes)),
+            Err(error) => Some(session_file_missing(&was.path, &error)),
         }
     }
 }
@@ -83,6 +72,7 @@ mod tests {
     use std::fs::File;
 
     use super::*;
+    use resect_core::deployment::{FindingKind, Subject};
 
     #[test]
     fn a_changed_and_a_missing_file_are_named() {
@@ -104,11 +94,19 @@ mod tests {
         touched.set_modified(later).expect("set");
         std::fs::remove_file(file("gone")).expect("removed");
         let findings = cache.changed(&marks);
-        let said: Vec<&str> = findings.iter().map(|finding| finding.message.as_str()).collect();
-        assert_eq!(said.len(), 3, "{said:?}");
-        assert!(said[0].contains("longer") && said[0].contains("3 bytes, 4 now"), "{said:?}");
-        assert!(said[1].contains("other") && said[1].contains("the same size"), "{said:?}");
-        assert!(said[2].contains("gone") && said[2].contains("cannot be now"), "{said:?}");
+        let is = |index: usize, kind: FindingKind, name: &str| {
+            let finding: &Finding = &findings[index];
+            let path = file(name).display().to_string();
+            assert_eq!((finding.kind, &finding.subject), (kind, &Some(Subject::File(path))));
+        };
+        assert_eq!(findings.len(), 3, "{findings:?}");
+        is(0, FindingKind::SessionFileChanged, "longer");
+        assert_eq!(
+            [3.0, 4.0].map(Some),
+            ["bytes_before", "bytes_now"].map(|n| findings[0].value(n))
+        );
+        is(1, FindingKind::SessionFileChanged, "other");
+        is(2, FindingKind::SessionFileMissing, "gone");
     }
 
     #[test]

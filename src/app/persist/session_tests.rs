@@ -1,4 +1,5 @@
 use proptest::prelude::*;
+use resect_core::deployment::FindingKind;
 
 use std::sync::{Arc, OnceLock};
 
@@ -125,7 +126,7 @@ fn files_that_changed_since_are_named() {
     std::fs::write(folder.path().join("data/tracks.csv"), "abcd").expect("written");
     let findings = cache.changed(files.marks(&cache));
     assert_eq!(findings.len(), 1);
-    assert!(findings[0].message.contains("tracks.csv: changed"), "{findings:?}");
+    assert_eq!(findings[0].kind, FindingKind::SessionFileChanged, "{findings:?}");
     // Saving again keeps what it was made from.
     back.save(&path, &cache).expect("saved");
     assert!(std::fs::read_to_string(&path).expect("there").contains("bytes = 3"));
@@ -215,7 +216,7 @@ fn an_odd_view_layout_or_pin_costs_only_itself() {
         match load(&path) {
             Ok((back, findings)) => {
                 assert_eq!(back.deployments.len(), 2);
-                assert!(findings.iter().any(|it| it.message.contains(said)), "{findings:?}");
+                assert!(findings.iter().any(|it| it.to_string().contains(said)), "{findings:?}");
             }
             // A key given twice is no TOML at all.
             Err(error) => assert!(said.is_empty(), "{error}"),
@@ -253,7 +254,7 @@ fn what_an_older_session_asked_of_all_trajectories_it_asks_of_each() {
     std::fs::write(&path, old.replace("\"none\"", "\"by the weather\"")).expect("written");
     let (back, findings) = load(&path).expect("opens");
     assert_eq!(back.deployments[0].estimates[1].options, Options::default());
-    assert!(findings[0].message.contains("how a trajectory is judged"), "{findings:?}");
+    assert!(findings[0].to_string().contains("how a trajectory is judged"), "{findings:?}");
 }
 
 proptest! {

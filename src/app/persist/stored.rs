@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::hashes::FileMark;
 use super::session::{Files, SavedDeployment, SavedPin, SavedView, Session, yes};
+use crate::app::model::findings::{session_part_unknown, session_plan_invalid};
 use crate::app::model::{LayoutDescription, SavedEstimate};
 use resect_core::analysis::Settings;
 use resect_core::deployment::Finding;
@@ -102,8 +103,7 @@ impl<T> Lenient<T> {
         match self {
             Self::Read(value) => Some(value),
             Self::Unreadable(_) => {
-                let line = format!("{what} is in a form that this resect does not know; left out");
-                findings.push(Finding::warning(line));
+                findings.push(session_part_unknown(what));
                 None
             }
         }
@@ -210,7 +210,7 @@ fn read_estimates(
 
 fn plan_makes_sense(plan: &Plan, findings: &mut Vec<Finding>) -> bool {
     let Err((what, _)) = plan.check() else { return true };
-    findings.push(Finding::warning(format!("the plan: {what}; left out")));
+    findings.push(session_plan_invalid(&what));
     false
 }
 

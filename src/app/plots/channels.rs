@@ -3,7 +3,7 @@
 use egui::{FontId, RichText, Stroke};
 use egui_plot::{AxisHints, HoverPosition, Plot, PlotPoint};
 
-use super::channel_units::{per_stored, unit, with_unit};
+use super::dimension_units::{per_stored, unit, with_unit};
 use super::marks::Marks;
 use super::strips::{Strip, strips};
 use super::time_plot::{self, TimePlot};
@@ -136,7 +136,7 @@ struct ChannelPlot<'a> {
 impl ChannelPlot<'_> {
     fn over_time(&self, ui: &mut egui::Ui, strip: &Strip, commands: &mut Commands) {
         let (channel, units, scale) = (self.plotted.channel, self.units, self.times.scale);
-        let factor = per_stored(channel, units);
+        let factor = per_stored(channel.dimension(), units);
         let runs = (strip.plot.width() as usize).max(LEAST_RUNS);
         let dots: Vec<Vec<PlotPoint>> = (self.all.iter())
             .map(|one| {
@@ -150,12 +150,12 @@ impl ChannelPlot<'_> {
             .label_formatter(move |position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
                     let time = scale.text_and_seconds(position.x, 2);
-                    let value = with_unit(channel, units, position.y / factor);
+                    let value = with_unit(channel.dimension(), units, position.y / factor);
                     Some(format!("{plot_name}\n{time}\n{value}"))
                 }
                 HoverPosition::Elsewhere { .. } => None,
             });
-        let axis = strip.value_axis(channel.name(), unit(channel, units));
+        let axis = strip.value_axis(channel.name(), unit(channel.dimension(), units));
         let name = self.plotted.in_words();
         let time_plot = TimePlot { strip, name: &name, times: &self.times, y_bounds };
         let shown = time_plot.show(ui, plot, axis, commands, |plot_ui| {
@@ -169,7 +169,7 @@ impl ChannelPlot<'_> {
 
     fn against(&self, ui: &mut egui::Ui, strip: &Strip, other: Channel) {
         let (channel, units) = (self.plotted.channel, self.units);
-        let factors = [other, channel].map(|channel| per_stored(channel, units));
+        let factors = [other, channel].map(|channel| per_stored(channel.dimension(), units));
         let runs = (strip.plot.width() as usize).max(LEAST_RUNS);
         let dots: Vec<Vec<PlotPoint>> = (self.all.iter())
             .filter_map(|one| Some((one, one.against?)))
@@ -182,7 +182,7 @@ impl ChannelPlot<'_> {
             let value = |dot: &PlotPoint| if axis == 0 { dot.x } else { dot.y };
             with_room(dots.iter().flatten().map(value))
         });
-        let title = format!("{} ({})", other.name(), unit(other, units));
+        let title = format!("{} ({})", other.name(), unit(other.dimension(), units));
         let x_axis = AxisHints::new_x()
             .label(RichText::new(title).small())
             .tick_label_font(FontId::proportional(11.0))
@@ -195,14 +195,14 @@ impl ChannelPlot<'_> {
             .width(strip.plot.width())
             .height(strip.plot.height())
             .custom_x_axes(vec![x_axis])
-            .custom_y_axes(vec![strip.value_axis(channel.name(), unit(channel, units))])
+            .custom_y_axes(vec![strip.value_axis(channel.name(), unit(channel.dimension(), units))])
             .x_grid_spacer(round_marks)
             .y_grid_spacer(close_marks)
             .label_formatter(move |position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
                     let [x, y] = [
-                        with_unit(other, units, position.x / factors[0]),
-                        with_unit(channel, units, position.y / factors[1]),
+                        with_unit(other.dimension(), units, position.x / factors[0]),
+                        with_unit(channel.dimension(), units, position.y / factors[1]),
                     ];
                     Some(format!("{plot_name}\n{}: {x}\n{}: {y}", other.name(), channel.name()))
                 }
@@ -242,7 +242,7 @@ impl ChannelPlot<'_> {
         for one in &self.all {
             let count = one.series.count(self.times.window_s);
             let at = self.times.cursor_s.and_then(|cursor_s| one.series.at(cursor_s));
-            let at = at.map(|value| with_unit(channel, self.units, value));
+            let at = at.map(|value| with_unit(channel.dimension(), self.units, value));
             let at = at.unwrap_or_else(|| "nothing".to_owned());
             let colour = theme::readable(colour(one), dark);
             let text = format!("{}: {count} values; at the cursor {at}", one.name);

@@ -4,10 +4,10 @@
 //! draws what its [`pyramid`] says.
 
 mod axis_marks;
-mod channel_units;
 pub mod channels;
 pub mod chart;
 pub mod clocks;
+mod dimension_units;
 mod estimate_errors;
 pub mod histogram;
 pub mod intervals;

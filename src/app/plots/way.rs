@@ -5,6 +5,7 @@ use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{PopupCloseBehavior, RichText};
 use egui_plot::{FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints};
 
+use super::dimension_units::{per_stored, unit};
 use super::estimate_errors::{self, HALF_95};
 use super::strips::{Strip, strips};
 use super::time_plot::{self, TimePlot};
@@ -12,7 +13,8 @@ use super::times::Times;
 use super::{close_marks, in_the_middle, with_room};
 use crate::app::model::estimates::Shown;
 use crate::app::model::{Commands, OpenDeployment, TimeCommand, Units, WayPlots};
-use crate::app::prepared::way::{Aspect, Instant, Way};
+use crate::app::prepared::aspects::Aspect;
+use crate::app::prepared::way::{Instant, Way};
 use crate::app::state::State;
 use crate::app::theme;
 use resect_core::estimates::Judged;
@@ -169,17 +171,10 @@ impl AspectPlot<'_> {
     }
 }
 
-/// What stored values are multiplied by to be shown, and the unit that they have then.
+/// Factor of stored values to the unit in which they are shown, and that unit.
 fn shown_in(aspect: Aspect, units: Units) -> (f64, &'static str) {
-    match aspect {
-        Aspect::Height => (units.length.per_metre(), units.length.name()),
-        Aspect::Speed => (1.0, "m/s"),
-        Aspect::Heading | Aspect::Roll | Aspect::Pitch => {
-            (units.angle.per_radian(), units.angle.name())
-        }
-        Aspect::PositionSigma => (1e3, "mm"),
-        Aspect::TurnSigma => (units.angle.small_per_radian(), units.angle.small_name()),
-    }
+    let dimension = aspect.dimension();
+    (per_stored(dimension, units), unit(dimension, units))
 }
 
 /// One place of a line with its band, which may sum up several instants.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::dimension::Dimension;
 use super::plots::PreparedPlots;
 use super::series::Series;
 
@@ -31,19 +32,6 @@ pub enum Of {
     Station,
     Pair,
     Vehicle,
-}
-
-/// What a channel is measured in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dimension {
-    /// Stored in metres.
-    Length,
-    /// Stored in radians.
-    Angle,
-    /// Stored in degrees a second, as the thresholds are.
-    AngleRate,
-    /// In a unit of its own, whatever the user reads lengths and angles in.
-    Other(&'static str),
 }
 
 impl Channel {

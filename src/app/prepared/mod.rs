@@ -2,11 +2,13 @@
 //! the trees that find the point under the pointer.
 
 pub mod analyser;
+pub mod aspects;
 pub mod beside;
 pub mod channels;
 mod clock_series;
 mod cloud;
 pub mod control_points;
+pub mod dimension;
 pub mod gaps;
 pub mod pick;
 pub mod placing;

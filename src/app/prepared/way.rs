@@ -38,84 +38,6 @@ pub struct Instant {
     pub turn_sigma_rad: Option<f64>,
 }
 
-/// What is plotted of the way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Aspect {
-    Height,
-    Speed,
-    Heading,
-    Roll,
-    Pitch,
-    /// How well the position is known.
-    PositionSigma,
-    /// How well the orientation is known.
-    TurnSigma,
-}
-
-impl Aspect {
-    /// All aspects in the order of their plots.
-    pub const ALL: [Self; 7] = [
-        Self::Height,
-        Self::Speed,
-        Self::Heading,
-        Self::Roll,
-        Self::Pitch,
-        Self::PositionSigma,
-        Self::TurnSigma,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Height => "height",
-            Self::Speed => "speed",
-            Self::Heading => "heading",
-            Self::Roll => "roll",
-            Self::Pitch => "pitch",
-            Self::PositionSigma => "σ position",
-            Self::TurnSigma => "σ rotation",
-        }
-    }
-
-    pub fn hint(self) -> &'static str {
-        match self {
-            Self::Height => "z of the vehicle's origin in the frame of station 1, with ±1.96 σ",
-            Self::Speed => "Length of the velocity of the vehicle's origin, with ±1.96 σ",
-            Self::Heading => {
-                "Turn about z from the frame of station 1 to the vehicle's, with ±1.96 σ"
-            }
-            Self::Roll => "Turn about the vehicle's own x, with ±1.96 σ",
-            Self::Pitch => "Turn about y between heading and roll, with ±1.96 σ",
-            Self::PositionSigma => {
-                "How well the position is known: the root of the mean variance of its three axes, with all that is open \
-                 about readings, calibration, clocks and rig"
-            }
-            Self::TurnSigma => {
-                "How well the orientation is known: the root of the mean variance about the three axes"
-            }
-        }
-    }
-
-    /// The value at an instant, where there is one (m, m/s, rad); σ of what is itself a σ is zero.
-    pub fn of(self, at: &Instant) -> Option<Estimate> {
-        let exact = |value: f64| Estimate { value, sigma: 0.0 };
-        match self {
-            Self::Height => {
-                let sigma = at.position_covariance_m2[(2, 2)].max(0.0).sqrt();
-                Some(Estimate { value: at.position_m.z, sigma })
-            }
-            Self::Speed => at.speed_m_per_s,
-            Self::Heading => at.attitude.map(|attitude| attitude.yaw_rad),
-            Self::Roll => at.attitude.map(|attitude| attitude.roll_rad),
-            Self::Pitch => at.attitude.map(|attitude| attitude.pitch_rad),
-            Self::PositionSigma => {
-                Some(exact((at.position_covariance_m2.trace() / 3.0).max(0.0).sqrt()))
-            }
-            Self::TurnSigma => at.turn_sigma_rad.map(exact),
-        }
-    }
-}
-
 impl Way {
     /// The way by an answer, from the joint estimate's motion at even steps; by other methods at some of the triplets.
     pub fn of(deployment: &Deployment, analysis: &Analysis) -> Self {
@@ -240,6 +162,7 @@ impl Instant {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::prepared::aspects::Aspect;
     use resect_core::analysis::{Analyst, Settings};
     use resect_core::calibration::Method;
     use resect_core::evaluation::vehicle::vehicle_at;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::State;
-use crate::app::model::told::{forget_past, new_findings};
+use crate::app::model::new_findings::{forget_past, new_findings};
 use crate::app::prepared::PreparedPlots;
 use crate::app::prepared::analyser::Answered;
 use resect_report::summary::ResultSummary;

@@ -103,7 +103,7 @@ impl State {
         };
         let result = match (&analysis.answer, &open.summary) {
             (Ok(_), Some(summary)) => Ok(Arc::clone(summary)),
-            (Err(error), _) => Err(error.finding().message),
+            (Err(error), _) => Err(error.finding().to_string()),
             (Ok(_), None) => return,
         };
         let step = self.deployments.undo.begun();

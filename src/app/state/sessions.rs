@@ -274,7 +274,7 @@ impl State {
     /// Says what was found on the way, where that is anything.
     pub fn tell(&mut self, findings: &[Finding]) {
         for finding in findings {
-            self.toasts.warning(&finding.message);
+            self.toasts.warning(&finding.to_string());
         }
     }
 }

@@ -54,11 +54,17 @@ pub fn tell(deployment: &Deployment, methods: &[Method]) -> Vec<Result<Answered,
 
 fn answered(calibration: &Calibration) -> Answered {
     let said = calibration.findings.iter().map(|finding| {
-        let (words, numbers) = split(&finding.message);
+        let (words, numbers) = split(&finding.to_string());
         // What a remedy shows or says has numbers of its own.
         let remedies =
             finding.remedies.iter().map(|remedy| split(&format!("{remedy:?}")).0).collect();
-        Said { severity: finding.severity, doubt: finding.doubt, words, numbers, remedies }
+        Said {
+            severity: finding.severity,
+            doubt: finding.kind.is_doubt(),
+            words,
+            numbers,
+            remedies,
+        }
     });
     Answered {
         transforms: calibration.station1_from_station,

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use resect_core::calibration::Method;
-use resect_core::deployment::Deployment;
+use resect_core::deployment::{Deployment, FindingKind};
 use resect_core::simulation::{Preset, Scenario, Simulated, simulate_scenario};
 use resect_io::open::open_files;
 use resect_io::simulation_files::write_folder;
@@ -94,7 +94,7 @@ fn rows_in_any_order_are_the_same_readings_and_are_told() {
     reorder(text_of(&mut changed, "inter_prism.csv"), |lines| lines.reverse());
     let (before, after) = (read(&files()), read(&changed));
     assert_eq!(before.tracks, after.tracks);
-    assert!(after.findings.iter().any(|f| f.message.contains("out-of-order")), "{after:?}");
+    assert!(after.findings.iter().any(|f| f.kind == FindingKind::StampsOutOfOrder), "{after:?}");
 }
 
 /// The readings as another program would write them, with what `deployment.toml` says of it.

@@ -1,5 +1,6 @@
 //! What is wrong with a stream is said in one line each, and nothing of it ends the program.
 
+use resect_core::deployment::FindingKind;
 use std::io::Write;
 use std::net::TcpListener;
 
@@ -95,7 +96,10 @@ fn whoever_is_no_source_is_told_apart() {
     let nobody = session(&format!("ws://{closed}"));
     wait_until(&nobody, |view| why(view).is_some_and(|why| why.contains("nobody answers")));
     let view = nobody.view();
-    assert!(view.warnings.iter().any(|w| w.amiss.name() == "no-connection"), "{view:?}");
+    assert!(
+        view.warnings.iter().any(|w| w.finding.kind == FindingKind::LiveNoConnection),
+        "{view:?}"
+    );
     assert!(nobody.stop().expect("it ran").deployment.is_err(), "nothing was read");
 
     // A web server, and one that says something else.

@@ -1,5 +1,6 @@
 //! The stream of Bonn's network, which repeats the latest readings and names instruments.
 
+use resect_core::deployment::FindingKind;
 use std::time::Duration;
 
 use resect_io::sample::Sample;
@@ -69,9 +70,11 @@ fn instruments_that_nobody_names_are_asked_for() {
         ..wanted(Feed::Url(server.url.clone()), None)
     };
     let session = Session::start(&wanted).expect("it begins");
-    wait_until(&session, |view| view.warnings.iter().any(|w| w.amiss.name() == "no-station"));
+    wait_until(&session, |view| {
+        view.warnings.iter().any(|w| w.finding.kind == FindingKind::LiveNoStation)
+    });
     let view = session.view();
-    assert!(view.warnings.iter().any(|w| w.finding.message.contains("7a11")), "{view:?}");
+    assert!(view.warnings.iter().any(|w| w.finding.to_string().contains("7a11")), "{view:?}");
     assert_eq!(view.readings(), 0);
     std::thread::sleep(Duration::from_millis(10));
     assert!(session.stop().expect("it ran").deployment.is_err());

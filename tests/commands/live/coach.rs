@@ -1,9 +1,10 @@
 //! What the coach says of simulated drives, as they grow: "enough" is never said too early, and what is amiss is said.
 
+use resect_live::warnings::Warning;
 use std::sync::Arc;
 
 use resect_core::analysis::{Analyst, Settings};
-use resect_core::deployment::{Deployment, Overrides};
+use resect_core::deployment::{Deployment, FindingKind, Overrides};
 use resect_core::simulation::{Preset, Scenario, Settling, Simulated, simulate_scenario};
 use resect_io::growing::Growing;
 use resect_live::event::Event;
@@ -100,7 +101,8 @@ fn a_straight_line_is_said_and_is_never_enough() {
         last = view.clone();
         true
     });
-    assert!(last.warnings.iter().any(|w| w.amiss.name() == "straight-line"), "{:?}", last.warnings);
+    let is_line = |w: &Warning| w.finding.kind == FindingKind::LiveStraightLine;
+    assert!(last.warnings.iter().any(is_line), "{:?}", last.warnings);
     assert!(last.sentence.contains("figure-eight"), "{}", last.sentence);
 }
 
@@ -116,8 +118,9 @@ fn a_station_that_was_knocked_is_said_and_ends_what_was_enough() {
         last = view.clone();
         true
     });
-    let told = last.warnings.iter().find(|w| w.amiss.name() == "stepped").expect("it is said");
-    assert_eq!(told.amiss.station(), Some(1), "{told:?}");
+    let is_step = |w: &&Warning| w.finding.kind == FindingKind::LiveStepped;
+    let told = last.warnings.iter().find(is_step).expect("it is said");
+    assert!(told.finding.is_about_station(1), "{told:?}");
     assert!(!last.enough, "{}", last.sentence);
 }
 
@@ -134,13 +137,11 @@ fn a_prism_of_another_station_is_said_while_it_is_followed() {
     }
     let mut told = Vec::new();
     drive(&deployment, 10.0, |view| {
-        told.extend(view.warnings.iter().map(|w| (w.amiss.name(), w.amiss.station(), w.since_s)));
+        told.extend(view.warnings.iter().cloned());
         view.driven_s < 185.0
     });
-    let wrong: Vec<_> = told.iter().filter(|(name, ..)| *name == "wrong-prism").collect();
+    let wrong: Vec<&Warning> =
+        told.iter().filter(|w| w.finding.kind == FindingKind::LiveWrongPrism).collect();
     assert!(!wrong.is_empty(), "{told:?}");
-    assert!(
-        wrong.iter().all(|(_, station, since_s)| *station == Some(2) && *since_s > from_s),
-        "{wrong:?}"
-    );
+    assert!(wrong.iter().all(|w| w.finding.is_about_station(2) && w.since_s > from_s), "{wrong:?}");
 }

@@ -48,7 +48,7 @@ fn a_replay_prints_a_line_a_second_and_in_the_end_what_calibrate_prints_of_its_r
     assert!(lines.len() >= 3, "{}", lines.len());
     let (answer, lines) = lines.split_last().expect("lines");
     for line in lines {
-        assert_eq!(line["schema"], 1);
+        assert_eq!(line["schema"], 2);
         assert_eq!(line["stations"].as_array().expect("a list").len(), 3);
         assert!(line["enough"].is_boolean() && line["advice"].is_string(), "{line}");
     }

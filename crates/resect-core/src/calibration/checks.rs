@@ -4,8 +4,12 @@
 use super::{Calibration, Method, TransformSigma, Verdict, Witness};
 use crate::calibration::distance_errors_m;
 use crate::calibration::misfits::control_points_apart_m;
+use crate::deployment::findings::answers::{estimate_not_converged, published_answer_far_apart};
+use crate::deployment::findings::checks::{
+    drive_contradicts, drive_fits_poorly, points_leave_direction_free, points_weak,
+};
 use crate::deployment::{
-    ControlPoint, ControlPointSet, Deployment, Finding, Remedy, Rig, TrackFrame,
+    ControlPoint, ControlPointSet, Deployment, Finding, Rig, TrackFrame, findings,
 };
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
@@ -31,8 +35,7 @@ const CONTRADICTION: f64 = 3.0;
 
 /// What is wrong with an estimate that went on until it was stopped.
 pub fn unconverged(converged: bool) -> Option<(Verdict, Finding)> {
-    let line = "the estimate did not converge: it stopped before it reached a minimum";
-    (!converged).then(|| (Verdict::Weak, Finding::warning(line)))
+    (!converged).then(|| (Verdict::Weak, estimate_not_converged()))
 }
 
 /// How far what instruments do wrong moves the published answer, at most (m): simulated drives with all of it, by a few
@@ -50,15 +53,7 @@ pub fn far_apart(
         .map(|station| (station, apart_m(station)))
         .into_iter()
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (apart_m > FAR_APART_M).then(|| {
-        let line = format!(
-            "the paper's method puts station {} {:.0} mm elsewhere from the same readings: more than instruments in order make \
-             of it, so find out which readings are wrong",
-            station + 1,
-            apart_m * 1e3
-        );
-        (Verdict::Weak, Finding::warning(line))
-    })
+    (apart_m > FAR_APART_M).then(|| (Verdict::Weak, published_answer_far_apart(station, apart_m)))
 }
 
 /// Adds what the uncertainty and the unseen witnesses say to the findings and the verdict of methods A, B and C.
@@ -74,16 +69,9 @@ pub fn hold_against_the_rest(
     // Points that do not fit make σ large too; where they lie is then not what to change.
     let fits = calibration.fit_rms_m().is_none_or(|rms_m| rms_m < POOR_POINT_FIT_M);
     if largest_m > FREE_SIGMA_M && (fits || calibration.sigma.is_none()) {
-        doubts.push((
-            Verdict::Degenerate,
-            Finding::problem("the points leave a direction free: spread them over the whole area"),
-        ));
+        doubts.push((Verdict::Degenerate, points_leave_direction_free()));
     } else if largest_m > WEAK_SIGMA_M {
-        let advice =
-            if fits { "spread the points over a larger area" } else { "first make the points fit" };
-        let line =
-            format!("weakly held: σ up to {:.0} mm at the stations; {advice}", largest_m * 1e3);
-        doubts.push((Verdict::Weak, Finding::warning(line)));
+        doubts.push((Verdict::Weak, points_weak(largest_m, fits)));
     }
     if let Some(sigma) = &calibration.sigma {
         let transforms = &calibration.station1_from_station;
@@ -135,16 +123,13 @@ pub fn control_points_contradict(
         }
     }
     let (median_m, expected_m, worst_set) = worst?;
-    let file = &worst_set.file;
-    let finding = Finding::warning(format!(
-        "control points contradict this answer: {:.0} mm apart in {file} (median) where about {:.0} mm are expected; \
-         a station moved between the two, or a bias is not modelled",
-        median_m * 1e3,
-        expected_m * 1e3
-    ));
-    let remedy = furthest_apart(&worst_set.points, station1_from_station)
-        .map(|marker| Remedy::ShowPoint { file: worst_set.file.clone(), marker });
-    Some(remedy.into_iter().fold(finding, Finding::with))
+    let worst_point = furthest_apart(&worst_set.points, station1_from_station);
+    Some(findings::checks::control_points_contradict(
+        &worst_set.file,
+        median_m,
+        expected_m,
+        worst_point,
+    ))
 }
 
 /// Marker of the point that two stations put furthest apart.
@@ -169,24 +154,13 @@ fn distances_contradict(
     let median_m = median(errors_m.into_iter().flatten().map(f64::abs))?;
     let range_m = triplets.points_m[0][triplets.len() / 2].norm();
     let expected_m = expected_m(sigma, range_m, DISTANCE_SIGMA_M);
-    let line = if median_m > CONTRADICTION * expected_m {
-        format!(
-            "the drive contradicts this answer: its inter-prism distances are off by {:.1} mm (median) where about \
-             {:.0} mm are expected; a station moved between the two, or a bias is not modelled",
-            median_m * 1e3,
-            expected_m * 1e3
-        )
+    if median_m > CONTRADICTION * expected_m {
+        Some(drive_contradicts(median_m, expected_m))
     } else if median_m > POOR_FIT_M {
-        format!(
-            "this answer does not hold the drive together: its inter-prism distances are off by {:.1} mm (median), which \
-             its σ allows ({:.0} mm) and a good answer does not show (1 to 2 mm)",
-            median_m * 1e3,
-            expected_m * 1e3
-        )
+        Some(drive_fits_poorly(median_m, expected_m))
     } else {
-        return None;
-    };
-    Some(Finding::warning(line))
+        None
+    }
 }
 
 /// What two stations may disagree by at a range (m): the answer's σ, and at least `floor_m`.

@@ -1,8 +1,12 @@
-//! What was found of the clocks of stations 2 and 3, in words.
+//! Findings about the clocks of stations 2 and 3: which estimates are reported, and which are suspicious.
 
 use super::Estimate;
-use super::estimate::{SUPPORTED_SIGMAS, sigmas_in_words};
-use crate::deployment::{Finding, Remedy};
+use super::estimate::SUPPORTED_SIGMAS;
+use crate::deployment::Finding;
+use crate::deployment::findings::clocks::{
+    clock_drift, clock_drift_implausible, clock_jump_suspected, clock_offset,
+    clock_offset_suspected,
+};
 
 /// A clock that is off by more than both is worth a warning where it is not estimated (s).
 const SUSPICIOUS_SIGMAS: f64 = 3.5;
@@ -10,107 +14,54 @@ pub const SUSPICIOUS_OFFSET_S: f64 = 0.002;
 /// Four times what the prior allows (s per s).
 const IMPLAUSIBLE_DRIFT: f64 = 20e-6;
 
-/// What the clocks of stations 2 and 3 were found to do.
-pub fn clocks(offsets_s: &[Estimate; 2], drifts: &[Estimate; 2]) -> Vec<Finding> {
-    let offsets = offsets_s.iter().enumerate().map(|(slot, clock)| clock_in_words(slot + 2, clock));
-    let drifts = drifts
-        .iter()
-        .enumerate()
-        .filter(|(_, drift)| drift.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS)
-        .map(|(slot, drift)| {
-            Finding::note(format!(
-                "station {}'s clock drifts by {:+.1} ± {:.1} µs a second",
-                slot + 2,
-                drift.value * 1e6,
-                drift.sigma * 1e6,
-            ))
-        });
-    offsets.chain(drifts).collect()
+/// True if an offset (s) is too large for a clock that is not estimated.
+fn is_suspicious(offset_s: &Estimate) -> bool {
+    offset_s.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
+        && offset_s.value.abs() > SUSPICIOUS_OFFSET_S
 }
 
-/// "station 3's stamps are 3.7 ± 0.3 ms late".
-fn clock_in_words(station: usize, clock: &Estimate) -> Finding {
-    let direction = if clock.value > 0.0 { "late" } else { "early" };
-    let sigmas = clock.sigmas_from(0.0).abs();
-    let line = format!(
-        "station {station}'s stamps are {:.2} ± {:.2} ms {direction} against station 1's{}",
-        clock.value.abs() * 1e3,
-        clock.sigma * 1e3,
-        sigmas_in_words(sigmas),
-    );
-    Finding::note(line)
+/// The estimates of stations 2 and 3, each with its station.
+fn by_station<'a>(estimates: &'a [Estimate; 2]) -> impl Iterator<Item = (usize, &'a Estimate)> {
+    estimates.iter().enumerate().map(|(slot, estimate)| (slot + 1, estimate))
+}
+
+/// The offsets of the clocks of stations 2 and 3 (s), and their significant drifts (s per s).
+pub fn clocks(offsets_s: &[Estimate; 2], drifts: &[Estimate; 2]) -> Vec<Finding> {
+    let offsets = by_station(offsets_s).map(|(station, offset)| clock_offset(station, offset));
+    let drifts = by_station(drifts)
+        .filter(|(_, drift)| drift.sigmas_from(0.0).abs() > SUPPORTED_SIGMAS)
+        .map(|(station, drift)| clock_drift(station, drift));
+    offsets.chain(drifts).collect()
 }
 
 /// Clocks that differ between the halves of a drive.
 pub fn suspected_jumps(jumps_s: &[Estimate; 2]) -> Vec<Finding> {
-    jumps_s
-        .iter()
-        .enumerate()
-        .filter(|(_, jump)| {
-            jump.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
-                && jump.value.abs() > SUSPICIOUS_OFFSET_S
-        })
-        .map(|(slot, jump)| {
-            Finding::warning(format!(
-                "station {}'s stamps seem {:+.1} ± {:.1} ms later in the second half of the drive than in the first, which \
-                 biases this answer: look for a clock that jumped (the joint estimate says when)",
-                slot + 2,
-                jump.value * 1e3,
-                jump.sigma * 1e3,
-            ))
-            .with(Remedy::JointEstimate)
-        })
+    by_station(jumps_s)
+        .filter(|(_, jump)| is_suspicious(jump))
+        .map(|(station, jump)| clock_jump_suspected(station, jump))
         .collect()
 }
 
-/// What becomes of a drift where none is estimated.
-pub const NOT_CORRECTED: &str = "the answer is not corrected for that";
-
-/// Drifts that no clock in order has, where no jump explains them, with what becomes of them.
+/// Drifts that no clock in order has, where no jump explains them; `are_estimated` where the estimate allows for them.
 pub fn implausible_drifts(
     drifts: &[Estimate; 2],
     jumping: &[bool; 2],
-    consequence: &str,
+    are_estimated: bool,
 ) -> Vec<Finding> {
-    drifts
-        .iter()
+    let is_implausible = |drift: &Estimate| {
+        drift.value.abs() > IMPLAUSIBLE_DRIFT && drift.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
+    };
+    by_station(drifts)
         .zip(jumping)
-        .enumerate()
-        .filter(|(_, (drift, jumping))| {
-            drift.value.abs() > IMPLAUSIBLE_DRIFT
-                && drift.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
-                && !**jumping
-        })
-        .map(|(slot, (drift, _))| {
-            Finding::warning(format!(
-                "station {}'s clock seems to drift by {:+.0} µs a second, more than those of total stations do: nothing keeps \
-                 it, or it jumps or wanders; {consequence}",
-                slot + 2,
-                drift.value * 1e6,
-            ))
-        })
+        .filter(|((_, drift), jumping)| is_implausible(drift) && !**jumping)
+        .map(|((station, drift), _)| clock_drift_implausible(station, drift, are_estimated))
         .collect()
 }
 
 /// Clocks that are clearly off although they were not estimated: they bias the answer.
 pub fn suspicions(clocks: &[Estimate; 2]) -> Vec<Finding> {
-    clocks
-        .iter()
-        .enumerate()
-        .filter(|(_, clock)| {
-            clock.sigmas_from(0.0).abs() > SUSPICIOUS_SIGMAS
-                && clock.value.abs() > SUSPICIOUS_OFFSET_S
-        })
-        .map(|(slot, clock)| {
-            let direction = if clock.value > 0.0 { "late" } else { "early" };
-            Finding::warning(format!(
-                "station {}'s stamps seem {:.1} ± {:.1} ms {direction} against station 1's, which biases this answer: \
-                 estimate the clocks, as the joint estimate does",
-                slot + 2,
-                clock.value.abs() * 1e3,
-                clock.sigma * 1e3,
-            ))
-            .with(Remedy::JointEstimate)
-        })
+    by_station(clocks)
+        .filter(|(_, offset)| is_suspicious(offset))
+        .map(|(station, offset)| clock_offset_suspected(station, offset))
         .collect()
 }

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use super::{Calibration, Method};
-use crate::deployment::{Deployment, Finding, ToldAngle, ToldIn, TrackFrame};
+use crate::deployment::findings::answers::{MethodDifference, methods_disagree};
+use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::geometry::{RigidTransform, wrap_to_pi};
 
 /// Answers this many standard deviations apart disagree.
@@ -30,33 +31,21 @@ pub struct Disagreement {
 }
 
 impl Disagreement {
-    /// "B and D disagree about the yaw of station 2: +0.87 mrad …".
+    /// The finding that the two methods disagree, about the yaw where that is significant.
     pub fn finding(&self) -> Finding {
-        let yaw = ToldAngle::signed(self.yaw_rad, ToldIn::Milliradians, 2);
-        Finding::warning(self.in_words(&yaw)).telling([yaw])
-    }
-
-    fn in_words(&self, yaw: &ToldAngle) -> String {
-        let [first, second] = self
+        let names = self
             .methods
             .map(|method| method.letter().map_or_else(|| method.to_string(), String::from));
-        let mm = self.translation_m.map(|m| m * 1e3);
-        let moved = format!(
-            "{:.0} mm apart on its track, {:.0} m away on average",
-            self.moved_m * 1e3,
-            self.range_m
-        );
-        match self.yaw_sigmas {
-            Some(sigmas) if sigmas > DISAGREEMENT_SIGMAS => format!(
-                "{first} and {second} disagree about the yaw of station {}: {yaw}, {sigmas:.0} σ apart, {moved}",
-                self.station,
-            ),
-            _ => format!(
-                "{first} and {second} disagree about the position of station {}: {:+.1}, {:+.1}, {:+.1} mm in x, y, z, \
-                 up to {:.0} σ apart, {moved}",
-                self.station, mm[0], mm[1], mm[2], self.largest_sigmas,
-            ),
-        }
+        methods_disagree(&MethodDifference {
+            methods: names.each_ref().map(String::as_str),
+            station: self.station - 1,
+            translation_m: self.translation_m,
+            yaw_rad: self.yaw_rad,
+            yaw_sigmas: self.yaw_sigmas.filter(|sigmas| *sigmas > DISAGREEMENT_SIGMAS),
+            largest_sigmas: self.largest_sigmas,
+            moved_m: self.moved_m,
+            range_m: self.range_m,
+        })
     }
 }
 

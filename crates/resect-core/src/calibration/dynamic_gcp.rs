@@ -19,7 +19,12 @@ use super::{
     JointTargets, Method, Offer, Verdict, checks, common_errors, time_blocks,
 };
 use super::{clocks_in_words, with_clocks};
-use crate::deployment::{Deployment, Finding, Overrides, Remedy};
+use crate::deployment::Deployment;
+use crate::deployment::findings::answers::joint_estimate_undetermined;
+use crate::deployment::findings::outliers::outliers_shift_answer;
+use crate::deployment::findings::points::{
+    few_time_blocks, prism_count_undecided, tracks_aligned, tracks_apart, tracks_fit_poorly,
+};
 use crate::geometry::{LevelTransform, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
@@ -70,11 +75,7 @@ pub fn solve_jointly(
     let tracks = AlignedTracks::robust(triplets).ok_or_else(|| on_a_line(deployment))?;
     let mut judgement = tracks.judge(offer);
     if let Some(clocks) = &tracks.clocks {
-        judgement.doubt(clocks_in_words::implausible_drifts(
-            &clocks.drifts,
-            &[false; 2],
-            clocks_in_words::NOT_CORRECTED,
-        ));
+        judgement.doubt(clocks_in_words::implausible_drifts(&clocks.drifts, &[false; 2], false));
     }
     let targets = JointTargets::OnePrism(tracks.details());
     let answer = tracks.into_answer(Alignment::Level, judgement);
@@ -99,9 +100,7 @@ pub fn solve_jointly(
         }
         None => judgement.put_first([(
             Verdict::Weak,
-            Finding::warning(
-                "the readings do not hold all that the joint estimate asks of them: these are the aligned tracks",
-            ),
+            joint_estimate_undetermined("these are the aligned tracks"),
         )]),
     }
     Ok(Calibration {
@@ -224,55 +223,20 @@ impl<'a> AlignedTracks<'a> {
     /// Judges the fit of the tracks.
     fn judge(&self, offer: &Offer) -> Judgement {
         let DynamicGcpDetails { rms_m, blocks } = self.details();
-        let mut judgement = Judgement::good(vec![Finding::note(format!(
-            "tracks of one prism aligned, {:.1} mm rms over {blocks} stretches of time",
-            rms_m * 1e3,
-        ))]);
+        let mut judgement = Judgement::good(vec![tracks_aligned(rms_m, blocks)]);
         if offer.targets == Targets::Undecided {
-            let line = "the drive hardly turns, so one prism cannot be told from three; if it was one, say `prisms = 1` in \
-                        deployment.toml";
-            let one_prism = Overrides { prisms: Some(1), ..Overrides::default() };
-            judgement.lower(
-                Verdict::Ambiguous,
-                Finding::warning(line).with(Remedy::ReadWith(Box::new(one_prism))),
-            );
+            judgement.lower(Verdict::Ambiguous, prism_count_undecided());
         }
         if self.pulled_m > NOTABLE_PULL_M {
-            let (wild, pulled_mm) = (self.wild, self.pulled_m * 1e3);
-            judgement.lower(
-                Verdict::Weak,
-                Finding::warning(format!(
-                    "{wild} triplets that cannot be right pull this answer by {pulled_mm:.0} mm; the joint estimate leaves them out"
-                ))
-                .with(Remedy::JointEstimate),
-            );
+            judgement.doubt([outliers_shift_answer(self.wild, None, self.pulled_m)]);
         }
         if rms_m > checks::HOPELESS_FIT_M {
-            judgement.lower(
-                Verdict::Degenerate,
-                Finding::warning(format!(
-                    "the tracks lie {:.2} m apart (rms): the stations did not follow one prism, or their clocks are far off",
-                    rms_m
-                ))
-                .with(Remedy::PutRight),
-            );
+            judgement.lower(Verdict::Degenerate, tracks_apart(rms_m));
         } else if rms_m > checks::POOR_POINT_FIT_M {
-            judgement.lower(
-                Verdict::Weak,
-                Finding::warning(format!(
-                    "the tracks fit poorly ({:.1} mm rms): check the clocks and the filters",
-                    rms_m * 1e3
-                )),
-            );
+            judgement.doubt([tracks_fit_poorly(rms_m)]);
         }
         if blocks < FEWEST_BLOCKS {
-            judgement.lower(
-                Verdict::Weak,
-                Finding::warning(format!(
-                    "only {} stretches of independent time; σ is rough below {FEWEST_BLOCKS}: record longer",
-                    blocks
-                )),
-            );
+            judgement.doubt([few_time_blocks(blocks, FEWEST_BLOCKS)]);
         }
         judgement
     }

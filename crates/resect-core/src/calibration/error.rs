@@ -1,33 +1,53 @@
 //! Why a calibration has no answer, and what can be done about it.
 
+use std::fmt;
+
 use super::{Method, Offer};
-use crate::deployment::{Deployment, Finding, Remedy};
+use crate::deployment::findings::answers::{
+    cancelled, method_lacks_data, no_joint_estimate, no_rig, no_triplets, points_on_a_line,
+    too_few_triplets,
+};
+use crate::deployment::{Deployment, Finding};
 use crate::progress::Cancelled;
 
 /// Why there is no answer at all.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum CalibrationError {
-    #[error("{deployment}: no triplets: {why}")]
-    NoTriplets { deployment: String, why: String },
-    #[error(
-        "{deployment}: only {found} triplets, {needed} needed for 8 unknowns; record longer, or relax the filters"
-    )]
-    TooFewTriplets { deployment: String, found: usize, needed: usize },
-    #[error("{}", self.finding())]
-    NoRig { deployment: String },
-    #[error("{deployment}: {method} ({}) needs {lack}", .method.name())]
-    Lacking { deployment: String, method: Method, lack: String },
-    #[error(
-        "{deployment}: the points of {method} ({}) lie in one place or on a line, which holds no rigid transform; \
-         use a level alignment, or more points",
-        .method.name()
-    )]
-    PointsOnALine { deployment: String, method: Method },
-    #[error("{}", self.finding())]
-    NoJointEstimate { why: Box<CalibrationError>, published: Method },
+    NoTriplets {
+        deployment: String,
+        why: String,
+    },
+    TooFewTriplets {
+        deployment: String,
+        found: usize,
+        needed: usize,
+    },
+    NoRig {
+        deployment: String,
+    },
+    Lacking {
+        deployment: String,
+        method: Method,
+        lack: String,
+    },
+    PointsOnALine {
+        deployment: String,
+        method: Method,
+    },
+    NoJointEstimate {
+        why: Box<CalibrationError>,
+        published: Method,
+    },
     /// The calibration was cancelled by who asked for it: not to be shown as an error.
-    #[error("cancelled")]
     Cancelled,
+}
+
+impl std::error::Error for CalibrationError {}
+
+impl fmt::Display for CalibrationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.finding().fmt(f)
+    }
 }
 
 impl From<Cancelled> for CalibrationError {
@@ -52,31 +72,25 @@ impl CalibrationError {
         }
     }
 
-    /// The error as a finding, with what can be done about it.
+    /// The error as a finding, with its remedies.
     pub fn finding(&self) -> Finding {
+        let in_full = |method: &Method| format!("{method} ({})", method.name());
         match self {
-            Self::NoRig { deployment } => Finding::problem(format!(
-                "{deployment}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, set \
-                 inter_prism_m in deployment.toml, or name a file of the rig"
-            ))
-            .with(Remedy::GiveRig),
-            Self::NoTriplets { .. } | Self::TooFewTriplets { .. } => {
-                Finding::problem(self.to_string()).with(Remedy::RelaxFilters)
+            Self::NoTriplets { deployment, why } => no_triplets(deployment, why),
+            Self::TooFewTriplets { deployment, found, needed } => {
+                too_few_triplets(deployment, *found, *needed)
             }
-            Self::PointsOnALine { .. } => {
-                Finding::problem(self.to_string()).with(Remedy::LevelAlignment)
+            Self::NoRig { deployment } => no_rig(deployment),
+            Self::Lacking { deployment, method, lack } => {
+                method_lacks_data(deployment, &in_full(method), lack)
+            }
+            Self::PointsOnALine { deployment, method } => {
+                points_on_a_line(deployment, &in_full(method))
             }
             Self::NoJointEstimate { why, published } => {
-                let why = why.finding();
-                let message = format!(
-                    "{}; {published} has an answer: choose it ({})",
-                    why.message,
-                    published.name()
-                );
-                let finding = Finding::problem(message).with(Remedy::PublishedMethod);
-                why.remedies.into_iter().fold(finding, Finding::with)
+                no_joint_estimate(why.finding(), [&published.to_string(), published.name()])
             }
-            Self::Lacking { .. } | Self::Cancelled => Finding::problem(self.to_string()),
+            Self::Cancelled => cancelled(),
         }
     }
 }

@@ -1,10 +1,12 @@
 //! The way from triplets to an answer: by which method, beside which other, and held against what.
 
+use crate::deployment::findings::answers::{published_answer_missing, tracks_not_transformed};
+
 use super::{
     Calibration, CalibrationError, CalibrationSettings, Method, Offer, Targets, Verdict, Witness,
     checks, disagreements, dynamic_gcp, inter_prism, sense, static_gcp, two_point,
 };
-use crate::deployment::{Deployment, Finding, TrackFrame};
+use crate::deployment::{Deployment, TrackFrame};
 use crate::pipeline::Triplets;
 use crate::progress::Progress;
 use crate::stopwatch::Stopwatch;
@@ -79,10 +81,10 @@ fn jointly_beside_published(
     };
     match published {
         Ok(published) => joint.published = Some(Box::new(published)),
-        Err(why) => joint.findings.push(Finding::warning(format!(
-            "the paper's answer is not there to compare with: {published_method} has none ({})",
-            why.finding().message
-        ))),
+        Err(why) => {
+            let method = published_method.to_string();
+            joint.findings.push(published_answer_missing(&method, &why.finding()));
+        }
     }
     joint.solve_ms = started.elapsed_ms() - joint.prior_ms;
     Ok(joint)
@@ -116,7 +118,6 @@ fn answer_by(
 }
 
 /// An answer held against all that could contradict it.
-#[expect(clippy::too_many_arguments, reason = "not grouped yet")]
 fn checked(
     mut calibration: Calibration,
     deployment: &Deployment,
@@ -130,15 +131,12 @@ fn checked(
         hold_against_control_points(&mut calibration, deployment, settings, offer);
     }
     sense::check(&mut calibration, deployment, triplets, offer, tried, progress)?;
-    for doubt in deployment.findings.iter().filter(|finding| finding.doubt) {
+    for doubt in deployment.findings.iter().filter(|finding| finding.kind.is_doubt()) {
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
         calibration.findings.push(doubt.clone());
     }
     if calibration.placing_tracks(deployment).is_none() {
-        calibration.findings.push(Finding::warning(
-            "this answer is about the stations' own frames, and the tracks are in another: it does not place them, and \
-             nothing of the drive was held against it",
-        ));
+        calibration.findings.push(tracks_not_transformed());
     }
     Ok(calibration)
 }

@@ -4,6 +4,9 @@
 //! and 3 to station 1 (Vaidis et al. 2022, section "Static methods", "Static GCPs calibration"). All files of control
 //! points count, pillars do not.
 
+use crate::deployment::findings::points::{
+    control_point_outlier, control_points_aligned, control_points_fit_poorly,
+};
 use nalgebra::Vector3;
 
 use super::judgement::Judgement;
@@ -13,7 +16,7 @@ use super::unchecked::UncheckedAnswer;
 use super::{
     Calibration, CalibrationError, CalibrationSettings, Details, Method, Offer, Verdict, checks,
 };
-use crate::deployment::{ControlPoint, Deployment, Finding, Remedy};
+use crate::deployment::{ControlPoint, Deployment, Finding};
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
 use crate::statistics::median;
@@ -37,7 +40,6 @@ pub struct StaticGcpDetails {
     pub world_from_station1: Option<RigidTransform>,
 }
 
-#[expect(clippy::too_many_lines, reason = "one list; not split yet")]
 pub fn solve(
     deployment: &Deployment,
     triplets: &Triplets,
@@ -98,23 +100,11 @@ pub fn solve(
         .sqrt();
     let used = matches.len();
     let counts = [matches[used - 2].len(), matches[used - 1].len()];
-    let mut judgement = Judgement::good(vec![Finding::note(format!(
-        "{} control points aligned {}, {:.1} mm rms",
-        counts[0].max(counts[1]),
-        if global { "to their global coordinates" } else { "to station 1" },
-        rms_m * 1e3
-    ))]);
+    let count = counts[0].max(counts[1]);
+    let mut judgement = Judgement::good(vec![control_points_aligned(count, global, rms_m)]);
     if rms_m > checks::POOR_POINT_FIT_M {
-        let line = format!(
-            "the control points fit poorly ({:.1} mm rms): check markers, coordinates, prism constant and whether a station moved",
-            rms_m * 1e3
-        );
-        let finding = if rms_m > checks::HOPELESS_FIT_M {
-            Finding::problem(line)
-        } else {
-            Finding::warning(line)
-        };
-        judgement.lower(Verdict::Weak, finding.with(Remedy::PutRight));
+        let is_hopeless = rms_m > checks::HOPELESS_FIT_M;
+        judgement.lower(Verdict::Weak, control_points_fit_poorly(rms_m, is_hopeless));
     }
     judgement.doubt(blunders(deployment, &matches, &aligned.residuals_m));
     let answer = UncheckedAnswer {
@@ -161,15 +151,6 @@ fn blunders(
         .iter()
         .zip(&worst)
         .filter(|(_, size)| **size > limit_m)
-        .map(|((file, point), size)| {
-            Finding::warning(format!(
-                "marker {} of {file} is off by {:.0} mm where half of the points are within {:.0} mm: check its readings, \
-                 or leave it out",
-                point.marker,
-                size * 1e3,
-                typical_m * 1e3
-            ))
-            .with(Remedy::ShowPoint { file: (*file).to_owned(), marker: point.marker })
-        })
+        .map(|((file, point), size)| control_point_outlier(file, point.marker, *size, typical_m))
         .collect()
 }

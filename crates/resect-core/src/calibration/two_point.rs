@@ -4,6 +4,10 @@
 //! is placed in the frame of the points by a level alignment (Vaidis et al. 2022, section "Static methods", "Two-point
 //! resection"). Every pair of known points is tried, and judged by the points that it leaves out.
 
+use crate::deployment::findings::points::{
+    known_distance_off, known_point_misplaced, resection_inconsistent, resection_pair,
+    resection_unchecked,
+};
 use nalgebra::Vector3;
 
 use super::checks;
@@ -11,7 +15,7 @@ use super::judgement::Judgement;
 use super::point_to_point::{self, Errors, Matches};
 use super::unchecked::UncheckedAnswer;
 use super::{Alignment, Calibration, CalibrationError, Details, Method, Offer};
-use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS, Remedy};
+use crate::deployment::{ControlPoint, ControlPointSet, Deployment, Finding, PAIRS};
 use crate::geometry::ARCSECOND_RAD;
 use crate::geometry::{Polar, RigidTransform};
 use crate::pipeline::Triplets;
@@ -126,19 +130,13 @@ pub fn solve(
     let covariance = covariance.map(|c| point_to_point::level_part(&c));
     let mut judgement = Judgement::good(findings(&pairs, chosen));
     let doubt = match pairs[chosen].median_left_out_m() {
-        None => Some(
-            "no third known point checks this resection; a wrong coordinate or a wrong marker would not show"
-                .to_owned(),
-        ),
-        Some(median_m) => (median_m > checks::WEAK_SIGMA_M).then(|| {
-            format!(
-                "even with the best pair the stations disagree by {:.0} mm (median) at the points left out",
-                median_m * 1e3
-            )
-        }),
+        None => Some(resection_unchecked()),
+        Some(median_m) => {
+            (median_m > checks::WEAK_SIGMA_M).then(|| resection_inconsistent(median_m))
+        }
     };
-    judgement.doubt(doubt.map(Finding::warning));
-    judgement.doubt(misplaced.map(|point| point.in_words()));
+    judgement.doubt(doubt);
+    judgement.doubt(misplaced.map(|point| point.finding()));
     let answer = UncheckedAnswer {
         method: Method::TwoPoint,
         station1_from_station,
@@ -235,15 +233,8 @@ impl Misplaced {
         pair.file == self.file && pair.markers.contains(&self.marker)
     }
 
-    fn in_words(&self) -> Finding {
-        Finding::warning(format!(
-            "marker {} of {} lies {:.0} mm from where the other points put it, and is left out: check its coordinates and \
-             marker",
-            self.marker,
-            self.file,
-            self.off_m * 1e3
-        ))
-        .with(Remedy::ShowPoint { file: self.file.clone(), marker: self.marker })
+    fn finding(&self) -> Finding {
+        known_point_misplaced(&self.file, self.marker, self.off_m)
     }
 }
 
@@ -274,30 +265,15 @@ fn misplaced(pairs: &[PairResection]) -> Option<Misplaced> {
 
 fn findings(pairs: &[PairResection], chosen: usize) -> Vec<Finding> {
     let pair = &pairs[chosen];
-    let [first, second] = pair.markers;
-    let mut findings = vec![Finding::note(format!(
-        "points {first} and {second} of {} ({:.0} m apart), the best of {} pairs by the points left out{}",
-        pair.file,
-        pair.baseline_m,
-        pairs.len(),
-        pair.median_left_out_m().map_or(String::new(), |median_m| format!(
-            ": stations agree there within {:.1} mm (median)",
-            median_m * 1e3
-        ))
-    ))];
+    let median_m = pair.median_left_out_m();
+    let mut findings =
+        vec![resection_pair(&pair.file, pair.markers, pair.baseline_m, pairs.len(), median_m)];
     let longest = pairs.iter().max_by(|a, b| a.baseline_m.total_cmp(&b.baseline_m));
     if let Some(longest) = longest {
         let error_m = longest.baseline_errors_m.iter().sum::<f64>() / 3.0;
         let ppm = error_m / longest.baseline_m * 1e6;
         if ppm.abs() > NOTABLE_PPM && error_m.abs() > NOTABLE_M {
-            findings.push(Finding::warning(format!(
-                "the stations measure points {} and {} {:+.0} mm ({ppm:+.0} ppm) from their known distance: check \
-                 temperature, pressure and prism constant, or the survey",
-                longest.markers[0],
-                longest.markers[1],
-                error_m * 1e3
-            ))
-            .with(Remedy::PutRight));
+            findings.push(known_distance_off(longest.markers, error_m, longest.baseline_m));
         }
     }
     findings

@@ -2,7 +2,7 @@
 
 use super::control_points::ControlPointSet;
 use super::deployment::Deployment;
-use super::finding::Finding;
+use super::findings::recordings::{drive_distances_differ, drive_shifted};
 
 /// A drive that cannot be solved together with the others: which, why, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -39,10 +39,7 @@ impl Deployment {
             if start_s(&drive) < from_s + LEAST_PAUSE_S {
                 let by_s = from_s + PAUSE_S - start_s(&drive);
                 drive.shift(by_s);
-                self.findings.push(Finding::note(format!(
-                    "{}: its stamps overlap those of the drive before; it is put behind that, {by_s:.0} s later than stamped",
-                    drive.name
-                )));
+                self.findings.push(drive_shifted(&drive.name, by_s));
             }
             self.restarts_s.push(start_s(&drive));
             self.append(drive);
@@ -93,12 +90,8 @@ impl Deployment {
                 return differs("it has other inter-prism distances");
             }
             if apart_m > SAME_DISTANCES_M {
-                self.findings.push(Finding::note(format!(
-                    "{}: its inter-prism distances differ from those of {} by up to {:.1} mm; the latter are used",
-                    other.name,
-                    self.name,
-                    apart_m * 1e3
-                )));
+                let finding = drive_distances_differ(&other.name, &self.name, apart_m);
+                self.findings.push(finding);
             }
         }
         if other.prisms.is_some() && self.prisms.is_some() && other.prisms != self.prisms {
@@ -159,10 +152,8 @@ impl Deployment {
             ingredient.file = format!("{}/{}", drive.name, ingredient.file);
         }
         self.ingredients.append(&mut drive.ingredients);
-        for finding in &mut drive.findings {
-            finding.message = format!("{}: {}", drive.name, finding.message);
-        }
-        self.findings.append(&mut drive.findings);
+        let own = drive.findings.into_iter().map(|finding| finding.within(&drive.name));
+        self.findings.extend(own);
     }
 }
 

@@ -1,12 +1,11 @@
-//! Warnings as data: what a reader, the pipeline or a solver noticed on the way.
+//! Findings as data: what a reader, the pipeline or a solver noticed.
 
 use std::fmt;
 
 use serde::Serialize;
 
-use super::printable::printable;
-use super::remedy::Remedy;
-use super::told_angle::ToldAngle;
+use super::{FindingKind, FindingQuantity, Message, Remedy, ToldAngle, Unit};
+use crate::statistics::estimate::Estimate;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -30,86 +29,149 @@ impl Severity {
     }
 }
 
-/// One line for the user. Shown in the window, printed by the commands, and part of the JSON.
+/// The thing that a finding is about.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Subject {
+    /// A station, 0 to 2.
+    Station(usize),
+    /// One part of a station, such as an error of its instrument or a reason why its readings are dropped.
+    OfStation { station: usize, part: String },
+    /// A pair of prisms, by its index in [`PAIRS`](super::PAIRS).
+    Pair(usize),
+    /// A file, by its name in the folder.
+    File(String),
+    /// A control point, by its file and marker.
+    Point { file: String, marker: i64 },
+    /// Anything else with a name: a method, a topic, a column, a parameter.
+    Named(String),
+}
+
+/// A finding for the user. Constructors in `findings` set kind, quantities and message together.
+///
+/// Displays as its message, without the remedies: the window offers them as buttons, the command line as flags.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
+    pub kind: FindingKind,
     pub severity: Severity,
-    /// What was noticed and what to do about it, without the flags that do it: the window has none. Where there is a
-    /// command line, its `Display` is the whole line.
-    pub message: String,
-    /// Whether no answer from this data can be better than weak.
-    pub doubt: bool,
-    /// What can be done about it, the best first.
+    pub subject: Option<Subject>,
+    /// The file, drive, session or deployment that the finding belongs to; it stands before the message.
+    pub context: Option<String>,
+    pub quantities: Vec<FindingQuantity>,
+    /// Remedies, the best first.
     pub remedies: Vec<Remedy>,
-    /// The angles that the message tells, in their order.
-    pub angles: Vec<ToldAngle>,
-    /// Whether a table beside the answer says the same.
-    pub is_tabled: bool,
+    message: Message,
+}
+
+/// Kind, subject and context of a finding. Two findings with the same identity differ in their numbers only.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FindingIdentity {
+    kind: FindingKind,
+    subject: Option<Subject>,
+    context: Option<String>,
 }
 
 impl Finding {
-    fn new(severity: Severity, message: impl Into<String>) -> Self {
+    /// A finding with the usual severity of its kind.
+    pub fn new(kind: FindingKind, message: impl Into<Message>) -> Self {
         Self {
-            severity,
-            message: printable(&message.into()),
-            doubt: false,
+            kind,
+            severity: kind.severity(),
+            subject: None,
+            context: None,
+            quantities: Vec::new(),
             remedies: Vec::new(),
-            angles: Vec::new(),
-            is_tabled: false,
+            message: message.into(),
         }
     }
 
-    pub fn note(message: impl Into<String>) -> Self {
-        Self::new(Severity::Note, message)
+    /// Sets the subject.
+    #[must_use]
+    pub fn about(self, subject: Subject) -> Self {
+        Self { subject: Some(subject), ..self }
     }
 
-    pub fn warning(message: impl Into<String>) -> Self {
-        Self::new(Severity::Warning, message)
+    /// Sets a severity other than the usual one of the kind.
+    #[must_use]
+    pub fn with_severity(self, severity: Severity) -> Self {
+        Self { severity, ..self }
     }
 
-    /// A warning that no answer from this data can be better than weak.
-    pub fn doubt(message: impl Into<String>) -> Self {
-        Self { doubt: true, ..Self::warning(message) }
+    /// Names the drive, session or deployment that the finding belongs to. An existing context is kept inside.
+    #[must_use]
+    pub fn within(self, context: impl Into<String>) -> Self {
+        let outer = context.into();
+        let context = match self.context {
+            Some(inner) => format!("{outer}: {inner}"),
+            None => outer,
+        };
+        Self { context: Some(context), ..self }
     }
 
-    pub fn problem(message: impl Into<String>) -> Self {
-        Self::new(Severity::Problem, message)
+    /// Adds a quantity.
+    #[must_use]
+    pub fn quantity(mut self, name: &'static str, value: f64, unit: Unit) -> Self {
+        self.quantities.push(FindingQuantity { name, value, sigma: None, unit });
+        self
     }
 
-    /// Adds something that can be done about the finding.
+    /// Adds an estimated quantity with its standard deviation.
+    #[must_use]
+    pub fn estimate(mut self, name: &'static str, estimate: &Estimate, unit: Unit) -> Self {
+        let Estimate { value, sigma } = *estimate;
+        self.quantities.push(FindingQuantity { name, value, sigma: Some(sigma), unit });
+        self
+    }
+
+    /// Adds a number of things.
+    #[must_use]
+    pub fn count(self, name: &'static str, count: usize) -> Self {
+        self.quantity(name, count as f64, Unit::Count)
+    }
+
+    /// Adds a remedy.
     #[must_use]
     pub fn with(mut self, remedy: Remedy) -> Self {
         self.remedies.push(remedy);
         self
     }
 
-    /// Names the angles that the message tells, so that they can be told in another unit.
-    #[must_use]
-    pub fn telling(mut self, angles: impl IntoIterator<Item = ToldAngle>) -> Self {
-        self.angles.extend(angles);
-        self
+    /// The value of a quantity by its name without unit.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.quantities.iter().find(|quantity| quantity.name == name).map(|found| found.value)
     }
 
-    /// Marks the finding as one that a table beside the answer tells too.
-    #[must_use]
-    pub fn tabled(self) -> Self {
-        Self { is_tabled: true, ..self }
-    }
-
-    /// The message with its angles in other words.
-    pub fn with_angles(&self, words: impl Fn(&ToldAngle) -> String) -> String {
-        let (mut text, mut rest) = (String::new(), self.message.as_str());
-        for angle in &self.angles {
-            let own = angle.to_string();
-            let Some((before, after)) = rest.split_once(&own) else { continue };
-            text = text + before + &words(angle);
-            rest = after;
+    /// True if the finding is about this station (0 to 2).
+    pub fn is_about_station(&self, station: usize) -> bool {
+        match &self.subject {
+            Some(Subject::Station(own) | Subject::OfStation { station: own, .. }) => {
+                *own == station
+            }
+            _ => false,
         }
-        text + rest
+    }
+
+    /// The identity, by which two messages with different numbers are recognised as the same finding.
+    pub fn identity(&self) -> FindingIdentity {
+        let Self { kind, subject, context, .. } = self;
+        FindingIdentity { kind: *kind, subject: subject.clone(), context: context.clone() }
+    }
+
+    /// Renders the message with each angle as `render_angle` gives it.
+    pub fn render(&self, render_angle: impl Fn(&ToldAngle) -> String) -> String {
+        let message = self.message.render(render_angle);
+        match &self.context {
+            Some(context) => format!("{context}: {message}"),
+            None => message,
+        }
+    }
+
+    /// The message without its context.
+    pub fn message(&self) -> &Message {
+        &self.message
     }
 }
 
-/// Gives what speaks against an answer among its findings: problems, then warnings.
+/// Selects the findings that limit an answer: problems, then warnings.
 pub fn doubts(findings: &[Finding]) -> Vec<&Finding> {
     let mut doubts: Vec<&Finding> =
         findings.iter().filter(|finding| finding.severity > Severity::Note).collect();
@@ -119,11 +181,7 @@ pub fn doubts(findings: &[Finding]) -> Vec<&Finding> {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)?;
-        for (index, flag) in self.remedies.iter().filter_map(Remedy::flag).enumerate() {
-            write!(f, "{} {flag}", if index == 0 { "; use" } else { " or" })?;
-        }
-        Ok(())
+        f.write_str(&self.render(ToldAngle::to_string))
     }
 }
 
@@ -132,12 +190,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_whole_line_has_the_flags_and_the_message_has_none() {
-        let finding = Finding::warning("the twins cannot be told apart")
-            .with(Remedy::GiveControlPoints)
-            .with(Remedy::ShowTimes([1.0, 2.0]))
-            .with(Remedy::GiveRig);
-        assert_eq!(finding.message, "the twins cannot be told apart");
-        assert_eq!(finding.to_string(), "the twins cannot be told apart; use --gcp or --rig");
+    fn the_identity_has_subject_and_context_and_no_numbers() {
+        let late = |station: usize, late_s: f64| {
+            Finding::new(FindingKind::ClockOffsetSuspected, format!("late by {late_s} s"))
+                .about(Subject::Station(station))
+                .quantity("offset", late_s, Unit::Second)
+        };
+        assert_eq!(late(1, 0.01).identity(), late(1, 0.02).identity());
+        assert_ne!(late(1, 0.01).identity(), late(2, 0.01).identity());
+        assert_ne!(late(1, 0.01).identity(), late(1, 0.01).within("drive 2").identity());
+        assert_eq!(late(1, 0.01).within("drive 2").to_string(), "drive 2: late by 0.01 s");
     }
 }

@@ -1,8 +1,8 @@
-//! What can be done about a finding, as data: the window offers it as a button, the command line as its flag.
+//! Remedies of findings as data: the window offers them as buttons, the command line as flags.
 
 use super::Overrides;
 
-/// Something that a finding advises.
+/// A remedy that a finding advises.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Remedy {
     /// Taking the joint estimate, which allows for what is wrong.
@@ -29,23 +29,4 @@ pub enum Remedy {
         file: String,
         marker: i64,
     },
-}
-
-impl Remedy {
-    /// The flag that does it; `None` where no flag does, and the finding itself says what to change.
-    pub fn flag(&self) -> Option<&'static str> {
-        match self {
-            Self::JointEstimate => Some("--method joint"),
-            Self::ClosedFormPrior => Some("--prior closed-form"),
-            Self::LevelAlignment => Some("--alignment level"),
-            Self::GiveRig => Some("--rig"),
-            Self::GiveControlPoints => Some("--gcp"),
-            Self::PublishedMethod
-            | Self::RelaxFilters
-            | Self::PutRight
-            | Self::ReadWith(_)
-            | Self::ShowTimes(_)
-            | Self::ShowPoint { .. } => None,
-        }
-    }
 }

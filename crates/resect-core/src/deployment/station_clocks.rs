@@ -12,6 +12,10 @@ pub use self::arrivals::Arrivals;
 use self::arrivals::{DOUBTED_S, FEWEST_READINGS};
 use self::robust::{jumps, slope_of_neighbours, theil_sen};
 use super::{Finding, TimeCorrection, Track};
+use crate::deployment::findings::recordings::{
+    self, ClockDifference, stamps_are_station_clocks, station_clock_drifts, station_clock_jumps,
+    station_clocks_compared, time_corrections_contradict_stamps,
+};
 use crate::statistics::{median, sigma_of_errors};
 
 /// Crystals of small computers are good to 20 to 50 ppm; more is a clock that is being pulled.
@@ -89,59 +93,37 @@ pub fn findings(tracks: &[Track; 3], time_corrections: &[Vec<TimeCorrection>; 3]
     let same =
         both.iter().all(|(_, c)| c.median_s == 0.0 && c.spread_s == 0.0 && c.jumps.is_empty());
     if same {
-        findings.push(Finding::note(
-            "the stamps of the readings are the stations' own clocks: the recording does not tell whether those were \
-             synchronised",
-        ));
+        findings.push(stamps_are_station_clocks());
     } else {
         let each: Vec<_> = both
             .iter()
-            .map(|(station, c)| {
-                format!(
-                    "station {} {:+.4} s ({:+.1} ppm, ± {:.1} ms)",
-                    station + 1,
-                    c.median_s,
-                    c.drift_ppm,
-                    c.spread_s * 1e3
-                )
+            .map(|(station, c)| ClockDifference {
+                station: *station,
+                offset_s: c.median_s,
+                drift_ppm: c.drift_ppm,
+                spread_s: c.spread_s,
             })
             .collect();
-        findings.push(Finding::note(format!(
-            "own clocks minus synchronised stamps, which are used: {}",
-            each.join(", ")
-        )));
+        findings.push(station_clocks_compared(&each));
     }
     let start_s = tracks.iter().filter_map(|t| Some(t.measurements.first()?.time_s));
     let start_s = start_s.fold(f64::INFINITY, f64::min);
     for (station, comparison) in both {
-        let number = station + 1;
         if comparison.drift_ppm.abs() > ORDINARY_DRIFT_PPM {
-            findings.push(Finding::warning(format!(
-                "station {number}: its own clock and its stamps drift apart by {:+.0} ppm, more than clocks do; one of them \
-                 was being corrected during the recording",
-                comparison.drift_ppm
-            )));
+            findings.push(station_clock_drifts(station, comparison.drift_ppm));
         }
         if let Some(first) = comparison.jumps.first() {
-            let more = match comparison.jumps.len() {
-                1 => String::new(),
-                count => format!(", and {} more times", count - 1),
-            };
-            findings.push(Finding::warning(format!(
-                "station {number}: own clock minus stamp jumps by {:+.4} s at {:.1} s{more}; one of the two clocks was set \
-                 during the recording",
-                first.by_s,
-                first.time_s - start_s
-            )));
+            let (after_s, count) = (first.time_s - start_s, comparison.jumps.len());
+            findings.push(station_clock_jumps(station, first.by_s, after_s, count));
         }
-        findings.extend(against_corrections(number, &tracks[station], &time_corrections[station]));
+        findings.extend(against_corrections(station, &tracks[station], &time_corrections[station]));
     }
     findings
 }
 
 /// Whether the corrections that were published are those that were applied.
 fn against_corrections(
-    number: usize,
+    station: usize,
     track: &Track,
     corrections: &[TimeCorrection],
 ) -> Option<Finding> {
@@ -161,26 +143,20 @@ fn against_corrections(
         .collect();
     let count = corrections.len();
     if apart_s.len() < FEWEST_READINGS {
-        return Some(Finding::note(format!("station {number}: {count} time corrections")));
+        return Some(recordings::time_corrections(station, count, None));
     }
     let off_s = median(apart_s)?;
     Some(if off_s.abs() > DOUBTED_S {
-        Finding::doubt(format!(
-            "station {number}: own clock minus stamp is {off_s:+.4} s off the {count} time corrections in the recording: the \
-             stamps are not what those would make of the own clock"
-        ))
+        time_corrections_contradict_stamps(station, count, off_s)
     } else {
-        Finding::note(format!(
-            "station {number}: {count} time corrections, from its stamps by {:+.1} ms",
-            off_s * 1e3
-        ))
+        recordings::time_corrections(station, count, Some(off_s))
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deployment::{Measurement, Severity};
+    use crate::deployment::{FindingKind, Measurement};
 
     const START_S: f64 = 1_657_569_001.0;
 
@@ -257,8 +233,10 @@ mod tests {
         };
         let tracks = [track(|_| 0.0), track(|_| 0.3), track(|_| 0.3)];
         let found = findings(&tracks, &[vec![], corrections(0.3), corrections(0.0)]);
-        let of = |number: &str| found.iter().find(|f| f.message.starts_with(number)).expect("said");
-        assert_eq!(of("station 2").severity, Severity::Note, "{found:?}");
-        assert!(of("station 3").doubt && of("station 3").message.contains("+0.3"), "{found:?}");
+        let of = |station| found.iter().find(|f| f.is_about_station(station)).expect("said");
+        assert_eq!(of(1).kind, FindingKind::TimeCorrections, "{found:?}");
+        assert_eq!(of(2).kind, FindingKind::TimeCorrectionsContradictStamps, "{found:?}");
+        let difference_s = of(2).value("difference").expect("a difference");
+        assert!((difference_s - 0.3).abs() < 1e-4, "{found:?}");
     }
 }

@@ -1,6 +1,7 @@
 //! Reasons why an estimate cannot be judged.
 
 use super::unfit::Unfit;
+use crate::deployment::findings::studies::estimate_not_judged;
 use crate::deployment::{Finding, Remedy};
 use crate::evaluation::vehicle::NoTrajectory;
 
@@ -16,14 +17,14 @@ pub enum Unjudged {
 impl Unjudged {
     /// The same as a finding with what can be done about it.
     pub fn finding(&self) -> Finding {
-        let finding = Finding::problem(format!("not judged: {self}"));
-        match self {
+        let remedy = match self {
             Self::NoReference(NoTrajectory::OnePrism(_) | NoTrajectory::NoMotion(_)) => {
-                finding.with(Remedy::JointEstimate)
+                Some(Remedy::JointEstimate)
             }
-            Self::NoReference(NoTrajectory::NoRig(_)) => finding.with(Remedy::GiveRig),
-            Self::NoReference(_) | Self::Unfit { .. } => finding,
-        }
+            Self::NoReference(NoTrajectory::NoRig(_)) => Some(Remedy::GiveRig),
+            Self::NoReference(_) | Self::Unfit { .. } => None,
+        };
+        estimate_not_judged(&self.to_string(), remedy)
     }
 
     /// The flag, or the command, that does what is advised where there is no window with fields for it.

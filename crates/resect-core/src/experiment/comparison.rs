@@ -10,7 +10,7 @@ use super::{INSTRUMENT_NOISE_MM, StudyError};
 use crate::analysis::{Analysis, Analyst, Answer, Settings};
 use crate::calibration;
 use crate::calibration::{CalibrationSettings, Disagreement, Method, Offer};
-use crate::deployment::{ControlPointSet, Deployment, Finding};
+use crate::deployment::{ControlPointSet, Deployment};
 use crate::evaluation;
 use crate::evaluation::gnss;
 use crate::palette;
@@ -66,10 +66,9 @@ pub fn compare(
     let mut findings = Vec::new();
     for (compared, _) in &each {
         for disagreement in &compared.disagreements {
-            let prefix =
-                if each.len() > 1 { format!("{}: ", compared.deployment) } else { String::new() };
             let own = disagreement.finding();
-            findings.push(Finding { message: prefix + &own.message, ..own });
+            let is_one_of_several = each.len() > 1;
+            findings.push(if is_one_of_several { own.within(&compared.deployment) } else { own });
         }
     }
     let groups = Method::ALL

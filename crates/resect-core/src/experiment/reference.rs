@@ -8,6 +8,7 @@ use super::split::{Part, Plan, Splits};
 use crate::analysis::Settings;
 use crate::calibration;
 use crate::calibration::{Method, Offer};
+use crate::deployment::findings::studies::deployment_left_out;
 use crate::deployment::{Deployment, Finding};
 use crate::evaluation;
 use crate::evaluation::known_distances_m;
@@ -61,10 +62,8 @@ impl Judge {
                 .into_iter()
                 .filter(|f| f.severity > crate::deployment::Severity::Note);
             if findings.is_empty() {
-                findings.extend(doubts.map(|finding| Finding {
-                    message: format!("{}, {method}: {finding}", deployment.name),
-                    ..finding
-                }));
+                let context = format!("{}, {method}", deployment.name);
+                findings.extend(doubts.map(|finding| finding.within(&context)));
             }
             station1_from_station.push(answer.station1_from_station);
         }
@@ -122,7 +121,7 @@ pub fn judges<'a>(
                 findings.extend(doubts);
                 judges.push((deployment.as_ref(), judge));
             }
-            Err(why) => findings.push(Finding::warning(format!("{why} (left out)"))),
+            Err(why) => findings.push(deployment_left_out(&why)),
         }
     }
     if judges.is_empty() {

@@ -6,6 +6,11 @@ use super::prediction::Prediction;
 use crate::calibration::Verdict;
 use crate::calibration::inter_prism::observability::{Hold, Observability};
 use crate::deployment::Finding;
+use crate::deployment::findings::planning::{
+    LostReadings, PlannedDirections, plan_directions_weak, plan_far_end,
+    plan_leaves_direction_free, plan_leaves_directions_free, plan_mirror_needs_reading,
+    plan_mirror_unresolved, plan_readings_lost, plan_resolves_mirror, plan_weak,
+};
 use crate::pipeline::{OutlierReason, Thresholds};
 
 /// An answer whose largest σ exceeds this is weak (m), as that of a calibration.
@@ -30,27 +35,15 @@ pub fn judged(plan: &Plan, prediction: &Prediction) -> (Verdict, Vec<Finding>) {
             say(at_least, finding);
         }
     } else if prediction.held.is_none() {
-        say(
-            Verdict::Degenerate,
-            Finding::problem("this drive leaves a direction free: turn, and drive further"),
-        );
+        say(Verdict::Degenerate, plan_leaves_direction_free());
     }
     if let Some(held) = &prediction.held {
         let largest_m = held.sigma.iter().map(|s| s.translation_m.max()).fold(0.0, f64::max);
         if largest_m > WEAK_SIGMA_M {
-            let line = format!("weakly held: σ up to {:.0} mm at the stations", largest_m * 1e3);
-            say(Verdict::Weak, Finding::warning(line));
+            say(Verdict::Weak, plan_weak(largest_m));
         }
         let far = &held.far_end;
-        let (sigma_mm, target_mm) = (far.sigma_m * 1e3, plan.target_mm);
-        let line = format!(
-            "at the far end of the track, station {}'s prism is known to {sigma_mm:.1} mm, where {target_mm:.1} mm are wanted",
-            far.station + 1
-        );
-        say(
-            Verdict::Good,
-            if sigma_mm > target_mm { Finding::warning(line) } else { Finding::note(line) },
-        );
+        say(Verdict::Good, plan_far_end(far.station, far.sigma_m, plan.target_mm * 1e-3));
     }
     if let Some(finding) = mirror(plan, prediction) {
         say(Verdict::Good, finding);
@@ -68,13 +61,12 @@ fn directions(observability: &Observability) -> Vec<(Verdict, Finding)> {
     let advice = observability.advice;
     let (free, weak) = (observability.words(Hold::Free), observability.words(Hold::Weak));
     let mut found = Vec::new();
+    let planned = |directions| PlannedDirections { shape: &shape, directions, advice };
     if !free.is_empty() {
-        let line = format!("this drive ({shape}) leaves free: {free}; {advice}");
-        found.push((Verdict::Degenerate, Finding::problem(line)));
+        found.push((Verdict::Degenerate, plan_leaves_directions_free(planned(&free))));
     }
     if !weak.is_empty() {
-        let line = format!("this drive ({shape}) holds weakly: {weak}; {advice}");
-        found.push((Verdict::Weak, Finding::warning(line)));
+        found.push((Verdict::Weak, plan_directions_weak(planned(&weak))));
     }
     found
 }
@@ -82,22 +74,14 @@ fn directions(observability: &Observability) -> Vec<(Verdict, Finding)> {
 fn mirror(plan: &Plan, prediction: &Prediction) -> Option<Finding> {
     let ratio = prediction.mirror_cost_ratio?;
     if ratio >= DECISIVE_COST_RATIO {
-        let line = format!(
-            "the mirror twin in height will cost about {ratio:.1} times the answer: the drive tells them apart"
-        );
-        return Some(Finding::note(line));
+        return Some(plan_resolves_mirror(ratio));
     }
     let heights_m = plan.rig.prisms_m.map(|prism_m| prism_m.z);
     let apart_m = (heights_m[0] - heights_m[1]).abs().max((heights_m[0] - heights_m[2]).abs());
-    let line = format!("the mirror twin in height will cost only {ratio:.2} times the answer");
     Some(if apart_m > TOLD_HEIGHT_M {
-        Finding::note(format!(
-            "{line}: read the three prisms from one static station before the drive (calibration_raw.csv), or drive over a ramp"
-        ))
+        plan_mirror_needs_reading(ratio)
     } else {
-        Finding::warning(format!(
-            "{line}, and the prisms stand too nearly level to be told apart: fix them at heights that differ more"
-        ))
+        plan_mirror_unresolved(ratio)
     })
 }
 
@@ -113,7 +97,6 @@ fn failures(station: usize, lock: &Lock, readings: usize, plan: &Plan) -> Vec<Fi
         let own: Vec<&LockFailure> = lock.failures.iter().filter(|f| f.why == why).collect();
         let lost: usize = own.iter().map(|failure| failure.readings).sum();
         let longest = own.iter().max_by_key(|failure| failure.readings)?;
-        let [from_s, to_s] = longest.span_s;
         let reason = match why {
             WhyNotRead::TooNear | WhyNotRead::TooFar => format!(
                 "its prism is out of reach ({:.1} to {:.0} m)",
@@ -136,12 +119,13 @@ fn failures(station: usize, lock: &Lock, readings: usize, plan: &Plan) -> Vec<Fi
                 )
             }
         };
-        let line = format!(
-            "station {}: {lost} readings do not count, most of them from {from_s:.0} to {to_s:.0} s: {reason}",
-            station + 1
-        );
-        let is_many = lost as f64 > MANY * readings.max(1) as f64;
-        Some(if is_many { Finding::warning(line) } else { Finding::note(line) })
+        Some(plan_readings_lost(&LostReadings {
+            station,
+            count: lost,
+            span_s: longest.span_s,
+            reason: &reason,
+            are_many: lost as f64 > MANY * readings.max(1) as f64,
+        }))
     };
     kinds.into_iter().filter_map(of_kind).collect()
 }

@@ -3,6 +3,7 @@
 //! Here are medians, quantiles, and the spreads that wild values leave alone; [`robust`] is what a large error counts;
 //! [`sandwich`] the covariance of an estimate from data that is correlated in time, with and without prior knowledge.
 
+pub mod estimate;
 mod order;
 pub mod robust;
 pub mod sandwich;

@@ -50,5 +50,5 @@ impl Earlier {
 /// The first that limits an answer.
 pub fn first_doubt(findings: &[Finding]) -> Option<String> {
     let first = findings.iter().find(|finding| finding.severity > Severity::Note);
-    first.map(|finding| finding.message.clone())
+    first.map(ToString::to_string)
 }

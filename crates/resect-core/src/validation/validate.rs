@@ -8,7 +8,11 @@ use super::moved::{self, Difference};
 use super::outcome::{Cause, Outcome};
 use crate::analysis::{Analysis, Answer};
 use crate::calibration::{Method, Targets, Verdict};
-use crate::deployment::{Deployment, Finding, TrackFrame, pair_label};
+use crate::deployment::findings::validation::{
+    compared_in_unknown_frame, compared_without_joint_estimate, earlier_calibration_weak,
+    rig_differs_from_earlier,
+};
+use crate::deployment::{Deployment, Finding, TrackFrame};
 use crate::evaluation::known_distances_m;
 use crate::geometry::{LevelTransform, RigidTransform};
 
@@ -151,35 +155,26 @@ fn with_doubt(of: &str, verdict: Verdict, doubt: Option<&str>) -> String {
 fn caveats(earlier: &Earlier, deployment: &Deployment, own: &Analysis) -> Vec<Finding> {
     let mut caveats = Vec::new();
     if earlier.verdict == Verdict::Weak {
-        let line =
-            with_doubt("the earlier calibration is", earlier.verdict, earlier.doubt.as_deref());
-        caveats.push(Finding::warning(line));
+        let verdict = with_doubt("", earlier.verdict, earlier.doubt.as_deref());
+        caveats.push(earlier_calibration_weak(verdict.trim_start()));
     }
     let own_method = own.settings.calibration.method.unwrap_or_default();
     for (which, method) in
         [("earlier calibration", earlier.method), ("run's own answer", own_method)]
     {
         if method != Method::Joint {
-            caveats.push(Finding::note(format!(
-                "the {which} is by {method}, not by the joint estimate: errors that its σ leaves out look like a move"
-            )));
+            caveats.push(compared_without_joint_estimate(which, &method.to_string()));
         }
     }
     if earlier.frame() == Some(TrackFrame::Common) && deployment.track_frame == TrackFrame::Common {
-        caveats.push(Finding::warning(
-            "the tracks of both runs were turned into one frame, and what turned them is not known: where they were turned \
-             otherwise, that looks like a move",
-        ));
+        caveats.push(compared_in_unknown_frame());
     }
     if let (Some(before), Some(rig)) = (earlier.inter_prism_m, &deployment.rig) {
         let sigma_m = 2_f64.sqrt() * own.settings.calibration.inter_prism_sigma_m;
         for pair in 0..3 {
             let (before_m, now_m) = (before[pair], rig.inter_prism_m[pair]);
             if (now_m - before_m).abs() > OTHER_RIG_SIGMAS * sigma_m {
-                caveats.push(Finding::warning(format!(
-                    "the rig is another one: prisms {} were {before_m:.4} m apart and are {now_m:.4} m",
-                    pair_label(pair)
-                )));
+                caveats.push(rig_differs_from_earlier(pair, before_m, now_m));
             }
         }
     }

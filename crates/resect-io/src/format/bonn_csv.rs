@@ -10,12 +10,13 @@
 //!
 //! Written from that source: no real recording was at hand to try it on.
 
+use crate::findings::tracks::table_clock;
 use std::io::Read;
 
 use super::{polar_csv, table};
 use crate::error::OpenError;
 use crate::recording::Recording;
-use resect_core::deployment::{Finding, Measurement, RawRecord};
+use resect_core::deployment::{Measurement, RawRecord};
 use resect_core::progress::Progress;
 use resect_core::statistics::median;
 
@@ -72,11 +73,7 @@ pub fn read(
         return Err(polar_csv::no_measurement(file));
     }
     let clock = Clock::of(&readings);
-    into.findings.push(Finding::note(format!(
-        "{file}: {}; ranges contain the prism constant that was set on the instrument (by the program's source: not tried \
-         on a real recording)",
-        clock.said()
-    )));
+    into.findings.push(table_clock(file, &clock.said()));
     into.ranges_include_prism_constant = true;
     for reading in readings {
         let Reading { line, status, range_m, azimuth_rad, zenith_rad, .. } = reading;

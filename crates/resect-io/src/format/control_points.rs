@@ -5,6 +5,10 @@
 
 use super::table;
 use crate::error::OpenError;
+use crate::findings::control_points::{
+    ReadingPlace, control_point_reading_implausible, control_point_repeated,
+    control_point_station_unknown, control_point_status_invalid,
+};
 use crate::recording::station_index;
 use resect_core::deployment::{ControlPoint, ControlPointSet, Finding};
 use resect_core::geometry::Polar;
@@ -26,25 +30,19 @@ pub fn read(
         };
         let number = row.whole(file, 0, COLUMNS[0])?;
         let marker = row.whole(file, 1, COLUMNS[1])?;
-        let place = format!("{file}:{}", row.line);
+        let place = ReadingPlace { file, line: row.line, marker, number };
         let Some(station) = station_index(number) else {
-            findings.push(Finding::warning(format!(
-                "{place}: station {number} left out; stations are 1, 2, 3"
-            )));
+            findings.push(control_point_station_unknown(&place));
             continue;
         };
         if status != 0.0 {
-            findings.push(Finding::warning(format!(
-                "{place}: marker {marker} of station {number} left out: status {status} (no valid reading)"
-            )));
+            findings.push(control_point_status_invalid(&place, status));
             continue;
         }
         let range_m = distance_m + prism_constants_m[station];
         let polar = Polar { range_m, azimuth_rad, zenith_rad };
         if distance_m <= 0.0 || !polar.is_plausible() {
-            findings.push(Finding::warning(format!(
-                "{place}: marker {marker} of station {number} left out: not a usable reading"
-            )));
+            findings.push(control_point_reading_implausible(&place));
             continue;
         }
         let index = points.iter().position(|p| p.marker == marker).unwrap_or_else(|| {
@@ -53,9 +51,7 @@ pub fn read(
         });
         let reading = &mut points[index].readings[station];
         if reading.is_some() {
-            findings.push(Finding::warning(format!(
-                "{place}: marker {marker} of station {number} stands twice; the first reading is used"
-            )));
+            findings.push(control_point_repeated(&place));
         } else {
             *reading = Some(polar);
         }

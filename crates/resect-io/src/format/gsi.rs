@@ -13,6 +13,9 @@
 //! line without ends of lines), not on a calibration of three stations. There are no stamps finer than whole seconds, so
 //! a file of it is no track.
 
+use crate::findings::surveys::{
+    survey_other_set_ups, survey_prism_constant_included, survey_readings_incomplete,
+};
 use resect_core::geometry::FOOT_M;
 use std::f64::consts::TAU;
 
@@ -20,7 +23,6 @@ use nalgebra::Vector3;
 
 use super::survey::{Sighting, Survey};
 use crate::error::OpenError;
-use resect_core::deployment::Finding;
 use resect_core::geometry::Polar;
 
 /// Whether a line is a block of words.
@@ -92,28 +94,16 @@ pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
         }
     }
     if of_other_set_ups > 0 {
-        survey.findings.push(Finding::warning(format!(
-            "{file}: {of_other_set_ups} lines of further set-ups of the instrument left out; a file is one station in one \
-             place, so give each set-up its own"
-        )));
+        survey.findings.push(survey_other_set_ups(file, of_other_set_ups, "lines"));
     }
     if without_range > 0 {
-        survey.findings.push(Finding::warning(format!(
-            "{file}: {without_range} readings without a slope distance (word 31), or without an angle, left out"
-        )));
+        let missing = "a slope distance (word 31), or without an angle,";
+        survey.findings.push(survey_readings_incomplete(file, without_range, missing));
     }
     if !survey.sightings.is_empty() {
         constants_m.sort_by(f64::total_cmp);
         constants_m.dedup();
-        let stated: Vec<String> = constants_m.iter().map(|m| format!("{:+.1}", m * 1e3)).collect();
-        let stated = if stated.is_empty() {
-            "which it does not state".to_owned()
-        } else {
-            format!("{} mm by words 51 and 58", stated.join(", "))
-        };
-        survey.findings.push(Finding::note(format!(
-            "{file}: the instrument added its prism constant ({stated}) to the slope distances; nothing is added to them again"
-        )));
+        survey.findings.push(survey_prism_constant_included(file, &constants_m));
     }
     Ok(survey)
 }
@@ -209,6 +199,7 @@ fn angle_rad(data: &str, unit: u8) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use resect_core::deployment::FindingKind;
 
     #[test]
     fn both_lengths_of_words_are_read() {
@@ -287,7 +278,8 @@ mod tests {
         let survey = read("a.gsi", text).expect("good");
         assert_eq!(survey.coordinates, [("A".to_owned(), Vector3::new(1.0, -2.0, 0.5))]);
         assert_eq!(survey.sightings.len(), 1);
-        assert!(survey.findings[0].message.contains("2 lines of further set-ups"));
+        assert_eq!(survey.findings[0].kind, FindingKind::SurveyOtherSetUps);
+        assert_eq!(survey.findings[0].value("readings"), Some(2.0));
     }
 
     #[test]

@@ -10,6 +10,10 @@
 //! Written after the schema as others quote it, and not tried on a recording of a calibration of three stations. Records are
 //! stamped with whole seconds, so a file of it is no track.
 
+use crate::findings::surveys::{
+    survey_other_set_ups, survey_points_deleted, survey_prism_constant_missing,
+    survey_prism_constants_added, survey_readings_incomplete,
+};
 use std::collections::HashMap;
 
 use nalgebra::Vector3;
@@ -17,7 +21,6 @@ use roxmltree::{Document, Node};
 
 use super::survey::{Sighting, Survey};
 use crate::error::OpenError;
-use resect_core::deployment::Finding;
 use resect_core::geometry::Polar;
 
 /// Whether a text begins like a job.
@@ -102,25 +105,14 @@ pub fn read(file: &str, text: &str) -> Result<Survey, OpenError> {
         let point = name.to_owned();
         survey.sightings.push(Sighting { point, polar, complete: constant_m.is_some() });
     }
-    let mut warn = |count: usize, what: &str| {
-        if count > 0 {
-            survey.findings.push(Finding::warning(format!("{file}: {count} {what}")));
-        }
-    };
-    warn(deleted, "points that were deleted in the job left out");
-    warn(
-        of_other_set_ups,
-        "readings of further set-ups of the instrument left out; a file is one station in one place, so give each set-up \
-         its own",
-    );
-    warn(without, "readings without a distance or an angle left out");
-    warn(unstated, "readings without a prism constant of their target; the deployment's is added");
-    if !constants.is_empty() {
-        survey.findings.push(Finding::note(format!(
-            "{file}: the prism constants of its targets ({} mm) are added to its distances, and no other",
-            constants.join(", ")
-        )));
-    }
+    let warnings = [
+        (deleted > 0).then(|| survey_points_deleted(file, deleted)),
+        (of_other_set_ups > 0).then(|| survey_other_set_ups(file, of_other_set_ups, "readings")),
+        (without > 0).then(|| survey_readings_incomplete(file, without, "a distance or an angle")),
+        (unstated > 0).then(|| survey_prism_constant_missing(file, unstated)),
+        (!constants.is_empty()).then(|| survey_prism_constants_added(file, &constants)),
+    ];
+    survey.findings.extend(warnings.into_iter().flatten());
     Ok(survey)
 }
 

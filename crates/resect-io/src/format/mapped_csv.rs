@@ -8,6 +8,7 @@ mod stamps;
 mod suggestion;
 mod values;
 
+use crate::findings::tracks::table_columns;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::io::Read;
@@ -23,7 +24,7 @@ use crate::error::OpenError;
 use crate::recording::Recording;
 use resect_core::deployment::ColumnMapping;
 use resect_core::deployment::VerticalAngle;
-use resect_core::deployment::{Finding, Measurement, RawRecord};
+use resect_core::deployment::{Measurement, RawRecord};
 use resect_core::geometry::Polar;
 use resect_core::progress::Progress;
 
@@ -115,7 +116,7 @@ pub fn read(
     if matches!(columns.position, Position::Cartesian(_)) {
         into.ranges_include_prism_constant = true;
     }
-    into.findings.push(Finding::note(format!("{file}: {}", columns.said())));
+    into.findings.push(table_columns(file, &columns.said()));
     Ok(())
 }
 

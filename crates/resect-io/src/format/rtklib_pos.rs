@@ -8,6 +8,7 @@
 //! Heights may be above the ellipsoid or the sea. They are taken for the former: between antennas of one vehicle
 //! the difference is a few parts in a million of their distance.
 
+use crate::findings::tracks::{gnss_stamps_out_of_order, gnss_stamps_repeated};
 use jiff::civil::{Date, date};
 use jiff::tz::Offset;
 use nalgebra::Vector3;
@@ -187,9 +188,7 @@ fn put_in_order(file: &str, fixes: &mut Vec<(usize, GnssFix)>) -> Vec<Finding> {
     let late = fixes.windows(2).filter(|w| w[1].1.time_s < w[0].1.time_s).count();
     if late > 0 {
         fixes.sort_by(|a, b| a.1.time_s.total_cmp(&b.1.time_s));
-        findings.push(Finding::warning(format!(
-            "{late} out-of-order stamps in {file}; the fixes were sorted by time"
-        )));
+        findings.push(gnss_stamps_out_of_order(file, late));
     }
     let before = fixes.len();
     let mut first_duplicate = None;
@@ -201,10 +200,7 @@ fn put_in_order(file: &str, fixes: &mut Vec<(usize, GnssFix)>) -> Vec<Finding> {
         same
     });
     if let Some(line) = first_duplicate {
-        findings.push(Finding::warning(format!(
-            "{} duplicate stamps dropped (first at line {line} of {file})",
-            before - fixes.len()
-        )));
+        findings.push(gnss_stamps_repeated(file, before - fixes.len(), line));
     }
     findings
 }

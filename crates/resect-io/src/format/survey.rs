@@ -1,5 +1,8 @@
 //! Readings of named points by one instrument: what the surveyors' formats have in common.
 
+use crate::findings::surveys::{
+    survey_angles_seem_elevations, survey_points_inconsistent, survey_readings_unusable,
+};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
@@ -88,26 +91,15 @@ impl Survey {
         }
         let mut findings = Vec::new();
         if unusable.count > 0 {
-            findings.push(Finding::warning(format!(
-                "{file}: {} readings without a usable range or angle left out ({})",
-                unusable.count,
-                unusable.in_words()
-            )));
+            let first = unusable.in_words();
+            findings.push(survey_readings_unusable(file, unusable.count, &first));
         }
         if apart.count > 0 {
-            findings.push(Finding::warning(format!(
-                "{file}: {} points left out, whose readings are not of one point ({}); give different points different \
-                 names, and each set-up a file of its own",
-                apart.count,
-                apart.in_words()
-            )));
+            findings.push(survey_points_inconsistent(file, apart.count, &apart.in_words()));
         }
         let steep = points.iter().filter(|(_, p)| p.zenith_rad < STEEP_RAD).count();
         if 2 * steep > points.len() {
-            findings.push(Finding::doubt(format!(
-                "{file}: half of the points would be within 30° of the zenith; its vertical angles seem to count from the \
-                 horizon, but are read as zenith angles"
-            )));
+            findings.push(survey_angles_seem_elevations(file));
         }
         (points, findings)
     }
@@ -150,6 +142,7 @@ fn mean(readings: &[Polar]) -> Option<Polar> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use resect_core::deployment::FindingKind;
 
     fn sighting(point: &str, azimuth_rad: f64, zenith_rad: f64, range_m: f64) -> Sighting {
         let polar = Polar { range_m, azimuth_rad, zenith_rad };
@@ -184,10 +177,11 @@ mod tests {
         };
         let (points, findings) = survey.points("x.gsi", 0.0);
         assert!(points.is_empty());
-        assert!(findings[0].message.contains("up to 1.99 m apart"), "{findings:?}");
+        assert_eq!(findings[0].kind, FindingKind::SurveyPointsInconsistent);
+        assert!(findings[0].to_string().contains("up to 1.99 m apart"), "{findings:?}");
         let survey =
             Survey { sightings: vec![sighting("a", 0.0, 0.01, 20.0)], ..Survey::default() };
         let (_, findings) = survey.points("x.gsi", 0.0);
-        assert!(findings[0].doubt && findings[0].message.contains("horizon"), "{findings:?}");
+        assert_eq!(findings[0].kind, FindingKind::SurveyAnglesSeemElevations);
     }
 }

@@ -1,5 +1,6 @@
 //! Several bags of one drive: recorders split what they write, and what was stopped and started again is still one drive.
 
+use crate::findings::bags::{bag_missing, bag_splits_unread, bags_joined};
 use std::path::Path;
 
 use super::found::{Content, FoundFile};
@@ -60,22 +61,13 @@ pub fn finding(chosen: &[&FoundFile], files: &[FoundFile]) -> Option<Finding> {
                 .map(|f| f.file.as_str())
                 .collect();
             others.sort_by_cached_key(|file| natural_key(file));
-            (!others.is_empty()).then(|| {
-                Finding::warning(format!(
-                    "{} is one piece of a recording; {} beside it is not read: open the folder, or name them all in tracks of \
-                     deployment.toml",
-                    only.file,
-                    others.join(", ")
-                ))
-            })
+            (!others.is_empty()).then(|| bag_splits_unread(&only.file, &others))
         }
         _ => {
             let names: Vec<_> = bags.iter().map(|file| file.file.as_str()).collect();
-            let missing = missing_piece(&names);
-            let read = format!("{} bags are read as one drive: {}", names.len(), names.join(", "));
-            Some(match missing {
-                Some(missing) => Finding::warning(format!("{read}; piece {missing} is missing")),
-                None => Finding::note(read),
+            Some(match missing_piece(&names) {
+                Some(missing) => bag_missing(&names, missing),
+                None => bags_joined(&names),
             })
         }
     }

@@ -6,6 +6,10 @@
 //! its own origin are the ranges in steps. That holds the origin to about half a millimetre in the plane;
 //! height and rotation are taken from the same transform.
 
+use crate::findings::positions::{
+    track_transform_inverted, tracks_in_common_frame, tracks_in_station_frames,
+    transform_tilts_station, transforms_not_confirmed, transforms_unreadable,
+};
 use nalgebra::Vector3;
 use resect_core::geometry::ARCSECOND_RAD;
 
@@ -18,9 +22,7 @@ use crate::format::applied_transforms::AppliedTransforms;
 use crate::format::cartesian_tracks;
 use crate::format::cartesian_tracks::{Position, own_from_theirs};
 use crate::recording::Recording;
-use resect_core::deployment::{
-    Finding, Measurement, PAIRS, RawRecord, ToldAngle, ToldIn, TrackFrame,
-};
+use resect_core::deployment::{Finding, Measurement, PAIRS, RawRecord, TrackFrame};
 use resect_core::geometry::{Polar, RigidTransform};
 use resect_core::progress::Progress;
 use resect_core::statistics::quantiles;
@@ -130,13 +132,11 @@ pub fn read<'a>(
             }
             None => {
                 frame = TrackFrame::Common;
-                into.findings.push(in_common_frame());
+                into.findings.push(tracks_in_common_frame());
             }
         }
     } else {
-        into.findings.push(Finding::note(
-            "the tracks are positions, each in its station's own frame; prism constants are in them",
-        ));
+        into.findings.push(tracks_in_station_frames());
     }
     for (station, own) in positions.iter().enumerate() {
         into.begin_file(&tracks[station].file, "line");
@@ -158,16 +158,6 @@ pub fn read<'a>(
         }
     }
     Ok((frame, used))
-}
-
-fn in_common_frame() -> Finding {
-    Finding::warning(
-        "the tracks were turned into one frame before they were written, and what turned them is not known: C and D give \
-         what is left to turn in that frame (compose it with what was applied for the stations' own), A and B are about \
-         the stations' own frames and are not compared with the drive; the outlier filter sees rates about the origin of \
-         that frame, which for stations 2 and 3 is not the instrument; and a rigid transform may have tilted a station by \
-         more than its compensator leaves",
-    )
 }
 
 /// Whether the stations' prisms keep steady, short distances without any transform.
@@ -215,7 +205,7 @@ fn applied<'a>(
             Ok(sets) => sets,
             // The tracks can be used without it.
             Err(error) => {
-                findings.push(Finding::warning(error.to_string()));
+                findings.push(transforms_unreadable(&file.file, &error.to_string()));
                 continue;
             }
         };
@@ -229,34 +219,16 @@ fn applied<'a>(
     }
     let Some((_, file, set)) = best else {
         if let Some(first) = looked_at.first() {
-            let more = match looked_at.len() - 1 {
-                0 => String::new(),
-                n => format!(" and {n} more"),
-            };
-            findings.push(Finding::warning(format!(
-                "none of the {count} sets of transforms in {first}{more} is shown to be the one that was applied: undone, \
-                 the ranges do not come in the steps of an instrument"
-            )));
+            findings.push(transforms_not_confirmed(first, looked_at.len(), count));
         }
         return Ok(None);
     };
-    findings.push(Finding::note(format!(
-        "the tracks were turned into one frame with the transforms of {file} (from line {}) before they were written; this \
-         is undone, so ranges and angles are the instruments' again. That their ranges then come in steps shows them to be \
-         the ones, to about half a millimetre",
-        set.line
-    )));
+    findings.push(track_transform_inverted(file, set.line));
     let level = set.common_from_station[0].rotate(&Vector3::z());
     for (index, transform) in set.common_from_station.iter().enumerate() {
         let tilt_rad = transform.rotate(&Vector3::z()).cross(&level).norm().asin();
         if tilt_rad > COMPENSATOR_RAD {
-            let tilt = ToldAngle::size(tilt_rad, ToldIn::Arcseconds, 0);
-            let line = format!(
-                "{file} tilts station {} by {tilt}, more than a compensator leaves; whoever uses the tracks as published \
-                 has that in them",
-                index + 1,
-            );
-            findings.push(Finding::warning(line).telling([tilt]));
+            findings.push(transform_tilts_station(file, index, tilt_rad));
         }
     }
     Ok(Some((file, set)))

@@ -1,5 +1,6 @@
 //! Gives every file of a folder its part in a deployment, and says what is missing.
 
+use crate::findings::tracks::file_unreadable;
 use std::path::Path;
 
 use resect_core::deployment::printable::printable;
@@ -56,12 +57,7 @@ fn put_together<'a>(
     overrides.check().map_err(|(what, remedy)| OpenError::file(&found.name, what, remedy))?;
     let name = printable(overrides.name.as_ref().unwrap_or(&found.name));
     let unreadable = files.iter().filter(|f| f.format == Format::Unreadable);
-    let mut findings: Vec<Finding> = unreadable
-        .map(|f| {
-            let what = "cannot be read and was passed over; check its permissions, if it belongs to the deployment";
-            Finding::warning(format!("{}: {what}", f.file))
-        })
-        .collect();
+    let mut findings: Vec<Finding> = unreadable.map(|f| file_unreadable(&f.file)).collect();
     let mut used: Vec<&str> = Vec::new();
     used.extend(files.iter().filter(is_overrides).map(|f| f.file.as_str()));
 

@@ -1,5 +1,9 @@
 //! Files of control points, and what is known of where their points are.
 
+use crate::findings::control_points::{
+    control_points_empty, known_point_not_measured, pillar_coordinates_unknown,
+    pillars_without_readings,
+};
 use std::path::Path;
 
 use nalgebra::Vector3;
@@ -40,10 +44,7 @@ pub fn read_control_point_sets<'a>(
         }
     }
     if pillars.is_some() && !sets.is_empty() && !sets.iter().any(|set| set.pillars) {
-        findings.push(Finding::warning(
-            "the survey of pillars belongs to no file of readings, and all points count as control points; name the file \
-             with the pillars' readings Two_points.txt",
-        ));
+        findings.push(pillars_without_readings());
     }
     for file in files.iter().filter(|f| f.serves_as(Format::SurveyedPoints)) {
         let surveyed = format::surveyed_points::read(&file.file, &file.text(progress)?)?;
@@ -52,10 +53,10 @@ pub fn read_control_point_sets<'a>(
                 .and_then(|set| set.points.iter_mut().find(|p| p.marker == known.marker_number));
             match point {
                 Some(point) => point.known_m = Some(known.position_m()),
-                None => findings.push(Finding::warning(format!(
-                    "{}: marker {} of {} was not measured",
-                    file.file, known.marker_number, known.file
-                ))),
+                None => {
+                    let marker = known.marker_number;
+                    findings.push(known_point_not_measured(&file.file, &known.file, marker));
+                }
             }
         }
         used.push(&file.file);
@@ -97,7 +98,7 @@ fn read_control_points(
     let (mut set, set_findings) = format::control_points::read(file, text, prism_constants_m)?;
     findings.extend(set_findings);
     if set.points.is_empty() {
-        findings.push(Finding::warning(format!("{file}: no usable control point")));
+        findings.push(control_points_empty(file));
         return Ok(None);
     }
     let named = file.to_lowercase().contains("two_points");
@@ -111,10 +112,7 @@ fn read_control_points(
             let pillar = pillars.iter().find(|(pillar, _)| *pillar == point.marker);
             point.known_m = pillar.map(|(_, position_m)| *position_m);
             if point.known_m.is_none() {
-                findings.push(Finding::warning(format!(
-                    "{file}: pillar {} stands in no survey of pillars, so its coordinates are not known",
-                    point.marker
-                )));
+                findings.push(pillar_coordinates_unknown(file, point.marker));
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Whether the stamps of tracks are of the day that the folder is named after.
 
+use crate::findings::tracks::{OtherDate, folder_date_contradicts_stamps};
 use jiff::civil::{Date, date};
 
 use resect_core::deployment::{Finding, Track};
@@ -23,18 +24,14 @@ pub fn contradicts_folder(name: &str, tracks: &[Track; 3]) -> Option<Finding> {
             let days = (start_s - day_s) / DAY_S;
             // A day has its own length before the tolerance after it begins.
             let inside = (-TOLERANCE_DAYS..=1.0 + TOLERANCE_DAYS).contains(&days);
-            (start_s > EARLIEST_STAMP_S && !inside).then_some((station + 1, days.floor()))
+            (start_s > EARLIEST_STAMP_S && !inside).then_some((station, days.floor()))
         })
         .collect();
-    let (_, days) = off.first()?;
-    let stations: Vec<String> = off.iter().map(|(station, _)| station.to_string()).collect();
-    Some(Finding::doubt(format!(
-        "the folder is named {name}, but the stamps of station {} are {:.0} days {} {day}: either the name or the data is \
-         wrong, and rig and control points may be of another day than the tracks",
-        stations.join(", "),
-        days.abs(),
-        if *days > 0.0 { "after" } else { "before" },
-    )))
+    let (_, days) = *off.first()?;
+    let stations: Vec<usize> = off.iter().map(|(station, _)| *station).collect();
+    let date = day.to_string();
+    let other = OtherDate { folder: name, date: &date, days, stations: &stations };
+    Some(folder_date_contradicts_stamps(&other))
 }
 
 /// A date `20220711` or `2022-07-11` in a name.
@@ -106,7 +103,7 @@ mod tests {
         ] {
             let found = contradicts_folder("20220711-2", &tracks(start_s));
             assert_eq!(found.is_none(), fine, "{start_s}: {found:?}");
-            assert!(found.is_none_or(|f| f.doubt && f.message.contains("station 1, 2, 3")));
+            assert!(found.is_none_or(|f| f.to_string().contains("station 1, 2, 3")));
         }
     }
 }

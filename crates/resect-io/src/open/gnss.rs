@@ -3,9 +3,10 @@
 use super::found::{FoundFile, Standing};
 use super::reading::Reading;
 use crate::error::OpenError;
+use crate::findings::tracks::{gnss_antennas_missing, gnss_origins_differ};
 use crate::format;
 use crate::format::Format;
-use resect_core::deployment::{Finding, GnssFix};
+use resect_core::deployment::GnssFix;
 
 /// Antennas 1, 2, 3: the files that the user or `deployment.toml` names, or the three that are there, by name.
 pub fn read_gnss(reading: &mut Reading<'_, '_>) -> Result<Option<[Vec<GnssFix>; 3]>, OpenError> {
@@ -40,11 +41,7 @@ pub fn read_gnss(reading: &mut Reading<'_, '_>) -> Result<Option<[Vec<GnssFix>; 
         Ok(three) => three,
         Err(others) => {
             if !others.is_empty() {
-                findings.push(Finding::warning(format!(
-                    "{} GNSS solution file(s) left out: three antennas are needed; name them in deployment.toml: \
-                     gnss = [\"…\", \"…\", \"…\"]",
-                    others.len()
-                )));
+                findings.push(gnss_antennas_missing(others.len()));
             }
             return Ok(None);
         }
@@ -60,10 +57,7 @@ pub fn read_gnss(reading: &mut Reading<'_, '_>) -> Result<Option<[Vec<GnssFix>; 
     let about_the_earth =
         |fixes: &Vec<GnssFix>| fixes.first().is_some_and(|f| f.position_m.norm() > 1e6);
     if !antennas.iter().all(|fixes| about_the_earth(fixes) == about_the_earth(&antennas[0])) {
-        findings.push(Finding::warning(
-            "the GNSS antennas are left out: some positions are about the Earth's centre, others about a base station; \
-             solve them with the same settings",
-        ));
+        findings.push(gnss_origins_differ());
         return Ok(None);
     }
     Ok(Some(antennas))

@@ -1,5 +1,9 @@
 //! The rig, out of whatever describes it, and whether the descriptions agree.
 
+use crate::findings::rig::{
+    prism_positions_disagree, prism_positions_of_other_rig, rig_derived_from_reading,
+    rig_file_preferred, rig_reading_disagrees, rig_unknown,
+};
 use nalgebra::Vector3;
 
 use super::found::{FoundFile, Standing};
@@ -9,7 +13,7 @@ use crate::error::OpenError;
 use crate::format;
 use crate::format::Format;
 use resect_core::deployment::pairwise_distances;
-use resect_core::deployment::{Finding, OneOrMany, Remedy, Rig};
+use resect_core::deployment::{OneOrMany, Rig};
 
 /// Distances of one rig in two files may differ by this much (m) before it is worth a word.
 const RIG_TOLERANCE_M: f64 = 0.005;
@@ -92,9 +96,7 @@ pub fn read_rig<'a>(
     let inter_prism_m = match overrides.inter_prism_m {
         // What the user names says it better than a file that lies about.
         Some(_) if named && put_right.inter_prism_m.is_none() => {
-            findings.push(Finding::note(
-                "the rig is the one that was named, not inter_prism_m of deployment.toml",
-            ));
+            findings.push(rig_file_preferred());
             by_files
         }
         overriding => overriding.or(by_files),
@@ -102,18 +104,12 @@ pub fn read_rig<'a>(
     let Some(inter_prism_m) = inter_prism_m else {
         // One prism has no distances.
         if overrides.prisms != Some(1) {
-            let line = "the inter-prism distances, which method D needs, are not known; put calibration_results.csv beside \
-                        the tracks, set inter_prism_m in deployment.toml, or name a file of the rig";
-            findings.push(Finding::warning(line).with(Remedy::GiveRig));
+            findings.push(rig_unknown());
         }
         return Ok(None);
     };
     if let (Some((file, _)), None, true) = (reading, distances, Some(inter_prism_m) == measured) {
-        findings.push(Finding::doubt(format!(
-            "the inter-prism distances are derived from {file}, one reading of each prism: no file gives them \
-             (calibration_results.csv, or inter_prism_m in deployment.toml), and what is wrong in the reading is wrong in \
-             the answer"
-        )));
+        findings.push(rig_derived_from_reading(file));
     }
     let [d12, d13, d23] = inter_prism_m;
     if inter_prism_m.iter().any(|d| !format::rig_files::PLAUSIBLE_DISTANCE_M.contains(d))
@@ -130,10 +126,7 @@ pub fn read_rig<'a>(
     if let (Some(measured), Some((file, _))) = (measured, reading) {
         let worst = (0..3).map(|i| (measured[i] - inter_prism_m[i]).abs()).fold(0.0, f64::max);
         if worst > RIG_TOLERANCE_M {
-            findings.push(Finding::doubt(format!(
-                "the inter-prism distances and the reading of the rig ({file}) disagree by {:.1} mm; one of them is wrong",
-                worst * 1e3
-            )));
+            findings.push(rig_reading_disagrees(file, worst));
         }
     }
     let mut in_vehicle_m = overrides.prisms_m.map(|prisms| prisms.map(Vector3::from));
@@ -144,9 +137,7 @@ pub fn read_rig<'a>(
             .map(|(given, known)| (given - known).abs())
             .fold(0.0, f64::max);
         if worst > WRONG_RIG_M && named {
-            findings.push(Finding::warning(
-                "prisms_m of deployment.toml is of another rig than the one that was named; it is left out",
-            ));
+            findings.push(prism_positions_of_other_rig(worst));
             in_vehicle_m = None;
         } else if worst > WRONG_RIG_M || given.iter().flatten().any(|value| !value.is_finite()) {
             return Err(OpenError::file(
@@ -156,10 +147,7 @@ pub fn read_rig<'a>(
             ));
         }
         if in_vehicle_m.is_some() && worst > RIG_TOLERANCE_M {
-            findings.push(Finding::warning(format!(
-                "prisms_m and the inter-prism distances disagree by {:.1} mm",
-                worst * 1e3
-            )));
+            findings.push(prism_positions_disagree(worst));
         }
     }
     Ok(Some(Rig { inter_prism_m, prisms_m, inter_antenna_m, in_vehicle_m }))

@@ -3,6 +3,10 @@
 //! One file is one instrument in one place. Whose it is, the number at the end of its name says, or `surveys` of
 //! `deployment.toml`. Files whose names differ in that number only make one set of control points.
 
+use crate::findings::surveys::{
+    survey_coordinates_left_out, survey_empty, survey_points_numbered, survey_prism_constant_kept,
+    survey_station_repeated, survey_station_unknown,
+};
 use std::collections::HashMap;
 
 use nalgebra::Vector3;
@@ -84,25 +88,19 @@ impl<'a> Surveys<'a> {
                 let by_name =
                     file.standing == Standing::Named || overrides.control_points.is_some();
                 if survey.coordinates.is_empty() {
-                    reading.findings.push(Finding::warning(format!("{name}: no usable reading")));
+                    reading.findings.push(survey_empty(name));
                 } else if by_name {
                     for (point, position_m) in &survey.coordinates {
                         coordinates.entry(point).or_insert(*position_m);
                     }
                     reading.used.push(name);
                 } else {
-                    reading.findings.push(Finding::warning(format!(
-                        "{name}: coordinates without readings are left out; where they are surveyed ones, name it in \
-                         control_points of deployment.toml"
-                    )));
+                    reading.findings.push(survey_coordinates_left_out(name));
                 }
                 continue;
             }
             let Some((pattern, station)) = whose(name, overrides.surveys.as_ref()) else {
-                reading.findings.push(Finding::warning(format!(
-                    "{name}: left out, because it is not known which station read it; let its name end with the number of \
-                     the station, or name the files of stations 1, 2, 3 in deployment.toml: surveys = [\"…\", \"…\", \"…\"]"
-                )));
+                reading.findings.push(survey_station_unknown(name));
                 continue;
             };
             reading.findings.extend(survey.findings.iter().cloned());
@@ -110,9 +108,7 @@ impl<'a> Surveys<'a> {
                 && let Some(given_m) = overrides.prism_constant_m.map(PrismConstants::each_m)
                 && given_m[station] != 0.0
             {
-                reading.findings.push(Finding::note(format!(
-                    "{name}: prism_constant_m is not added to its ranges, which have their own"
-                )));
+                reading.findings.push(survey_prism_constant_kept(name));
             }
             let group = match groups.iter().position(|g| g.pattern == pattern) {
                 Some(known) => &mut groups[known],
@@ -123,9 +119,7 @@ impl<'a> Surveys<'a> {
             };
             let place = &mut group.stations[station];
             if let Some((other, _)) = place {
-                reading.findings.push(Finding::warning(format!(
-                    "{name}: left out, because {other} is of the same station as well"
-                )));
+                reading.findings.push(survey_station_repeated(name, other));
             } else {
                 *place = Some((name, survey));
                 reading.used.push(name);
@@ -222,11 +216,8 @@ fn number(file: &str, points: &mut [(String, ControlPoint)], findings: &mut Vec<
         Some(markers) if sorted.len() == points.len() => markers,
         _ => {
             let names: Vec<&str> = points.iter().map(|(name, _)| name.as_str()).take(8).collect();
-            let more = if points.len() > names.len() { ", …" } else { "" };
-            findings.push(Finding::note(format!(
-                "{file}: points are numbered in order of appearance: {}{more}",
-                names.join(", ")
-            )));
+            let more = points.len() > names.len();
+            findings.push(survey_points_numbered(file, &names, more));
             (1..=points.len() as i64).collect()
         }
     };

@@ -4,6 +4,9 @@ use super::cartesian;
 use super::found::{Found, FoundFile};
 use super::{bags, dated, tables};
 use crate::error::{OpenError, Question};
+use crate::findings::tracks::{
+    masked_readings_missing, prism_constant_added, readings_masked, span_selected,
+};
 use crate::format;
 use crate::format::Format;
 use crate::recording::Recording;
@@ -117,18 +120,7 @@ fn about_prism_constant(
         (None, Some(_)) => "deployment.toml",
         (None, None) => "the MT1000",
     };
-    let constants = match constants_m {
-        [a, b, c] if a == b && a == c => format!("{:+.1} mm", a * 1e3),
-        each => each.map(|own| format!("{:+.1}", own * 1e3)).join(", ") + " mm (stations 1, 2, 3)",
-    };
-    Finding::note(if included_in_tracks {
-        format!(
-            "prism constant of {from}, {constants}, added to ranges of control points and rig; those of the \
-             tracks contain it"
-        )
-    } else {
-        format!("prism constant of {from}, {constants}, added to every range")
-    })
+    prism_constant_added(constants_m, from, included_in_tracks)
 }
 
 /// Marks the readings that the user leaves out: those outside of the span, and the masked ones.
@@ -138,10 +130,7 @@ fn leave_out(tracks: &mut [Track; 3], overrides: &Overrides, findings: &mut Vec<
             let used = |m: &Measurement| (from_s..=to_s).contains(&m.time_s);
             track.left_out = track.measurements.iter().map(|m| !used(m)).collect();
         }
-        findings.push(Finding::note(format!(
-            "only the {:.1} s from {from_s:.3} to {to_s:.3} s are used",
-            to_s - from_s
-        )));
+        findings.push(span_selected(from_s, to_s));
     }
     let masked = overrides.masked.as_deref().unwrap_or_default();
     let mut missing = 0;
@@ -157,13 +146,10 @@ fn leave_out(tracks: &mut [Track; 3], overrides: &Overrides, findings: &mut Vec<
         }
     }
     if !masked.is_empty() {
-        let left_out = masked.len() - missing;
-        findings.push(Finding::note(format!("{left_out} readings are left out by hand")));
+        findings.push(readings_masked(masked.len() - missing));
     }
     if missing > 0 {
-        findings.push(Finding::warning(format!(
-            "{missing} of the masked readings are not in the tracks; they were masked in other data"
-        )));
+        findings.push(masked_readings_missing(missing));
     }
 }
 

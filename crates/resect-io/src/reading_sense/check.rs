@@ -2,8 +2,10 @@
 
 use super::station_sense::StationSense;
 use super::units;
-use super::words::{number, stations};
 use crate::error::OpenError;
+use crate::findings::readings::{
+    stamps_relative, stamps_whole_seconds, stations_without_common_time,
+};
 use resect_core::deployment::Finding;
 
 /// Stamps before March 1973 count from a start of their own.
@@ -19,13 +21,10 @@ pub fn check(
 ) -> Result<Vec<Finding>, OpenError> {
     units::check(all, files, is_table)?;
     let mut findings: Vec<_> =
-        all.iter().enumerate().filter_map(|(station, own)| own.doubt(station + 1)).collect();
-    let whole: Vec<_> = (1..=3).filter(|n| all[n - 1].has_whole_seconds()).collect();
+        all.iter().enumerate().filter_map(|(station, own)| own.doubt(station)).collect();
+    let whole: Vec<_> = (0..3).filter(|station| all[*station].has_whole_seconds()).collect();
     if !whole.is_empty() {
-        findings.push(Finding::doubt(format!(
-            "every stamp of {} is a whole second: too coarse for a moving prism, which goes a metre in that time",
-            stations(&whole)
-        )));
+        findings.push(stamps_whole_seconds(&whole));
     }
     findings.extend(clocks(all));
     Ok(findings)
@@ -33,26 +32,20 @@ pub fn check(
 
 /// Notes of clocks that count from a start of their own, and of stations that never measured at the same time.
 fn clocks(all: &[StationSense; 3]) -> Vec<Finding> {
-    let spans: Vec<_> = (1..=3).filter_map(|n| Some((n, all[n - 1].span_s?))).collect();
+    let spans: Vec<_> =
+        (0..3).filter_map(|station| Some((station, all[station].span_s?))).collect();
     let Some((_, [start_s, _])) = spans.iter().min_by(|a, b| a.1[0].total_cmp(&b.1[0])) else {
         return Vec::new();
     };
     let mut findings = Vec::new();
     if start_s.abs() < EARLIEST_UNIX_S {
-        findings.push(Finding::note(format!(
-            "stamps count from a start of their own (the first is {start_s:.3} s): they cannot be compared with GNSS"
-        )));
+        findings.push(stamps_relative(*start_s));
     }
     let apart = spans.iter().enumerate().find_map(|(index, (a, [a_from, a_to]))| {
         let after = &spans[index + 1..];
-        let (b, [b_from, b_to]) =
-            after.iter().find(|(_, [from, to])| from > a_to || to < a_from)?;
-        Some(format!(
-            "stations {a} and {b} never measured at the same time: {} to {} s, {} to {} s; their clocks differ, or they \
-             are not of one drive",
-            number(*a_from), number(*a_to), number(*b_from), number(*b_to)
-        ))
+        let (b, b_span) = after.iter().find(|(_, [from, to])| from > a_to || to < a_from)?;
+        Some(stations_without_common_time([*a, *b], [[*a_from, *a_to], *b_span]))
     });
-    findings.extend(apart.map(Finding::problem));
+    findings.extend(apart);
     findings
 }

@@ -9,7 +9,6 @@ mod station_sense;
 #[cfg(test)]
 mod tests;
 mod units;
-mod words;
 
 pub use check::check;
 pub use impossible::Impossible;

@@ -1,6 +1,7 @@
 //! A sample of the readings of a station, and counts of those that are impossible.
 
 use super::impossible::Impossible;
+use crate::findings::readings::readings_implausible;
 use resect_core::deployment::{Finding, Measurement};
 use resect_core::statistics::median;
 
@@ -72,7 +73,7 @@ impl StationSense {
     }
 
     /// The doubt that its impossible readings raise.
-    pub fn doubt(&self, number: usize) -> Option<Finding> {
+    pub fn doubt(&self, station: usize) -> Option<Finding> {
         let impossible: u64 = self.impossible.iter().sum();
         let share = impossible as f64 / self.valid.max(1) as f64;
         if share < DOUBTFUL_SHARE {
@@ -80,15 +81,9 @@ impl StationSense {
         }
         let counts =
             Impossible::DOUBTFUL.iter().zip(self.impossible).filter(|(_, count)| *count > 0);
-        let counts: Vec<_> =
-            counts.map(|(kind, count)| format!("{}: {count}", kind.short())).collect();
-        Some(Finding::doubt(format!(
-            "station {number}: {impossible} of {} readings that are marked as valid ({:.1} %) cannot be any ({}): the \
-             recorder writes invalid readings as valid, and the others may be no better",
-            self.valid,
-            100.0 * share,
-            counts.join(", ")
-        )))
+        let counts: Vec<_> = counts.map(|(kind, count)| (kind.short(), count as usize)).collect();
+        let (impossible, valid) = (impossible as usize, self.valid as usize);
+        Some(readings_implausible(station, impossible, valid, &counts))
     }
 }
 

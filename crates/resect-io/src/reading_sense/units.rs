@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::impossible::{LARGEST_AZIMUTH_RAD, LATEST_STAMP_S};
 use super::station_sense::{Column, FEWEST, StationSense};
-use super::words::{number, stations};
 use crate::error::OpenError;
+use crate::findings::readings::{short_number, station_list};
 
 /// Nearer to the vertical than this no vehicle is tracked, so such zenith angles are angles of elevation.
 const STEEPEST_RAD: f64 = 0.3;
@@ -203,11 +203,11 @@ impl Judged {
     fn what(&self) -> Option<String> {
         let first = self.first()?;
         let numbers: Vec<_> = (1..=3).filter(|n| self.suspicions[n - 1].is_some()).collect();
-        let values = self.suspicions.iter().flatten().map(|s| number(s.value));
+        let values = self.suspicions.iter().flatten().map(|s| short_number(s.value));
         let values = values.collect::<Vec<_>>().join(", ");
         let Self { name, verb, expected, .. } = self;
         let looks = first.looks.words();
-        Some(format!("{name} of {} {verb} {values}: {looks} ({expected})", stations(&numbers)))
+        Some(format!("{name} of {} {verb} {values}: {looks} ({expected})", station_list(&numbers)))
     }
 }
 

@@ -177,7 +177,7 @@ fn text_of(summary: &ResultSummary) -> String {
 #[test]
 fn json_is_the_transforms_part_of_the_contract() {
     let value: Value = serde_json::from_str(&copied(CopyFormat::Json)).expect("JSON");
-    assert_eq!(value["schema"], 1);
+    assert_eq!(value["schema"], 2);
     assert_eq!(value["diagnosis"]["verdict"], "good");
     assert_eq!(value["diagnosis"]["independently_checked"], true);
     let copied = value["transforms"].as_array().expect("a list");

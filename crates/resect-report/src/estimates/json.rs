@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::json::SCHEMA;
+use crate::json::{SCHEMA, findings};
 use resect_core::calibration::Calibration;
 use resect_core::estimates::metrics::Ape;
 use resect_core::estimates::odd::{OddOne, OddSpan};
@@ -68,10 +68,7 @@ fn estimate(judged: &Judged) -> Value {
         "undecided_rotation_share": against_sigma.undecided_rotation,
         "ground_truth_share_of_square": against_sigma.of_truth,
         "odd_spans": judged.odd.iter().map(odd).collect::<Vec<_>>(),
-        "findings": estimate.findings.iter().chain(&fit.findings).map(|f| json!({
-            "severity": f.severity,
-            "message": f.to_string(),
-        })).collect::<Vec<_>>(),
+        "findings": findings(estimate.findings.iter().chain(&fit.findings)),
     })
 }
 

@@ -71,7 +71,12 @@ struct WrittenSigma {
 struct WrittenDiagnosis {
     verdict: Verdict,
     #[serde(default)]
-    doubts: Vec<String>,
+    doubts: Vec<WrittenFinding>,
+}
+
+#[derive(Deserialize)]
+struct WrittenFinding {
+    message: String,
 }
 
 /// Reads what `calibrate --json` wrote, by any method.
@@ -111,7 +116,7 @@ fn earlier(file: &str, text: &str) -> Result<Earlier, EarlierError> {
         name: format!("{file} ({})", written.deployment),
         method: written.method,
         verdict: written.diagnosis.verdict,
-        doubt: written.diagnosis.doubts.into_iter().next(),
+        doubt: written.diagnosis.doubts.into_iter().next().map(|doubt| doubt.message),
         track_frame: written.track_frame,
         station1_from_station: [RigidTransform::IDENTITY, second_transform?, third_transform?],
         covariance,
@@ -218,9 +223,9 @@ mod tests {
             (of("NaN"), "not the JSON of a calibration"),
             (of(&whole[..=cut]), "EOF while parsing"),
             (of("{}"), "missing field `schema`"),
-            (of("{\"schema\":1}"), "missing field `deployment`"),
+            (of("{\"schema\":2}"), "missing field `deployment`"),
             (of(&format!("[{whole},{whole}]")), "several calibrations"),
-            (complaint("/schema", 2.into()), "its schema is 2 where this version reads 1"),
+            (complaint("/schema", 1.into()), "its schema is 1 where this version reads 2"),
             (complaint("/method", "guess".into()), "unknown variant `guess`"),
             (complaint("/diagnosis/verdict", "fine".into()), "unknown variant `fine`"),
             (complaint("/transforms/0/matrix/0/3", Value::Null), "invalid type: null"),

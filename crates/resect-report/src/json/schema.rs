@@ -1,3 +1,3 @@
 //! The version of the JSON contract.
 
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;

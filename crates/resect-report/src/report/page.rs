@@ -9,7 +9,7 @@ use super::findings::{badge, findings};
 use super::{answer, input, judged};
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::Calibration;
-use resect_core::deployment::{Deployment, Finding};
+use resect_core::deployment::{Deployment, Finding, FindingKind};
 use resect_core::estimates::Judgement;
 use resect_core::palette;
 use resect_io::file_mark::FileMark;
@@ -178,7 +178,7 @@ fn section(chapter: &Chapter) -> Markup {
             }
             Err(error) => {
                 p.verdict { (no_answer()) }
-                (findings(&[Finding::problem(error)]))
+                (findings(&[Finding::new(FindingKind::NoAnswer, error.as_str())]))
             }
         }
         @if let Chapter::Analysed { deployment, analysis, files, judgement } = chapter {

@@ -66,7 +66,6 @@ mod tests {
         settings.calibration.method = Some(resect_core::calibration::Method::InterPrism);
         let path = folder.path().join(SETTINGS_FILE);
         std::fs::write(&path, toml::to_string(&settings).expect("TOML")).expect("writable");
-        let read = resect_io::settings_file::read(&path).expect("settings");
-        assert_eq!(read, settings);
+        assert_eq!(resect_io::settings_file::read(&path).expect("settings"), settings);
     }
 }

@@ -56,7 +56,7 @@ pub fn columns(state: &State) -> (Vec<Column<'_>>, usize) {
 fn of_open(open: &OpenDeployment, title: String) -> Column<'_> {
     let result = open.analysis.as_ref().and_then(|analysis| match &analysis.answer {
         Ok(_) => open.summary.as_deref().map(Ok),
-        Err(error) => Some(Err(error.finding().message)),
+        Err(error) => Some(Err(error.finding().to_string())),
     });
     Column { title, whose: Whose::Open(open.id), result, sets: &open.deployment.control_points }
 }

@@ -10,7 +10,13 @@ use crate::calibration::checks::{
     FREE_SIGMA_M, POOR_FIT_M, WEAK_SIGMA_M, control_points_contradict,
 };
 use crate::calibration::{ResolvedBy, TransformSigma, Verdict};
-use crate::deployment::{Deployment, Finding, Remedy, Severity, ToldAngle, ToldIn};
+use crate::deployment::findings::answers::solver_not_converged;
+use crate::deployment::findings::drive::{
+    Flat, OpenDirections, distances_fit_poorly, drive_circle, drive_leaves_direction_free,
+    drive_standing, drive_straight_line, drive_two_legs, drive_weak, flat_ground, rival_minimum,
+    stations_far_from_track, weakest_direction,
+};
+use crate::deployment::{Deployment, Finding, Severity};
 use crate::geometry::RigidTransform;
 use crate::statistics::median;
 
@@ -61,7 +67,7 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
         lower(Verdict::Weak, finding);
     }
     if !answer.converged {
-        lower(Verdict::Weak, Finding::warning("the solver stopped before it reached the minimum"));
+        lower(Verdict::Weak, solver_not_converged());
     }
     let direction = describe(&TrackAxes::of(thinned), &uncertainty.weakest, false);
     let advice = observability.advice;
@@ -71,22 +77,17 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
     });
     if uncertainty.weakest_sigma_m > FREE_SIGMA_M {
         let free = observability.words(Hold::Free);
-        let line = format!("the drive leaves a direction free: {free}; next, {advice}");
-        lower(Verdict::Degenerate, Finding::problem(line));
+        lower(Verdict::Degenerate, drive_leaves_direction_free(&free, advice));
     } else if largest_m > WEAK_SIGMA_M {
-        let largest_mm = largest_m * 1e3;
-        let line = if largest_m > FAR * uncertainty.weakest_sigma_m {
-            format!(
-                "weakly held: the stations stand far from the track, where an error of yaw grows (σ up to \
-                 {largest_mm:.0} mm); drive nearer to them, or over a larger area"
-            )
+        let are_far = largest_m > FAR * uncertainty.weakest_sigma_m;
+        let finding = if are_far {
+            stations_far_from_track(largest_m)
         } else {
-            format!("weakly held: {direction} (σ up to {largest_mm:.0} mm); next, {advice}")
+            drive_weak(&direction, largest_m, advice)
         };
-        lower(Verdict::Weak, Finding::warning(line));
+        lower(Verdict::Weak, finding);
     } else {
-        let sigma_mm = uncertainty.weakest_sigma_m * 1e3;
-        findings.push(Finding::note(format!("least certain: {direction} (σ {sigma_mm:.1} mm)")));
+        findings.push(weakest_direction(&direction, uncertainty.weakest_sigma_m));
     }
     verdict
 }
@@ -94,49 +95,20 @@ pub fn judge(evidence: &Evidence<'_>, findings: &mut Vec<Finding>) -> Verdict {
 /// A drive whose shape leaves something free or weak, as what it is.
 fn plan(evidence: &Evidence<'_>) -> Option<Finding> {
     let Evidence { observability, rival, .. } = *evidence;
-    let mut angle = None;
-    let mut told = |rad: f64| *angle.insert(ToldAngle::size(rad, ToldIn::Degrees, 0));
-    let shape = match observability.drive.plan {
+    let open = OpenDirections {
+        free: observability.count(Hold::Free),
+        weak: observability.count(Hold::Weak),
+    };
+    Some(match observability.drive.plan {
         Plan::Winding => return None,
-        Plan::Standing => "the vehicle hardly moved".to_owned(),
-        Plan::StraightLine { length_m, bends_m } => format!(
-            "the drive is one straight line ({length_m:.0} m, bends under {:.1} m), on which the rig never turns",
-            (bends_m * 10.0).ceil().max(1.0) / 10.0
-        ),
-        Plan::Circle { radius_m, driven_rad, .. } if driven_rad > std::f64::consts::TAU => {
-            format!("the drive goes round one circle, one way (radius {radius_m:.1} m)")
-        }
-        Plan::Circle { radius_m, driven_rad, .. } => format!(
-            "the drive is an arc of one circle ({} of radius {radius_m:.1} m)",
-            told(driven_rad)
-        ),
+        Plan::Standing => drive_standing(open),
+        Plan::StraightLine { length_m, bends_m } => drive_straight_line(open, length_m, bends_m),
+        Plan::Circle { radius_m, driven_rad, .. } => drive_circle(open, radius_m, driven_rad),
         Plan::TwoLegs { corner_m, turn_rad } => {
-            let rival = rival.map_or_else(String::new, |(_, cost_ratio)| {
-                format!(
-                    ", with the rig turned another solution costs {cost_ratio:.1} times as much"
-                )
-            });
-            format!(
-                "the drive is an L, two straight legs with one corner of {} at ({:.1}, {:.1}) m: everything rests on \
-                 that corner{rival}",
-                told(turn_rad),
-                corner_m.x,
-                corner_m.y
-            )
+            let cost_ratio = rival.map(|(_, cost_ratio)| cost_ratio);
+            drive_two_legs(open, [corner_m.x, corner_m.y], turn_rad, cost_ratio)
         }
-    };
-    let of_all = |count, how| match count {
-        1 => format!("1 of 8 directions is {how}"),
-        _ => format!("{count} of 8 directions are {how}"),
-    };
-    let (severity, holds) = match (observability.count(Hold::Free), observability.count(Hold::Weak))
-    {
-        (0, 0) => (Severity::Note, "yet all 8 directions are held".to_owned()),
-        (0, weak) => (Severity::Warning, of_all(weak, "weakly held")),
-        (free, _) => (Severity::Problem, of_all(free, "free")),
-    };
-    let finding = Finding::note(format!("{shape}; {holds}")).telling(angle);
-    Some(Finding { severity, ..finding })
+    })
 }
 
 /// Ground on which nothing but the rig or control points tells the mirror twin.
@@ -146,20 +118,12 @@ fn flat(evidence: &Evidence<'_>) -> Option<Finding> {
     if !drive.is_flat() || mirror.twin.is_none() {
         return None;
     }
-    let tilt = ToldAngle::size(drive.tilt_rad, ToldIn::Degrees, 2);
-    let ground = if drive.is_floor() {
-        format!("the floor is flat (heights vary by {:.0} mm)", drive.relief_m * 1e3)
+    let flat = if drive.is_floor() {
+        Flat::Floor { relief_m: drive.relief_m }
     } else {
-        format!("the rig never pitches or rolls (by {tilt} at most)")
+        Flat::Tilt { tilt_rad: drive.tilt_rad }
     };
-    let message = format!(
-        "{ground}: heights have a mirror twin that only the rig or control points can tell from the answer"
-    );
-    Some(match mirror.resolved_by {
-        ResolvedBy::Nothing => Finding::warning(message),
-        _ => Finding::note(message),
-    })
-    .map(|finding| finding.telling((!drive.is_floor()).then_some(tilt)))
+    Some(flat_ground(flat, mirror.resolved_by != ResolvedBy::Nothing))
 }
 
 /// Another minimum, not the mirror twin, that the data cannot tell from the answer.
@@ -173,20 +137,12 @@ fn rival(evidence: &Evidence<'_>) -> Option<Finding> {
         })
         .into_iter()
         .fold(f64::INFINITY, f64::min);
-    Some(Finding::warning(format!(
-        "another solution {apart_m:.2} m away costs only {cost_ratio:.2} times as much; turn to both sides while driving"
-    )))
+    Some(rival_minimum(apart_m, cost_ratio))
 }
 
 /// Errors larger than noise, interpolation and the distances explain.
 fn poor_fit(evidence: &Evidence<'_>) -> Option<Finding> {
     let errors_m = evidence.thinned.distance_errors_m(&evidence.answer.parameters);
     let median_m = median(errors_m.into_iter().map(f64::abs))?;
-    (median_m > POOR_FIT_M).then(|| {
-        Finding::warning(format!(
-            "the distances fit poorly (median {:.1} mm): check the order of the prisms, the distances, the clocks and the filters",
-            median_m * 1e3
-        ))
-        .with(Remedy::PutRight)
-    })
+    (median_m > POOR_FIT_M).then(|| distances_fit_poorly(median_m))
 }

@@ -1,12 +1,15 @@
 //! Triplets that cannot be right, such as those of a station that followed another prism for a while: which they are, and
 //! how far they pull an answer by least squares.
 
+use crate::deployment::findings::outliers::{
+    outliers_left_out, outliers_shift_answer, span_left_out,
+};
 use nalgebra::Vector3;
 
 use super::{CentredTriplets, Minimum, NormalEquations};
 use crate::calibration::each_distance_error_m;
 use crate::calibration::{TransformSigma, Verdict};
-use crate::deployment::{Finding, Remedy};
+use crate::deployment::Finding;
 use crate::geometry::RigidTransform;
 use crate::statistics::median;
 
@@ -55,27 +58,11 @@ pub fn left_out(time_s: &[f64], kept_s: &[f64]) -> Vec<(Verdict, Finding)> {
     if count == 0 {
         return Vec::new();
     }
-    let line = format!("{count} triplets that cannot be right were left out");
-    let mut doubts = Vec::new();
-    if count as f64 >= TOO_MANY * time_s.len() as f64 {
-        let line = format!(
-            "{line}, {:.0} % of all: the rest may be wrong as well; find out what station followed another prism, or whose \
-             distances are another rig's",
-            1e2 * count as f64 / time_s.len() as f64
-        );
-        doubts.push((Verdict::Weak, Finding::warning(line)));
-    } else {
-        doubts.push((Verdict::Good, Finding::note(line)));
-    }
-    if let Some([from_s, to_s]) = mostly_left_out(time_s, kept_s) {
-        let line = format!(
-            "most of what is from {:.0} to {:.0} s of the drive does not fit the rest and was left out: a station moved, or \
-             followed another prism for that long; cut the recording there",
-            from_s - time_s[0],
-            to_s - time_s[0]
-        );
-        let finding = Finding::warning(line).with(Remedy::ShowTimes([from_s, to_s]));
-        doubts.push((Verdict::Weak, finding));
+    let is_many = count as f64 >= TOO_MANY * time_s.len() as f64;
+    let verdict = if is_many { Verdict::Weak } else { Verdict::Good };
+    let mut doubts = vec![(verdict, outliers_left_out(count, time_s.len(), is_many))];
+    if let Some(span_s) = mostly_left_out(time_s, kept_s) {
+        doubts.push((Verdict::Weak, span_left_out(span_s, time_s[0])));
     }
     doubts
 }
@@ -146,19 +133,14 @@ pub fn pull(
     }
     (pull_m > NOTABLE_PULL_M && sigmas > 1.0).then(|| {
         let largest_m = errors_m.iter().fold(0.0, |worst: f64, e| worst.max(e.abs()));
-        Finding::warning(format!(
-            "{} triplets with distances off by up to {largest_m:.2} m pull this answer by {:.0} mm: a station lost its \
-             prism or followed another; the joint estimate leaves them out",
-            wild.len(),
-            pull_m * 1e3
-        ))
-        .with(Remedy::JointEstimate)
+        outliers_shift_answer(wild.len(), Some(largest_m), pull_m)
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deployment::FindingKind;
 
     #[test]
     fn wild_ones_are_told_from_chords() {
@@ -178,14 +160,13 @@ mod tests {
             let kept_s = (0..time_s.len()).filter(|i| kept(*i)).map(|i| time_s[i]);
             let doubts = left_out(&time_s, &kept_s.collect::<Vec<_>>());
             doubts
-                .into_iter()
-                .map(|(verdict, finding)| (verdict, finding.message))
-                .collect::<Vec<_>>()
         };
         assert!(verdicts(&|_| true).is_empty());
         assert_eq!(verdicts(&|i| i % 13 != 0).iter().map(|d| d.0).max(), Some(Verdict::Good));
         let run = verdicts(&|i| !(600..900).contains(&i));
         assert_eq!(run[1].0, Verdict::Weak);
-        assert!(run[1].1.starts_with("most of what is from 52 to 98 s of the drive"), "{run:?}");
+        assert_eq!(run[1].1.kind, FindingKind::SpanLeftOut);
+        let span_s = ["from", "to"].map(|name| run[1].1.value(name).expect("a span").round());
+        assert_eq!(span_s, [152.0, 198.0], "{run:?}");
     }
 }

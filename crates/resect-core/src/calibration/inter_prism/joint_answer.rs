@@ -7,6 +7,7 @@ use super::{
 };
 use crate::calibration::joint::JointEstimate;
 use crate::calibration::{Basin, Verdict};
+use crate::deployment::findings::answers::other_minimum_fits_better;
 use crate::deployment::{ControlPointSet, Finding, Rig};
 use crate::geometry::RigidTransform;
 
@@ -67,10 +68,7 @@ pub fn solve(
     solution.choice.mirror.cost_ratio = Some(other.mean_square_m2 / answer.mean_square_m2);
     // These findings are about the other minimum.
     solution.choice.findings.clear();
-    let finding = Finding::warning(
-        "with all that was estimated taken into account another minimum fits better than this answer; nothing decides \
-         between them",
-    );
+    let finding = other_minimum_fits_better(other.mean_square_m2 / answer.mean_square_m2);
     JointAnswer { solution, data, kept_s, doubt: Some((Verdict::Ambiguous, finding)) }
 }
 

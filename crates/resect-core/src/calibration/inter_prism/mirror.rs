@@ -7,7 +7,11 @@
 
 use crate::calibration::misfits::control_points_apart_m;
 use crate::calibration::{Basin, Mirror, ResolvedBy};
-use crate::deployment::{ControlPointSet, Finding, Remedy, Rig};
+use crate::deployment::findings::mirror::{
+    MirrorWitness, mirror_needs_witness, mirror_ruled_out, mirror_same_height, mirror_twin,
+    mirror_witness_contradicted,
+};
+use crate::deployment::{ControlPointSet, Finding, Rig};
 use crate::geometry::RigidTransform;
 
 /// The twin must cost this much more before the cost alone decides: a clock offset or a wrong distance
@@ -52,19 +56,13 @@ pub fn choose(
 ) -> Choice {
     let Some(twin) = twin else {
         let height_m = lowest.height_differences_m.map(f64::abs).into_iter().fold(0.0, f64::max);
-        let (resolved_by, why) = if height_m < LEVEL_RIG_M {
-            (
-                ResolvedBy::Nothing,
-                "the prisms stand at the same height, so the mirror twin is the answer itself",
-            )
+        let (resolved_by, finding) = if height_m < LEVEL_RIG_M {
+            (ResolvedBy::Nothing, mirror_same_height())
         } else {
-            (
-                ResolvedBy::Cost,
-                "the mirror twin is no minimum of its own here: pitch and roll rule it out",
-            )
+            (ResolvedBy::Cost, mirror_ruled_out())
         };
         let mirror = Mirror { twin: None, cost_ratio: None, resolved_by };
-        let findings = vec![Finding::note(why)];
+        let findings = vec![finding];
         return Choice { answer: lowest, twin_is_real: false, mirror, findings, ambiguous: false };
     };
     let (witness, twin_is_real) = if let Some(decided) = by_rig(rig, &lowest, &twin) {
@@ -96,30 +94,19 @@ fn between(witness: ResolvedBy, twin_is_real: bool, answer: Basin, other: Basin)
                 .abs()
         })
         .fold(0.0, f64::max);
-    let said = match witness {
-        ResolvedBy::Rig => "the rig decides (which prism stands higher)",
-        ResolvedBy::ControlPoints => "the control points decide",
-        ResolvedBy::Cost => "the cost decides",
-        ResolvedBy::Nothing => "nothing decides between them",
+    let decisive = match witness {
+        ResolvedBy::Rig => MirrorWitness::Rig,
+        ResolvedBy::ControlPoints => MirrorWitness::ControlPoints,
+        ResolvedBy::Cost => MirrorWitness::Cost,
+        ResolvedBy::Nothing => MirrorWitness::Nothing,
     };
     let contradicted = cost_ratio < 1.0 / CONTRADICTING_COST_RATIO;
     let ambiguous = witness == ResolvedBy::Nothing || contradicted;
-    let message = format!(
-        "a mirror twin {apart_m:.2} m away in height costs {cost_ratio:.2} times the answer; {said}"
-    );
-    let mut findings =
-        vec![if ambiguous { Finding::warning(message) } else { Finding::note(message) }];
+    let mut findings = vec![mirror_twin(decisive, apart_m, cost_ratio, contradicted)];
     if contradicted {
-        findings.push(Finding::warning(format!(
-            "the {} says one solution, the cost clearly the other; check the order of the prisms",
-            witness.name().unwrap_or("witness")
-        ))
-        .with(Remedy::PutRight));
+        findings.push(mirror_witness_contradicted(witness.name().unwrap_or("witness")));
     } else if ambiguous {
-        let line = "to tell the twins apart, add calibration_raw.csv (heights of the prisms) or control points, or \
-                    drive over uneven ground";
-        let finding = Finding::warning(line);
-        findings.push(finding.with(Remedy::GiveRig).with(Remedy::GiveControlPoints));
+        findings.push(mirror_needs_witness());
     }
     let mirror = Mirror { twin: Some(other), cost_ratio: Some(cost_ratio), resolved_by: witness };
     Choice { answer, twin_is_real, mirror, findings, ambiguous }
@@ -210,7 +197,7 @@ mod tests {
         let choice = choose(&rig(None), &[], basin(0.4, 1.0), Some(basin(-0.4, 8.0)));
         let corrected = choice.with_answer(basin(0.41, 2.0));
         assert_eq!(corrected.mirror.cost_ratio, Some(4.0));
-        assert!(corrected.findings[0].message.contains("costs 4.00 times the answer"));
+        assert_eq!(corrected.findings[0].value("cost_ratio"), Some(4.0));
         let fits_as_badly = corrected.with_answer(basin(0.41, 5.0));
         assert_eq!(fits_as_badly.mirror.resolved_by, ResolvedBy::Nothing);
         assert!(fits_as_badly.ambiguous);

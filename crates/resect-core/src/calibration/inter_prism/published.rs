@@ -1,5 +1,7 @@
 //! The published solution: a prior, all minima, and which of the two twins is real.
 
+use crate::deployment::findings::outliers::{prior_search_elsewhere, prior_search_unconfirmed};
+
 use super::minima::{self, Minima, THINNED};
 use super::mirror::{self, Choice};
 use super::used::Used;
@@ -8,7 +10,7 @@ use super::{
     prior_search, same_solution,
 };
 use crate::calibration::Basin;
-use crate::deployment::{ControlPointSet, Finding, Remedy, Rig};
+use crate::deployment::{ControlPointSet, Finding, Rig};
 use crate::stopwatch::Stopwatch;
 
 /// What the published method finds on some triplets.
@@ -42,9 +44,7 @@ pub fn solve(
         Some(used) => {
             let search = prior_search::search(&used.triplets(), rig.inter_prism_m);
             if !search.agreed {
-                let line = "the search of the prior found no optimum that three other runs agree with; compare with the \
-                            closed form";
-                findings.push(Finding::warning(line).with(Remedy::ClosedFormPrior));
+                findings.push(prior_search_unconfirmed());
             }
             let mut priors = vec![data.parameters(&search.chosen)];
             // A search that went astray must not decide alone.
@@ -81,8 +81,5 @@ fn astray(search: &PriorSearch, choice: &Choice) -> Option<Finding> {
     let apart_m = (1..3)
         .map(|s| (search.chosen[s].translation_m - answer[s].translation_m).norm())
         .fold(0.0, f64::max);
-    Some(Finding::note(format!(
-        "the search of the prior ended {apart_m:.2} m from this answer (in another minimum, such as the mirror twin); \
-         the answer does not rest on it"
-    )))
+    Some(prior_search_elsewhere(apart_m))
 }

@@ -13,6 +13,7 @@ use crate::calibration::{
     Calibration, CalibrationError, CalibrationSettings, Details, ErrorSizes, JointDetails,
     JointTargets, Method, Offer, PriorMethod, Verdict, checks,
 };
+use crate::deployment::findings::answers::joint_estimate_undetermined;
 use crate::deployment::{Deployment, Finding, Rig};
 use crate::geometry::RigidTransform;
 use crate::pipeline::Triplets;
@@ -59,9 +60,9 @@ pub fn solve_jointly(
             judgement.findings.extend(joint::in_words::distances(estimate, &rig.inter_prism_m));
             judgement.findings.extend(joint::in_words::findings(estimate));
         }
-        None => judgement.doubt([Finding::warning(
-            "nothing was refined: the data does not hold all that was to be estimated",
-        )]),
+        None => {
+            judgement.doubt([joint_estimate_undetermined("this is the answer of method D")]);
+        }
     }
     let kept_s = kept_s.map_or_else(|| used.instants().0, Cow::Owned);
     doubts.extend(gross_errors::left_out(&triplets.time_s, &kept_s));

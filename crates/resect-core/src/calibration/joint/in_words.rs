@@ -1,13 +1,18 @@
-//! What the joint estimate found, in words: instruments, what did not stay as it was, and what its σ are made of.
+//! Findings of the joint estimate: instruments, steps, and the sources of its σ.
 
 use super::contradiction::Contradiction;
 use super::instruments::{InstrumentError, instruments};
 use super::unknowns::{CLOCKS, DISTANCES, DRIFTS, LATENCIES};
 use super::{Dominant, JointEstimate, Step, Stepped};
 use crate::calibration::Verdict;
-use crate::calibration::estimate::sigmas_in_words;
-use crate::calibration::{Estimate, clocks_in_words};
-use crate::deployment::{Finding, Remedy, ToldAngle, ToldIn, pair_label};
+use crate::calibration::{Estimate, Quantity, clocks_in_words};
+use crate::deployment::findings::instruments::{
+    NamedError, Noise, StepContext, UncertaintySource, clock_stepped, distance_estimated,
+    distance_implausible, distances_implausible, errors_implausible, instrument_error,
+    instrument_error_implausible, noise_levels, range_wander_implausible,
+    stated_error_contradicted, station_errors_implausible, station_moved, uncertainty_sources,
+};
+use crate::deployment::{Finding, pair_label};
 
 /// How far one estimate may be from its prior by chance (σ): once in forty thousand, by some of thirty.
 const MOST_STRAIN: f64 = 4.2;
@@ -19,8 +24,6 @@ const MOST_STRAIN_OF_ALL: f64 = 3.3;
 const NOTABLE_DISTANCE_M: f64 = 0.003;
 /// The largest errors of ranges to prisms that turn are 5 mm (Lackner & Lienhart 2016).
 const MOST_WANDER_M: f64 = 0.005;
-/// What becomes of a clock that drifts as none does.
-const ALLOWED_FOR: &str = "the estimate allows for a drift, and for no more than that";
 /// What is looked at before and after a step (s): its moment is known to about six seconds.
 const AROUND_A_STEP_S: f64 = 20.0;
 
@@ -29,19 +32,8 @@ pub fn distances(found: &JointEstimate, inter_prism_m: &[f64; 3]) -> Vec<Finding
     let estimated = found.distances_m.iter().flatten().zip(inter_prism_m).enumerate();
     estimated
         .map(|(pair, (distance, measured_m))| {
-            let off_m = distance.value - measured_m;
-            let line = format!(
-                "prisms {}: {:+.1} ± {:.1} mm against the measured distance{}",
-                pair_label(pair),
-                off_m * 1e3,
-                distance.sigma * 1e3,
-                sigmas_in_words(distance.sigmas_from(*measured_m)),
-            );
-            if off_m.abs() > NOTABLE_DISTANCE_M {
-                Finding::warning(format!("{line}; measure the rig again")).with(Remedy::PutRight)
-            } else {
-                Finding::note(line).tabled()
-            }
+            let is_notable = (distance.value - measured_m).abs() > NOTABLE_DISTANCE_M;
+            distance_estimated(pair, *measured_m, distance, is_notable)
         })
         .collect()
 }
@@ -52,17 +44,13 @@ pub fn findings(found: &JointEstimate) -> Vec<Finding> {
     for (number, drive) in found.drives.iter().enumerate().skip(1) {
         let clocks =
             clocks_in_words::clocks(&drive.late_s, &[Estimate { value: 0.0, sigma: 1.0 }; 2]);
-        findings.extend(clocks.into_iter().map(|finding| Finding {
-            message: format!("drive {}: {}", number + 1, finding.message),
-            ..finding
-        }));
+        let context = format!("drive {}", number + 1);
+        findings.extend(clocks.into_iter().map(|finding| finding.within(&context)));
     }
-    findings.extend(instruments(found).iter().filter(|error| error.is_told()).map(|error| {
-        let (line, angle) = error.in_words();
-        Finding::note(line).telling(angle)
-    }));
-    findings.extend(dominant(found));
-    findings.into_iter().map(Finding::tabled).collect()
+    let told = instruments(found).into_iter().filter(InstrumentError::is_told);
+    findings.extend(told.map(|error| with_name(&error, instrument_error)));
+    findings.extend([1, 2].map(|station| dominant(found, station)));
+    findings
 }
 
 /// What speaks against the estimate itself, each with the verdict that it allows at most.
@@ -75,34 +63,21 @@ pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
         let sigmas = strain.of[error.place].abs();
         if sigmas > MOST_STRAIN {
             strained = true;
-            doubt(strained_in_words(&error, sigmas));
+            doubt(with_name(&error, |named| instrument_error_implausible(named, sigmas)));
         }
     }
     for pair in 0..3 {
         let sigmas = strain.of[DISTANCES + pair].abs();
         if found.distances_m.is_some() && sigmas > MOST_STRAIN {
             strained = true;
-            let line = format!(
-                "prisms {} would be {:+.1} mm from their measured distance, which is known to {:.1} mm (1 σ), {sigmas:.1} σ \
-                 beyond chance: the rig, its units or the stations' numbers are wrong",
-                pair_label(pair),
-                strain.moved[DISTANCES + pair] * 1e3,
-                found.sizes.inter_prism_m * 1e3
-            );
-            doubt(Finding::warning(line).with(Remedy::PutRight));
+            let off_m = strain.moved[DISTANCES + pair];
+            doubt(distance_implausible(pair, off_m, found.sizes.inter_prism_m, sigmas));
         }
     }
     if !strained && found.distances_m.is_some() && strain.of_distances > MOST_STRAIN_OF_STATION {
         strained = true;
-        let moved_mm =
-            [0, 1, 2].map(|pair| format!("{:+.1}", strain.moved[DISTANCES + pair] * 1e3));
-        let line = format!(
-            "prisms 1–2, 1–3, 2–3 would be {} mm from their measured distances, which is {:.1} σ beyond chance, taken \
-             together: a station followed another prism for a while, or the rig is not as it was measured",
-            moved_mm.join(", "),
-            strain.of_distances
-        );
-        doubt(Finding::warning(line).with(Remedy::PutRight));
+        let off_m = [0, 1, 2].map(|pair| strain.moved[DISTANCES + pair]);
+        doubt(distances_implausible(off_m, strain.of_distances));
     }
     for contradiction in &found.contradictions {
         if contradiction.sigmas.abs() > MOST_STRAIN {
@@ -113,80 +88,62 @@ pub fn doubts(found: &JointEstimate) -> Vec<(Verdict, Finding)> {
     for (station, sigmas) in strain.of_stations.into_iter().enumerate() {
         if sigmas > MOST_STRAIN_OF_STATION {
             strained = true;
-            doubt(Finding::warning(format!(
-                "what is wrong with station {}'s ranges, angles and lean is {sigmas:.1} σ beyond what instruments in order \
-                 have, taken together: it was knocked, or something else bends the answer",
-                station + 1
-            )));
+            doubt(station_errors_implausible(station, sigmas));
         }
     }
     if !strained && strain.of_all > MOST_STRAIN_OF_ALL {
-        doubt(Finding::warning(format!(
-            "what is wrong with all stations and distances is {:.1} σ beyond what instruments in order have, taken together: \
-             something that this estimate does not know bends the answer",
-            strain.of_all
-        )));
+        doubt(errors_implausible(strain.of_all));
     }
     if found.wander.sigma_m > MOST_WANDER_M {
-        doubt(Finding::warning(format!(
-            "ranges wander by {:.0} mm, more than any prism makes them: find out what else does",
-            found.wander.sigma_m * 1e3
-        )));
+        doubt(range_wander_implausible(found.wander.sigma_m));
     }
     doubts.extend(found.stepped.iter().map(|step| stepped(step, found)));
     doubts.extend(
-        clocks_in_words::implausible_drifts(&found.clock_drifts, &jumping(found), ALLOWED_FOR)
+        clocks_in_words::implausible_drifts(&found.clock_drifts, &jumping(found), true)
             .into_iter()
             .map(|finding| (Verdict::Weak, finding)),
     );
     doubts
 }
 
-/// An error that is larger than instruments in order have.
-fn strained_in_words(error: &InstrumentError, sigmas: f64) -> Finding {
-    let ((line, angle), (known, known_angle)) = (error.in_words(), error.known_in_words());
-    Finding::warning(format!(
-        "{line}, where instruments in order have {known} (1 σ): {sigmas:.1} σ beyond chance, so something is wrong that this \
-         estimate takes for it"
-    ))
-    .telling(angle.into_iter().chain(known_angle))
+/// The finding that `finding` makes of an error of an instrument.
+fn with_name(error: &InstrumentError, finding: impl FnOnce(&NamedError<'_>) -> Finding) -> Finding {
+    let InstrumentError { station, kind, estimate, known, .. } = *error;
+    finding(&NamedError {
+        sentence: &kind.sentence(station),
+        station: Some(station),
+        quantity: kind.quantity(),
+        estimate,
+        prior_sigma: known,
+    })
 }
 
-/// An error that was said to be smaller than the data has it.
+/// An error that was stated to be smaller than the data shows.
 fn contradicted(contradiction: &Contradiction, found: &JointEstimate) -> Finding {
-    let Contradiction { place, found: by_data, sigmas } = *contradiction;
-    let said = |line: String, angles: Vec<ToldAngle>, said: String| {
-        Finding::warning(format!(
-            "{line} by the data, which was said to be within {said} (1 σ): {:.1} σ beyond that, so this answer is bent; let it \
-             have its usual size",
-            sigmas.abs()
-        ))
-        .telling(angles)
-    };
+    let Contradiction { place, found: estimate, sigmas } = *contradiction;
     let of_instruments = instruments(found);
     if let Some(error) = of_instruments.into_iter().find(|error| error.place == place) {
-        let error = InstrumentError { estimate: by_data, ..error };
-        let ((line, angle), (known, known_angle)) = (error.in_words(), error.known_in_words());
-        return said(line, angle.into_iter().chain(known_angle).collect(), known);
+        let error = InstrumentError { estimate, ..error };
+        return with_name(&error, |named| stated_error_contradicted(named, sigmas));
     }
-    let Estimate { value, sigma } = by_data;
     let sizes = &found.sizes;
-    let (what, scale, unit, size) = match place {
+    let (sentence, quantity, prior_sigma) = match place {
         CLOCKS..DRIFTS => {
-            let station = place - CLOCKS + 2;
-            (format!("station {station}'s stamps are late"), 1e3, "ms", sizes.clock_offset_s)
+            let sentence = format!("station {}'s stamps are late by", place - CLOCKS + 2);
+            (sentence, Quantity::Time, sizes.clock_offset_s)
         }
         DRIFTS..LATENCIES => {
-            let station = place - DRIFTS + 2;
-            (format!("station {station}'s clock drifts"), 1e6, "µs a second", sizes.clock_drift)
+            let sentence = format!("station {}'s clock drifts by", place - DRIFTS + 2);
+            (sentence, Quantity::Drift, sizes.clock_drift)
         }
         _ => {
             let pair = pair_label(place - DISTANCES);
-            (format!("prisms {pair} are farther apart"), 1e3, "mm", sizes.inter_prism_m)
+            let sentence = format!("prisms {pair} are farther apart by");
+            (sentence, Quantity::Length, sizes.inter_prism_m)
         }
     };
-    let line = format!("{what} by {:+.2} ± {:.2} {unit}", value * scale, sigma * scale);
-    said(line, Vec::new(), format!("{:.2} {unit}", size * scale))
+    let named = NamedError { sentence: &sentence, station: None, quantity, estimate, prior_sigma };
+    stated_error_contradicted(&named, sigmas)
 }
 
 /// Whether the clocks of stations 2 and 3 jump.
@@ -197,77 +154,41 @@ fn jumping(found: &JointEstimate) -> [bool; 2] {
     })
 }
 
-/// What happened to a station or its clock, and the verdict that it allows.
+/// A step of a station or its clock, and the verdict that it allows.
 fn stepped(step: &Step, found: &JointEstimate) -> (Verdict, Finding) {
-    let station = step.station + 1;
-    let when = found.when(step);
-    let (line, angle) = match &step.what {
-        Stepped::Clock(by_s) => (
-            format!(
-                "station {station}'s stamps jump by {:+.1} ± {:.1} ms {when}, which no offset puts right",
-                by_s.value * 1e3,
-                by_s.sigma * 1e3,
-            ),
-            None,
-        ),
+    let is_usual = found.is_usual(step);
+    let at_s = found.at_s(step);
+    let context = StepContext {
+        station: step.station,
+        when: &found.when(step),
+        is_usual,
+        span_s: (!step.slowly).then_some([at_s - AROUND_A_STEP_S, at_s + AROUND_A_STEP_S]),
+    };
+    let finding = match &step.what {
+        Stepped::Clock(by_s) => clock_stepped(context, by_s),
         Stepped::Station { turned_rad, .. } => {
-            let moved = step.moved_m().unwrap_or(Estimate { value: 0.0, sigma: 0.0 });
-            let turned = ToldAngle::signed(turned_rad.value, ToldIn::Milliradians, 3)
-                .sigma(turned_rad.sigma);
-            let line = format!(
-                "station {station} turned by {turned} and moved by {:.1} ± {:.1} mm {when}",
-                moved.value * 1e3,
-                moved.sigma * 1e3,
-            );
-            (line, Some(turned))
+            let moved_m = step.moved_m().unwrap_or(Estimate { value: 0.0, sigma: 0.0 });
+            station_moved(context, turned_rad, &moved_m)
         }
     };
-    if found.is_usual(step) {
-        let line = format!("{line}; no more than σ allows for");
-        return (Verdict::Good, Finding::note(line).telling(angle));
-    }
-    let remedy = if step.slowly { "find out why" } else { "cut the recording there" };
-    let line = format!(
-        "{line}; the estimate allows for it, but no one answer holds for the whole drive: {remedy}"
-    );
-    let seen = (!step.slowly).then(|| {
-        let at_s = found.at_s(step);
-        Remedy::ShowTimes([at_s - AROUND_A_STEP_S, at_s + AROUND_A_STEP_S])
-    });
-    let finding = Finding::warning(line).telling(angle);
-    (Verdict::Weak, seen.into_iter().fold(finding, Finding::with))
+    (if is_usual { Verdict::Good } else { Verdict::Weak }, finding)
 }
 
-/// "what dominates σ of station 2: x settling (0.6 of 0.9 mm), …".
-fn dominant(found: &JointEstimate) -> Vec<Finding> {
-    let line = |slot: usize| {
-        let mut angles = Vec::new();
-        let mut part = |axis: usize| {
-            let Dominant { what, part, whole } = found.dominant(4 * slot + axis);
-            let axis_name = ["x", "y", "z", "yaw"][axis];
-            if axis < 3 {
-                return format!("{axis_name} {what} ({:.1} of {:.1} mm)", part * 1e3, whole * 1e3);
-            }
-            let [part, whole] =
-                [part, whole].map(|rad| ToldAngle::size(rad, ToldIn::Milliradians, 3));
-            angles.extend([part, whole]);
-            format!("{axis_name} {what} ({part} of {whole})")
-        };
-        let parts: Vec<String> = (0..4).map(&mut part).collect();
-        let line = format!("what dominates σ of station {}: {}", slot + 2, parts.join(", "));
-        Finding::note(line).telling(angles)
-    };
-    [0, 1].map(line).into()
+/// The largest sources of σ of station 2 or 3 (1 or 2).
+fn dominant(found: &JointEstimate, station: usize) -> Finding {
+    let sources = [0, 1, 2, 3].map(|axis| {
+        let Dominant { what, part, whole } = found.dominant(4 * (station - 1) + axis);
+        UncertaintySource { source: what, part, whole }
+    });
+    uncertainty_sources(station, sources)
 }
 
 fn noise(found: &JointEstimate) -> Finding {
     let levels = &found.levels;
-    let angle = ToldAngle::size(levels.angle_rad, ToldIn::Arcseconds, 1);
-    Finding::note(format!(
-        "readings scatter about the motion by {:.1} mm in range, {angle} in angle and {:.1} ms in time; ranges wander by {:.1} mm",
-        levels.range_m() * 1e3,
-        levels.jitter_s * 1e3,
-        found.wander.sigma_m * 1e3,
-    ))
-    .telling([angle])
+    noise_levels(Noise {
+        range_m: levels.range_m(),
+        angle_rad: levels.angle_rad,
+        stamp_s: levels.jitter_s,
+        range_wander_m: found.wander.sigma_m,
+    })
 }

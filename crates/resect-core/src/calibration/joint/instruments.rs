@@ -3,7 +3,6 @@
 use super::JointEstimate;
 use super::unknowns::{COLLIMATIONS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES};
 use crate::calibration::{Estimate, Quantity};
-use crate::deployment::{ToldAngle, ToldIn};
 
 /// An error is told where it is this many of its σ, and the data narrowed what was known by this share.
 const TOLD_SIGMAS: f64 = 2.5;
@@ -44,7 +43,8 @@ impl Kind {
         }
     }
 
-    fn sentence(self, station: usize) -> String {
+    /// "station 2's ranges are off by".
+    pub fn sentence(self, station: usize) -> String {
         let number = station + 1;
         match self {
             Self::RangeOffset | Self::RangeScale => format!("station {number}'s ranges are off by"),
@@ -69,28 +69,6 @@ pub struct InstrumentError {
 }
 
 impl InstrumentError {
-    /// "station 2's ranges are off by +1.2 ± 0.3 mm", and the angles in that.
-    pub fn in_words(&self) -> (String, Option<ToldAngle>) {
-        let Estimate { value, sigma } = self.estimate;
-        let (scale, unit) = self.kind.quantity().told();
-        let sentence = self.kind.sentence(self.station);
-        if self.kind.quantity() == Quantity::Angle {
-            let angle = ToldAngle::signed(value, ToldIn::Arcseconds, 1).sigma(sigma);
-            return (format!("{sentence} {angle}"), Some(angle));
-        }
-        (format!("{sentence} {:+.1} ± {:.1} {unit}", value * scale, sigma * scale), None)
-    }
-
-    /// "0.3 mm": what was known beforehand, and the angle in that.
-    pub fn known_in_words(&self) -> (String, Option<ToldAngle>) {
-        let (scale, unit) = self.kind.quantity().told();
-        if self.kind.quantity() == Quantity::Angle {
-            let angle = ToldAngle::size(self.known, ToldIn::Arcseconds, 1);
-            return (angle.to_string(), Some(angle));
-        }
-        (format!("{:.1} {unit}", self.known * scale), None)
-    }
-
     /// Whether the data says that it is not zero, and says it by itself.
     pub fn is_told(&self) -> bool {
         self.estimate.sigmas_from(0.0).abs() > TOLD_SIGMAS

@@ -3,7 +3,8 @@
 use super::explanation::{self, Tried};
 use super::shown::{Agreement, Shown, Witnesses};
 use crate::calibration::{Calibration, Method, Offer, Targets, Verdict, Witness};
-use crate::deployment::{Deployment, Finding, Remedy};
+use crate::deployment::Deployment;
+use crate::deployment::findings::checks::{rig_heights_contradict, rig_orientation_contradicts};
 use crate::pipeline::Triplets;
 use crate::progress::{Cancelled, Progress};
 
@@ -36,12 +37,16 @@ pub fn check(
     let witnesses = Witnesses::new(rig, calibration.sigma.as_ref());
     let (area, heights) = (witnesses.area(&shown), witnesses.heights(&shown));
     let contradictions = [
-        (area == Some(Agreement::Contradicts)).then(|| area_in_words(&witnesses, &shown)),
-        (heights == Some(Agreement::Contradicts)).then(|| heights_in_words(&witnesses, &shown)),
+        (area == Some(Agreement::Contradicts)).then(|| {
+            rig_orientation_contradicts(shown.area_m2, witnesses.area_m2().unwrap_or(0.0))
+        }),
+        (heights == Some(Agreement::Contradicts)).then(|| {
+            rig_heights_contradict(shown.heights_m, witnesses.heights_m().unwrap_or_default())
+        }),
     ];
-    for line in contradictions.into_iter().flatten() {
+    for finding in contradictions.into_iter().flatten() {
         calibration.verdict = calibration.verdict.max(Verdict::Weak);
-        calibration.findings.push(Finding::warning(line).with(Remedy::PutRight));
+        calibration.findings.push(finding);
     }
     // Heights alone tell no sense, and a thin rig has none.
     if area == Some(Agreement::Agrees) && heights != Some(Agreement::Contradicts) {
@@ -63,25 +68,4 @@ pub fn check(
         }
     }
     Ok(())
-}
-
-fn area_in_words(witnesses: &Witnesses<'_>, shown: &Shown) -> String {
-    let known_m2 = witnesses.area_m2().unwrap_or(0.0);
-    let way = |area_m2: f64| if area_m2 > 0.0 { "counter-clockwise" } else { "clockwise" };
-    format!(
-        "seen from above, prisms 1, 2, 3 lie {} in this answer ({:+.3} m²) and {} in the reading of the rig ({known_m2:+.3} \
-         m²): azimuths run the other way, or two stations are exchanged",
-        way(shown.area_m2),
-        shown.area_m2,
-        way(known_m2),
-    )
-}
-
-fn heights_in_words(witnesses: &Witnesses<'_>, shown: &Shown) -> String {
-    let known_m = witnesses.heights_m().unwrap_or_default();
-    format!(
-        "prism 1 stands {:+.3} and {:+.3} m above prisms 2 and 3 in this answer, {:+.3} and {:+.3} m in the reading of the \
-         rig, more than the vehicle tilts; check which station tracked which prism",
-        shown.heights_m[0], shown.heights_m[1], known_m[0], known_m[1]
-    )
 }

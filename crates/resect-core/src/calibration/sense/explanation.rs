@@ -2,6 +2,9 @@
 //!
 //! Each is undone in some hundred triplets, method D is solved again, and all witnesses are asked once more.
 
+use crate::deployment::findings::checks::{
+    SuspectedMisreading, misreading_not_found, misreading_suspected,
+};
 use rayon::prelude::*;
 
 use super::misreading::Misreading;
@@ -171,7 +174,7 @@ pub fn explain_no_triplets(deployment: &Deployment, rig: &Rig) -> Option<String>
         misreading.in_words(""),
         misreading.assuming(),
         fit_m * 1e3,
-        remedy(misreading, Scope::Tracks, deployment)
+        correction(misreading, Scope::Tracks, deployment)
     ))
 }
 
@@ -272,27 +275,49 @@ impl Case<'_> {
         if found.is_empty() {
             let gross =
                 area || heights || control_points || (fit && self.base.fit_m > WEAK_SIGMA_M);
-            let line = "no single misreading explains what contradicts this answer: the numbers of the stations, the sense \
-                        of their azimuths and ranges in feet were tried";
-            return if gross { vec![Finding::note(line)] } else { Vec::new() };
+            return if gross { vec![misreading_not_found()] } else { Vec::new() };
         }
         let named = found.len().min(MOST_NAMED);
-        let lines = found[..named].iter().enumerate().map(|(index, one)| {
-            let or = if index > 0 { "or else " } else { "" };
-            let line = format!("{or}{}", self.explanation_in_words(one, deployment));
-            let put_right = match one.scope {
-                Scope::Tracks => one.misreading.read_with(deployment),
-                Scope::ControlPoints | Scope::Both => None,
-            };
-            let remedy = put_right.map(|with| Remedy::ReadWith(Box::new(with)));
-            remedy.into_iter().fold(Finding::warning(line), Finding::with)
-        });
+        let lines = found[..named]
+            .iter()
+            .enumerate()
+            .map(|(index, one)| self.suspected(one, deployment, index > 0));
         lines.collect()
     }
 
-    /// "stations 2 and 3 look exchanged: with that put right the distances fit to 1.3 mm instead of 42 mm; set …".
-    fn explanation_in_words(&self, one: &Explanation, deployment: &Deployment) -> String {
-        let Explanation { misreading, scope, shown } = one;
+    fn suspected(
+        &self,
+        one: &Explanation,
+        deployment: &Deployment,
+        is_alternative: bool,
+    ) -> Finding {
+        let Explanation { misreading, scope, .. } = one;
+        let of = match scope {
+            Scope::Tracks if self.base.control_points_m.is_none() => "",
+            Scope::Tracks => " of the tracks",
+            Scope::ControlPoints => " of the control points",
+            Scope::Both => " of both tracks and control points",
+        };
+        let was = self.complaints(&self.base);
+        let read_with = match scope {
+            Scope::Tracks => misreading.read_with(deployment),
+            Scope::ControlPoints | Scope::Both => None,
+        };
+        misreading_suspected(SuspectedMisreading {
+            misreading: &misreading.in_words(of),
+            assuming: misreading.assuming(),
+            correction: &correction(*misreading, *scope, deployment),
+            improvements: &self.improvements(one),
+            // Where the rig is the only one to contradict them, it may be the one that is wrong.
+            only_by_rig: !(was.fit || was.control_points) && *scope != Scope::ControlPoints,
+            is_alternative,
+            remedy: read_with.map(|overrides| Remedy::ReadWith(Box::new(overrides))),
+        })
+    }
+
+    /// "the distances fit to 1.3 mm instead of 42 mm", and so on.
+    fn improvements(&self, one: &Explanation) -> Vec<String> {
+        let Explanation { shown, .. } = one;
         let base = &self.base;
         let mm = |m: f64| {
             let mm = m * 1e3;
@@ -329,26 +354,11 @@ impl Case<'_> {
                 mm(was)
             ));
         }
-        let of = match scope {
-            Scope::Tracks if base.control_points_m.is_none() => "",
-            Scope::Tracks => " of the tracks",
-            Scope::ControlPoints => " of the control points",
-            Scope::Both => " of both tracks and control points",
-        };
-        // Where the rig is the only one to contradict them, it may be the one that is wrong.
-        let alone = !(was.fit || was.control_points) && *scope != Scope::ControlPoints;
-        let unless = if alone { ", unless the reading of the rig is what is wrong" } else { "" };
-        format!(
-            "{}: {} {}; {}{unless}",
-            misreading.in_words(of),
-            misreading.assuming(),
-            compared.join(", "),
-            remedy(*misreading, *scope, deployment)
-        )
+        compared
     }
 }
 
-fn remedy(misreading: Misreading, scope: Scope, deployment: &Deployment) -> String {
+fn correction(misreading: Misreading, scope: Scope, deployment: &Deployment) -> String {
     let of_points = "correct the files of control points";
     let of_tracks = misreading.remedy(deployment).map_or_else(
         || "correct what that station recorded".to_owned(),

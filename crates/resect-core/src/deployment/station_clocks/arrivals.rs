@@ -1,6 +1,7 @@
 //! The recorder's clock as a witness: whether stamps or own clocks of the stations lie apart against it.
 
 use crate::deployment::Finding;
+use crate::deployment::findings::recordings::stamps_contradict_recorder;
 use crate::statistics::median;
 
 /// Fewer readings than this tell nothing of a drift (readings on either side of a jump: half of it).
@@ -56,24 +57,16 @@ impl Arrivals {
             return None;
         }
         let first_s = medians[0].1;
-        let each: Vec<_> = medians
-            .iter()
-            .map(|(station, stamp_s, _)| {
-                format!("station {} {:+.3} s", station + 1, first_s - stamp_s)
-            })
-            .collect();
-        Some(Finding::doubt(format!(
-            "the synchronised stamps (header.stamp) of the stations look wrong: against the recorder's clock they lie apart by \
-             {stamps_s:.3} s ({}, from station {}), their own clocks (theodolite_time) by {own_s:.3} s only",
-            each.join(", "),
-            medians[0].0 + 1
-        )))
+        let against_first_s: Vec<(usize, f64)> =
+            medians.iter().map(|(station, stamp_s, _)| (*station, first_s - stamp_s)).collect();
+        Some(stamps_contradict_recorder(&against_first_s, stamps_s, own_s))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deployment::FindingKind;
 
     #[test]
     fn the_recorder_tells_wrong_stamps_from_wrong_clocks() {
@@ -91,7 +84,7 @@ mod tests {
         assert_eq!(arrivals([0.0; 3], [0.0, 0.3, -0.2]), None);
         assert_eq!(arrivals([0.0; 3], [0.0; 3]), None);
         let said = arrivals([0.0, 0.3, -0.2], [0.0; 3]).expect("the stamps are off");
-        assert!(said.doubt);
-        assert!(said.message.contains("station 2 +0.300 s, station 3 -0.200 s"), "{said}");
+        assert_eq!(said.kind, FindingKind::StampsContradictRecorder);
+        assert!(said.to_string().contains("station 2 +0.300 s, station 3 -0.200 s"), "{said}");
     }
 }

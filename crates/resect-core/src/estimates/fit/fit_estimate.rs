@@ -6,7 +6,7 @@ use super::body::turn_body;
 use super::fit::Fit;
 use super::pieces::{Pieces, by_common};
 use super::state::{CLOCK, LEVER, SCALE, State, UNKNOWNS, prior_of};
-use crate::deployment::Finding;
+use crate::deployment::findings::studies::{estimate_clock_far_off, estimate_scale_off};
 use crate::estimates::estimate::{Estimate, EstimatedPose};
 use crate::estimates::options::{Alignment, Body, Options};
 use crate::estimates::reference::{Reference, True, matched, sound};
@@ -97,18 +97,14 @@ pub fn fit(
     }
     let mut fit = state.fit;
     if options.time_offset_s.is_none() && fit.time_offset_s.abs() > FAR_S {
-        let line = format!(
-            "{}: its clock is off by {:.0} s; the two were brought together by their speeds alone: check that both are of one drive",
-            estimate.name, -fit.time_offset_s
-        );
-        fit.findings.push(Finding::warning(line));
+        fit.findings.push(estimate_clock_far_off(&estimate.name, -fit.time_offset_s));
     }
     let truths = at(reference, poses, fit.time_offset_s)?;
     let pairs = matched(poses, &truths, fit.time_offset_s);
     align(&mut fit, &pairs, options.alignment).map_err(unfit)?;
     if let Some(longer) = times_longer(&pairs).filter(|_| options.alignment == Alignment::Rigid) {
-        let line = format!("{}: {}", estimate.name, Unfit::OtherScale(longer));
-        fit.findings.push(Finding::warning(line));
+        let why = Unfit::OtherScale(longer).to_string();
+        fit.findings.push(estimate_scale_off(&estimate.name, longer, &why));
     }
     turn_body(&mut fit, &pairs, options.body == Body::Same);
     Ok((fit, truths))

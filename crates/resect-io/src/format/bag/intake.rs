@@ -5,8 +5,8 @@ use super::stream::{Heard, Stream};
 pub use super::stream::{LARGEST_MESSAGE_BYTES, Subscription};
 use super::wire::Encoding;
 use crate::error::OpenError;
+use crate::findings::bags::{self, bag_damaged, bag_incomplete, bag_messages_malformed};
 use crate::recording::Recording;
-use resect_core::deployment::Finding;
 use resect_core::progress::Progress;
 
 /// What could not be read of one file.
@@ -159,9 +159,9 @@ impl<'a> Intake<'a> {
         }
     }
 
-    /// Something about the file that cost nothing.
+    /// Notes what an interrupted recording left of the file, all of which was read.
     pub fn note(&mut self, what: &str) {
-        let note = Finding::note(format!("{}: {what}", self.file()));
+        let note = bag_incomplete(self.file(), what);
         self.into.findings.push(note);
     }
 
@@ -170,25 +170,14 @@ impl<'a> Intake<'a> {
         self.done(1.0)?;
         let (losses, file) = (std::mem::take(&mut self.losses), self.file().to_owned());
         if let Some(first) = &losses.first {
-            let more = match losses.count {
-                1 => String::new(),
-                2 => ", and one more place".to_owned(),
-                count => format!(", and {} more places", count - 1),
-            };
-            let bytes = match losses.bytes {
-                0 => String::new(),
-                bytes => format!("; {bytes} bytes could not be read"),
-            };
-            self.into.findings.push(Finding::warning(format!(
-                "{file}: {first}{more}{bytes}; what could be saved is {} messages",
-                self.place
-            )));
+            let (count, bytes, messages) = (losses.count, losses.bytes, self.place);
+            let (count, messages) = (count as usize, messages as usize);
+            let losses = bags::Losses { first, count, bytes, messages };
+            self.into.findings.push(bag_damaged(&file, &losses));
         }
         if let Some(first) = losses.first_malformed {
-            self.into.findings.push(Finding::warning(format!(
-                "{file}: {} messages left out; the first: {first}",
-                losses.malformed
-            )));
+            let finding = bag_messages_malformed(&file, losses.malformed as usize, &first);
+            self.into.findings.push(finding);
         }
         Ok(())
     }

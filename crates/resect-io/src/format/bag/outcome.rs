@@ -3,6 +3,17 @@
 use super::intake::{Intake, natural_key};
 use super::messages::{Kind, THEODOLITE_TYPE};
 use crate::error::{OpenError, Question, Topic};
+use resect_core::deployment::{Finding, FindingKind, Subject};
+
+/// True if a finding is about damage of one of these files.
+fn is_about_bag(finding: &Finding, files: &[impl AsRef<str>]) -> bool {
+    let is_damage = matches!(
+        finding.kind,
+        FindingKind::BagDamaged | FindingKind::BagMessagesMalformed | FindingKind::BagIncomplete
+    );
+    let is_one = |name: &str| files.iter().any(|file| file.as_ref() == name);
+    is_damage && matches!(&finding.subject, Some(Subject::File(file)) if is_one(file))
+}
 
 impl Intake<'_> {
     /// What holds for all files together: whether there was anything to read, and by which clock.
@@ -40,14 +51,10 @@ impl Intake<'_> {
         if !positions.is_empty() {
             return Question::Topics { file, topics: positions }.into();
         }
-        let damaged = self
-            .into
-            .findings
-            .iter()
-            .rev()
-            .find(|f| self.files.iter().any(|file| f.message.starts_with(file)));
+        let damaged =
+            self.into.findings.iter().rev().find(|finding| is_about_bag(finding, &self.files));
         if let Some(damage) = damaged {
-            let what = damage.message.split_once(": ").map_or("", |(_, what)| what);
+            let what = damage.message();
             return OpenError::file(
                 &file,
                 format!("nothing of the stations can be read: {what}"),

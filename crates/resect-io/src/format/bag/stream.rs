@@ -1,6 +1,10 @@
 //! What the messages of the stations say, one after the other, in a recording or live: readings for the tracks, and what is to
 //! be said of the rest.
 
+use crate::findings::bags::{
+    positions_in_instrument_frames, positions_not_read, readings_without_stamp,
+    readings_without_time, theodolite_messages_not_read, topic_without_positions,
+};
 use nalgebra::Vector3;
 
 use super::inflate::{self, ZSTD_MAGIC};
@@ -248,47 +252,28 @@ impl Stream {
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
         for (station, count) in self.without_stamp.into_iter().enumerate().filter(|(_, n)| *n > 0) {
-            findings.push(Finding::warning(format!(
-                "station {}: {count} readings have no synchronised time (header.stamp is zero); they are taken at \
-                 theodolite_time, the station's own clock, which nothing synchronises",
-                station + 1
-            )));
+            findings.push(readings_without_stamp(station, count as usize));
         }
         let without_any = self.without_any_time.into_iter().enumerate();
         for (station, count) in without_any.filter(|(_, n)| *n > 0) {
-            findings.push(Finding::doubt(format!(
-                "station {}: {count} readings have no time of their own; they are taken at the time when the recorder got \
-                 them, which is late by an unknown and changing delay",
-                station + 1
-            )));
+            findings.push(readings_without_time(station, count as usize));
         }
         findings.extend(self.arrivals.finding());
         let unread = self.positions_of_no_station();
         if !unread.is_empty() {
-            findings.push(Finding::note(format!("positions that are not read: {}", list(&unread))));
+            findings.push(positions_not_read(&list(&unread)));
         }
         if let Some(named) = &self.named {
-            findings.push(Finding::note(format!(
-                "positions of {} are taken as in the frame of each instrument, the prism constant in them; if an \
-                 instrument was set up on coordinates of a site, its rates mean something else",
-                named.join(", ")
-            )));
+            findings.push(positions_in_instrument_frames(named));
             let positions: Vec<_> = self.positions().collect();
             for (station, name) in named.iter().enumerate() {
                 if !positions.iter().any(|t| t.station == Some(station) && t.messages > 0) {
-                    findings.push(Finding::warning(format!(
-                        "station {}: no position on its topic `{name}`; there are {}",
-                        station + 1,
-                        list(&positions)
-                    )));
+                    findings.push(topic_without_positions(station, name, &list(&positions)));
                 }
             }
         }
         if self.stood_in_for > 0 {
-            findings.push(Finding::note(format!(
-                "{} theodolite messages are not read, because `topics` names others",
-                self.stood_in_for
-            )));
+            findings.push(theodolite_messages_not_read(self.stood_in_for as usize));
         }
         findings
     }

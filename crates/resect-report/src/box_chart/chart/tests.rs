@@ -1,4 +1,5 @@
 use super::*;
+use resect_core::deployment::FindingKind;
 use resect_core::experiment::{Group, Series};
 use resect_core::experiment::{Level, Quantiles};
 
@@ -64,7 +65,8 @@ fn chart(shape: Shape) -> Study {
         name: "test".into(),
         settings: resect_core::analysis::Settings::default(),
         findings: vec![
-            Finding::warning(
+            Finding::new(
+                FindingKind::MethodsDisagree,
                 "B and D disagree about the yaw of station 2 by more than their uncertainty allows"
             );
             3

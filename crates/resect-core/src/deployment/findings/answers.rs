@@ -1,0 +1,204 @@
+//! Findings about answers as a whole: none, not converged, or far from another.
+
+use crate::deployment::{Finding, FindingKind, Message, Remedy, Subject, ToldAngle, ToldIn, Unit};
+
+pub fn no_triplets(deployment: &str, why: &str) -> Finding {
+    Finding::new(FindingKind::NoTriplets, format!("{deployment}: no triplets: {why}"))
+        .with(Remedy::RelaxFilters)
+}
+
+pub fn too_few_triplets(deployment: &str, found: usize, needed: usize) -> Finding {
+    Finding::new(
+        FindingKind::TooFewTriplets,
+        format!(
+            "{deployment}: only {found} triplets, {needed} needed for 8 unknowns; record longer, or relax the filters"
+        ),
+    )
+    .count("triplets", found)
+    .count("needed", needed)
+    .with(Remedy::RelaxFilters)
+}
+
+pub fn no_rig(deployment: &str) -> Finding {
+    Finding::new(
+        FindingKind::NoRig,
+        format!(
+            "{deployment}: the inter-prism distances are not known; put calibration_results.csv beside the tracks, set \
+             inter_prism_m in deployment.toml, or name a file of the rig"
+        ),
+    )
+    .with(Remedy::GiveRig)
+}
+
+/// `method` is its name for people, `lack` what the data lacks.
+pub fn method_lacks_data(deployment: &str, method: &str, lack: &str) -> Finding {
+    Finding::new(FindingKind::MethodLacksData, format!("{deployment}: {method} needs {lack}"))
+        .about(Subject::Named(method.to_owned()))
+}
+
+/// `method` is its name for people.
+pub fn points_on_a_line(deployment: &str, method: &str) -> Finding {
+    Finding::new(
+        FindingKind::PointsOnALine,
+        format!(
+            "{deployment}: the points of {method} lie in one place or on a line, which holds no rigid transform; use a level \
+             alignment, or more points"
+        ),
+    )
+    .about(Subject::Named(method.to_owned()))
+    .with(Remedy::LevelAlignment)
+}
+
+/// `why` there is no joint estimate; the published method has an answer: its name for people, and the short one.
+pub fn no_joint_estimate(why: Finding, published: [&str; 2]) -> Finding {
+    let [name, short] = published;
+    let message = format!("{why}; {name} has an answer: choose it ({short})");
+    let finding = Finding::new(FindingKind::NoJointEstimate, message).with(Remedy::PublishedMethod);
+    why.remedies.into_iter().fold(finding, Finding::with)
+}
+
+pub fn cancelled() -> Finding {
+    Finding::new(FindingKind::Cancelled, "cancelled")
+}
+
+pub fn estimate_not_converged() -> Finding {
+    Finding::new(
+        FindingKind::EstimateNotConverged,
+        "the estimate did not converge: it stopped before it reached a minimum",
+    )
+}
+
+pub fn solver_not_converged() -> Finding {
+    Finding::new(
+        FindingKind::SolverNotConverged,
+        "the solver stopped before it reached the minimum",
+    )
+}
+
+/// `fallback` is the answer that stands in its place: "this is …".
+pub fn joint_estimate_undetermined(fallback: &str) -> Finding {
+    Finding::new(
+        FindingKind::JointEstimateUndetermined,
+        format!("the readings do not determine all parameters of the joint estimate: {fallback}"),
+    )
+}
+
+pub fn other_minimum_fits_better(cost_ratio: f64) -> Finding {
+    Finding::new(
+        FindingKind::OtherMinimumFitsBetter,
+        "with all that was estimated taken into account another minimum fits better than this answer; nothing decides \
+         between them",
+    )
+    .quantity("cost_ratio", cost_ratio, Unit::Ratio)
+}
+
+pub fn published_answer_far_apart(station: usize, apart_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::PublishedAnswerFarApart,
+        format!(
+            "the paper's method puts station {} {:.0} mm elsewhere from the same readings: more than instruments in order make \
+             of it, so find out which readings are wrong",
+            station + 1,
+            apart_m * 1e3
+        ),
+    )
+    .about(Subject::Station(station))
+    .quantity("apart", apart_m, Unit::Metre)
+}
+
+/// `method` is its name for people.
+pub fn published_answer_missing(method: &str, why: &Finding) -> Finding {
+    Finding::new(
+        FindingKind::PublishedAnswerMissing,
+        format!("the paper's answer is not there to compare with: {method} has none ({why})"),
+    )
+    .about(Subject::Named(method.to_owned()))
+}
+
+pub fn tracks_not_transformed() -> Finding {
+    Finding::new(
+        FindingKind::TracksNotTransformed,
+        "this answer is about the stations' own frames, and the tracks are in another: it does not place them, and nothing \
+         of the drive was held against it",
+    )
+}
+
+/// Two methods that differ for a station by more than their σ.
+pub struct MethodDifference<'a> {
+    pub methods: [&'a str; 2],
+    /// The station, 0 to 2.
+    pub station: usize,
+    pub translation_m: [f64; 3],
+    pub yaw_rad: f64,
+    /// The difference of the yaw in σ, where that is what the methods disagree about.
+    pub yaw_sigmas: Option<f64>,
+    pub largest_sigmas: f64,
+    /// The difference on the station's track (m, rms), and the mean distance to it (m).
+    pub moved_m: f64,
+    pub range_m: f64,
+}
+
+pub fn methods_disagree(difference: &MethodDifference<'_>) -> Finding {
+    let MethodDifference {
+        station, translation_m, yaw_rad, largest_sigmas, moved_m, range_m, ..
+    } = *difference;
+    let [first, second] = difference.methods;
+    let number = station + 1;
+    let moved =
+        format!("{:.0} mm apart on its track, {range_m:.0} m away on average", moved_m * 1e3);
+    let message = match difference.yaw_sigmas {
+        Some(sigmas) => Message::from(format!(
+            "{first} and {second} disagree about the yaw of station {number}: "
+        ))
+        .angle(ToldAngle::signed(yaw_rad, ToldIn::Milliradians, 2))
+        .text(format!(", {sigmas:.0} σ apart, {moved}")),
+        None => {
+            let [x, y, z] = translation_m.map(|m| m * 1e3);
+            Message::from(format!(
+                "{first} and {second} disagree about the position of station {number}: {x:+.1}, {y:+.1}, {z:+.1} mm in x, y, \
+                 z, up to {largest_sigmas:.0} σ apart, {moved}"
+            ))
+        }
+    };
+    let [x, y, z] = translation_m;
+    Finding::new(FindingKind::MethodsDisagree, message)
+        .about(Subject::OfStation { station, part: format!("{first} and {second}") })
+        .quantity("x", x, Unit::Metre)
+        .quantity("y", y, Unit::Metre)
+        .quantity("z", z, Unit::Metre)
+        .quantity("yaw", yaw_rad, Unit::Radian)
+        .quantity("largest_sigmas", largest_sigmas, Unit::Ratio)
+        .quantity("apart_on_track", moved_m, Unit::Metre)
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    let difference = MethodDifference {
+        methods: ["B", "D"],
+        station: 1,
+        translation_m: [0.01, 0.02, 0.0],
+        yaw_rad: 8.7e-4,
+        yaw_sigmas: Some(7.0),
+        largest_sigmas: 7.0,
+        moved_m: 0.03,
+        range_m: 40.0,
+    };
+    let of_position = MethodDifference { yaw_sigmas: None, ..difference };
+    vec![
+        no_triplets("drive", "the filters left none"),
+        too_few_triplets("drive", 4, 10),
+        no_rig("drive"),
+        method_lacks_data("drive", "method B", "control points"),
+        points_on_a_line("drive", "method B"),
+        no_joint_estimate(too_few_triplets("drive", 4, 10), ["method D", "inter-prism"]),
+        cancelled(),
+        estimate_not_converged(),
+        solver_not_converged(),
+        joint_estimate_undetermined("these are the aligned tracks"),
+        other_minimum_fits_better(0.8),
+        published_answer_far_apart(2, 0.4),
+        published_answer_missing("method D", &too_few_triplets("drive", 4, 10)),
+        tracks_not_transformed(),
+        methods_disagree(&difference),
+        methods_disagree(&of_position),
+    ]
+}

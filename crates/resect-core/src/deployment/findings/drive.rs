@@ -1,0 +1,195 @@
+//! Findings about the shape of a drive, and the directions that it determines.
+
+use crate::deployment::{Finding, FindingKind, Message, Remedy, Severity, ToldAngle, ToldIn, Unit};
+
+/// Numbers of directions, of 8, that a drive leaves unobservable or determines weakly.
+#[derive(Clone, Copy)]
+pub struct OpenDirections {
+    pub free: usize,
+    pub weak: usize,
+}
+
+impl OpenDirections {
+    /// A finding about the shape of the drive, as severe as its consequence.
+    fn finding(self, kind: FindingKind, shape: impl Into<Message>) -> Finding {
+        let of_all = |count, how| match count {
+            1 => format!("1 of 8 directions is {how}"),
+            _ => format!("{count} of 8 directions are {how}"),
+        };
+        let (severity, consequence) = match (self.free, self.weak) {
+            (0, 0) => (Severity::Note, "yet all 8 directions are held".to_owned()),
+            (0, weak) => (Severity::Warning, of_all(weak, "weakly held")),
+            (free, _) => (Severity::Problem, of_all(free, "free")),
+        };
+        Finding::new(kind, shape.into().text(format!("; {consequence}")))
+            .with_severity(severity)
+            .count("free_directions", self.free)
+            .count("weak_directions", self.weak)
+    }
+}
+
+pub fn drive_standing(open: OpenDirections) -> Finding {
+    open.finding(FindingKind::DriveStanding, "the vehicle hardly moved")
+}
+
+pub fn drive_straight_line(open: OpenDirections, length_m: f64, bends_m: f64) -> Finding {
+    let shape = format!(
+        "the drive is one straight line ({length_m:.0} m, bends under {:.1} m), on which the rig never turns",
+        (bends_m * 10.0).ceil().max(1.0) / 10.0
+    );
+    open.finding(FindingKind::DriveStraightLine, shape)
+        .quantity("length", length_m, Unit::Metre)
+        .quantity("bends", bends_m, Unit::Metre)
+}
+
+/// `driven_rad` is the angle that was driven on the circle.
+pub fn drive_circle(open: OpenDirections, radius_m: f64, driven_rad: f64) -> Finding {
+    let shape = if driven_rad > std::f64::consts::TAU {
+        format!("the drive goes round one circle, one way (radius {radius_m:.1} m)").into()
+    } else {
+        Message::from("the drive is an arc of one circle (")
+            .angle(ToldAngle::size(driven_rad, ToldIn::Degrees, 0))
+            .text(format!(" of radius {radius_m:.1} m)"))
+    };
+    open.finding(FindingKind::DriveCircle, shape)
+        .quantity("radius", radius_m, Unit::Metre)
+        .quantity("driven", driven_rad, Unit::Radian)
+}
+
+/// `rival_cost_ratio` is the cost of another solution over that of the answer.
+pub fn drive_two_legs(
+    open: OpenDirections,
+    corner_m: [f64; 2],
+    turn_rad: f64,
+    rival_cost_ratio: Option<f64>,
+) -> Finding {
+    let rival = rival_cost_ratio.map_or_else(String::new, |cost_ratio| {
+        format!(", with the rig turned another solution costs {cost_ratio:.1} times as much")
+    });
+    let [x, y] = corner_m;
+    let shape = Message::from("the drive is an L, two straight legs with one corner of ")
+        .angle(ToldAngle::size(turn_rad, ToldIn::Degrees, 0))
+        .text(format!(" at ({x:.1}, {y:.1}) m: everything rests on that corner{rival}"));
+    let finding =
+        open.finding(FindingKind::DriveTwoLegs, shape).quantity("turn", turn_rad, Unit::Radian);
+    match rival_cost_ratio {
+        Some(ratio) => finding.quantity("rival_cost_ratio", ratio, Unit::Ratio),
+        None => finding,
+    }
+}
+
+/// `free` names the directions, `advice` the next drive.
+pub fn drive_leaves_direction_free(free: &str, advice: &str) -> Finding {
+    Finding::new(
+        FindingKind::DriveLeavesDirectionFree,
+        format!("the drive leaves a direction free: {free}; next, {advice}"),
+    )
+}
+
+pub fn stations_far_from_track(largest_sigma_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::StationsFarFromTrack,
+        format!(
+            "weakly held: the stations stand far from the track, where an error of yaw grows (σ up to {:.0} mm); drive nearer \
+             to them, or over a larger area",
+            largest_sigma_m * 1e3
+        ),
+    )
+    .quantity("largest_sigma", largest_sigma_m, Unit::Metre)
+}
+
+/// `direction` is the weakest one in words, `advice` the next drive.
+pub fn drive_weak(direction: &str, largest_sigma_m: f64, advice: &str) -> Finding {
+    Finding::new(
+        FindingKind::DriveWeak,
+        format!(
+            "weakly held: {direction} (σ up to {:.0} mm); next, {advice}",
+            largest_sigma_m * 1e3
+        ),
+    )
+    .quantity("largest_sigma", largest_sigma_m, Unit::Metre)
+}
+
+pub fn weakest_direction(direction: &str, sigma_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::WeakestDirection,
+        format!("least certain: {direction} (σ {:.1} mm)", sigma_m * 1e3),
+    )
+    .quantity("sigma", sigma_m, Unit::Metre)
+}
+
+/// Ground on which only the rig or control points resolve the mirror twin.
+#[derive(Clone, Copy)]
+pub enum Flat {
+    /// The heights of the track vary by this (m).
+    Floor { relief_m: f64 },
+    /// The rig tilts by this at most (rad).
+    Tilt { tilt_rad: f64 },
+}
+
+/// A warning where nothing resolves the twin, else a note.
+pub fn flat_ground(flat: Flat, is_resolved: bool) -> Finding {
+    let (ground, name, value, unit) = match flat {
+        Flat::Floor { relief_m } => {
+            let ground = format!("the floor is flat (heights vary by {:.0} mm)", relief_m * 1e3);
+            (Message::from(ground), "relief", relief_m, Unit::Metre)
+        }
+        Flat::Tilt { tilt_rad } => {
+            let ground = Message::from("the rig never pitches or rolls (by ")
+                .angle(ToldAngle::size(tilt_rad, ToldIn::Degrees, 2))
+                .text(" at most)");
+            (ground, "tilt", tilt_rad, Unit::Radian)
+        }
+    };
+    let message = ground.text(
+        ": heights have a mirror twin that only the rig or control points can tell from the answer",
+    );
+    let severity = if is_resolved { Severity::Note } else { Severity::Warning };
+    Finding::new(FindingKind::FlatGround, message)
+        .with_severity(severity)
+        .quantity(name, value, unit)
+}
+
+pub fn rival_minimum(apart_m: f64, cost_ratio: f64) -> Finding {
+    Finding::new(
+        FindingKind::RivalMinimum,
+        format!(
+            "another solution {apart_m:.2} m away costs only {cost_ratio:.2} times as much; turn to both sides while driving"
+        ),
+    )
+    .quantity("apart", apart_m, Unit::Metre)
+    .quantity("cost_ratio", cost_ratio, Unit::Ratio)
+}
+
+/// `median_m` is the median error of the inter-prism distances.
+pub fn distances_fit_poorly(median_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::DistancesFitPoorly,
+        format!(
+            "the distances fit poorly (median {:.1} mm): check the order of the prisms, the distances, the clocks and the \
+             filters",
+            median_m * 1e3
+        ),
+    )
+    .quantity("median", median_m, Unit::Metre)
+    .with(Remedy::PutRight)
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    let open = OpenDirections { free: 1, weak: 2 };
+    vec![
+        drive_standing(open),
+        drive_straight_line(open, 42.0, 0.23),
+        drive_circle(OpenDirections { free: 0, weak: 1 }, 8.0, 7.0),
+        drive_circle(open, 8.0, 2.0),
+        drive_two_legs(OpenDirections { free: 0, weak: 0 }, [4.0, 5.0], 1.57, Some(3.0)),
+        drive_leaves_direction_free("station 2 can slide along x", "drive a figure-eight"),
+        stations_far_from_track(0.04),
+        drive_weak("station 2 can slide along x", 0.03, "drive a figure-eight"),
+        weakest_direction("station 2 along x", 0.002),
+        flat_ground(Flat::Floor { relief_m: 0.02 }, true),
+        flat_ground(Flat::Tilt { tilt_rad: 0.005 }, false),
+        rival_minimum(0.7, 1.3),
+        distances_fit_poorly(0.009),
+    ]
+}

@@ -1,0 +1,376 @@
+//! Findings of the joint estimate: noise, errors of instruments, distances, steps.
+
+use crate::deployment::{
+    Finding, FindingKind, Message, Remedy, Severity, Subject, ToldAngle, ToldIn, Unit, pair_label,
+};
+use crate::statistics::estimate::{Estimate, Quantity, sigmas_in_words};
+
+/// Noise of the readings about the motion, one standard deviation each.
+#[derive(Clone, Copy)]
+pub struct Noise {
+    pub range_m: f64,
+    pub angle_rad: f64,
+    pub stamp_s: f64,
+    /// Slow errors of the ranges.
+    pub range_wander_m: f64,
+}
+
+pub fn noise_levels(noise: Noise) -> Finding {
+    let Noise { range_m, angle_rad, stamp_s, range_wander_m } = noise;
+    let message = Message::from(format!(
+        "readings scatter about the motion by {:.1} mm in range, ",
+        range_m * 1e3
+    ))
+    .angle(ToldAngle::size(angle_rad, ToldIn::Arcseconds, 1))
+    .text(format!(
+        " in angle and {:.1} ms in time; ranges wander by {:.1} mm",
+        stamp_s * 1e3,
+        range_wander_m * 1e3
+    ));
+    Finding::new(FindingKind::NoiseLevels, message)
+        .quantity("range", range_m, Unit::Metre)
+        .quantity("angle", angle_rad, Unit::Radian)
+        .quantity("stamp", stamp_s, Unit::Second)
+        .quantity("range_wander", range_wander_m, Unit::Metre)
+}
+
+/// An error that was estimated, in words: "station 2's ranges are off by".
+#[derive(Clone, Copy)]
+pub struct NamedError<'a> {
+    pub sentence: &'a str,
+    /// The station (0 to 2) of an error of an instrument.
+    pub station: Option<usize>,
+    pub quantity: Quantity,
+    pub estimate: Estimate,
+    /// The prior standard deviation.
+    pub prior_sigma: f64,
+}
+
+impl NamedError<'_> {
+    fn finding(&self, kind: FindingKind, message: Message) -> Finding {
+        let part = self.sentence.to_owned();
+        let subject = match self.station {
+            Some(station) => Subject::OfStation { station, part },
+            None => Subject::Named(part),
+        };
+        let unit = match self.quantity {
+            Quantity::Length => Unit::Metre,
+            Quantity::Angle => Unit::Radian,
+            Quantity::Time => Unit::Second,
+            Quantity::Drift | Quantity::Share => Unit::Ratio,
+        };
+        Finding::new(kind, message).about(subject).estimate("error", &self.estimate, unit).quantity(
+            "prior_sigma",
+            self.prior_sigma,
+            unit,
+        )
+    }
+
+    /// "station 2's ranges are off by +1.2 ± 0.3 mm".
+    fn in_words(&self, decimals: usize) -> Message {
+        let Estimate { value, sigma } = self.estimate;
+        let sentence = Message::from(format!("{} ", self.sentence));
+        if self.quantity == Quantity::Angle {
+            let angle = ToldAngle::signed(value, ToldIn::Arcseconds, 1).sigma(sigma);
+            return sentence.angle(angle);
+        }
+        let (scale, unit) = self.quantity.told();
+        sentence.text(format!(
+            "{:+.decimals$} ± {:.decimals$} {unit}",
+            value * scale,
+            sigma * scale
+        ))
+    }
+
+    /// "0.3 mm".
+    fn prior_in_words(&self, decimals: usize) -> Message {
+        if self.quantity == Quantity::Angle {
+            return ToldAngle::size(self.prior_sigma, ToldIn::Arcseconds, 1).into();
+        }
+        let (scale, unit) = self.quantity.told();
+        format!("{:.decimals$} {unit}", self.prior_sigma * scale).into()
+    }
+}
+
+pub fn instrument_error(error: &NamedError<'_>) -> Finding {
+    error.finding(FindingKind::InstrumentError, error.in_words(1))
+}
+
+/// `sigmas` beyond chance.
+pub fn instrument_error_implausible(error: &NamedError<'_>, sigmas: f64) -> Finding {
+    let message = error
+        .in_words(1)
+        .text(", where instruments in order have ")
+        .message(error.prior_in_words(1))
+        .text(format!(
+            " (1 σ): {sigmas:.1} σ beyond chance, so something is wrong that this estimate takes for it"
+        ));
+    error.finding(FindingKind::InstrumentErrorImplausible, message).quantity(
+        "sigmas",
+        sigmas,
+        Unit::Ratio,
+    )
+}
+
+/// The data contradicts the size that was stated for an error, by `sigmas`.
+pub fn stated_error_contradicted(error: &NamedError<'_>, sigmas: f64) -> Finding {
+    let decimals = if error.station.is_some() { 1 } else { 2 };
+    let message = error
+        .in_words(decimals)
+        .text(" by the data, which was said to be within ")
+        .message(error.prior_in_words(decimals))
+        .text(format!(
+            " (1 σ): {:.1} σ beyond that, so this answer is bent; let it have its usual size",
+            sigmas.abs()
+        ));
+    error.finding(FindingKind::StatedErrorContradicted, message).quantity(
+        "sigmas",
+        sigmas,
+        Unit::Ratio,
+    )
+}
+
+/// An estimated distance; a warning where it is notably far from its measurement.
+pub fn distance_estimated(
+    pair: usize,
+    measured_m: f64,
+    distance_m: &Estimate,
+    is_notable: bool,
+) -> Finding {
+    let off_m = Estimate { value: distance_m.value - measured_m, ..*distance_m };
+    let line = format!(
+        "prisms {}: {:+.1} ± {:.1} mm against the measured distance{}",
+        pair_label(pair),
+        off_m.value * 1e3,
+        off_m.sigma * 1e3,
+        sigmas_in_words(off_m.sigmas_from(0.0)),
+    );
+    let finding = if is_notable {
+        Finding::new(FindingKind::DistanceOff, format!("{line}; measure the rig again"))
+            .with(Remedy::PutRight)
+    } else {
+        Finding::new(FindingKind::DistanceEstimated, line)
+    };
+    finding.about(Subject::Pair(pair)).estimate("error", &off_m, Unit::Metre)
+}
+
+/// A distance that would be `off_m` from its measurement, of which `prior_sigma_m` is one standard deviation.
+pub fn distance_implausible(pair: usize, off_m: f64, prior_sigma_m: f64, sigmas: f64) -> Finding {
+    Finding::new(
+        FindingKind::DistanceImplausible,
+        format!(
+            "prisms {} would be {:+.1} mm from their measured distance, which is known to {:.1} mm (1 σ), {sigmas:.1} σ beyond \
+             chance: the rig, its units or the stations' numbers are wrong",
+            pair_label(pair),
+            off_m * 1e3,
+            prior_sigma_m * 1e3
+        ),
+    )
+    .about(Subject::Pair(pair))
+    .quantity("error", off_m, Unit::Metre)
+    .quantity("sigmas", sigmas, Unit::Ratio)
+    .with(Remedy::PutRight)
+}
+
+pub fn distances_implausible(off_m: [f64; 3], sigmas: f64) -> Finding {
+    let off_mm = off_m.map(|m| format!("{:+.1}", m * 1e3));
+    Finding::new(
+        FindingKind::DistancesImplausible,
+        format!(
+            "prisms 1–2, 1–3, 2–3 would be {} mm from their measured distances, which is {sigmas:.1} σ beyond chance, taken \
+             together: a station followed another prism for a while, or the rig is not as it was measured",
+            off_mm.join(", ")
+        ),
+    )
+    .quantity("error_12", off_m[0], Unit::Metre)
+    .quantity("error_13", off_m[1], Unit::Metre)
+    .quantity("error_23", off_m[2], Unit::Metre)
+    .quantity("sigmas", sigmas, Unit::Ratio)
+    .with(Remedy::PutRight)
+}
+
+pub fn station_errors_implausible(station: usize, sigmas: f64) -> Finding {
+    Finding::new(
+        FindingKind::StationErrorsImplausible,
+        format!(
+            "what is wrong with station {}'s ranges, angles and lean is {sigmas:.1} σ beyond what instruments in order have, \
+             taken together: it was knocked, or something else bends the answer",
+            station + 1
+        ),
+    )
+    .about(Subject::Station(station))
+    .quantity("sigmas", sigmas, Unit::Ratio)
+}
+
+pub fn errors_implausible(sigmas: f64) -> Finding {
+    Finding::new(
+        FindingKind::ErrorsImplausible,
+        format!(
+            "what is wrong with all stations and distances is {sigmas:.1} σ beyond what instruments in order have, taken \
+             together: something that this estimate does not know bends the answer"
+        ),
+    )
+    .quantity("sigmas", sigmas, Unit::Ratio)
+}
+
+pub fn range_wander_implausible(sigma_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::RangeWanderImplausible,
+        format!(
+            "ranges wander by {:.0} mm, more than any prism makes them: find out what else does",
+            sigma_m * 1e3
+        ),
+    )
+    .quantity("range_wander", sigma_m, Unit::Metre)
+}
+
+/// The time of a step, and its consequence.
+#[derive(Clone, Copy)]
+pub struct StepContext<'a> {
+    /// The station, 0 to 2.
+    pub station: usize,
+    /// The time in words: "about 200 s into the drive".
+    pub when: &'a str,
+    /// True if the standard deviations allow for it; the finding is a note then.
+    pub is_usual: bool,
+    /// The span around a sudden step (s, in the stations' clock); `None` of a slow change.
+    pub span_s: Option<[f64; 2]>,
+}
+
+impl StepContext<'_> {
+    fn finding(self, kind: FindingKind, event: impl Into<Message>) -> Finding {
+        let Self { station, is_usual, span_s, .. } = self;
+        let consequence = match (is_usual, span_s) {
+            (true, _) => "no more than σ allows for",
+            (false, None) => {
+                "the estimate allows for it, but no one answer holds for the whole drive: find out why"
+            }
+            (false, Some(_)) => {
+                "the estimate allows for it, but no one answer holds for the whole drive: cut the recording there"
+            }
+        };
+        let message = event.into().text(format!("; {consequence}"));
+        let finding = Finding::new(kind, message).about(Subject::Station(station));
+        match (is_usual, span_s) {
+            (true, _) => finding.with_severity(Severity::Note),
+            (false, Some(span_s)) => finding.with(Remedy::ShowTimes(span_s)),
+            (false, None) => finding,
+        }
+    }
+}
+
+pub fn clock_stepped(context: StepContext<'_>, by_s: &Estimate) -> Finding {
+    let event = format!(
+        "station {}'s stamps jump by {:+.1} ± {:.1} ms {}, which no offset puts right",
+        context.station + 1,
+        by_s.value * 1e3,
+        by_s.sigma * 1e3,
+        context.when
+    );
+    context.finding(FindingKind::ClockStepped, event).estimate("jump", by_s, Unit::Second)
+}
+
+pub fn station_moved(
+    context: StepContext<'_>,
+    turned_rad: &Estimate,
+    moved_m: &Estimate,
+) -> Finding {
+    let turned =
+        ToldAngle::signed(turned_rad.value, ToldIn::Milliradians, 3).sigma(turned_rad.sigma);
+    let event = Message::from(format!("station {} turned by ", context.station + 1))
+        .angle(turned)
+        .text(format!(
+            " and moved by {:.1} ± {:.1} mm {}",
+            moved_m.value * 1e3,
+            moved_m.sigma * 1e3,
+            context.when
+        ));
+    context
+        .finding(FindingKind::StationMoved, event)
+        .estimate("turned", turned_rad, Unit::Radian)
+        .estimate("moved", moved_m, Unit::Metre)
+}
+
+/// The largest source of a standard deviation.
+#[derive(Clone, Copy)]
+pub struct UncertaintySource<'a> {
+    pub source: &'a str,
+    /// Standard deviation by this source alone, and by all (m or rad).
+    pub part: f64,
+    pub whole: f64,
+}
+
+/// The sources of x, y, z (m) and yaw (rad) of a station.
+pub fn uncertainty_sources(station: usize, sources: [UncertaintySource<'_>; 4]) -> Finding {
+    let [x, y, z, yaw] = sources;
+    let mut message = Message::from(format!("what dominates σ of station {}: ", station + 1));
+    for (axis, UncertaintySource { source, part, whole }) in [("x", x), ("y", y), ("z", z)] {
+        message =
+            message.text(format!("{axis} {source} ({:.1} of {:.1} mm), ", part * 1e3, whole * 1e3));
+    }
+    let [part, whole] =
+        [yaw.part, yaw.whole].map(|rad| ToldAngle::size(rad, ToldIn::Milliradians, 3));
+    let message = message
+        .text(format!("yaw {} (", yaw.source))
+        .angle(part)
+        .text(" of ")
+        .angle(whole)
+        .text(")");
+    Finding::new(FindingKind::UncertaintySources, message)
+        .about(Subject::Station(station))
+        .quantity("x", x.part, Unit::Metre)
+        .quantity("y", y.part, Unit::Metre)
+        .quantity("z", z.part, Unit::Metre)
+        .quantity("yaw", yaw.part, Unit::Radian)
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    let estimate = |value, sigma| Estimate { value, sigma };
+    let error = NamedError {
+        sentence: "station 2's ranges are off by",
+        station: Some(1),
+        quantity: Quantity::Length,
+        estimate: estimate(0.0012, 0.0003),
+        prior_sigma: 0.001,
+    };
+    let clock = NamedError {
+        sentence: "station 2's stamps are late by",
+        station: None,
+        quantity: Quantity::Time,
+        ..error
+    };
+    let angle = NamedError {
+        sentence: "station 2's zenith angles are off by",
+        quantity: Quantity::Angle,
+        estimate: estimate(1e-4, 1e-5),
+        ..error
+    };
+    let step = StepContext {
+        station: 1,
+        when: "about 200 s into the drive",
+        is_usual: false,
+        span_s: None,
+    };
+    let source = UncertaintySource { source: "settling", part: 0.0006, whole: 0.0009 };
+    vec![
+        noise_levels(Noise {
+            range_m: 0.001,
+            angle_rad: 1e-5,
+            stamp_s: 0.001,
+            range_wander_m: 0.001,
+        }),
+        instrument_error(&error),
+        instrument_error_implausible(&angle, 6.0),
+        stated_error_contradicted(&clock, 7.0),
+        distance_estimated(0, 0.9, &estimate(0.9005, 0.0003), false),
+        distance_estimated(0, 0.9, &estimate(0.905, 0.0003), true),
+        distance_implausible(0, 0.02, 0.001, 6.0),
+        distances_implausible([0.01, 0.01, -0.01], 4.0),
+        station_errors_implausible(1, 4.0),
+        errors_implausible(4.0),
+        range_wander_implausible(0.007),
+        clock_stepped(StepContext { span_s: Some([180.0, 220.0]), ..step }, &estimate(0.1, 0.001)),
+        station_moved(step, &estimate(8.5e-4, 4e-5), &estimate(0.004, 0.001)),
+        uncertainty_sources(1, [source; 4]),
+    ]
+}

@@ -1,0 +1,17 @@
+//! Findings of this crate: one constructor for each kind, with its message.
+
+pub mod answers;
+pub mod checks;
+pub mod clocks;
+pub mod drive;
+mod examples;
+pub mod instruments;
+pub mod mirror;
+pub mod outliers;
+pub mod planning;
+pub mod points;
+pub mod recordings;
+pub mod studies;
+pub mod validation;
+
+pub use examples::examples;

@@ -1,0 +1,201 @@
+//! Findings of the methods from points: control points (A, B), and the aligned tracks of one prism (C).
+
+use crate::deployment::{Finding, FindingKind, Overrides, Remedy, Severity, Subject, Unit};
+
+/// `is_global` where the points have known coordinates.
+pub fn control_points_aligned(count: usize, is_global: bool, rms_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::ControlPointsAligned,
+        format!(
+            "{count} control points aligned {}, {:.1} mm rms",
+            if is_global { "to their global coordinates" } else { "to station 1" },
+            rms_m * 1e3
+        ),
+    )
+    .count("points", count)
+    .quantity("rms", rms_m, Unit::Metre)
+}
+
+/// A problem where the fit is hopeless, else a warning.
+pub fn control_points_fit_poorly(rms_m: f64, is_hopeless: bool) -> Finding {
+    let severity = if is_hopeless { Severity::Problem } else { Severity::Warning };
+    Finding::new(
+        FindingKind::ControlPointsFitPoorly,
+        format!(
+            "the control points fit poorly ({:.1} mm rms): check markers, coordinates, prism constant and whether a station \
+             moved",
+            rms_m * 1e3
+        ),
+    )
+    .with_severity(severity)
+    .quantity("rms", rms_m, Unit::Metre)
+    .with(Remedy::PutRight)
+}
+
+/// `typical_m` is the median residual of all points.
+pub fn control_point_outlier(file: &str, marker: i64, off_m: f64, typical_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::ControlPointOutlier,
+        format!(
+            "marker {marker} of {file} is off by {:.0} mm where half of the points are within {:.0} mm: check its readings, or \
+             leave it out",
+            off_m * 1e3,
+            typical_m * 1e3
+        ),
+    )
+    .about(Subject::Point { file: file.to_owned(), marker })
+    .quantity("residual", off_m, Unit::Metre)
+    .quantity("median", typical_m, Unit::Metre)
+    .with(Remedy::ShowPoint { file: file.to_owned(), marker })
+}
+
+pub fn known_point_misplaced(file: &str, marker: i64, off_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::KnownPointMisplaced,
+        format!(
+            "marker {marker} of {file} lies {:.0} mm from where the other points put it, and is left out: check its coordinates \
+             and marker",
+            off_m * 1e3
+        ),
+    )
+    .about(Subject::Point { file: file.to_owned(), marker })
+    .quantity("apart", off_m, Unit::Metre)
+    .with(Remedy::ShowPoint { file: file.to_owned(), marker })
+}
+
+/// The best of `pairs` pairs of known points; `median_m` is the disagreement at the points left out.
+pub fn resection_pair(
+    file: &str,
+    markers: [i64; 2],
+    baseline_m: f64,
+    pairs: usize,
+    median_m: Option<f64>,
+) -> Finding {
+    let [first, second] = markers;
+    let agreement = median_m.map_or(String::new(), |median_m| {
+        format!(": stations agree there within {:.1} mm (median)", median_m * 1e3)
+    });
+    let finding = Finding::new(
+        FindingKind::ResectionPair,
+        format!(
+            "points {first} and {second} of {file} ({baseline_m:.0} m apart), the best of {pairs} pairs by the points left \
+             out{agreement}"
+        ),
+    )
+    .about(Subject::File(file.to_owned()))
+    .quantity("baseline", baseline_m, Unit::Metre)
+    .count("pairs", pairs);
+    match median_m {
+        Some(median_m) => finding.quantity("median", median_m, Unit::Metre),
+        None => finding,
+    }
+}
+
+pub fn resection_unchecked() -> Finding {
+    Finding::new(
+        FindingKind::ResectionUnchecked,
+        "no third known point checks this resection; a wrong coordinate or a wrong marker would not show",
+    )
+}
+
+pub fn resection_inconsistent(median_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::ResectionInconsistent,
+        format!(
+            "even with the best pair the stations disagree by {:.0} mm (median) at the points left out",
+            median_m * 1e3
+        ),
+    )
+    .quantity("median", median_m, Unit::Metre)
+}
+
+/// `error_m` is the measured minus the known distance between two points.
+pub fn known_distance_off(markers: [i64; 2], error_m: f64, distance_m: f64) -> Finding {
+    let [first, second] = markers;
+    let ppm = error_m / distance_m * 1e6;
+    Finding::new(
+        FindingKind::KnownDistanceOff,
+        format!(
+            "the stations measure points {first} and {second} {:+.0} mm ({ppm:+.0} ppm) from their known distance: check \
+             temperature, pressure and prism constant, or the survey",
+            error_m * 1e3
+        ),
+    )
+    .quantity("error", error_m, Unit::Metre)
+    .quantity("scale_error", ppm * 1e-6, Unit::Ratio)
+    .with(Remedy::PutRight)
+}
+
+/// `blocks` are independent segments of time.
+pub fn tracks_aligned(rms_m: f64, blocks: usize) -> Finding {
+    Finding::new(
+        FindingKind::TracksAligned,
+        format!(
+            "tracks of one prism aligned, {:.1} mm rms over {blocks} stretches of time",
+            rms_m * 1e3
+        ),
+    )
+    .quantity("rms", rms_m, Unit::Metre)
+    .count("blocks", blocks)
+}
+
+pub fn prism_count_undecided() -> Finding {
+    let one_prism = Overrides { prisms: Some(1), ..Overrides::default() };
+    Finding::new(
+        FindingKind::PrismCountUndecided,
+        "the drive hardly turns, so one prism cannot be told from three; if it was one, say `prisms = 1` in deployment.toml",
+    )
+    .with(Remedy::ReadWith(Box::new(one_prism)))
+}
+
+pub fn tracks_apart(rms_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::TracksApart,
+        format!(
+            "the tracks lie {rms_m:.2} m apart (rms): the stations did not follow one prism, or their clocks are far off"
+        ),
+    )
+    .quantity("rms", rms_m, Unit::Metre)
+    .with(Remedy::PutRight)
+}
+
+pub fn tracks_fit_poorly(rms_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::TracksFitPoorly,
+        format!(
+            "the tracks fit poorly ({:.1} mm rms): check the clocks and the filters",
+            rms_m * 1e3
+        ),
+    )
+    .quantity("rms", rms_m, Unit::Metre)
+}
+
+/// `fewest` segments of time give a good standard deviation.
+pub fn few_time_blocks(blocks: usize, fewest: usize) -> Finding {
+    Finding::new(
+        FindingKind::FewTimeBlocks,
+        format!(
+            "only {blocks} stretches of independent time; σ is rough below {fewest}: record longer"
+        ),
+    )
+    .count("blocks", blocks)
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    let file = "GCP.txt";
+    vec![
+        control_points_aligned(7, true, 0.004),
+        control_points_fit_poorly(0.03, false),
+        control_point_outlier(file, 3, 0.08, 0.004),
+        known_point_misplaced(file, 3, 0.08),
+        resection_pair(file, [1, 2], 40.0, 6, Some(0.003)),
+        resection_unchecked(),
+        resection_inconsistent(0.04),
+        known_distance_off([1, 2], 0.01, 100.0),
+        tracks_aligned(0.004, 30),
+        prism_count_undecided(),
+        tracks_apart(0.5),
+        tracks_fit_poorly(0.02),
+        few_time_blocks(7, 12),
+    ]
+}

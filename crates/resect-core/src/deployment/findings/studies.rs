@@ -1,0 +1,43 @@
+//! Findings about trajectories that are judged, and about the deployments of a study.
+
+use crate::deployment::{Finding, FindingKind, Remedy, Subject, Unit};
+
+/// `clock_s` is the time of the trajectory minus that of the ground truth.
+pub fn estimate_clock_far_off(estimate: &str, clock_s: f64) -> Finding {
+    Finding::new(
+        FindingKind::EstimateClockFarOff,
+        format!(
+            "{estimate}: its clock is off by {clock_s:.0} s; the two were brought together by their speeds alone: check that \
+             both are of one drive"
+        ),
+    )
+    .about(Subject::Named(estimate.to_owned()))
+    .quantity("clock_offset", clock_s, Unit::Second)
+}
+
+/// `times_longer` the trajectory is; `why` says it in words.
+pub fn estimate_scale_off(estimate: &str, times_longer: f64, why: &str) -> Finding {
+    Finding::new(FindingKind::EstimateScaleOff, format!("{estimate}: {why}"))
+        .about(Subject::Named(estimate.to_owned()))
+        .quantity("times_longer", times_longer, Unit::Ratio)
+}
+
+pub fn estimate_not_judged(why: &str, remedy: Option<Remedy>) -> Finding {
+    let finding = Finding::new(FindingKind::EstimateNotJudged, format!("not judged: {why}"))
+        .about(Subject::Named(why.to_owned()));
+    remedy.into_iter().fold(finding, Finding::with)
+}
+
+pub fn deployment_left_out(why: &str) -> Finding {
+    Finding::new(FindingKind::DeploymentLeftOut, format!("{why} (left out)"))
+        .about(Subject::Named(why.to_owned()))
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    vec![
+        estimate_clock_far_off("slam", 120.0),
+        estimate_scale_off("slam", 1.3, "it is 1.30 times as long as the drive"),
+        estimate_not_judged("slam: it has only 3 poses", Some(Remedy::JointEstimate)),
+        deployment_left_out("drive: method B needs control points"),
+    ]
+}

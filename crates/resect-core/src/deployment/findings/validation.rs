@@ -1,0 +1,52 @@
+//! Findings of a validation: limits of the comparison of two runs.
+
+use crate::deployment::{Finding, FindingKind, Subject, Unit, pair_label};
+
+/// `verdict` is that of the earlier calibration, with its reason.
+pub fn earlier_calibration_weak(verdict: &str) -> Finding {
+    Finding::new(
+        FindingKind::EarlierCalibrationWeak,
+        format!("the earlier calibration is {verdict}"),
+    )
+}
+
+/// `which` of the two calibrations, and its method for people.
+pub fn compared_without_joint_estimate(which: &str, method: &str) -> Finding {
+    Finding::new(
+        FindingKind::ComparedWithoutJointEstimate,
+        format!(
+            "the {which} is by {method}, not by the joint estimate: errors that its σ leaves out look like a move"
+        ),
+    )
+    .about(Subject::Named(which.to_owned()))
+}
+
+pub fn compared_in_unknown_frame() -> Finding {
+    Finding::new(
+        FindingKind::ComparedInUnknownFrame,
+        "the tracks of both runs were turned into one frame, and what turned them is not known: where they were turned \
+         otherwise, that looks like a move",
+    )
+}
+
+pub fn rig_differs_from_earlier(pair: usize, before_m: f64, now_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::RigDiffersFromEarlier,
+        format!(
+            "the rig is another one: prisms {} were {before_m:.4} m apart and are {now_m:.4} m",
+            pair_label(pair)
+        ),
+    )
+    .about(Subject::Pair(pair))
+    .quantity("earlier", before_m, Unit::Metre)
+    .quantity("now", now_m, Unit::Metre)
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    vec![
+        earlier_calibration_weak("weak: the drive is an L"),
+        compared_without_joint_estimate("earlier calibration", "method D"),
+        compared_in_unknown_frame(),
+        rig_differs_from_earlier(1, 0.9, 0.95),
+    ]
+}

@@ -1,0 +1,45 @@
+//! Quantities of findings: the numbers behind a message, in SI units.
+
+/// Unit of a quantity; the name of the quantity in JSON ends with its suffix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    Metre,
+    SquareMetre,
+    Radian,
+    Second,
+    /// A number of things.
+    Count,
+    /// A ratio of two numbers of the same unit, such as a number of σ.
+    Ratio,
+}
+
+impl Unit {
+    /// The end of a name with this unit.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::Metre => "_m",
+            Self::SquareMetre => "_m2",
+            Self::Radian => "_rad",
+            Self::Second => "_s",
+            Self::Count | Self::Ratio => "",
+        }
+    }
+}
+
+/// A number that a finding rests on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FindingQuantity {
+    /// The name without unit, in snake case.
+    pub name: &'static str,
+    pub value: f64,
+    /// One standard deviation, where the value is an estimate.
+    pub sigma: Option<f64>,
+    pub unit: Unit,
+}
+
+impl FindingQuantity {
+    /// The name with its unit: `offset_s`.
+    pub fn key(&self) -> String {
+        format!("{}{}", self.name, self.unit.suffix())
+    }
+}

@@ -1,0 +1,53 @@
+//! A number with its uncertainty.
+
+/// A number with one standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    pub value: f64,
+    pub sigma: f64,
+}
+
+impl Estimate {
+    /// How many σ it is from what it would be without estimating it.
+    pub fn sigmas_from(&self, other: f64) -> f64 {
+        (self.value - other) / self.sigma.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// What kind of number an estimate is; each is in SI units (m, rad, s, shares).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    Length,
+    Angle,
+    Time,
+    /// Seconds a second.
+    Drift,
+    /// A share of a range.
+    Share,
+}
+
+impl Quantity {
+    /// Factor to the unit in which errors are told, and that unit.
+    pub fn told(self) -> (f64, &'static str) {
+        match self {
+            Self::Length => (1e3, "mm"),
+            Self::Angle => (3600.0_f64.to_degrees(), "″"),
+            Self::Time => (1e3, "ms"),
+            Self::Drift => (1e6, "µs/s"),
+            Self::Share => (1e6, "ppm"),
+        }
+    }
+}
+
+/// Smaller than this many σ, an estimate is not told from what was assumed.
+pub const SUPPORTED_SIGMAS: f64 = 2.0;
+
+/// " (3.1 σ)", and where that is so, that it is not told from zero.
+pub fn sigmas_in_words(sigmas: f64) -> String {
+    let sigmas = sigmas.abs();
+    if sigmas > SUPPORTED_SIGMAS {
+        format!(" ({sigmas:.1} σ)")
+    } else {
+        format!(" ({sigmas:.1} σ: not told from zero)")
+    }
+}

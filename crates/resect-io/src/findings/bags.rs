@@ -1,0 +1,156 @@
+//! Findings about bags and streams of messages.
+
+use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+
+/// Losses of a bag.
+pub struct Losses<'a> {
+    /// The first loss with its place.
+    pub first: &'a str,
+    pub count: usize,
+    pub bytes: u64,
+    /// Messages that were read all the same.
+    pub messages: usize,
+}
+
+pub fn bag_damaged(file: &str, losses: &Losses<'_>) -> Finding {
+    let Losses { first, count, bytes, messages } = *losses;
+    let more = match count {
+        0 | 1 => String::new(),
+        2 => ", and one more place".to_owned(),
+        count => format!(", and {} more places", count - 1),
+    };
+    let lost = match bytes {
+        0 => String::new(),
+        bytes => format!("; {bytes} bytes could not be read"),
+    };
+    Finding::new(
+        FindingKind::BagDamaged,
+        format!("{first}{more}{lost}; what could be saved is {messages} messages"),
+    )
+    .about(Subject::File(file.to_owned()))
+    .within(file)
+    .count("places", count)
+    .quantity("bytes", bytes as f64, Unit::Count)
+    .count("messages", messages)
+}
+
+pub fn bag_messages_malformed(file: &str, count: usize, first: &str) -> Finding {
+    let message = format!("{count} messages left out; the first: {first}");
+    Finding::new(FindingKind::BagMessagesMalformed, message)
+        .about(Subject::File(file.to_owned()))
+        .within(file)
+        .count("messages", count)
+}
+
+/// `remark` names what the interrupted recording left.
+pub fn bag_incomplete(file: &str, remark: &str) -> Finding {
+    Finding::new(FindingKind::BagIncomplete, remark)
+        .about(Subject::File(file.to_owned()))
+        .within(file)
+}
+
+pub fn bag_splits_unread(file: &str, others: &[&str]) -> Finding {
+    Finding::new(
+        FindingKind::BagSplitsUnread,
+        format!(
+            "{file} is one piece of a recording; {} beside it is not read: open the folder, or name them all in tracks of \
+             deployment.toml",
+            others.join(", ")
+        ),
+    )
+    .about(Subject::File(file.to_owned()))
+    .count("files", others.len())
+}
+
+pub fn bags_joined(names: &[&str]) -> Finding {
+    let message = format!("{} bags are read as one drive: {}", names.len(), names.join(", "));
+    Finding::new(FindingKind::BagsJoined, message).count("files", names.len())
+}
+
+pub fn bag_missing(names: &[&str], missing: u64) -> Finding {
+    Finding::new(
+        FindingKind::BagMissing,
+        format!(
+            "{} bags are read as one drive: {}; piece {missing} is missing",
+            names.len(),
+            names.join(", ")
+        ),
+    )
+    .count("files", names.len())
+    .quantity("missing_number", missing as f64, Unit::Count)
+}
+
+pub fn readings_without_stamp(station: usize, count: usize) -> Finding {
+    Finding::new(
+        FindingKind::ReadingsWithoutStamp,
+        format!(
+            "station {}: {count} readings have no synchronised time (header.stamp is zero); they are taken at \
+             theodolite_time, the station's own clock, which nothing synchronises",
+            station + 1
+        ),
+    )
+    .about(Subject::Station(station))
+    .count("readings", count)
+}
+
+pub fn readings_without_time(station: usize, count: usize) -> Finding {
+    Finding::new(
+        FindingKind::ReadingsWithoutTime,
+        format!(
+            "station {}: {count} readings have no time of their own; they are taken at the time when the recorder got them, \
+             which is late by an unknown and changing delay",
+            station + 1
+        ),
+    )
+    .about(Subject::Station(station))
+    .count("readings", count)
+}
+
+pub fn positions_not_read(topics: &str) -> Finding {
+    Finding::new(FindingKind::PositionsNotRead, format!("positions that are not read: {topics}"))
+}
+
+pub fn positions_in_instrument_frames(topics: &[String]) -> Finding {
+    Finding::new(
+        FindingKind::PositionsInInstrumentFrames,
+        format!(
+            "positions of {} are taken as in the frame of each instrument, the prism constant in them; if an instrument was set \
+             up on coordinates of a site, its rates mean something else",
+            topics.join(", ")
+        ),
+    )
+}
+
+pub fn topic_without_positions(station: usize, topic: &str, there: &str) -> Finding {
+    Finding::new(
+        FindingKind::TopicWithoutPositions,
+        format!("station {}: no position on its topic `{topic}`; there are {there}", station + 1),
+    )
+    .about(Subject::Station(station))
+}
+
+pub fn theodolite_messages_not_read(count: usize) -> Finding {
+    Finding::new(
+        FindingKind::TheodoliteMessagesNotRead,
+        format!("{count} theodolite messages are not read, because `topics` names others"),
+    )
+    .count("messages", count)
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    let losses = Losses { first: "cut off, after message 9", count: 2, bytes: 80, messages: 900 };
+    vec![
+        bag_damaged("drive.bag", &losses),
+        bag_messages_malformed("drive.bag", 4, "message 7, of /theodolite, has 3 bytes"),
+        bag_incomplete("drive.bag", "no index, read record by record"),
+        bag_splits_unread("drive_0.bag", &["drive_1.bag"]),
+        bags_joined(&["drive_0.bag", "drive_1.bag"]),
+        bag_missing(&["drive_0.bag", "drive_2.bag"], 1),
+        readings_without_stamp(1, 30),
+        readings_without_time(1, 30),
+        positions_not_read("/rts/position (geometry_msgs/PointStamped, 90 messages)"),
+        positions_in_instrument_frames(&["/rts1".to_owned(), "/rts2".to_owned()]),
+        topic_without_positions(2, "/rts3", "/rts1 (geometry_msgs/PointStamped, 90 messages)"),
+        theodolite_messages_not_read(500),
+    ]
+}

@@ -1,0 +1,89 @@
+//! Findings about control points, pillars and known coordinates.
+
+use resect_core::deployment::{Finding, FindingKind, Subject};
+
+/// A reading in a file of control points. `number` is the station as the file has it.
+pub struct ReadingPlace<'a> {
+    pub file: &'a str,
+    pub line: usize,
+    pub marker: i64,
+    pub number: i64,
+}
+
+impl ReadingPlace<'_> {
+    fn finding(&self, kind: FindingKind, message: String) -> Finding {
+        Finding::new(kind, format!("{}:{}: {message}", self.file, self.line))
+            .about(Subject::Point { file: self.file.to_owned(), marker: self.marker })
+    }
+}
+
+pub fn control_point_station_unknown(place: &ReadingPlace<'_>) -> Finding {
+    let message = format!("station {} left out; stations are 1, 2, 3", place.number);
+    place.finding(FindingKind::ControlPointStationUnknown, message)
+}
+
+pub fn control_point_status_invalid(place: &ReadingPlace<'_>, status: f64) -> Finding {
+    let ReadingPlace { marker, number, .. } = place;
+    let message =
+        format!("marker {marker} of station {number} left out: status {status} (no valid reading)");
+    place.finding(FindingKind::ControlPointStatusInvalid, message)
+}
+
+pub fn control_point_reading_implausible(place: &ReadingPlace<'_>) -> Finding {
+    let ReadingPlace { marker, number, .. } = place;
+    let message = format!("marker {marker} of station {number} left out: not a usable reading");
+    place.finding(FindingKind::ControlPointReadingImplausible, message)
+}
+
+pub fn control_point_repeated(place: &ReadingPlace<'_>) -> Finding {
+    let ReadingPlace { marker, number, .. } = place;
+    let message =
+        format!("marker {marker} of station {number} stands twice; the first reading is used");
+    place.finding(FindingKind::ControlPointRepeated, message)
+}
+
+pub fn control_points_empty(file: &str) -> Finding {
+    Finding::new(FindingKind::ControlPointsEmpty, format!("{file}: no usable control point"))
+        .about(Subject::File(file.to_owned()))
+}
+
+pub fn pillar_coordinates_unknown(file: &str, marker: i64) -> Finding {
+    Finding::new(
+        FindingKind::PillarCoordinatesUnknown,
+        format!(
+            "{file}: pillar {marker} stands in no survey of pillars, so its coordinates are not known"
+        ),
+    )
+    .about(Subject::Point { file: file.to_owned(), marker })
+}
+
+pub fn pillars_without_readings() -> Finding {
+    Finding::new(
+        FindingKind::PillarsWithoutReadings,
+        "the survey of pillars belongs to no file of readings, and all points count as control points; name the file with \
+         the pillars' readings Two_points.txt",
+    )
+}
+
+/// `file` has the coordinates, `readings` should have the readings.
+pub fn known_point_not_measured(file: &str, readings: &str, marker: i64) -> Finding {
+    Finding::new(
+        FindingKind::KnownPointNotMeasured,
+        format!("{file}: marker {marker} of {readings} was not measured"),
+    )
+    .about(Subject::Point { file: readings.to_owned(), marker })
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    let place = ReadingPlace { file: "GCP.txt", line: 4, marker: 3, number: 2 };
+    vec![
+        control_point_station_unknown(&ReadingPlace { number: 7, ..place }),
+        control_point_status_invalid(&place, 5.0),
+        control_point_reading_implausible(&place),
+        control_point_repeated(&place),
+        control_points_empty("GCP.txt"),
+        pillar_coordinates_unknown("Two_points.txt", 2),
+        pillars_without_readings(),
+        known_point_not_measured("known.csv", "GCP.txt", 9),
+    ]
+}

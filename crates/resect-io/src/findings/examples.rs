@@ -1,0 +1,20 @@
+//! One example of each finding of this crate.
+
+use resect_core::deployment::Finding;
+
+use super::{bags, control_points, positions, readings, rig, surveys, tracks, trajectories};
+
+/// An example of each kind of finding that this crate makes.
+pub fn examples() -> Vec<Finding> {
+    [
+        bags::examples(),
+        control_points::examples(),
+        positions::examples(),
+        readings::examples(),
+        rig::examples(),
+        surveys::examples(),
+        tracks::examples(),
+        trajectories::examples(),
+    ]
+    .concat()
+}

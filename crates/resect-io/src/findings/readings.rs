@@ -1,0 +1,140 @@
+//! Findings about readings: impossible values, stamps, dropped records.
+
+use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+
+/// `place` is the first of the dropped records.
+pub fn records_dropped(station: Option<usize>, reason: &str, count: usize, place: &str) -> Finding {
+    let message = match station {
+        Some(station) => format!("station {}: {reason}: {count} dropped ({place})", station + 1),
+        None => format!("{reason}: {count} dropped ({place})"),
+    };
+    let subject = match station {
+        Some(station) => Subject::OfStation { station, part: reason.to_owned() },
+        None => Subject::Named(reason.to_owned()),
+    };
+    Finding::new(FindingKind::RecordsDropped, message).about(subject).count("records", count)
+}
+
+pub fn stamps_out_of_order(station: usize, count: usize, files: &str) -> Finding {
+    Finding::new(
+        FindingKind::StampsOutOfOrder,
+        format!(
+            "station {}: {count} out-of-order stamps in {files}; the track was sorted by time",
+            station + 1
+        ),
+    )
+    .about(Subject::Station(station))
+    .count("readings", count)
+}
+
+/// `first` is the place of the first one: " (first at …)", or empty.
+pub fn stamps_repeated(station: usize, count: usize, first: &str) -> Finding {
+    let message = format!("station {}: {count} duplicate stamps dropped{first}", station + 1);
+    Finding::new(FindingKind::StampsRepeated, message)
+        .about(Subject::Station(station))
+        .count("readings", count)
+}
+
+pub fn station_without_readings(station: usize, files: &str) -> Finding {
+    Finding::new(
+        FindingKind::StationWithoutReadings,
+        format!(
+            "station {} has no measurement in {files}; a calibration needs all three stations",
+            station + 1
+        ),
+    )
+    .about(Subject::Station(station))
+}
+
+/// `counts` are the impossible readings by reason.
+pub fn readings_implausible(
+    station: usize,
+    impossible: usize,
+    valid: usize,
+    counts: &[(&str, usize)],
+) -> Finding {
+    let share = impossible as f64 / valid.max(1) as f64;
+    let counts: Vec<_> =
+        counts.iter().map(|(reason, count)| format!("{reason}: {count}")).collect();
+    Finding::new(
+        FindingKind::ReadingsImplausible,
+        format!(
+            "station {}: {impossible} of {valid} readings that are marked as valid ({:.1} %) cannot be any ({}): the recorder \
+             writes invalid readings as valid, and the others may be no better",
+            station + 1,
+            100.0 * share,
+            counts.join(", ")
+        ),
+    )
+    .about(Subject::Station(station))
+    .count("impossible", impossible)
+    .count("readings", valid)
+}
+
+/// `stations` are indices, 0 to 2.
+pub fn stamps_whole_seconds(stations: &[usize]) -> Finding {
+    let numbers: Vec<usize> = stations.iter().map(|station| station + 1).collect();
+    let list = station_list(&numbers);
+    Finding::new(
+        FindingKind::StampsWholeSeconds,
+        format!(
+            "every stamp of {list} is a whole second: too coarse for a moving prism, which goes a metre in that time"
+        ),
+    )
+    .about(match stations {
+        [one] => Subject::Station(*one),
+        _ => Subject::Named(list),
+    })
+}
+
+pub fn stamps_relative(first_s: f64) -> Finding {
+    Finding::new(
+        FindingKind::StampsRelative,
+        format!(
+            "stamps count from a start of their own (the first is {first_s:.3} s): they cannot be compared with GNSS"
+        ),
+    )
+    .quantity("first_stamp", first_s, Unit::Second)
+}
+
+/// The stations (0 to 2) and the spans of their readings (s).
+pub fn stations_without_common_time(stations: [usize; 2], spans_s: [[f64; 2]; 2]) -> Finding {
+    let [a, b] = stations.map(|station| station + 1);
+    let [[a_from, a_to], [b_from, b_to]] = spans_s.map(|span| span.map(short_number));
+    Finding::new(
+        FindingKind::StationsWithoutCommonTime,
+        format!(
+            "stations {a} and {b} never measured at the same time: {a_from} to {a_to} s, {b_from} to {b_to} s; their clocks \
+             differ, or they are not of one drive"
+        ),
+    )
+    .about(Subject::Named(format!("stations {a} and {b}")))
+}
+
+/// "station 2" or "stations 1, 3".
+pub fn station_list(numbers: &[usize]) -> String {
+    let list = numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+    if numbers.len() == 1 { format!("station {list}") } else { format!("stations {list}") }
+}
+
+/// A number with as many digits as a message needs.
+pub fn short_number(value: f64) -> String {
+    match value.abs() {
+        size if size >= 1e11 => format!("{value:.3e}"),
+        size if size >= 1e3 => format!("{value:.1}"),
+        _ => format!("{value:.3}"),
+    }
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    vec![
+        records_dropped(Some(1), "status 3", 12, "line 7 of drive.csv"),
+        stamps_out_of_order(0, 3, "drive.csv"),
+        stamps_repeated(2, 14, " (first at line 9 of drive.csv)"),
+        station_without_readings(2, "drive.csv"),
+        readings_implausible(0, 40, 400, &[("ranges of zero", 40)]),
+        stamps_whole_seconds(&[0, 2]),
+        stamps_relative(12.5),
+        stations_without_common_time([0, 2], [[0.0, 60.0], [90.0, 150.0]]),
+    ]
+}

@@ -1,0 +1,71 @@
+//! Findings about the rig: distances and positions of the prisms.
+
+use resect_core::deployment::{Finding, FindingKind, Remedy, Subject, Unit};
+
+pub fn rig_file_preferred() -> Finding {
+    Finding::new(
+        FindingKind::RigFilePreferred,
+        "the rig is the one that was named, not inter_prism_m of deployment.toml",
+    )
+}
+
+pub fn rig_unknown() -> Finding {
+    Finding::new(
+        FindingKind::RigUnknown,
+        "the inter-prism distances, which method D needs, are not known; put calibration_results.csv beside the tracks, set \
+         inter_prism_m in deployment.toml, or name a file of the rig",
+    )
+    .with(Remedy::GiveRig)
+}
+
+pub fn rig_derived_from_reading(file: &str) -> Finding {
+    Finding::new(
+        FindingKind::RigDerivedFromReading,
+        format!(
+            "the inter-prism distances are derived from {file}, one reading of each prism: no file gives them \
+             (calibration_results.csv, or inter_prism_m in deployment.toml), and what is wrong in the reading is wrong in the \
+             answer"
+        ),
+    )
+    .about(Subject::File(file.to_owned()))
+}
+
+/// `largest_m` is the largest difference (m).
+pub fn rig_reading_disagrees(file: &str, largest_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::RigReadingDisagrees,
+        format!(
+            "the inter-prism distances and the reading of the rig ({file}) disagree by {:.1} mm; one of them is wrong",
+            largest_m * 1e3
+        ),
+    )
+    .about(Subject::File(file.to_owned()))
+    .quantity("difference", largest_m, Unit::Metre)
+}
+
+pub fn prism_positions_of_other_rig(largest_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::PrismPositionsOfOtherRig,
+        "prisms_m of deployment.toml is of another rig than the one that was named; it is left out",
+    )
+    .quantity("difference", largest_m, Unit::Metre)
+}
+
+pub fn prism_positions_disagree(largest_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::PrismPositionsDisagree,
+        format!("prisms_m and the inter-prism distances disagree by {:.1} mm", largest_m * 1e3),
+    )
+    .quantity("difference", largest_m, Unit::Metre)
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    vec![
+        rig_file_preferred(),
+        rig_unknown(),
+        rig_derived_from_reading("rig.gsi"),
+        rig_reading_disagrees("rig.gsi", 0.004),
+        prism_positions_of_other_rig(0.2),
+        prism_positions_disagree(0.004),
+    ]
+}

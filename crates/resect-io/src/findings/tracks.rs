@@ -1,0 +1,151 @@
+//! Findings about tracks as a whole: files, columns, prism constant, spans and masks, GNSS.
+
+use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+
+pub fn file_unreadable(file: &str) -> Finding {
+    Finding::new(
+        FindingKind::FileUnreadable,
+        format!(
+            "{file}: cannot be read and was passed over; check its permissions, if it belongs to the deployment"
+        ),
+    )
+    .about(Subject::File(file.to_owned()))
+}
+
+/// A folder's date that is not the day of its readings.
+pub struct OtherDate<'a> {
+    pub folder: &'a str,
+    /// The date in the name, in words.
+    pub date: &'a str,
+    /// Days from the date to the first stamp.
+    pub days: f64,
+    /// The stations (0 to 2) whose stamps are off.
+    pub stations: &'a [usize],
+}
+
+pub fn folder_date_contradicts_stamps(other: &OtherDate<'_>) -> Finding {
+    let OtherDate { folder, date, days, stations } = *other;
+    let stations: Vec<String> = stations.iter().map(|station| (station + 1).to_string()).collect();
+    Finding::new(
+        FindingKind::FolderDateContradictsStamps,
+        format!(
+            "the folder is named {folder}, but the stamps of station {} are {:.0} days {} {date}: either the name or the data \
+             is wrong, and rig and control points may be of another day than the tracks",
+            stations.join(", "),
+            days.abs(),
+            if days > 0.0 { "after" } else { "before" },
+        ),
+    )
+    .quantity("days", days, Unit::Count)
+}
+
+/// `columns` says what the columns are taken as.
+pub fn table_columns(file: &str, columns: &str) -> Finding {
+    Finding::new(FindingKind::TableColumns, format!("{file}: {columns}"))
+        .about(Subject::File(file.to_owned()))
+}
+
+/// `clock` says which column gives the stamps, and how.
+pub fn table_clock(file: &str, clock: &str) -> Finding {
+    Finding::new(
+        FindingKind::TableClock,
+        format!(
+            "{file}: {clock}; ranges contain the prism constant that was set on the instrument (by the program's source: not \
+             tried on a real recording)"
+        ),
+    )
+    .about(Subject::File(file.to_owned()))
+}
+
+/// `from` names who gives the constants.
+pub fn prism_constant_added(constants_m: &[f64; 3], from: &str, in_tracks: bool) -> Finding {
+    let constants = match constants_m {
+        [a, b, c] if a == b && a == c => format!("{:+.1} mm", a * 1e3),
+        each => each.map(|own| format!("{:+.1}", own * 1e3)).join(", ") + " mm (stations 1, 2, 3)",
+    };
+    let message = if in_tracks {
+        format!(
+            "prism constant of {from}, {constants}, added to ranges of control points and rig; those of the tracks contain it"
+        )
+    } else {
+        format!("prism constant of {from}, {constants}, added to every range")
+    };
+    let [first, second, third] = *constants_m;
+    Finding::new(FindingKind::PrismConstantAdded, message)
+        .quantity("station_1", first, Unit::Metre)
+        .quantity("station_2", second, Unit::Metre)
+        .quantity("station_3", third, Unit::Metre)
+}
+
+pub fn span_selected(from_s: f64, to_s: f64) -> Finding {
+    let message =
+        format!("only the {:.1} s from {from_s:.3} to {to_s:.3} s are used", to_s - from_s);
+    Finding::new(FindingKind::SpanSelected, message)
+        .quantity("from", from_s, Unit::Second)
+        .quantity("to", to_s, Unit::Second)
+}
+
+pub fn readings_masked(count: usize) -> Finding {
+    let message = format!("{count} readings are left out by hand");
+    Finding::new(FindingKind::ReadingsMasked, message).count("readings", count)
+}
+
+pub fn masked_readings_missing(count: usize) -> Finding {
+    let message = format!(
+        "{count} of the masked readings are not in the tracks; they were masked in other data"
+    );
+    Finding::new(FindingKind::MaskedReadingsMissing, message).count("readings", count)
+}
+
+pub fn gnss_antennas_missing(files: usize) -> Finding {
+    Finding::new(
+        FindingKind::GnssAntennasMissing,
+        format!(
+            "{files} GNSS solution file(s) left out: three antennas are needed; name them in deployment.toml: gnss = [\"…\", \
+             \"…\", \"…\"]"
+        ),
+    )
+    .count("files", files)
+}
+
+pub fn gnss_origins_differ() -> Finding {
+    Finding::new(
+        FindingKind::GnssOriginsDiffer,
+        "the GNSS antennas are left out: some positions are about the Earth's centre, others about a base station; solve \
+         them with the same settings",
+    )
+}
+
+pub fn gnss_stamps_out_of_order(file: &str, count: usize) -> Finding {
+    let message = format!("{count} out-of-order stamps in {file}; the fixes were sorted by time");
+    Finding::new(FindingKind::GnssStampsOutOfOrder, message)
+        .about(Subject::File(file.to_owned()))
+        .count("fixes", count)
+}
+
+/// `line` is the place of the first one.
+pub fn gnss_stamps_repeated(file: &str, count: usize, line: usize) -> Finding {
+    let message = format!("{count} duplicate stamps dropped (first at line {line} of {file})");
+    Finding::new(FindingKind::GnssStampsRepeated, message)
+        .about(Subject::File(file.to_owned()))
+        .count("fixes", count)
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    let other =
+        OtherDate { folder: "20220711", date: "2022-07-11", days: -3.0, stations: &[0, 1, 2] };
+    vec![
+        file_unreadable("old.csv"),
+        folder_date_contradicts_stamps(&other),
+        table_columns("tracks.csv", "columns `r`, `hz`, `v` are range (metres)"),
+        table_clock("tracks.csv", "stamps are ref_time, when each answer arrived"),
+        prism_constant_added(&[0.01; 3], "deployment.toml", false),
+        span_selected(10.0, 70.0),
+        readings_masked(3),
+        masked_readings_missing(1),
+        gnss_antennas_missing(2),
+        gnss_origins_differ(),
+        gnss_stamps_out_of_order("gnss1.pos", 2),
+        gnss_stamps_repeated("gnss1.pos", 2, 40),
+    ]
+}

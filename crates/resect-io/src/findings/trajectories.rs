@@ -1,0 +1,40 @@
+//! Findings about files of trajectories.
+
+use resect_core::deployment::{Finding, FindingKind, Subject};
+
+pub fn estimate_out_of_order(file: &str) -> Finding {
+    Finding::new(FindingKind::EstimateOutOfOrder, format!("{file}: its times go back; sorted"))
+        .about(Subject::File(file.to_owned()))
+}
+
+pub fn estimate_times_repeated(file: &str, count: usize) -> Finding {
+    let message = format!("{file}: {count} poses repeat a time; the first of each is kept");
+    Finding::new(FindingKind::EstimateTimesRepeated, message)
+        .about(Subject::File(file.to_owned()))
+        .count("poses", count)
+}
+
+/// `without` of `all` poses have no orientation.
+pub fn estimate_orientations_missing(file: &str, without: usize, all: usize) -> Finding {
+    let message = format!("{file}: {without} of {all} poses have no orientation; none is used");
+    Finding::new(FindingKind::EstimateOrientationsMissing, message)
+        .about(Subject::File(file.to_owned()))
+        .count("without_orientation", without)
+        .count("poses", all)
+}
+
+pub fn estimate_quaternions_normalised(file: &str, count: usize) -> Finding {
+    let message = format!("{file}: {count} quaternions have another length than one; made one");
+    Finding::new(FindingKind::EstimateQuaternionsNormalised, message)
+        .about(Subject::File(file.to_owned()))
+        .count("poses", count)
+}
+
+pub(super) fn examples() -> Vec<Finding> {
+    vec![
+        estimate_out_of_order("slam.tum"),
+        estimate_times_repeated("slam.tum", 3),
+        estimate_orientations_missing("slam.tum", 3, 90),
+        estimate_quaternions_normalised("slam.tum", 7),
+    ]
+}

@@ -1,0 +1,141 @@
+//! Findings of the live drive: one constructor for each warning, with its message.
+
+use resect_core::calibration::Estimate;
+use resect_core::deployment::{Finding, FindingKind, Subject, Unit, pair_label};
+
+pub fn no_connection(why: &str) -> Finding {
+    Finding::new(FindingKind::LiveNoConnection, format!("no connection: {why}"))
+}
+
+/// `age_s` is the time since the last reading of the station.
+pub fn lost_lock(station: usize, age_s: f64) -> Finding {
+    Finding::new(
+        FindingKind::LiveLostLock,
+        format!(
+            "station {} has had no reading for {age_s:.0} s; stand where it sees its prism, and lock it on again",
+            station + 1
+        ),
+    )
+    .about(Subject::Station(station))
+    .quantity("age", age_s, Unit::Second)
+}
+
+pub fn clock_jumped(station: usize, by_s: f64) -> Finding {
+    Finding::new(
+        FindingKind::LiveClockJumped,
+        format!(
+            "station {}'s clock jumped by {by_s:+.3} s; look at its synchronisation, and begin the drive again",
+            station + 1
+        ),
+    )
+    .about(Subject::Station(station))
+    .quantity("jump", by_s, Unit::Second)
+}
+
+/// A station that moved, by the joint estimate; `when` is the time of the step in words.
+pub fn station_stepped(
+    station: usize,
+    moved_m: &Estimate,
+    turned_rad: &Estimate,
+    when: &str,
+) -> Finding {
+    stepped(
+        station,
+        format!(
+            "station {} moved {when}: by {:.0} ± {:.0} mm, turned by {:+.2} ± {:.2} mrad",
+            station + 1,
+            moved_m.value * 1e3,
+            moved_m.sigma * 1e3,
+            turned_rad.value * 1e3,
+            turned_rad.sigma * 1e3
+        ),
+    )
+    .estimate("moved", moved_m, Unit::Metre)
+    .estimate("turned", turned_rad, Unit::Radian)
+}
+
+/// A clock that jumped, by the joint estimate; `when` is the time of the step in words.
+pub fn clock_stepped(station: usize, by_s: &Estimate, when: &str) -> Finding {
+    stepped(
+        station,
+        format!(
+            "station {}'s clock jumped {when}: its stamps are {:+.0} ± {:.0} ms later",
+            station + 1,
+            by_s.value * 1e3,
+            by_s.sigma * 1e3
+        ),
+    )
+    .estimate("jump", by_s, Unit::Second)
+}
+
+fn stepped(station: usize, event: String) -> Finding {
+    let message = format!("{event}; look at its tripod and its clock, and begin the drive again");
+    Finding::new(FindingKind::LiveStepped, message).about(Subject::Station(station))
+}
+
+/// `station` follows another prism, where it can be determined; the distance of `pair` is off by `off_m`.
+pub fn wrong_prism(station: Option<usize>, pair: usize, off_m: f64) -> Finding {
+    let who = match station {
+        Some(station) => format!("station {} may follow another's prism", station + 1),
+        None => "a station may follow another's prism".to_owned(),
+    };
+    let finding = Finding::new(
+        FindingKind::LiveWrongPrism,
+        format!(
+            "{who}: the distance {} is off by {:.0} mm; look at which prism each station points at",
+            pair_label(pair),
+            off_m * 1e3
+        ),
+    )
+    .quantity("distance_error", off_m, Unit::Metre);
+    match station {
+        Some(station) => finding.about(Subject::Station(station)),
+        None => finding,
+    }
+}
+
+pub fn straight_line(length_m: f64) -> Finding {
+    Finding::new(
+        FindingKind::LiveStraightLine,
+        format!(
+            "the drive is a straight line of {length_m:.0} m so far, which leaves directions free; leave the line: drive a \
+             figure-eight with turns to both sides"
+        ),
+    )
+    .quantity("length", length_m, Unit::Metre)
+}
+
+pub fn no_rig() -> Finding {
+    Finding::new(
+        FindingKind::LiveNoRig,
+        "the inter-prism distances are not known, and without them there is no answer; name a file of the rig",
+    )
+}
+
+/// `message` names the topics or instruments.
+pub fn no_station(message: &str) -> Finding {
+    Finding::new(FindingKind::LiveNoStation, message)
+}
+
+pub fn not_recorded(why: &str) -> Finding {
+    Finding::new(FindingKind::LiveNotRecorded, why)
+}
+
+/// An example of each kind of finding that this crate makes.
+pub fn examples() -> Vec<Finding> {
+    let moved_m = Estimate { value: 0.03, sigma: 0.002 };
+    let turned_rad = Estimate { value: 2e-3, sigma: 1e-4 };
+    vec![
+        no_connection("refused"),
+        lost_lock(1, 12.0),
+        clock_jumped(2, -0.2),
+        station_stepped(1, &moved_m, &turned_rad, "200 s into the drive"),
+        clock_stepped(1, &moved_m, "200 s into the drive"),
+        wrong_prism(Some(2), 1, 0.4),
+        wrong_prism(None, 0, 0.4),
+        straight_line(42.0),
+        no_rig(),
+        no_station("say which station `/rts4` is"),
+        not_recorded("disk full"),
+    ]
+}

@@ -1,0 +1,119 @@
+//! Findings of the window: one constructor for each kind, with its message.
+
+use std::fmt::Display;
+use std::path::Path;
+
+use resect_core::deployment::{Finding, FindingKind, Subject, Unit};
+
+fn about(kind: FindingKind, path: &Path, message: impl Display) -> Finding {
+    let file = path.display().to_string();
+    Finding::new(kind, format!("{file}: {message}")).about(Subject::File(file))
+}
+
+pub fn autosave_unavailable(folder: &Path, error: &dyn Display) -> Finding {
+    let message = format!("{error}; what is open will not be restored if resect stops");
+    about(FindingKind::AutosaveUnavailable, folder, message)
+}
+
+/// `when` is the time of the crash in words.
+pub fn earlier_session_kept(when: &str) -> Finding {
+    Finding::new(
+        FindingKind::EarlierSessionKept,
+        format!(
+            "resect stopped before, {when}; what was open is kept and comes back when resect is started without a path"
+        ),
+    )
+}
+
+/// `part` names the part of the session.
+pub fn session_part_unknown(part: &str) -> Finding {
+    Finding::new(
+        FindingKind::SessionPartUnknown,
+        format!("{part} is in a form that this resect does not know; left out"),
+    )
+    .about(Subject::Named(part.to_owned()))
+}
+
+pub fn session_plan_invalid(why: &str) -> Finding {
+    Finding::new(FindingKind::SessionPlanInvalid, format!("the plan: {why}; left out"))
+}
+
+/// `kept` is the new name of the file; `None` where it could not be moved.
+pub fn unusable_file_kept(why: &str, kept: Option<&Path>) -> Finding {
+    let message = match kept {
+        Some(kept) => format!("{why}; it is kept as {}", kept.display()),
+        None => format!("{why}; it could not be moved aside and stays as it is"),
+    };
+    Finding::new(FindingKind::UnusableFileKept, message)
+}
+
+/// Sizes of the file when the session was saved, and now (bytes).
+pub fn session_file_changed(path: &Path, bytes_before: u64, bytes_now: u64) -> Finding {
+    let sizes = if bytes_before == bytes_now {
+        "the same size, other content".to_owned()
+    } else {
+        format!("{bytes_before} bytes, {bytes_now} now")
+    };
+    let message =
+        format!("changed since the session was saved ({sizes}); the answer may be another");
+    about(FindingKind::SessionFileChanged, path, message)
+        .quantity("bytes_before", bytes_before as f64, Unit::Count)
+        .quantity("bytes_now", bytes_now as f64, Unit::Count)
+}
+
+pub fn session_file_missing(path: &Path, error: &dyn Display) -> Finding {
+    let message = format!("was read when the session was saved, and cannot be now ({error})");
+    about(FindingKind::SessionFileMissing, path, message)
+}
+
+/// `what` is wrong with the layout, and its consequence.
+pub fn layout_invalid(what: &str) -> Finding {
+    Finding::new(FindingKind::LayoutInvalid, what)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    fn examples() -> Vec<Finding> {
+        let path = Path::new("day/tracks.csv");
+        vec![
+            autosave_unavailable(Path::new("autosave"), &"disk full"),
+            earlier_session_kept("an hour ago"),
+            session_part_unknown("the layout"),
+            session_plan_invalid("no waypoint"),
+            unusable_file_kept("preferences.toml: not TOML", Some(Path::new("preferences.bak"))),
+            session_file_changed(path, 3, 4),
+            session_file_missing(path, &"no such file"),
+            layout_invalid("the layout names a pane `maps` that there is not; left out"),
+        ]
+    }
+
+    #[test]
+    fn every_kind_has_an_example_with_a_message() {
+        let all = [
+            resect_core::deployment::findings::examples(),
+            resect_io::findings::examples(),
+            resect_live::findings::examples(),
+            examples(),
+        ]
+        .concat();
+        // The HTML report makes that one from an error.
+        let made: BTreeSet<FindingKind> =
+            all.iter().map(|finding| finding.kind).chain([FindingKind::NoAnswer]).collect();
+        let missing: Vec<&FindingKind> =
+            FindingKind::ALL.iter().filter(|kind| !made.contains(kind)).collect();
+        assert!(missing.is_empty(), "{missing:?}");
+        for finding in &all {
+            let message = finding.to_string();
+            assert!(message.len() > 10 && !message.contains('\n'), "{message}");
+            let mut keys: Vec<String> = finding.quantities.iter().map(|one| one.key()).collect();
+            keys.sort_unstable();
+            keys.dedup();
+            assert_eq!(keys.len(), finding.quantities.len(), "{finding:?}");
+            assert!(finding.quantities.iter().all(|one| one.value.is_finite()), "{finding:?}");
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Advice of the Guide on simulated drives that cannot be good.
+
+use resect_core::analysis::{Analyst, Settings};
+use resect_core::calibration::Verdict;
+use resect_core::deployment::{FindingKind, doubts};
+use resect_core::simulation::{Preset, simulate};
+
+#[test]
+fn the_main_doubt_of_a_drive_that_is_not_good_has_advice() {
+    let expected = [
+        (Preset::StraightLine, FindingKind::DriveStraightLine),
+        (Preset::Circle, FindingKind::DriveCircle),
+        (Preset::LShape, FindingKind::DriveTwoLegs),
+    ];
+    for (preset, shape) in expected {
+        let deployment = resect_io::simulation_files::open(&simulate(preset, 1)).expect("valid");
+        let analysis = Analyst::new(deployment.into()).run(&Settings::default());
+        let calibration = analysis.answer.expect("an answer").calibration.clone();
+        assert!(calibration.verdict > Verdict::Good, "{preset:?}");
+        let kinds: Vec<FindingKind> =
+            doubts(&calibration.findings).iter().map(|finding| finding.kind).collect();
+        assert!(kinds.contains(&shape) && shape.advice().is_some(), "{preset:?}: {kinds:?}");
+    }
+}
