@@ -19,7 +19,7 @@ pub struct Arguments {
     /// Recording for the Rerun viewer
     #[arg(long, value_name = "FILE")]
     rrd: Option<PathBuf>,
-    /// Folder for readings.csv, triplets.csv, residuals.csv, transforms.csv and clocks.csv
+    /// Folder for readings.csv, triplets.csv, residuals.csv, transforms.csv, clocks.csv and answer.csv
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
     #[command(flatten)]

@@ -540,6 +540,20 @@ fn every_table_of_an_export_agrees_with_the_answer() {
     assert_eq!(clocks.iter().map(|row| row["station"].as_str()).collect::<Vec<_>>(), ["2", "3"]);
     assert!(clocks.iter().all(|row| number(&row["sigma_offset_s"]) > 0.0));
     assert_eq!(rows("residuals.csv").len(), rows("triplets.csv").len());
+    // The rows of the JSON, number by number.
+    let answer = rows("answer.csv");
+    let described = value["rows"].as_array().expect("rows");
+    assert_eq!(answer.len(), described.len());
+    for (row, told) in answer.iter().zip(described) {
+        for key in ["group", "subject", "name", "symbol", "unit"] {
+            assert_eq!(told[key], row[key].as_str());
+        }
+        assert_eq!(told["value"].as_f64(), Some(number(&row["value"])));
+        assert_eq!(told["sigma"].as_f64(), row["sigma"].parse().ok());
+    }
+    for name in ["x", "clock offset", "range offset", "collimation", "distance", "median"] {
+        assert!(answer.iter().any(|row| row["name"] == name), "{name}");
+    }
 }
 
 #[cfg(feature = "rerun")]

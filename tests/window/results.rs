@@ -304,7 +304,7 @@ fn what_was_estimated_besides_stands_in_a_table_and_not_in_sentences() {
     assert!(harness.query_by_label_contains("stamps are").is_none());
     harness.get_by_label_contains("Estimated besides").click_accesskit();
     settle(&mut harness);
-    for row in ["station 3", "prisms 1–2", "  clock offset", "  range offset", "  lean about x"] {
+    for row in ["station 3", "prisms 1–2", "  clock offset", "  range offset", "  collimation"] {
         assert!(harness.query_all_by_label(row).next().is_some(), "{row}");
     }
     harness.get_by_label("What σ comes from").click_accesskit();

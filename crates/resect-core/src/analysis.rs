@@ -15,6 +15,7 @@ use crate::calibration::{Calibration, CalibrationError, Method, Offer};
 use crate::deployment::Deployment;
 use crate::evaluation;
 use crate::evaluation::Evaluation;
+use crate::evaluation::answer_rows::{AnswerRow, answer_rows};
 use crate::pipeline::{PipelineOutput, StagedPipeline, Triplets};
 use crate::progress::{Cancelled, Progress};
 use crate::stopwatch::Stopwatch;
@@ -54,6 +55,17 @@ impl Analysis {
             .as_ref()
             .map_or(0.0, |answer| answer.calibration.prior_ms + answer.calibration.solve_ms);
         self.pipeline_ms + calibration + self.evaluation_ms
+    }
+
+    /// The rows of the answer; none without one.
+    pub fn rows(&self, deployment: &Deployment) -> Vec<AnswerRow> {
+        self.answer.as_ref().map_or_else(
+            |_| Vec::new(),
+            |answer| {
+                let Answer { calibration, evaluation, .. } = &**answer;
+                answer_rows(deployment, calibration, evaluation, self.offer.targets)
+            },
+        )
     }
 }
 

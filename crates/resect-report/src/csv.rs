@@ -1,5 +1,5 @@
 //! Everything that was computed, as tables for other programs: readings with their fates, triplets, distance errors,
-//! transforms and clocks.
+//! transforms, clocks, and every number of the answer.
 //!
 //! A file each, names of columns with units, full precision: what is read back is bit for bit what was solved.
 
@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use super::summary::StationSummary;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::deployment::Deployment;
+use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_core::pipeline::SampleFate;
 use resect_io::atomic;
 use resect_io::atomic::{Ready, WriteError};
@@ -16,8 +17,8 @@ use resect_io::atomic::{Ready, WriteError};
 type Table<'a> = ::csv::Writer<&'a mut dyn Write>;
 
 /// The tables of a folder.
-pub const TABLES: [&str; 5] =
-    ["readings.csv", "triplets.csv", "residuals.csv", "transforms.csv", "clocks.csv"];
+pub const TABLES: [&str; 6] =
+    ["readings.csv", "triplets.csv", "residuals.csv", "transforms.csv", "clocks.csv", "answer.csv"];
 
 /// Writes all [`TABLES`] into a folder, which is made if it is not there; gives their paths. Without an answer there are
 /// readings and triplets only.
@@ -28,7 +29,7 @@ pub fn write_folder(
 ) -> Result<Vec<PathBuf>, WriteError> {
     atomic::make_folder(folder)?;
     let mut all = Vec::new();
-    let [of_readings, of_triplets, of_residuals, of_transforms, of_clocks] = TABLES;
+    let [of_readings, of_triplets, of_residuals, of_transforms, of_clocks, of_rows] = TABLES;
     let mut table = |name: &str, fill: &dyn Fn(&mut Table) -> Result<(), ::csv::Error>| {
         all.push(ready_table(&folder.join(name), fill)?);
         Ok::<(), WriteError>(())
@@ -39,6 +40,7 @@ pub fn write_folder(
         table(of_residuals, &|table| residuals(analysis, answer, table))?;
         table(of_transforms, &|table| transforms(answer, table))?;
         table(of_clocks, &|table| clocks(answer, table))?;
+        table(of_rows, &|table| rows(&analysis.rows(deployment), table))?;
     }
     atomic::place_all(all)
 }
@@ -156,6 +158,30 @@ fn clocks(answer: &Answer, table: &mut Table) -> Result<(), ::csv::Error> {
         let numbers = [offset_s.value, offset_s.sigma, drift.value, drift.sigma];
         row.extend(numbers.map(|value| value.to_string()));
         table.write_record(row)?;
+    }
+    Ok(())
+}
+
+/// Every number of the answer, in SI units; a number without a reference is compared with zero.
+fn rows(rows: &[AnswerRow], table: &mut Table) -> Result<(), ::csv::Error> {
+    let mut header = vec!["group", "subject", "name", "symbol", "unit", "value", "sigma"];
+    header.extend(["prior_sigma", "reference", "reference_value", "significant"]);
+    table.write_record(header)?;
+    for row in rows {
+        let reference = row.reference.as_ref();
+        table.write_record([
+            row.group.name().to_owned(),
+            row.subject.clone(),
+            row.name.clone(),
+            row.symbol.clone(),
+            row.quantity.si_unit().to_owned(),
+            row.value.to_string(),
+            optional(row.sigma),
+            optional(row.prior),
+            reference.map_or_else(String::new, |reference| reference.name.clone()),
+            optional(reference.map(|reference| reference.value)),
+            row.is_significant.to_string(),
+        ])?;
     }
     Ok(())
 }

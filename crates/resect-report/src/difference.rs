@@ -13,6 +13,7 @@ use super::summary::{ResultSummary, StationSummary};
 use resect_core::analysis::{SettingChange, setting_changes};
 use resect_core::calibration::{Calibration, Method, Verdict};
 use resect_core::evaluation::Spread;
+use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_core::geometry::wrap_to_pi;
 
 /// A quantity of the pinned answer and of the current one.
@@ -76,7 +77,16 @@ pub struct ResultDifference {
     pub inter_prism_mm: Compared<Option<Spread>>,
     /// The control-point metric by file (mm), first the files of the current answer.
     pub control_points_mm: Vec<(String, Compared<Option<Spread>>)>,
+    /// Estimates beside the transforms that both have, of which one at least is significant.
+    pub estimates: Vec<EstimateDifference>,
     pub settings: Vec<SettingChange>,
+}
+
+/// An estimate beside the transforms in both answers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EstimateDifference {
+    pub rows: Compared<AnswerRow>,
+    pub deviation: Deviation,
 }
 
 impl ResultDifference {
@@ -90,6 +100,7 @@ impl ResultDifference {
             triplets: Compared { pinned: pinned.triplets, now: now.triplets },
             inter_prism_mm: Compared { pinned: pinned.inter_prism_mm, now: now.inter_prism_mm },
             control_points_mm: control_points(pinned, now),
+            estimates: estimates(pinned, now, same_data),
             settings: setting_changes(&pinned.settings, &now.settings),
         }
     }
@@ -110,6 +121,32 @@ fn control_points(
     }
     let compared = |file| Compared { pinned: spread(pinned, file), now: spread(now, file) };
     files.into_iter().map(|file| (file.to_owned(), compared(file))).collect()
+}
+
+fn estimates(
+    pinned: &ResultSummary,
+    now: &ResultSummary,
+    same_data: bool,
+) -> Vec<EstimateDifference> {
+    let both = |after: &AnswerRow| {
+        let before = pinned.estimates.iter().find(|row| row.is_same_number(after))?;
+        (before.is_significant || after.is_significant).then(|| {
+            let value = after.value - before.value;
+            let sigma = match (same_data, before.sigma, after.sigma) {
+                (true, _, sigma) => sigma,
+                (false, Some(before), Some(after)) => Some(before.hypot(after)),
+                (false, ..) => None,
+            };
+            EstimateDifference {
+                rows: Compared { pinned: before.clone(), now: after.clone() },
+                deviation: Deviation {
+                    value,
+                    sigmas: sigma.and_then(|sigma| in_sigmas(value, sigma)),
+                },
+            }
+        })
+    };
+    now.estimates.iter().filter_map(both).collect()
 }
 
 fn station_difference(
@@ -229,6 +266,7 @@ mod tests {
             covariance: Some(covariance),
             inter_prism_mm: None,
             control_points_mm: Vec::new(),
+            estimates: Vec::new(),
             settings: Settings::default(),
         }
     }

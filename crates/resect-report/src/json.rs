@@ -22,6 +22,7 @@ use resect_core::calibration::joint::{DriveClocks, JointEstimate, Stepped};
 use resect_core::calibration::two_point::PairResection;
 use resect_core::calibration::{Basin, Calibration, Details, JointTargets, TransformSigma};
 use resect_core::deployment::{Deployment, Severity};
+use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_core::geometry::RigidTransform;
 
 /// One object for one method. `load_ms` is how long opening took.
@@ -78,6 +79,8 @@ pub fn calibration(
                 details.basins.iter().map(|basin| minimum(details, basin)).collect::<Vec<_>>()
             }),
         },
+        // The numbers of the answer, each described once; values in the SI unit.
+        "rows": analysis.rows(deployment).iter().map(row).collect::<Vec<_>>(),
         "details": details(calibration),
         // Of a joint estimate: the paper's answer to the same data.
         "published": published(calibration),
@@ -89,6 +92,25 @@ pub fn calibration(
             "solve": calibration.solve_ms,
             "total": load_ms + analysis.total_ms(),
         })),
+    })
+}
+
+fn row(row: &AnswerRow) -> Value {
+    json!({
+        "group": row.group.name(),
+        "subject": row.subject,
+        "name": row.name,
+        "symbol": row.symbol,
+        "unit": row.quantity.si_unit(),
+        "value": row.value,
+        "sigma": row.sigma,
+        // One standard deviation before this drive.
+        "prior_sigma": row.prior,
+        "reference": row.reference.as_ref().map(|reference| json!({
+            "name": reference.name,
+            "value": reference.value,
+        })),
+        "significant": row.is_significant,
     })
 }
 

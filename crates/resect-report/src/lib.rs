@@ -9,7 +9,7 @@
 //! | [`drawing`], [`axis`], [`frame`] | charts as one [`drawing::Drawing`], painted as SVG or by the window; their axes | |
 //! | [`svg`] | a drawing as SVG and PNG | |
 //! | [`box_chart`], [`residual_chart`], [`plan_view`] | the charts | |
-//! | [`summary`], [`csv`] | an answer as rows, and as tables | |
+//! | [`rows`], [`summary`], [`csv`] | the rows of an answer as text; an answer as a summary, and as tables | |
 //! | [`of_run`], [`difference`] | the date and the durations of a run; the difference of two answers | |
 //! | [`text`] | an answer in the terminal | |
 //! | [`json`] | `calibrate --json` and its reader | a field: `json.rs`, read again by `json/earlier.rs` |
@@ -38,6 +38,7 @@ pub mod report;
 #[cfg_attr(not(feature = "rerun"), path = "rerun_missing.rs")]
 pub mod rerun;
 pub mod residual_chart;
+pub mod rows;
 pub mod study;
 pub mod summary;
 pub mod svg;

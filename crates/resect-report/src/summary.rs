@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use resect_core::analysis::{Analysis, Answer, Settings};
 use resect_core::calibration::{Method, Targets, TransformSigma, Verdict};
 use resect_core::deployment::{Deployment, Severity};
+use resect_core::evaluation::answer_rows::{AnswerRow, estimate_rows};
 use resect_core::evaluation::{ControlPointMetric, Spread};
 use resect_core::geometry::RigidTransform;
 
@@ -33,6 +34,9 @@ pub struct ResultSummary {
     pub inter_prism_mm: Option<Spread>,
     /// The control-point metric of each file of control points (mm).
     pub control_points_mm: Vec<ControlPointMetric>,
+    /// The estimates beside the transforms; not in sessions of older versions.
+    #[serde(default)]
+    pub estimates: Vec<AnswerRow>,
     pub settings: Settings,
 }
 
@@ -71,6 +75,7 @@ impl ResultSummary {
             }),
             inter_prism_mm: evaluation.inter_prism_mm,
             control_points_mm: evaluation.control_points_mm.clone(),
+            estimates: estimate_rows(deployment, calibration),
             settings: analysis.settings,
         }
     }

@@ -4,11 +4,13 @@ use std::fmt::Write;
 
 use crate::difference::moved_from_published;
 use crate::of_run;
+use crate::rows::{Pivot, deviation, pivot, prior};
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::inter_prism::PriorSearch;
 use resect_core::calibration::{Calibration, Details, Targets};
 use resect_core::deployment::{Deployment, Finding};
 use resect_core::evaluation::Spread;
+use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup, transform_rows};
 
 /// Renders a finding as one line: its message, on the command line with the flags of its remedies.
 pub type FindingLine = fn(&Finding) -> String;
@@ -60,6 +62,7 @@ pub fn calibration(
     }
     text.push('\n');
     text += &published(calibration);
+    text += &estimates(&analysis.rows(deployment));
     text += &details(calibration);
     if let Some(spread) = &evaluation.inter_prism_mm {
         let name = match analysis.offer.targets {
@@ -202,17 +205,53 @@ pub fn transforms(calibration: &Calibration) -> String {
     let mut text = String::from(
         "              x (m) ± mm          y (m) ± mm          z (m) ± mm          yaw (rad) ± mrad\n",
     );
-    for station in 1..3 {
-        let transform = &calibration.station1_from_station[station];
-        let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
-        _ = write!(text, "T1{}     ", station + 1);
-        for axis in 0..3 {
-            let value = transform.translation_m[axis];
-            let sigma = sigma_text(sigma.map(|s| s.translation_m[axis]), 1);
-            _ = write!(text, "{value:>11.4} ± {sigma:<6}");
+    let rows = transform_rows(calibration);
+    let Pivot { subjects, lines } = pivot(&rows);
+    for (column, subject) in subjects.into_iter().enumerate() {
+        _ = write!(text, "{subject}     ");
+        for row in lines.iter().filter_map(|line| line.cells[column]) {
+            match row.name.as_str() {
+                "x" | "y" | "z" => {
+                    _ = write!(text, "{:>11.4} ± {:<6}", row.value, sigma_text(row.sigma, 1));
+                }
+                "yaw" => _ = writeln!(text, "{:>11.5} ± {}", row.value, sigma_text(row.sigma, 3)),
+                name => {
+                    _ = writeln!(text, "{name:>8} {:>11.5} rad", row.value);
+                }
+            }
         }
-        let sigma = sigma_text(sigma.map(|s| s.yaw_rad), 3);
-        _ = writeln!(text, "{:>11.5} ± {sigma}", transform.yaw_rad());
+    }
+    text
+}
+
+/// The estimates beside the transforms, a column for each station and pair; empty without any.
+fn estimates(rows: &[AnswerRow]) -> String {
+    let mut text = String::new();
+    let of = |groups: &[RowGroup]| {
+        pivot(rows.iter().filter(|row| groups.contains(&row.group)).collect::<Vec<_>>())
+    };
+    for table in [of(&[RowGroup::Clocks, RowGroup::Instruments]), of(&[RowGroup::Distances])] {
+        if table.lines.is_empty() {
+            continue;
+        }
+        _ = write!(text, "{:<24}", "estimated beside");
+        table.subjects.iter().for_each(|subject| _ = write!(text, "{subject:>22}"));
+        text += "     known before\n";
+        for line in &table.lines {
+            _ = write!(text, "  {:<22}", format!("{} ({})", line.name, line.quantity.told().1));
+            for row in &line.cells {
+                let cell = row.map_or("–".to_owned(), |row| {
+                    deviation(row) + if row.is_significant { " *" } else { "  " }
+                });
+                _ = write!(text, "{cell:>22}");
+            }
+            let known = line.cells.iter().flatten().next().map_or(String::new(), |row| prior(row));
+            _ = writeln!(text, "{:>17}", format!("± {known}"));
+        }
+        text.push('\n');
+    }
+    if !text.is_empty() {
+        text += "* significant; distances against those measured\n\n";
     }
     text
 }

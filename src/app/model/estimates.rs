@@ -1,8 +1,10 @@
 //! Numbers with their σ, in one unit and to the same decimals, of which σ has two significant digits.
 
-use super::units::{AngleUnit, Units, without_negative_zero};
-use resect_core::calibration::{Estimate, Quantity};
+use super::units::{AngleUnit, Units, with_sign, without_negative_zero};
+use resect_core::calibration::Quantity;
 use resect_core::deployment::{Finding, ToldAngle, ToldIn};
+use resect_core::evaluation::answer_rows::AnswerRow;
+use resect_report::rows::decimals_of;
 
 /// A number as it is shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,17 +63,6 @@ pub fn column(numbers: &[Shown]) -> Vec<String> {
     numbers.iter().map(line).collect()
 }
 
-/// Decimals that show two significant digits of a σ; `None` where it says nothing.
-fn decimals_of(sigma: f64) -> Option<usize> {
-    if !(sigma.is_finite() && sigma > 0.0) {
-        return None;
-    }
-    let decimals = 1 - sigma.log10().floor() as i32;
-    // 0.0996 is 0.10.
-    let rounds_up = (sigma * 10_f64.powi(decimals)).round() >= 100.0;
-    Some((decimals - i32::from(rounds_up)).clamp(0, 9) as usize)
-}
-
 impl Units {
     pub fn length_estimate(self, metres: f64, sigma_m: Option<f64>) -> Shown {
         let per = self.length.per_metre();
@@ -85,10 +76,28 @@ impl Units {
         Shown::new(radians * per, sigma_rad.map(|sigma| sigma * per), unit, decimals)
     }
 
-    /// An error that was estimated, in the unit in which such errors are small numbers.
-    pub fn extra(self, quantity: Quantity, Estimate { value, sigma }: Estimate) -> Shown {
-        let (per, unit) = self.of_extra(quantity);
-        Shown::new(value * per, Some(sigma * per), unit, 1).signed()
+    /// The value of a row with its σ, lengths and angles in the user's units.
+    pub fn value(self, row: &AnswerRow) -> Shown {
+        match row.quantity {
+            Quantity::Length => self.length_estimate(row.value, row.sigma),
+            Quantity::Angle => self.angle_estimate(row.value, row.sigma),
+            Quantity::Time | Quantity::Drift | Quantity::Share => {
+                let (per, unit) = row.quantity.told();
+                Shown::new(row.value * per, row.sigma.map(|sigma| sigma * per), unit, 1)
+            }
+        }
+    }
+
+    /// The deviation of a row from its reference, in the unit in which errors are small numbers.
+    pub fn deviation(self, row: &AnswerRow) -> Shown {
+        let (per, unit) = self.of_extra(row.quantity);
+        Shown::new(row.deviation() * per, row.sigma.map(|sigma| sigma * per), unit, 1).signed()
+    }
+
+    /// The difference of two rows of the same number, with its unit: "+0.12 mm".
+    pub fn difference(self, row: &AnswerRow, from: &AnswerRow) -> String {
+        let (per, unit) = self.of_extra(row.quantity);
+        format!("{} {unit}", with_sign((row.value - from.value) * per, 2))
     }
 
     /// How well such an error was known beforehand: "1.2 mm".

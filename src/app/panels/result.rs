@@ -85,9 +85,10 @@ fn show(
 ) {
     let calibration = &answer.calibration;
     let units = state.workspace.units;
+    let rows = analysis.rows(&open.deployment);
     reasons(ui, state, &calibration.findings, commands);
     heading(ui, "Transforms into station 1");
-    transforms::table(ui, calibration, units);
+    transforms::table(ui, &rows, units);
     ui.horizontal(|ui| {
         if let Some(summary) = &open.summary {
             copy_menu::ui(ui, summary, commands);
@@ -101,7 +102,7 @@ fn show(
         }
     });
     transforms::matrices(ui, calibration);
-    extras::ui(ui, open, calibration, units);
+    extras::ui(ui, &rows, calibration, units);
     published::ui(ui, state, calibration, commands);
     against_pinned::ui(ui, state, open, commands);
     methods::ui(ui, calibration, units);

@@ -110,6 +110,9 @@ impl Table<'_> {
                 self.numbers(ui, &format!("{name} of {transform}"), cell);
             }
         }
+        for row in columns::estimates(&self.columns, self.reference, state.workspace.units) {
+            self.numbers_of(ui, [&row.name, &row.subject], |column| &row.cells[column]);
+        }
         // In a narrow table its column would push the last units out of the pane.
         let heading = RichText::new("median / IQR (mm)").strong();
         let heading = if self.beside { heading } else { heading.small() };

@@ -11,7 +11,6 @@ mod disagreement;
 pub mod dynamic_gcp;
 mod error;
 mod estimate;
-mod extras;
 pub mod instrument;
 pub mod inter_prism;
 pub mod joint;
@@ -34,8 +33,7 @@ mod witness;
 
 pub use disagreement::{Disagreement, disagreements, moved_m};
 pub use error::CalibrationError;
-pub use estimate::{Estimate, Quantity};
-pub use extras::Extra;
+pub use estimate::{Estimate, Quantity, SUPPORTED_SIGMAS};
 pub use instrument::ErrorSizes;
 pub use method::{Method, Offer};
 pub use misfits::{distance_errors_m, each_distance_error_m};

@@ -1,5 +1,7 @@
 //! A number with its uncertainty.
 
+use serde::{Deserialize, Serialize};
+
 /// A number with one standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -15,7 +17,8 @@ impl Estimate {
 }
 
 /// What kind of number an estimate is; each is in SI units (m, rad, s, shares).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     Length,
     Angle,
@@ -27,6 +30,17 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// The SI unit.
+    pub fn si_unit(self) -> &'static str {
+        match self {
+            Self::Length => "m",
+            Self::Angle => "rad",
+            Self::Time => "s",
+            Self::Drift => "s/s",
+            Self::Share => "1",
+        }
+    }
+
     /// Factor to the unit in which errors are told, and that unit.
     pub fn told(self) -> (f64, &'static str) {
         match self {
@@ -39,7 +53,7 @@ impl Quantity {
     }
 }
 
-/// Smaller than this many σ, an estimate is not told from what was assumed.
+/// Estimates closer to their reference than this many σ are not significant.
 pub const SUPPORTED_SIGMAS: f64 = 2.0;
 
 /// " (3.1 σ)", and where that is so, that it is not told from zero.

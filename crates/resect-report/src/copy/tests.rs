@@ -40,6 +40,7 @@ fn summary(verdict: Verdict) -> ResultSummary {
         covariance: None,
         inter_prism_mm: None,
         control_points_mm: Vec::new(),
+        estimates: Vec::new(),
         settings: Settings::default(),
     }
 }

@@ -1,27 +1,63 @@
 //! An answer: transforms with their σ, the mirror, what was estimated beside, metrics, pictures.
 
+use std::f64::consts::PI;
+
 use maud::{Markup, html};
 
 use super::joint::joint;
 use super::{charts, correlation};
 use crate::difference::moved_from_published;
+use crate::rows::{Pivot, pivot};
 use crate::text;
 use resect_core::analysis::{Analysis, Answer};
 use resect_core::calibration::inter_prism::InterPrismDetails;
 use resect_core::calibration::static_gcp::StaticGcpDetails;
 use resect_core::calibration::two_point::TwoPointDetails;
-use resect_core::calibration::{Calibration, Details, ResolvedBy, Targets};
+use resect_core::calibration::{Calibration, Details, Quantity, ResolvedBy, Targets};
 use resect_core::deployment::{Deployment, pair_label};
+use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 use resect_core::evaluation::{Evaluation, Spread};
 use resect_core::geometry::LevelTransform;
 
-/// Gon a radian: 400 to the circle.
-const GON_PER_RAD: f64 = 200.0 / std::f64::consts::PI;
+/// A unit of the table of transforms, and that of its σ.
+struct TableUnit {
+    name: &'static str,
+    per_si: f64,
+    decimals: usize,
+    /// σ is in thousandths of the unit with this name and so many decimals; in the unit itself where there is none.
+    thousandth: Option<(&'static str, usize)>,
+}
+
+impl TableUnit {
+    fn value(&self, si: f64) -> String {
+        format!("{:.*}", self.decimals, si * self.per_si)
+    }
+
+    fn sigma(&self, si: f64) -> String {
+        match self.thousandth {
+            Some((name, digits)) => {
+                format!("± {} {name}", text::sigma_text(Some(si * self.per_si), digits))
+            }
+            None => format!("± {} {}", self.value(si), self.name),
+        }
+    }
+}
+
+const LENGTHS: &[TableUnit] =
+    &[TableUnit { name: "m", per_si: 1.0, decimals: 4, thousandth: Some(("mm", 1)) }];
+/// 400 gon are a circle.
+const ANGLES: &[TableUnit] = &[
+    TableUnit { name: "rad", per_si: 1.0, decimals: 6, thousandth: Some(("mrad", 3)) },
+    TableUnit { name: "deg", per_si: 180.0 / PI, decimals: 5, thousandth: None },
+    TableUnit { name: "gon", per_si: 200.0 / PI, decimals: 5, thousandth: Some(("mgon", 2)) },
+];
 
 pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> Markup {
     let Answer { calibration, evaluation, .. } = answer;
+    let rows = analysis.rows(deployment);
     html! {
-        (transforms(calibration))
+        (transforms(&rows))
+        (matrices(calibration))
         (published(calibration))
         @match &calibration.details {
             Details::TwoPoint(details) => (two_point(details)),
@@ -31,7 +67,7 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
         @if let Some(details) = calibration.inter_prism() {
             (mirror(details, calibration.joint().is_some()))
         }
-        @if let Some(found) = calibration.joint() { (joint(found, &calibration.extras(deployment))) }
+        @if let Some(found) = calibration.joint() { (joint(found, &rows)) }
         (metrics(evaluation, analysis.offer.targets))
         h3 { "Plan view" }
         (charts::plan(deployment, analysis, answer))
@@ -45,68 +81,40 @@ pub fn markup(deployment: &Deployment, analysis: &Analysis, answer: &Answer) -> 
     }
 }
 
-fn transforms(calibration: &Calibration) -> Markup {
-    let stations = || (1..3).map(|station| (station, &calibration.station1_from_station[station]));
-    let sigma = |station: usize| calibration.sigma.map(|sigma| sigma[station - 1]);
-    let thousandths = |sigma: Option<f64>, digits, unit: &str| match sigma {
-        Some(_) => format!("± {} {unit}", text::sigma_text(sigma, digits)),
-        None => "–".to_owned(),
-    };
-    let degrees = |sigma: Option<f64>| match sigma {
-        Some(sigma) => format!("± {:.5} deg", sigma.to_degrees()),
-        None => "–".to_owned(),
-    };
-    let tilted = stations().any(|(_, transform)| transform.tilt_rad() > 0.0);
+/// The transforms, angles in radians, degrees and gon.
+fn transforms(rows: &[AnswerRow]) -> Markup {
+    let Pivot { subjects, lines } =
+        pivot(rows.iter().filter(|row| row.group == RowGroup::Transforms));
+    let units = |quantity| if quantity == Quantity::Angle { ANGLES } else { LENGTHS };
     html! {
         h3 { "Transforms" }
         table {
             thead { tr {
                 th {}
-                @for (station, _) in stations() {
-                    th.number { "T1" (station + 1) }
+                @for subject in subjects {
+                    th.number { (subject) }
                     th { "σ" }
                 }
             } }
             tbody {
-                @for (axis, name) in ["x (m)", "y (m)", "z (m)"].into_iter().enumerate() { tr {
-                    th { (name) }
-                    @for (station, transform) in stations() {
-                        td.number { (format!("{:.4}", transform.translation_m[axis])) }
-                        td.sigma { (thousandths(sigma(station).map(|s| s.translation_m[axis]), 1, "mm")) }
-                    }
-                } }
-                tr {
-                    th { "yaw (rad)" }
-                    @for (station, transform) in stations() {
-                        td.number { (format!("{:.6}", transform.yaw_rad())) }
-                        td.sigma { (thousandths(sigma(station).map(|s| s.yaw_rad), 3, "mrad")) }
-                    }
+                @for line in lines {
+                    @for unit in units(line.quantity) { tr {
+                        th { (line.name) " (" (unit.name) ")" }
+                        @for row in &line.cells {
+                            td.number { (row.map_or("–".to_owned(), |row| unit.value(row.value))) }
+                            td.sigma { (row.and_then(|row| row.sigma).map_or("–".to_owned(), |sigma| unit.sigma(sigma))) }
+                        }
+                    } }
                 }
-                tr {
-                    th { "yaw (deg)" }
-                    @for (station, transform) in stations() {
-                        td.number { (format!("{:.5}", transform.yaw_rad().to_degrees())) }
-                        td.sigma { (degrees(sigma(station).map(|s| s.yaw_rad))) }
-                    }
-                }
-                tr {
-                    th { "yaw (gon)" }
-                    @for (station, transform) in stations() {
-                        td.number { (format!("{:.5}", transform.yaw_rad() * GON_PER_RAD)) }
-                        td.sigma { (thousandths(sigma(station).map(|s| s.yaw_rad * GON_PER_RAD), 2, "mgon")) }
-                    }
-                }
-                @if tilted { tr {
-                    th { "tilt (mrad)" }
-                    @for (_, transform) in stations() {
-                        td.number { (format!("{:.4}", transform.tilt_rad() * 1e3)) }
-                        td {}
-                    }
-                } }
             }
         }
+    }
+}
+
+fn matrices(calibration: &Calibration) -> Markup {
+    html! {
         div.matrices {
-            @for (station, _) in stations() {
+            @for station in 1..3 {
                 figure {
                     figcaption { "T1" (station + 1) ", frame of station " (station + 1) " into station 1's (m)" }
                     pre { (text::matrix(calibration, station).trim_end()) }

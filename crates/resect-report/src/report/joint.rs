@@ -2,11 +2,13 @@
 
 use maud::{Markup, html};
 
-use resect_core::calibration::Extra;
+use crate::rows::{decimals_of, prior, signed};
+use resect_core::calibration::Quantity;
 use resect_core::calibration::joint::JointEstimate;
+use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 
 /// The estimates beside the transforms, and the parts of each σ.
-pub fn joint(found: &JointEstimate, extras: &[Extra]) -> Markup {
+pub fn joint(found: &JointEstimate, rows: &[AnswerRow]) -> Markup {
     html! {
         h3 { "Estimated besides" }
         @if !found.converged { p { "It stopped before it reached the minimum." } }
@@ -17,9 +19,23 @@ pub fn joint(found: &JointEstimate, extras: &[Extra]) -> Markup {
                 th { "σ" }
                 th.number { "in σ" }
                 th.number { "known before, 1 σ" }
+                th.number { "compared with" }
             } }
             tbody {
-                @for extra in extras { (row(extra)) }
+                @for row in rows.iter().filter(|row| row.group.is_beside_transforms()) {
+                    (estimate(row))
+                }
+            }
+        }
+        p.weak { "Bold: significant." }
+        h3 { "Scatter of the readings" }
+        table {
+            thead { tr { th { "noise" } th.number { "1 σ" } } }
+            tbody {
+                @for row in rows.iter().filter(|row| row.group == RowGroup::Noise) { tr {
+                    th { (row.name) " (" (row.quantity.told().1) ")" }
+                    td.number { (format!("{:.2}", row.value * row.quantity.told().0)) }
+                } }
             }
         }
         h3 { "What σ is made of" }
@@ -46,16 +62,28 @@ pub fn joint(found: &JointEstimate, extras: &[Extra]) -> Markup {
     }
 }
 
-fn row(extra: &Extra) -> Markup {
-    let (scale, unit) = extra.quantity.told();
-    let estimate = extra.estimate;
+/// A row of the estimates, as the deviation from what it is compared with.
+fn estimate(row: &AnswerRow) -> Markup {
+    let (scale, unit) = row.quantity.told();
+    let sigma = row.sigma.map(|sigma| sigma * scale);
+    let decimals = sigma.and_then(decimals_of).unwrap_or(1);
+    let value = signed(row.deviation() * scale, decimals);
+    let dash = || "–".to_owned();
     html! { tr {
-        th { (extra.of) ", " (extra.name) " (" (unit) ")" }
-        td.number { (format!("{:+.2}", estimate.value * scale)) }
-        td.sigma { (format!("± {:.2} {unit}", estimate.sigma * scale)) }
-        td.number { (format!("{:+.1}", estimate.sigmas_from(0.0))) }
-        td.number { (extra.prior.map_or("–".to_owned(), |sigma| format!("{:.2}", sigma * scale))) }
+        th { (row.subject) ", " (row.name) " " i { (row.symbol) } " (" (unit) ")" }
+        td.number { @if row.is_significant { strong { (value) } } @else { (value) } }
+        td.sigma { (sigma.map_or_else(dash, |sigma| format!("± {sigma:.decimals$}"))) }
+        td.number { (row.deviation_sigmas().map_or_else(dash, |sigmas| signed(sigmas, 1))) }
+        td.number { (prior(row)) }
+        td.number { (compared_with(row)) }
     } }
+}
+
+fn compared_with(row: &AnswerRow) -> String {
+    row.reference.as_ref().map_or("0".to_owned(), |reference| match row.quantity {
+        Quantity::Length => format!("{} {:.4} m", reference.name, reference.value),
+        _ => reference.name.clone(),
+    })
 }
 
 fn sigma(place: usize, variance: f64) -> String {

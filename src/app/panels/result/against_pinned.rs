@@ -10,7 +10,9 @@ use crate::app::theme;
 use resect_core::calibration::moved_m;
 use resect_core::deployment::{Deployment, Severity};
 use resect_core::evaluation::Spread;
-use resect_report::difference::{Compared, Deviation, ResultDifference, StationDifference};
+use resect_report::difference::{
+    Compared, Deviation, EstimateDifference, ResultDifference, StationDifference,
+};
 use resect_report::summary::ResultSummary;
 
 /// Shows how the answer differs from the pinned one; nothing where nothing is pinned.
@@ -39,7 +41,31 @@ pub fn ui(ui: &mut egui::Ui, state: &State, open: &OpenDeployment, commands: &mu
     }
     verdict_and_settings(ui, &difference, state.workspace.units);
     transforms(ui, &difference, (pin, now, &open.deployment), state.workspace.units);
+    estimates(ui, &difference, state.workspace.units);
     metrics(ui, &difference);
+}
+
+/// Shows the estimates beside the transforms that are significant in one of the two.
+fn estimates(ui: &mut egui::Ui, difference: &ResultDifference, units: Units) {
+    if difference.estimates.is_empty() {
+        return;
+    }
+    heading(ui, "Estimated besides");
+    let grid = egui::Grid::new("estimates against pinned").num_columns(4).spacing([10.0, 3.0]);
+    grid.striped(true).show(ui, |ui| {
+        for name in ["", "pinned", "now", "in σ"] {
+            ui.label(name);
+        }
+        ui.end_row();
+        for EstimateDifference { rows, deviation } in &difference.estimates {
+            ui.label(format!("{}, {}", rows.now.subject, rows.now.name));
+            for row in [&rows.pinned, &rows.now] {
+                ui.monospace(units.deviation(row).in_words());
+            }
+            ui.monospace(deviation.sigmas.map_or("–".to_owned(), |sigmas| format!("{sigmas:.1}")));
+            ui.end_row();
+        }
+    });
 }
 
 fn verdict_and_settings(ui: &mut egui::Ui, difference: &ResultDifference, units: Units) {

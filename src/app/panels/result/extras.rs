@@ -1,80 +1,75 @@
-//! What was estimated beside the transforms, and what their σ are made of, as tables.
+//! Estimates beside the transforms, and the sources of the σ of the transforms, as tables.
 
 use egui::RichText;
 
+use crate::app::model::Units;
 use crate::app::model::estimates::column;
-use crate::app::model::{OpenDeployment, Units};
 use crate::app::words;
 use resect_core::calibration::joint::{Dominant, JointEstimate};
-use resect_core::calibration::{Calibration, Extra, Quantity};
+use resect_core::calibration::{Calibration, Quantity};
+use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 use resect_report::glossary;
 
-/// Shows the tables, folded; nothing where nothing was estimated.
-pub fn ui(ui: &mut egui::Ui, open: &OpenDeployment, calibration: &Calibration, units: Units) {
-    let extras = calibration.extras(&open.deployment);
-    if extras.is_empty() {
+/// Shows the tables, folded; nothing without estimates beside the transforms.
+pub fn ui(ui: &mut egui::Ui, rows: &[AnswerRow], calibration: &Calibration, units: Units) {
+    let beside: Vec<&AnswerRow> =
+        rows.iter().filter(|row| row.group.is_beside_transforms()).collect();
+    if beside.is_empty() {
         return;
     }
-    let notable = extras.iter().filter(|extra| extra.notable).count();
-    let title = match notable {
-        0 => format!("Estimated besides ({}, none told from zero)", extras.len()),
-        _ => format!("Estimated besides ({}, {notable} told from zero)", extras.len()),
+    let significant = beside.iter().filter(|row| row.is_significant).count();
+    let title = match significant {
+        0 => format!("Estimated besides ({}, none significant)", beside.len()),
+        _ => format!("Estimated besides ({}, {significant} significant)", beside.len()),
     };
     egui::CollapsingHeader::new(title).id_salt("extras").show(ui, |ui| {
-        table(ui, &extras, units);
-        ui.small("→ told from zero. Known before: one σ without this drive.");
+        table(ui, &beside, units);
+        ui.small("→ significant. Known before: one σ without this drive.");
     });
     if let Some(joint) = calibration.joint() {
         let header = egui::CollapsingHeader::new("What σ comes from").id_salt("budget");
         let header = header.show(ui, |ui| {
-            scatter(ui, joint, units);
+            scatter(ui, rows, units);
             budget(ui, joint, units);
         });
         words::explain(header.header_response, &glossary::SIGMA);
     }
 }
 
-fn table(ui: &mut egui::Ui, extras: &[Extra], units: Units) {
-    let shown: Vec<_> =
-        extras.iter().map(|extra| units.extra(extra.quantity, extra.estimate)).collect();
+fn table(ui: &mut egui::Ui, rows: &[&AnswerRow], units: Units) {
+    let shown: Vec<_> = rows.iter().map(|row| units.deviation(row)).collect();
     egui::Grid::new("extras").num_columns(3).spacing([6.0, 2.0]).striped(true).show(ui, |ui| {
         for name in ["", "value ± 1 σ", "known before"] {
             ui.weak(name);
         }
         ui.end_row();
-        let mut of = "";
-        for (extra, cell) in extras.iter().zip(column(&shown)) {
-            if extra.of != of {
-                of = &extra.of;
-                ui.strong(of);
+        let mut subject = "";
+        for (row, cell) in rows.iter().zip(column(&shown)) {
+            if row.subject != subject {
+                subject = &row.subject;
+                ui.strong(subject);
                 ui.end_row();
             }
-            let mark = if extra.notable { " →" } else { "" };
-            ui.label(format!("  {}{mark}", extra.name));
+            let mark = if row.is_significant { " →" } else { "" };
+            ui.label(format!("  {}{mark}", row.name)).on_hover_text(&row.symbol);
             ui.label(RichText::new(cell).monospace().size(11.0));
             let prior =
-                extra.prior.map_or("–".to_owned(), |sigma| units.prior(extra.quantity, sigma));
+                row.prior.map_or("–".to_owned(), |sigma| units.prior(row.quantity, sigma));
             ui.small(format!("± {prior}"));
             ui.end_row();
         }
     });
 }
 
-/// How the readings scatter about the motion.
-fn scatter(ui: &mut egui::Ui, joint: &JointEstimate, units: Units) {
-    let levels = &joint.levels;
+/// Noise of the readings about the motion.
+fn scatter(ui: &mut egui::Ui, rows: &[AnswerRow], units: Units) {
     egui::Grid::new("scatter").num_columns(2).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         ui.strong("Readings scatter");
         ui.weak("1 σ");
         ui.end_row();
-        for (name, quantity, sigma) in [
-            ("range", Quantity::Length, levels.range_m()),
-            ("angle", Quantity::Angle, levels.angle_rad),
-            ("time", Quantity::Time, levels.jitter_s),
-            ("wander of ranges", Quantity::Length, joint.wander.sigma_m),
-        ] {
-            ui.label(format!("  {name}"));
-            ui.monospace(units.prior(quantity, sigma));
+        for row in rows.iter().filter(|row| row.group == RowGroup::Noise) {
+            ui.label(format!("  {}", row.name));
+            ui.monospace(units.prior(row.quantity, row.value));
             ui.end_row();
         }
     });

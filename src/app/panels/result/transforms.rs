@@ -2,58 +2,42 @@
 
 use egui::RichText;
 
-use crate::app::model::estimates::{Shown, column};
+use crate::app::model::estimates::column;
 use crate::app::model::{AngleUnit, Units};
 use crate::app::words;
-use resect_core::calibration::Calibration;
+use resect_core::calibration::{Calibration, Quantity};
+use resect_core::evaluation::answer_rows::{AnswerRow, RowGroup};
 use resect_report::glossary;
 use resect_report::text;
 
 /// The rows of both transforms, each number with its σ in the same unit.
-pub fn table(ui: &mut egui::Ui, calibration: &Calibration, units: Units) {
-    let cells = cells(calibration, units);
-    egui::Grid::new("transforms").num_columns(2).spacing([10.0, 3.0]).striped(true).show(
-        ui,
-        |ui| {
-            for station in 1..3 {
-                let term = [&glossary::T12, &glossary::T13][station - 1];
-                words::explain(ui.strong(term.name), term);
-                if station == 1 {
+pub fn table(ui: &mut egui::Ui, rows: &[AnswerRow], units: Units) {
+    let rows: Vec<&AnswerRow> =
+        rows.iter().filter(|row| row.group == RowGroup::Transforms).collect();
+    let cells = column(&rows.iter().map(|row| units.value(row)).collect::<Vec<_>>());
+    let grid = egui::Grid::new("transforms").num_columns(2).spacing([10.0, 3.0]).striped(true);
+    grid.show(ui, |ui| {
+        let mut subject = "";
+        for (index, (row, cell)) in rows.iter().zip(cells).enumerate() {
+            if row.subject != subject {
+                subject = &row.subject;
+                words::explain_text(ui.strong(subject), subject);
+                if index == 0 {
                     words::explain(ui.weak("value ± 1 σ"), &glossary::SIGMA);
                 }
                 ui.end_row();
-                for (axis, name) in ["x", "y", "z", "yaw"].into_iter().enumerate() {
-                    let label = ui.label(format!("{name} of T1{}", station + 1));
-                    if axis == 3 {
-                        words::explain(label, &glossary::YAW);
-                    }
-                    let cell = ui.monospace(&cells[4 * (station - 1) + axis]);
-                    if axis == 3 {
-                        let yaw_rad = calibration.station1_from_station[station].yaw_rad();
-                        cell.on_hover_text(all_units(yaw_rad));
-                    }
-                    ui.end_row();
-                }
             }
-        },
-    );
-}
-
-/// (x, y, z, yaw) of station 2, then of station 3, as a column.
-fn cells(calibration: &Calibration, units: Units) -> Vec<String> {
-    let of = |station: usize| {
-        let transform = &calibration.station1_from_station[station];
-        let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
-        let mut numbers: Vec<Shown> = (0..3)
-            .map(|axis| {
-                let sigma_m = sigma.map(|sigma| sigma.translation_m[axis]);
-                units.length_estimate(transform.translation_m[axis], sigma_m)
-            })
-            .collect();
-        numbers.push(units.angle_estimate(transform.yaw_rad(), sigma.map(|s| s.yaw_rad)));
-        numbers
-    };
-    column(&(1..3).flat_map(of).collect::<Vec<_>>())
+            let label = ui.label(format!("{} of {}", row.name, row.subject));
+            if row.name == "yaw" {
+                words::explain(label, &glossary::YAW);
+            }
+            let cell = ui.monospace(cell);
+            if row.quantity == Quantity::Angle {
+                cell.on_hover_text(all_units(row.value));
+            }
+            ui.end_row();
+        }
+    });
 }
 
 fn all_units(radians: f64) -> String {

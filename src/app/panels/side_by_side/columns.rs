@@ -6,6 +6,7 @@ use crate::app::model::{OpenDeployment, Pin, Units};
 use crate::app::state::State;
 use resect_core::deployment::ControlPointSet;
 use resect_core::evaluation::Spread;
+use resect_core::evaluation::answer_rows::AnswerRow;
 use resect_report::difference::{Deviation, ResultDifference};
 use resect_report::summary::ResultSummary;
 
@@ -137,6 +138,46 @@ fn of_summary(summary: &ResultSummary, against: Option<&ResultSummary>, units: U
     });
     let mut differences = differences.into_iter().flatten();
     texts.into_iter().map(|text| Cell { text, difference: differences.next() }).collect()
+}
+
+/// An estimate beside the transforms, with a cell of each column.
+pub struct EstimateCells {
+    pub subject: String,
+    pub name: String,
+    pub cells: Vec<Cell>,
+}
+
+/// The estimates beside the transforms that are significant in one of the columns.
+pub fn estimates(columns: &[Column<'_>], reference: usize, units: Units) -> Vec<EstimateCells> {
+    let of =
+        |index: usize| columns[index].summary().map_or(&[][..], |summary| &summary.estimates[..]);
+    let mut numbers: Vec<&AnswerRow> = Vec::new();
+    for row in (0..columns.len()).flat_map(of).filter(|row| row.is_significant) {
+        if !numbers.iter().any(|known| known.is_same_number(row)) {
+            numbers.push(row);
+        }
+    }
+    let cells = |number: &AnswerRow| {
+        let row = |index: usize| of(index).iter().find(|row| row.is_same_number(number));
+        let against = row(reference);
+        let cell = |index: usize| match row(index) {
+            None => Cell { text: "–".to_owned(), difference: None },
+            Some(own) => Cell {
+                text: units.deviation(own).in_words(),
+                difference: against.filter(|_| index != reference).map(|against| Difference {
+                    text: units.difference(own, against),
+                    sigmas: None,
+                }),
+            },
+        };
+        (0..columns.len()).map(cell).collect()
+    };
+    let with_cells = |number: &AnswerRow| EstimateCells {
+        subject: number.subject.clone(),
+        name: number.name.clone(),
+        cells: cells(number),
+    };
+    numbers.into_iter().map(with_cells).collect()
 }
 
 /// The inter-prism metric of each column.

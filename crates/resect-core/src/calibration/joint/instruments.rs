@@ -34,6 +34,19 @@ impl Kind {
         }
     }
 
+    /// The symbol in tables and files.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::RangeOffset => "a",
+            Self::RangeScale => "k",
+            Self::Index => "i",
+            Self::Collimation => "c",
+            Self::Latency => "λ",
+            Self::Lean(0) => "η",
+            Self::Lean(_) => "ξ",
+        }
+    }
+
     pub fn quantity(self) -> Quantity {
         match self {
             Self::RangeOffset => Quantity::Length,

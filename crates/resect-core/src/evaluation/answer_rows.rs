@@ -1,0 +1,309 @@
+//! The numbers of an answer as rows, described once for every table.
+//!
+//! Terminal, JSON, HTML report, CSV, result pane and comparisons render these rows. A new estimate gets a row here, and is
+//! then in all of them.
+
+use serde::{Deserialize, Serialize};
+
+use super::Evaluation;
+use crate::calibration::joint::JointEstimate;
+use crate::calibration::joint::instruments::instruments;
+use crate::calibration::{Calibration, Estimate, Quantity, SUPPORTED_SIGMAS, Targets};
+use crate::deployment::{Deployment, PAIRS, pair_label};
+use crate::geometry::wrap_to_pi;
+
+/// The kind of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RowGroup {
+    /// Frames of stations 2 and 3 in station 1's.
+    Transforms,
+    /// Distances between prisms.
+    Distances,
+    /// Clocks of stations 2 and 3 against station 1's.
+    Clocks,
+    /// Errors of the instruments.
+    Instruments,
+    /// Standard deviations of the readings' noise.
+    Noise,
+    /// Sizes of errors: the paper's two metrics.
+    Metrics,
+}
+
+impl RowGroup {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Transforms => "transforms",
+            Self::Distances => "distances",
+            Self::Clocks => "clocks",
+            Self::Instruments => "instruments",
+            Self::Noise => "noise",
+            Self::Metrics => "metrics",
+        }
+    }
+
+    /// Whether its rows are estimates beside the transforms.
+    pub fn is_beside_transforms(self) -> bool {
+        matches!(self, Self::Distances | Self::Clocks | Self::Instruments)
+    }
+}
+
+/// The value that a row is compared with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reference {
+    /// "measured", or "method D".
+    pub name: String,
+    pub value: f64,
+}
+
+/// One number of an answer, in SI units (m, rad, s, s/s, ratios).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AnswerRow {
+    pub group: RowGroup,
+    /// "T12", "station 2", "prisms 1–2", or a file of control points.
+    pub subject: String,
+    pub name: String,
+    pub symbol: String,
+    pub quantity: Quantity,
+    pub value: f64,
+    /// One standard deviation; `None` where a direction is not determined, and of numbers without one.
+    pub sigma: Option<f64>,
+    /// Standard deviation before this drive.
+    pub prior: Option<f64>,
+    /// Compared with zero if there is none.
+    pub reference: Option<Reference>,
+    /// The data determines that the value differs from its reference.
+    pub is_significant: bool,
+}
+
+impl AnswerRow {
+    /// Returns the value minus its reference.
+    pub fn deviation(&self) -> f64 {
+        let off = self.value - self.reference.as_ref().map_or(0.0, |reference| reference.value);
+        if self.quantity == Quantity::Angle { wrap_to_pi(off) } else { off }
+    }
+
+    /// Returns the deviation over σ, with its sign.
+    pub fn deviation_sigmas(&self) -> Option<f64> {
+        self.sigma.filter(|sigma| *sigma > 0.0).map(|sigma| self.deviation() / sigma)
+    }
+
+    /// Whether another row is the same number of another answer.
+    pub fn is_same_number(&self, other: &Self) -> bool {
+        (self.group, &self.subject, &self.name) == (other.group, &other.subject, &other.name)
+    }
+}
+
+/// Returns all rows of an answer.
+pub fn answer_rows(
+    deployment: &Deployment,
+    calibration: &Calibration,
+    evaluation: &Evaluation,
+    targets: Targets,
+) -> Vec<AnswerRow> {
+    let mut rows = transform_rows(calibration);
+    rows.extend(estimate_rows(deployment, calibration));
+    rows.extend(noise_rows(calibration));
+    rows.extend(metric_rows(evaluation, targets));
+    rows
+}
+
+/// Returns x, y, z and yaw of stations 2 and 3, with roll and pitch where an answer is not level.
+///
+/// A joint estimate is compared with the published method.
+pub fn transform_rows(calibration: &Calibration) -> Vec<AnswerRow> {
+    let is_tilted = (1..3).any(|k| calibration.station1_from_station[k].tilt_rad() > 0.0);
+    let published = calibration.published.as_deref();
+    let mut rows = Vec::new();
+    for station in 1..3 {
+        let number = station + 1;
+        let numbers = |calibration: &Calibration| {
+            let transform = &calibration.station1_from_station[station];
+            let (roll, pitch, _) = transform.rotation.euler_angles();
+            let t = transform.translation_m;
+            [t.x, t.y, t.z, transform.yaw_rad(), roll, pitch]
+        };
+        let values = numbers(calibration);
+        let before = published.map(|published| (published.method.to_string(), numbers(published)));
+        let sigma = calibration.sigma.map(|sigma| sigma[station - 1]);
+        let sigmas = [0, 1, 2, 3].map(|place| {
+            sigma.map(|s| if place == 3 { s.yaw_rad } else { s.translation_m[place] })
+        });
+        let names =
+            [("x", "x"), ("y", "y"), ("z", "z"), ("yaw", "ψ"), ("roll", "φ"), ("pitch", "θ")];
+        for (place, (name, symbol)) in names.into_iter().enumerate() {
+            if place > 3 && !is_tilted {
+                break;
+            }
+            let row = AnswerRow {
+                group: RowGroup::Transforms,
+                subject: format!("T1{number}"),
+                name: name.to_owned(),
+                symbol: indexed(symbol, &[number]),
+                quantity: if place < 3 { Quantity::Length } else { Quantity::Angle },
+                value: values[place],
+                sigma: sigmas.get(place).copied().flatten(),
+                prior: None,
+                reference: before
+                    .as_ref()
+                    .map(|(name, values)| Reference { name: name.clone(), value: values[place] }),
+                is_significant: false,
+            };
+            rows.push(row);
+        }
+    }
+    rows
+}
+
+/// Returns the estimates of a joint estimate beside the transforms: clocks and instruments by station, then the distances.
+pub fn estimate_rows(deployment: &Deployment, calibration: &Calibration) -> Vec<AnswerRow> {
+    let Some(joint) = calibration.joint() else { return Vec::new() };
+    let mut rows = Vec::new();
+    for station in 0..3 {
+        if station > 0 {
+            rows.extend(clock_rows(joint, station));
+        }
+        let errors = instruments(joint);
+        rows.extend(errors.iter().filter(|error| error.station == station).map(|error| {
+            let symbol = indexed(error.kind.symbol(), &[station + 1]);
+            let row = estimated(RowGroup::Instruments, of_station(station), error.estimate);
+            AnswerRow {
+                name: error.kind.name().to_owned(),
+                symbol,
+                quantity: error.kind.quantity(),
+                prior: Some(error.known),
+                is_significant: error.is_told(),
+                ..row
+            }
+        }));
+    }
+    let measured_m = deployment.rig.as_ref().map(|rig| rig.inter_prism_m);
+    for (pair, distance_m) in joint.distances_m.iter().flatten().enumerate() {
+        let subject = format!("prisms {}", pair_label(pair));
+        let (a, b) = PAIRS[pair];
+        let mut row = AnswerRow {
+            name: "distance".to_owned(),
+            symbol: indexed("d", &[a + 1, b + 1]),
+            quantity: Quantity::Length,
+            prior: Some(joint.sizes.inter_prism_m),
+            reference: measured_m
+                .map(|all| Reference { name: "measured".to_owned(), value: all[pair] }),
+            ..estimated(RowGroup::Distances, subject, *distance_m)
+        };
+        row.is_significant = is_far(&row);
+        rows.push(row);
+    }
+    rows
+}
+
+fn clock_rows(joint: &JointEstimate, station: usize) -> Vec<AnswerRow> {
+    let slot = station - 1;
+    let row = |name: String, symbol: &str, quantity, estimate, prior| {
+        let mut row = AnswerRow {
+            name,
+            symbol: indexed(symbol, &[station + 1]),
+            quantity,
+            prior: Some(prior),
+            ..estimated(RowGroup::Clocks, of_station(station), estimate)
+        };
+        row.is_significant = is_far(&row);
+        row
+    };
+    let mut rows = Vec::new();
+    for (number, drive) in joint.drives.iter().enumerate() {
+        let name = match joint.drives.len() {
+            1 => "clock offset".to_owned(),
+            _ => format!("clock offset, drive {}", number + 1),
+        };
+        let prior_s = joint.sizes.clock_offset_s;
+        rows.push(row(name, "Δt", Quantity::Time, drive.late_s[slot], prior_s));
+    }
+    let (drift, prior) = (joint.clock_drifts[slot], joint.sizes.clock_drift);
+    rows.push(row("clock drift".to_owned(), "Δf", Quantity::Drift, drift, prior));
+    rows
+}
+
+/// Returns the noise of the readings that a joint estimate learned.
+pub fn noise_rows(calibration: &Calibration) -> Vec<AnswerRow> {
+    let Some(joint) = calibration.joint() else { return Vec::new() };
+    let levels = &joint.levels;
+    [
+        ("range", "σ_r", Quantity::Length, levels.range_m()),
+        ("angle", "σ_a", Quantity::Angle, levels.angle_rad),
+        ("time", "σ_t", Quantity::Time, levels.jitter_s),
+        ("wander of ranges", "σ_w", Quantity::Length, joint.wander.sigma_m),
+    ]
+    .map(|(name, symbol, quantity, value)| AnswerRow {
+        group: RowGroup::Noise,
+        subject: "readings".to_owned(),
+        name: name.to_owned(),
+        symbol: symbol.to_owned(),
+        quantity,
+        value,
+        sigma: None,
+        prior: None,
+        reference: None,
+        is_significant: false,
+    })
+    .to_vec()
+}
+
+/// Returns median and interquartile range of both metrics.
+fn metric_rows(evaluation: &Evaluation, targets: Targets) -> Vec<AnswerRow> {
+    let distances = match targets {
+        Targets::OnePrism => "same prism",
+        _ => "inter-prism distances",
+    };
+    let measured = "inter-prism distances as measured";
+    let both = [(distances, evaluation.inter_prism_mm), (measured, evaluation.against_measured_mm)];
+    let both = both.into_iter().filter_map(|(name, spread)| Some((name, spread?)));
+    let points = evaluation.control_points_mm.iter();
+    let points = points.map(|metric| (metric.file.as_str(), metric.spread));
+    let row = |subject: &str, name: &str, mm: f64| AnswerRow {
+        group: RowGroup::Metrics,
+        subject: subject.to_owned(),
+        name: name.to_owned(),
+        symbol: String::new(),
+        quantity: Quantity::Length,
+        value: mm * 1e-3,
+        sigma: None,
+        prior: None,
+        reference: None,
+        is_significant: false,
+    };
+    both.chain(points)
+        .flat_map(|(subject, spread)| {
+            [row(subject, "median", spread.median), row(subject, "IQR", spread.iqr)]
+        })
+        .collect()
+}
+
+/// A row of an estimate; the caller gives its name, symbol and quantity.
+fn estimated(group: RowGroup, subject: String, estimate: Estimate) -> AnswerRow {
+    AnswerRow {
+        group,
+        subject,
+        name: String::new(),
+        symbol: String::new(),
+        quantity: Quantity::Length,
+        value: estimate.value,
+        sigma: Some(estimate.sigma),
+        prior: None,
+        reference: None,
+        is_significant: false,
+    }
+}
+
+fn is_far(row: &AnswerRow) -> bool {
+    row.deviation_sigmas().is_some_and(|sigmas| sigmas.abs() > SUPPORTED_SIGMAS)
+}
+
+fn of_station(station: usize) -> String {
+    format!("station {}", station + 1)
+}
+
+/// A symbol with subscript digits: "d₁₂".
+fn indexed(symbol: &str, numbers: &[usize]) -> String {
+    let digits = numbers.iter().map(|number| ['₀', '₁', '₂', '₃'][*number]);
+    symbol.chars().chain(digits).collect()
+}

@@ -1,0 +1,78 @@
+//! Rows of an answer as the cells of a table.
+
+use resect_core::calibration::Quantity;
+use resect_core::evaluation::answer_rows::AnswerRow;
+
+/// Rows as a table: a line for each name, a column for each subject.
+pub struct Pivot<'a> {
+    pub subjects: Vec<&'a str>,
+    pub lines: Vec<PivotLine<'a>>,
+}
+
+/// The same number of each subject; `None` of those without it.
+pub struct PivotLine<'a> {
+    pub name: &'a str,
+    pub quantity: Quantity,
+    pub cells: Vec<Option<&'a AnswerRow>>,
+}
+
+/// Arranges rows by name and subject, both in the order in which they occur.
+pub fn pivot<'a>(rows: impl IntoIterator<Item = &'a AnswerRow>) -> Pivot<'a> {
+    let rows: Vec<&AnswerRow> = rows.into_iter().collect();
+    let mut subjects: Vec<&str> = Vec::new();
+    for row in &rows {
+        if !subjects.contains(&row.subject.as_str()) {
+            subjects.push(&row.subject);
+        }
+    }
+    let mut lines: Vec<PivotLine> = Vec::new();
+    for row in rows {
+        let column = subjects.iter().position(|subject| *subject == row.subject);
+        let line = match lines.iter_mut().position(|line| line.name == row.name) {
+            Some(line) => &mut lines[line],
+            None => {
+                let cells = vec![None; subjects.len()];
+                lines.push(PivotLine { name: &row.name, quantity: row.quantity, cells });
+                lines.last_mut().expect("just added")
+            }
+        };
+        if let Some(column) = column {
+            line.cells[column] = Some(row);
+        }
+    }
+    Pivot { subjects, lines }
+}
+
+/// The deviation from the reference with σ, in the unit of small errors: "+0.12 ± 0.34".
+pub fn deviation(row: &AnswerRow) -> String {
+    let (scale, _) = row.quantity.told();
+    let value = row.deviation() * scale;
+    let Some(sigma) = row.sigma.map(|sigma| sigma * scale) else { return signed(value, 2) };
+    let decimals = decimals_of(sigma).unwrap_or(1);
+    format!("{} ± {sigma:.decimals$}", signed(value, decimals))
+}
+
+/// The standard deviation before the drive, in the same unit; a dash without one.
+pub fn prior(row: &AnswerRow) -> String {
+    let (scale, _) = row.quantity.told();
+    row.prior
+        .map(|prior| prior * scale)
+        .map_or("–".to_owned(), |prior| format!("{prior:.*}", decimals_of(prior).unwrap_or(1)))
+}
+
+/// A number with its sign; zero has none.
+pub fn signed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:+.decimals$}");
+    if text.bytes().all(|byte| !matches!(byte, b'1'..=b'9')) { text[1..].to_owned() } else { text }
+}
+
+/// Number of decimals that show two significant digits of a σ; `None` of a σ that is zero or not finite.
+pub fn decimals_of(sigma: f64) -> Option<usize> {
+    if !(sigma.is_finite() && sigma > 0.0) {
+        return None;
+    }
+    let decimals = 1 - sigma.log10().floor() as i32;
+    // 0.0996 is 0.10.
+    let rounds_up = (sigma * 10_f64.powi(decimals)).round() >= 100.0;
+    Some((decimals - i32::from(rounds_up)).clamp(0, 9) as usize)
+}
