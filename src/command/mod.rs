@@ -13,6 +13,7 @@ mod failure;
 mod judging_args;
 mod live;
 mod loading;
+mod number_flags;
 mod output;
 mod plan;
 mod printing;

@@ -6,6 +6,7 @@ use clap::Args;
 use nalgebra::Vector3;
 
 use super::Failure;
+use super::number_flags::NumberFlags;
 use super::choice::{ALIGNMENTS, INTERPOLATIONS, METHODS, PRIORS, choice};
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Alignment, Method, PriorMethod};
@@ -64,24 +65,8 @@ impl AnswerArguments {
 #[derive(Args)]
 #[command(next_help_heading = "Settings (the pipeline's defaults are the paper's)")]
 pub struct SettingsArguments {
-    /// Fastest believable change of range (m/s) [default: 2]
-    #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true)]
-    tau_r: Option<f64>,
-    /// Fastest believable change of azimuth (deg/s) [default: 1]
-    #[arg(long, value_name = "DEG_PER_S", allow_negative_numbers = true)]
-    tau_a: Option<f64>,
-    /// Fastest believable change of the zenith angle (deg/s) [default: 1]
-    #[arg(long, value_name = "DEG_PER_S", allow_negative_numbers = true)]
-    tau_e: Option<f64>,
-    /// Longest gap inside an interval (s) [default: 1]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    tau_s: Option<f64>,
-    /// Intervals up to this length are dropped (s) [default: 6]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    tau_l: Option<f64>,
-    /// Triplets per second [default: 10]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
-    rate: Option<f64>,
+    #[command(flatten)]
+    numbers: NumberFlags,
     /// Leave module 1 out, the outlier filter
     #[arg(long)]
     no_outlier_filter: bool,
@@ -121,19 +106,7 @@ impl SettingsArguments {
                 error => Failure::Usage(error.to_string()),
             })?,
         };
-        let thresholds = &mut settings.pipeline.thresholds;
-        for (flag, setting) in [
-            (self.tau_r, &mut thresholds.tau_r_m_per_s),
-            (self.tau_a, &mut thresholds.tau_a_deg_per_s),
-            (self.tau_e, &mut thresholds.tau_e_deg_per_s),
-            (self.tau_s, &mut thresholds.tau_s_seconds),
-            (self.tau_l, &mut thresholds.tau_l_seconds),
-            (self.rate, &mut settings.pipeline.rate_hz),
-        ] {
-            if let Some(value) = flag {
-                *setting = value;
-            }
-        }
+        self.numbers.apply(&mut settings.pipeline);
         if self.no_outlier_filter {
             settings.pipeline.outlier_filter = false;
         }
@@ -180,12 +153,6 @@ mod tests {
         let settings = Settings::default();
         let (pipeline, calibration) = (settings.pipeline, settings.calibration);
         let defaults = [
-            ("tau_r", pipeline.thresholds.tau_r_m_per_s.to_string()),
-            ("tau_a", pipeline.thresholds.tau_a_deg_per_s.to_string()),
-            ("tau_e", pipeline.thresholds.tau_e_deg_per_s.to_string()),
-            ("tau_s", pipeline.thresholds.tau_s_seconds.to_string()),
-            ("tau_l", pipeline.thresholds.tau_l_seconds.to_string()),
-            ("rate", pipeline.rate_hz.to_string()),
             ("interpolation", word(INTERPOLATIONS, pipeline.interpolation)),
             ("prior", word(PRIORS, calibration.prior)),
             ("alignment", word(ALIGNMENTS, calibration.alignment)),

@@ -14,9 +14,10 @@
 //! | [`geometry`] | polar and geodetic coordinates, level and rigid transforms, alignment | |
 //! | [`statistics`] | medians, robust losses, covariances of data that is correlated in time | another small-sample correction: `sandwich.rs` |
 //! | [`progress`] | progress and cancellation of long work | |
+//! | [`number_setting`] | a number that a user can set: its name, unit, limits and meaning | |
 //! | [`stopwatch`] | wall time of a calculation, on targets that have a clock | |
 //! | [`deployment`] | the data model: tracks, control points, rig, overrides, findings | a finding: its kind in `finding_kind.rs`, its constructor in `findings/`, its advice in `finding_advice.rs`; a prism constant per type of prism: `overrides.rs` |
-//! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field of `settings.rs`, compared in `staged.rs`; an interpolation: a file in `interpolation/`, a variant of `Interpolation` |
+//! | [`pipeline`] | outlier filter, interval split and filter, interpolation | a threshold: a field of `settings.rs`, its row in `numbers.rs`, compared in `staged.rs`; an interpolation: a file in `interpolation/`, a variant of `Interpolation` |
 //! | [`calibration`] | methods A to D and the joint estimate, each answer with its uncertainty, verdict and checks | method D: `inter_prism/` (the mirror twin: `mirror.rs`); an unknown of the joint estimate: its index in `joint/unknowns.rs`, its kind in `joint/instruments.rs`, its words in `joint/summary.rs`; sizes of instrument errors: `instrument.rs`; the verdict: `checks.rs` and the files called `diagnosis` |
 //! | [`evaluation`] | the paper's two metrics, GNSS baselines, six-degree-of-freedom trajectories | poses: `rig_motion.rs` (joint estimate), `trajectory.rs` (each triplet), `vehicle.rs` (which of the two); the frame of the control points: `site.rs` |
 //! | [`analysis`] | settings, and the one path | |
@@ -34,6 +35,7 @@ pub mod estimates;
 pub mod evaluation;
 pub mod experiment;
 pub mod geometry;
+pub mod number_setting;
 pub mod palette;
 pub mod pipeline;
 pub mod planning;

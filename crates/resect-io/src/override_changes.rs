@@ -1,12 +1,15 @@
-//! What the window does with [`Overrides`]: keeps what differs from the files, renumbers, and tells changes in words.
+//! Changes of [`Overrides`] and of extra files, in words.
+
+use std::path::PathBuf;
+use std::slice;
 
 use crate::extras::Extras;
-use resect_core::deployment::{AS_NUMBERED, ColumnMapping, Overrides};
+use resect_core::deployment::{OverrideInWords, Overrides};
 
-/// Something that is read in another way. Displays as "station numbers 1 2 3 → 1 3 2".
+/// A key of `deployment.toml`, or an extra file, with another value. Displays as "station numbers 1 2 3 → 1 3 2".
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OverrideChange {
-    /// What the window calls it.
+    /// Name in the window.
     pub name: &'static str,
     pub before: String,
     pub after: String,
@@ -18,7 +21,7 @@ impl std::fmt::Display for OverrideChange {
     }
 }
 
-/// All that is read in another way, by what the window calls it; `as_read` is what counts where neither says anything.
+/// Returns the values that differ; `as_read` has those of the folder.
 pub fn extras_changes(before: &Extras, after: &Extras, as_read: &Overrides) -> Vec<OverrideChange> {
     let whole = |extras: &Extras| Extras {
         put_right: extras.put_right.clone().over(as_read.clone()),
@@ -32,100 +35,49 @@ pub fn extras_changes(before: &Extras, after: &Extras, as_read: &Overrides) -> V
         .collect()
 }
 
-/// All of what `deployment.toml` can say that is read in another way, by what the window calls it.
+/// Returns the keys of `deployment.toml` whose values differ.
 pub fn override_changes(before: &Overrides, after: &Overrides) -> Vec<OverrideChange> {
     let only = |put_right: &Overrides| Extras { put_right: put_right.clone(), ..Extras::default() };
     extras_changes(&only(before), &only(after), &Overrides::default())
 }
 
-/// What a value is called that nobody gave.
+/// Words for a value that nobody gave.
 const AS_READ: &str = "as read";
 
-/// The patterns name every field, so that a new one does not compile until it is here.
+/// Returns all values by their names in the window. Files that are given beside the folder take the place of its own.
 fn named_values(extras: &Extras) -> Vec<(&'static str, String)> {
-    let Extras { rig: rig_path, gcp, gcp_instead, gnss: gnss_paths, drives, put_right } = extras;
-    let Overrides {
-        name,
-        tracks,
-        topics,
-        stations,
-        azimuth,
-        prism_constant_m,
-        ranges_include_prism_constant,
-        inter_prism_m,
-        prisms,
-        prisms_m,
-        gnss,
-        control_points,
-        rig,
-        span_s,
-        masked,
-        columns,
-        surveys,
-    } = put_right;
-    let file = |path: &std::path::PathBuf| {
+    let Extras { rig, gcp, gcp_instead, gnss, drives, put_right } = extras;
+    let mut values: Vec<(&'static str, String)> = put_right
+        .in_words()
+        .into_iter()
+        .map(|OverrideInWords { key, name, value }| {
+            let value = match key {
+                "rig" => rig.as_ref().map(|path| file_names(slice::from_ref(path))).or(value),
+                "control_points" if *gcp_instead => Some(format!("only {}", file_names(gcp))),
+                "control_points" if !gcp.is_empty() => Some(file_names(gcp)),
+                "gnss" if !gnss.is_empty() => value.or(Some(file_names(gnss))),
+                _ => value,
+            };
+            (name, value.unwrap_or_else(|| AS_READ.to_owned()))
+        })
+        .collect();
+    let drives = if drives.is_empty() { "none".to_owned() } else { file_names(drives) };
+    values.push(("further drives", drives));
+    values
+}
+
+/// Names of the files, without their folders.
+fn file_names(paths: &[PathBuf]) -> String {
+    let name = |path: &PathBuf| {
         path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
     };
-    let files = |paths: &[std::path::PathBuf]| match paths {
-        [] => AS_READ.to_owned(),
-        paths => paths.iter().map(file).collect::<Vec<_>>().join(", "),
-    };
-    let or_as_read = |text: Option<String>| text.unwrap_or_else(|| AS_READ.to_owned());
-    let control_points = match (control_points, gcp.as_slice()) {
-        (Some(names), []) if names.is_empty() => "none".to_owned(),
-        (Some(names), []) => names.join(", "),
-        (_, paths) if *gcp_instead => format!("only {}", files(paths)),
-        (_, paths) => files(paths),
-    };
-    let rig = rig_path.as_ref().map(file).or(rig.as_ref().map(|it| it.as_slice().join(", ")));
-    vec![
-        ("name", or_as_read(name.clone())),
-        ("tracks", or_as_read(tracks.as_ref().map(|it| it.as_slice().join(", ")))),
-        ("topics", or_as_read(topics.as_ref().map(|it| it.join(", ")))),
-        ("columns", or_as_read(columns.as_ref().map(column_names))),
-        ("surveys", or_as_read(surveys.as_ref().map(|it| it.join(", ")))),
-        ("station numbers", in_a_row(&stations.unwrap_or(AS_NUMBERED).map(|n| n.to_string()))),
-        ("azimuth", azimuth.unwrap_or_default().title().to_owned()),
-        ("prism constant", prism_constant_m.unwrap_or_default().in_words()),
-        (
-            "ranges",
-            or_as_read(ranges_include_prism_constant.map(|include| {
-                let what = if include { "contain" } else { "do not contain" };
-                format!("{what} the prism constant")
-            })),
-        ),
-        ("inter-prism distances", or_as_read(inter_prism_m.map(metres))),
-        ("prisms", or_as_read(prisms.map(|prisms| prisms.to_string()))),
-        ("prisms in the vehicle", or_as_read(prisms_m.map(|all| all.map(metres).join("; ")))),
-        ("rig", or_as_read(rig)),
-        ("control points", control_points),
-        ("further drives", if drives.is_empty() { "none".to_owned() } else { files(drives) }),
-        ("GNSS", gnss.as_ref().map_or_else(|| files(gnss_paths), |names| names.join(", "))),
-        ("span of time", span_s.map_or("all".to_owned(), |[a, b]| format!("{a:.1} to {b:.1} s"))),
-        ("readings left out", masked.as_ref().map_or(0, Vec::len).to_string()),
-    ]
-}
-
-fn in_a_row(words: &[String]) -> String {
-    words.join(" ")
-}
-
-fn metres(values: [f64; 3]) -> String {
-    in_a_row(&values.map(|value| format!("{value:.4}"))) + " m"
-}
-
-fn column_names(columns: &ColumnMapping) -> String {
-    let ColumnMapping { time, station, range, azimuth, vertical, x, y, z, .. } = columns;
-    let others = [station, range, azimuth, vertical, x, y, z];
-    let mut names = vec![time.as_str()];
-    names.extend(others.into_iter().flatten().map(String::as_str));
-    names.join(" ")
+    paths.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::deployment::{AzimuthSense, MaskedReading, PrismConstants};
+    use resect_core::deployment::{AS_NUMBERED, AzimuthSense, MaskedReading, PrismConstants};
 
     #[test]
     fn what_the_folder_says_already_is_not_put_right() {

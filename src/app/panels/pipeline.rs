@@ -11,10 +11,13 @@ use crate::app::state::State;
 use crate::app::words;
 use resect_core::analysis::{Analysis, Settings};
 use resect_core::calibration::{
-    Alignment, CalibrationSettings, Method, Offer, PriorMethod, Targets,
+    Alignment, CalibrationSettings, Method, Offer, PriorMethod, SIGMA_DISTANCES, Targets,
 };
 use resect_core::deployment::Deployment;
-use resect_core::pipeline::{Interpolation, Interval, PipelineSettings, SampleFate, Thresholds};
+use resect_core::number_setting::NumberSetting;
+use resect_core::pipeline::{
+    Interpolation, Interval, PipelineSettings, RATE, SampleFate, TAU_A, TAU_E, TAU_L, TAU_R, TAU_S,
+};
 use resect_report::glossary;
 use resect_report::glossary::Term;
 
@@ -93,32 +96,12 @@ fn outlier_filter(
     counts: Option<&Counts>,
     angle: AngleUnit,
 ) {
-    let PipelineSettings { outlier_filter, thresholds, .. } = settings;
-    let paper = Thresholds::default();
-    module(ui, Some(outlier_filter), "1  Outlier filter", |ui, on| {
+    let mut on = settings.outlier_filter;
+    module(ui, Some(&mut on), "1  Outlier filter", |ui, on| {
         ui.add_enabled_ui(on, |ui| {
-            threshold(
-                ui,
-                ("τ_r  range", &glossary::TAU_R),
-                &mut thresholds.tau_r_m_per_s,
-                0.05..=20.0,
-                " m/s",
-                paper.tau_r_m_per_s,
-            );
-            angular(
-                ui,
-                ("τ_a  azimuth", &glossary::TAU_A),
-                &mut thresholds.tau_a_deg_per_s,
-                paper.tau_a_deg_per_s,
-                angle,
-            );
-            angular(
-                ui,
-                ("τ_e  zenith", &glossary::TAU_E),
-                &mut thresholds.tau_e_deg_per_s,
-                paper.tau_e_deg_per_s,
-                angle,
-            );
+            number_slider(ui, (&TAU_R, &glossary::TAU_R), settings, angle);
+            number_slider(ui, (&TAU_A, &glossary::TAU_A), settings, angle);
+            number_slider(ui, (&TAU_E, &glossary::TAU_E), settings, angle);
         });
         counted(ui, counts, |c| match c.left_out {
             0 => format!("{} → {} readings", c.raw, c.filtered),
@@ -127,42 +110,28 @@ fn outlier_filter(
             }
         });
     });
+    settings.outlier_filter = on;
 }
 
 fn intervals(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Option<&Counts>) {
-    let PipelineSettings { interval_filter, thresholds, .. } = settings;
-    let paper = Thresholds::default();
     module(ui, None, "2  Interval split", |ui, _| {
-        threshold(
-            ui,
-            ("τ_s  gap", &glossary::TAU_S),
-            &mut thresholds.tau_s_seconds,
-            0.1..=10.0,
-            " s",
-            paper.tau_s_seconds,
-        );
+        number_slider(ui, (&TAU_S, &glossary::TAU_S), settings, AngleUnit::Degree);
         counted(ui, counts, |c| format!("{} readings → {} intervals", c.filtered, c.split));
     });
-    module(ui, Some(interval_filter), "3  Interval filter", |ui, on| {
+    let mut on = settings.interval_filter;
+    module(ui, Some(&mut on), "3  Interval filter", |ui, on| {
         ui.add_enabled_ui(on, |ui| {
-            threshold(
-                ui,
-                ("τ_l  length", &glossary::TAU_L),
-                &mut thresholds.tau_l_seconds,
-                0.0..=60.0,
-                " s",
-                paper.tau_l_seconds,
-            );
+            number_slider(ui, (&TAU_L, &glossary::TAU_L), settings, AngleUnit::Degree);
         });
         // The sum of nothing is -0.
         counted(ui, counts, |c| {
             format!("{} → {} intervals ({:.0} s)", c.split, c.kept, c.kept_seconds + 0.0)
         });
     });
+    settings.interval_filter = on;
 }
 
 fn interpolation(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Option<&Counts>) {
-    let PipelineSettings { interpolation, rate_hz, .. } = settings;
     module(ui, None, "4  Interpolation", |ui, _| {
         ui.horizontal_wrapped(|ui| {
             for choice in Interpolation::ALL {
@@ -175,17 +144,10 @@ fn interpolation(ui: &mut egui::Ui, settings: &mut PipelineSettings, counts: Opt
                         "Gaussian process, white noise on acceleration: also where the vehicle stops and turns"
                     }
                 };
-                ui.radio_value(interpolation, choice, choice.title()).on_hover_text(hint);
+                ui.radio_value(&mut settings.interpolation, choice, choice.title()).on_hover_text(hint);
             }
         });
-        threshold(
-            ui,
-            ("rate", &glossary::TRIPLET),
-            rate_hz,
-            0.5..=100.0,
-            " Hz",
-            PipelineSettings::default().rate_hz,
-        );
+        number_slider(ui, (&RATE, &glossary::TRIPLET), settings, AngleUnit::Degree);
         counted(ui, counts, |c| format!("{} intervals → {} triplets", c.kept, c.triplets));
     });
 }
@@ -229,11 +191,10 @@ fn calibration(ui: &mut egui::Ui, settings: &mut CalibrationSettings, offer: Opt
                         "The paper's two-step search over the speed limit τ_v; see Prior search",
                     );
                 });
-                let mut sigma_mm = settings.inter_prism_sigma_m * 1e3;
-                threshold(ui, ("σ distances", &glossary::SIGMA_DISTANCES), &mut sigma_mm, 0.0..=20.0, " mm", 1.0).on_hover_text(
+                let distances = (&SIGMA_DISTANCES, &glossary::SIGMA_DISTANCES);
+                number_slider(ui, distances, settings, AngleUnit::Degree).on_hover_text(
                     "How well the inter-prism distances are known (1 σ); widens every σ of the result",
                 );
-                settings.inter_prism_sigma_m = sigma_mm / 1e3;
             }
         }
     });
@@ -287,23 +248,32 @@ fn module(
     }
 }
 
-/// A threshold of an angle's rate, in the user's unit.
-fn angular(
+/// A slider of a number of the settings; rates of angles are in the user's unit.
+fn number_slider<S: Copy + Default>(
     ui: &mut egui::Ui,
-    named: (&str, &'static Term),
-    deg_per_s: &mut f64,
-    paper_deg_per_s: f64,
+    (setting, term): (&NumberSetting<S>, &'static Term),
+    settings: &mut S,
     angle: AngleUnit,
-) {
-    let per = angle.rate_per_deg_per_s();
-    let before = *deg_per_s * per;
+) -> egui::Response {
+    let (unit, per) = if setting.unit == AngleUnit::Degree.rate_name() {
+        (angle.rate_name(), angle.rate_per_deg_per_s())
+    } else {
+        (setting.unit, 1.0)
+    };
+    let before = setting.shown(settings) * per;
     let mut value = before;
-    let unit = format!(" {}", angle.rate_name());
-    threshold(ui, named, &mut value, 0.05..=20.0, &unit, paper_deg_per_s * per);
+    let [least, most] = setting.slider;
+    let unit = format!(" {unit}");
+    let default = setting.default_shown() * per;
+    let response =
+        threshold(ui, (setting.label, term), &mut value, least..=most, &unit, default);
     if value != before {
+        let shown = value / per;
         // No noise from the change of unit.
-        *deg_per_s = (value / per * 1e6).round() / 1e6;
+        let shown = if per == 1.0 { shown } else { (shown * 1e6).round() / 1e6 };
+        *(setting.field)(settings) = shown / setting.per_stored;
     }
+    response
 }
 
 /// A slider with its unit and typed entry; a click with the right button brings the paper's value back.

@@ -149,14 +149,14 @@ fn run_or_cancel(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
 
 fn sweep(ui: &mut egui::Ui, sweep: &mut Sweep) {
     egui::ComboBox::from_id_salt("parameter")
-        .selected_text(sweep.parameter.title())
+        .selected_text(sweep.parameter.setting().title)
         .width(180.0)
         .show_ui(ui, |ui| {
             for parameter in Parameter::ALL {
-                ui.selectable_value(&mut sweep.parameter, parameter, parameter.title());
+                ui.selectable_value(&mut sweep.parameter, parameter, parameter.setting().title);
             }
         });
-    let unit = format!(" {}", sweep.parameter.unit());
+    let unit = format!(" {}", sweep.parameter.setting().unit);
     ui.horizontal_wrapped(|ui| {
         for (name, value) in [("from", &mut sweep.from), ("to", &mut sweep.to)] {
             let label = ui.label(name);

@@ -1,17 +1,16 @@
-//! What differs between two sets of settings, in words: for undo, for pinned results and for the history of runs.
+//! Differences of two sets of settings, in words: for undo, for pinned results and for the history of runs.
 
-use crate::geometry::ARCSECOND_RAD;
 use std::fmt;
 
 use super::settings::Settings;
-use crate::calibration::ErrorSizes;
-use crate::calibration::{Alignment, CalibrationSettings, PriorMethod};
-use crate::pipeline::{PipelineSettings, Thresholds};
+use crate::calibration::{Alignment, CALIBRATION_NUMBERS, PriorMethod};
+use crate::number_setting::NumberSetting;
+use crate::pipeline::{RATE, TAU_A, TAU_E, TAU_L, TAU_R, TAU_S};
 
 /// One setting that differs. Displays as "τ_r 2 → 1.5 m/s".
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SettingChange {
-    /// What the window calls the setting; no two settings share a name.
+    /// Name of the setting in the window; no two settings share one.
     pub name: &'static str,
     pub before: String,
     pub after: String,
@@ -53,67 +52,28 @@ struct NamedValue {
     unit: &'static str,
 }
 
-/// Every setting. The patterns name every field, so that a new one does not compile until it is here.
-fn named_values(settings: &Settings) -> [NamedValue; 25] {
+/// Returns every setting, in the order of the pipeline. A test finds those that are missing.
+fn named_values(settings: &Settings) -> Vec<NamedValue> {
     let Settings { pipeline, calibration } = settings;
-    let PipelineSettings { outlier_filter, interval_filter, thresholds, interpolation, rate_hz } =
-        pipeline;
-    let Thresholds {
-        tau_r_m_per_s,
-        tau_a_deg_per_s,
-        tau_e_deg_per_s,
-        tau_s_seconds,
-        tau_l_seconds,
-    } = thresholds;
-    let CalibrationSettings { method, alignment, prior, inter_prism_sigma_m, errors } = calibration;
-    let ErrorSizes {
-        clock_offset_s,
-        clock_drift,
-        clock_wander_s,
-        latency_s,
-        // The one above takes its place.
-        inter_prism_m: _,
-        lean_rad,
-        range_offset_m,
-        range_scale,
-        index_rad,
-        collimation_rad,
-        settling_rad,
-        settling_m,
-        ranges_wander,
-    } = errors;
-    let arcseconds = |rad: f64| rad / ARCSECOND_RAD;
-    let method = method.unwrap_or_default();
+    let pipeline_number = |setting| number(setting, pipeline);
+    let method = calibration.method.unwrap_or_default();
     let method = method
         .letter()
         .map_or(method.title().to_owned(), |letter| format!("{letter} ({})", method.title()));
-    [
-        switch("outlier filter", *outlier_filter),
-        number("τ_r", *tau_r_m_per_s, "m/s"),
-        number("τ_a", *tau_a_deg_per_s, "°/s"),
-        number("τ_e", *tau_e_deg_per_s, "°/s"),
-        number("τ_s", *tau_s_seconds, "s"),
-        switch("interval filter", *interval_filter),
-        number("τ_l", *tau_l_seconds, "s"),
-        word("interpolation", interpolation.title()),
-        number("rate", *rate_hz, "Hz"),
+    let mut values = vec![switch("outlier filter", pipeline.outlier_filter)];
+    values.extend([&TAU_R, &TAU_A, &TAU_E, &TAU_S].map(pipeline_number));
+    values.extend([
+        switch("interval filter", pipeline.interval_filter),
+        pipeline_number(&TAU_L),
+        word("interpolation", pipeline.interpolation.title()),
+        pipeline_number(&RATE),
         NamedValue { name: "method", value: method, unit: "" },
-        word("alignment", alignment_name(*alignment)),
-        word("prior", prior_name(*prior)),
-        number("σ distances", *inter_prism_sigma_m * 1e3, "mm"),
-        number("σ clock offsets", *clock_offset_s, "s"),
-        number("σ clock drifts", *clock_drift * 1e6, "ppm"),
-        number("σ wandering clocks", *clock_wander_s * 1e3, "ms"),
-        number("σ latencies", *latency_s * 1e3, "ms"),
-        number("σ leans", arcseconds(*lean_rad), "″"),
-        number("σ range offsets", *range_offset_m * 1e3, "mm"),
-        number("σ range scales", *range_scale * 1e6, "ppm"),
-        number("σ vertical indices", arcseconds(*index_rad), "″"),
-        number("σ collimations", arcseconds(*collimation_rad), "″"),
-        number("σ settling, turn", *settling_rad * 1e3, "mrad"),
-        number("σ settling, place", *settling_m * 1e3, "mm"),
-        switch("wandering ranges", *ranges_wander),
-    ]
+        word("alignment", alignment_name(calibration.alignment)),
+        word("prior", prior_name(calibration.prior)),
+    ]);
+    values.extend(CALIBRATION_NUMBERS.map(|setting| number(setting, calibration)));
+    values.push(switch("wandering ranges", calibration.errors.ranges_wander));
+    values
 }
 
 fn word(name: &'static str, value: &str) -> NamedValue {
@@ -124,9 +84,9 @@ fn switch(name: &'static str, on: bool) -> NamedValue {
     word(name, if on { "on" } else { "off" })
 }
 
-/// The shortest decimals that tell the value from every other; no noise from a change of unit.
-fn number(name: &'static str, value: f64, unit: &'static str) -> NamedValue {
-    NamedValue { name, value: ((value * 1e9).round() / 1e9).to_string(), unit }
+fn number<S: Copy + Default>(setting: &NumberSetting<S>, settings: &S) -> NamedValue {
+    let value = setting.shown(settings).to_string();
+    NamedValue { name: setting.name, value, unit: setting.unit }
 }
 
 fn alignment_name(alignment: Alignment) -> &'static str {

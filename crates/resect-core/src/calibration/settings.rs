@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::Method;
+use super::numbers::CALIBRATION_NUMBERS;
 use crate::calibration::ErrorSizes;
+use crate::number_setting::check_all;
 
 /// The starting point of method D.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -60,12 +62,11 @@ impl CalibrationSettings {
         Self { method: Some(method), ..*self }
     }
 
+    /// Checks all numbers.
+    ///
+    /// # Errors
+    /// The first number that is not accepted, as one line.
     pub fn check(&self) -> Result<(), String> {
-        let sigma = self.inter_prism_sigma_m;
-        if (0.0..=1.0).contains(&sigma) {
-            Ok(())
-        } else {
-            Err(format!("inter_prism_sigma_m is {sigma}; it must be from 0 to 1 m"))
-        }
+        check_all(&CALIBRATION_NUMBERS, self)
     }
 }

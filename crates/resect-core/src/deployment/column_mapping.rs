@@ -1,4 +1,4 @@
-//! Which column of a table of measurements is what: what the user says of a CSV that no reader knows.
+//! Meaning of the columns of a table of measurements that no reader knows, as the user gives it.
 
 use serde::{Deserialize, Serialize};
 
@@ -41,7 +41,16 @@ pub struct ColumnMapping {
     pub status: Option<String>,
 }
 
-/// What goes without saying is not written.
+impl ColumnMapping {
+    /// Returns the names of the columns that are read, the time first.
+    pub fn names(&self) -> Vec<&str> {
+        let Self { time, station, range, azimuth, vertical, x, y, z, .. } = self;
+        let others = [station, range, azimuth, vertical, x, y, z];
+        std::iter::once(time).chain(others.into_iter().flatten()).map(String::as_str).collect()
+    }
+}
+
+/// Defaults are not written.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }

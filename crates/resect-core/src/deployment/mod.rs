@@ -15,7 +15,6 @@ mod ingredient;
 mod message;
 pub mod names;
 mod overrides;
-mod overrides_beyond;
 mod pairs;
 pub mod printable;
 mod quantity;
@@ -36,8 +35,9 @@ pub use finding_kind::FindingKind;
 pub use gnss::GnssFix;
 pub use ingredient::Ingredient;
 pub use message::Message;
-pub use overrides::{AzimuthSense, MaskedReading, OneOrMany, Overrides, PrismConstants};
-pub use overrides_beyond::AS_NUMBERED;
+pub use overrides::{
+    AS_NUMBERED, AzimuthSense, MaskedReading, OneOrMany, OverrideInWords, Overrides, PrismConstants,
+};
 pub use pairs::{PAIRS, pair_label};
 pub use quantity::{FindingQuantity, Unit};
 pub use remedy::Remedy;

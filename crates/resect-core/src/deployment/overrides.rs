@@ -1,63 +1,131 @@
-//! What the user knows better than any guess: the keys of `deployment.toml`, which the window can set as well.
+//! The keys of `deployment.toml`, which the window can set as well.
 
 use serde::{Deserialize, Serialize};
 
 use super::ColumnMapping;
 
-/// What a deployment is read with; a key that is absent leaves the guess alone. Names of files are relative to the folder.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct Overrides {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
+/// The subject of a key: what it is true of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum KeySubject {
+    /// The readings of one drive.
+    Readings,
+    /// Other files of one drive, and its name.
+    Files,
+    /// The way that readings are written, in each drive.
+    Writing,
+    /// The vehicle, in each drive.
+    Vehicle,
+}
+
+/// A value of [`Overrides`] in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OverrideInWords {
+    pub key: &'static str,
+    /// Name of the key in the window.
+    pub name: &'static str,
+    /// `None` where only the files say it.
+    pub value: Option<String>,
+}
+
+/// The station numbers of files that do not say otherwise.
+pub const AS_NUMBERED: [i64; 3] = [1, 2, 3];
+
+/// Defines [`Overrides`] and what is done with each key, from one table. A row has the key, its type, its subject, its
+/// name in the window, the value where nobody gives one, and the value in words.
+macro_rules! override_keys {
+    ($($(#[$doc:meta])+ $key:ident: $type:ty, $subject:ident, $name:literal, $silent:expr, $words:expr;)+) => {
+        /// The keys that a deployment is read with; an absent key leaves the recognition as it is. Names of files are
+        /// relative to the folder.
+        #[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct Overrides {
+            $($(#[$doc])+ #[serde(skip_serializing_if = "Option::is_none")] pub $key: Option<$type>,)+
+        }
+
+        impl Overrides {
+            /// Returns these overrides, with those of `base` for the keys that are absent here.
+            #[must_use]
+            pub fn over(self, base: Self) -> Self {
+                Self { $($key: self.$key.or(base.$key),)+ }
+            }
+
+            /// Returns the overrides that differ from those of the folder, `as_read`.
+            #[must_use]
+            pub fn beyond(self, as_read: &Self) -> Self {
+                Self { $($key: differing(self.$key, as_read.$key.as_ref(), $silent),)+ }
+            }
+
+            /// Returns the keys with an accepted subject.
+            fn about(&self, accepts: impl Fn(KeySubject) -> bool) -> Self {
+                Self { $($key: self.$key.clone().filter(|_| accepts(KeySubject::$subject)),)+ }
+            }
+
+            /// Returns all keys with their values in words.
+            pub fn in_words(&self) -> Vec<OverrideInWords> {
+                vec![$(OverrideInWords {
+                    key: stringify!($key),
+                    name: $name,
+                    value: self.$key.clone().or($silent).map($words),
+                },)+]
+            }
+        }
+    };
+}
+
+/// Returns the value unless it is the one of the folder, or the one that holds where the folder is silent.
+fn differing<T: PartialEq>(own: Option<T>, as_read: Option<&T>, silent: Option<T>) -> Option<T> {
+    own.filter(|own| as_read.or(silent.as_ref()) != Some(own))
+}
+
+override_keys! {
+    /// Name of the deployment.
+    name: String, Files, "name", None, |name| name;
     /// The files with the stations' tracks, where a folder holds several.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tracks: Option<OneOrMany>,
+    tracks: OneOrMany, Readings, "tracks", None, |files| files.as_slice().join(", ");
     /// Topics of stations 1, 2, 3 in a bag whose messages do not name their station.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub topics: Option<[String; 3]>,
-    /// Which numbers of the files are stations 1, 2, 3: `[2, 1, 3]` exchanges the first two.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stations: Option<[i64; 3]>,
-    /// Which way azimuths of the tracks turn, seen from above; clockwise if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub azimuth: Option<AzimuthSense>,
+    topics: [String; 3], Writing, "topics", None, |topics| topics.join(", ");
+    /// Numbers of stations 1, 2, 3 in the files: `[2, 1, 3]` exchanges the first two.
+    stations: [i64; 3], Writing, "station numbers", Some(AS_NUMBERED),
+        |numbers| numbers.map(|number| number.to_string()).join(" ");
+    /// Direction of growing azimuths of the tracks, seen from above; clockwise if absent.
+    azimuth: AzimuthSense, Writing, "azimuth", Some(AzimuthSense::Clockwise),
+        |sense| sense.title().to_owned();
     /// Added to every range of tracks, control points and rig reading (m).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub prism_constant_m: Option<PrismConstants>,
+    prism_constant_m: PrismConstants, Writing, "prism constant", Some(PrismConstants::default()),
+        PrismConstants::in_words;
     /// Whether the ranges of the tracks contain the prism constant already.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ranges_include_prism_constant: Option<bool>,
+    ranges_include_prism_constant: bool, Writing, "ranges", None, |include| {
+        let what = if include { "contain" } else { "do not contain" };
+        format!("{what} the prism constant")
+    };
     /// α, β, γ (m).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub inter_prism_m: Option<[f64; 3]>,
-    /// How many prisms the stations follow: 1 (all the same) or 3 (each its own); recognised if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub prisms: Option<u8>,
-    /// Prisms 1, 2, 3 in the vehicle's frame (m): what a trajectory is the trajectory of.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub prisms_m: Option<[[f64; 3]; 3]>,
+    inter_prism_m: [f64; 3], Vehicle, "inter-prism distances", None, metres;
+    /// Number of prisms that the stations follow: 1 (all the same) or 3 (each its own); recognised if absent.
+    prisms: u8, Vehicle, "prisms", None, |prisms| prisms.to_string();
+    /// Prisms 1, 2, 3 in the vehicle's frame (m); the origin of this frame is what a trajectory follows.
+    prisms_m: [[f64; 3]; 3], Vehicle, "prisms in the vehicle", None,
+        |prisms| prisms.map(metres).join("; ");
     /// RTKLIB solution files of antennas 1, 2, 3, where their names do not tell.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gnss: Option<[String; 3]>,
+    gnss: [String; 3], Files, "GNSS", None, |files| files.join(", ");
     /// The control-point files to use.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub control_points: Option<Vec<String>>,
+    control_points: Vec<String>, Files, "control points", None,
+        |files| if files.is_empty() { "none".to_owned() } else { files.join(", ") };
     /// The files with what the instruments of stations 1, 2, 3 read (GSI, JobXML), where their names do not tell.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub surveys: Option<[String; 3]>,
+    surveys: [String; 3], Files, "surveys", None, |files| files.join(", ");
     /// The files that describe the rig; of a file of readings (GSI, JobXML) the first three points are prisms 1, 2, 3.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rig: Option<OneOrMany>,
-    /// Only measurements within this span count (s, as stamped).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub span_s: Option<[f64; 2]>,
-    /// Single readings that do not count.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub masked: Option<Vec<MaskedReading>>,
-    /// Which column of the tracks' table is what.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub columns: Option<ColumnMapping>,
+    rig: OneOrMany, Vehicle, "rig", None, |files| files.as_slice().join(", ");
+    /// The span of the measurements to use (s, as stamped).
+    span_s: [f64; 2], Readings, "span of time", None, |[from_s, to_s]| format!("{from_s:.1} to {to_s:.1} s");
+    /// Single readings that are left out.
+    masked: Vec<MaskedReading>, Readings, "readings left out", Some(Vec::new()),
+        |masked| masked.len().to_string();
+    /// Meaning of the columns of the tracks' table.
+    columns: ColumnMapping, Writing, "columns", None, |columns| columns.names().join(" ");
+}
+
+/// "0.8712 0.9954 1.1032 m".
+fn metres(values: [f64; 3]) -> String {
+    values.map(|value| format!("{value:.4}")).join(" ") + " m"
 }
 
 /// Which way azimuths grow, seen from above.
@@ -69,12 +137,18 @@ pub enum AzimuthSense {
     CounterClockwise,
 }
 
-/// A prism constant for all stations, or one each (m).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// A prism constant for all stations, or one each (m). Equal if each station has the same.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum PrismConstants {
     All(f64),
     Each([f64; 3]),
+}
+
+impl PartialEq for PrismConstants {
+    fn eq(&self, other: &Self) -> bool {
+        self.each_m() == other.each_m()
+    }
 }
 
 impl Default for PrismConstants {
@@ -127,69 +201,38 @@ impl Overrides {
         self.azimuth == Some(AzimuthSense::CounterClockwise)
     }
 
-    /// What these overrides say, and where they say nothing, what `base` says.
-    #[must_use]
-    pub fn over(self, base: Self) -> Self {
-        Self {
-            name: self.name.or(base.name),
-            tracks: self.tracks.or(base.tracks),
-            topics: self.topics.or(base.topics),
-            stations: self.stations.or(base.stations),
-            azimuth: self.azimuth.or(base.azimuth),
-            prism_constant_m: self.prism_constant_m.or(base.prism_constant_m),
-            ranges_include_prism_constant: self
-                .ranges_include_prism_constant
-                .or(base.ranges_include_prism_constant),
-            inter_prism_m: self.inter_prism_m.or(base.inter_prism_m),
-            prisms: self.prisms.or(base.prisms),
-            prisms_m: self.prisms_m.or(base.prisms_m),
-            gnss: self.gnss.or(base.gnss),
-            control_points: self.control_points.or(base.control_points),
-            surveys: self.surveys.or(base.surveys),
-            rig: self.rig.or(base.rig),
-            span_s: self.span_s.or(base.span_s),
-            masked: self.masked.or(base.masked),
-            columns: self.columns.or(base.columns),
-        }
-    }
-
-    /// What is said of stations, rig and the way that files are written, and not of single files or readings.
+    /// Returns the keys that hold for every drive with these stations and this vehicle.
     #[must_use]
     pub fn of_any_drive(&self) -> Self {
-        Self {
-            name: None,
-            tracks: None,
-            gnss: None,
-            control_points: None,
-            surveys: None,
-            span_s: None,
-            masked: None,
-            ..self.clone()
-        }
+        self.about(|subject| matches!(subject, KeySubject::Writing | KeySubject::Vehicle))
     }
 
-    /// What is said of rig and control points, and not of how the tracks are read.
+    /// Returns the keys that do not change the reading of the tracks.
     #[must_use]
     pub fn beside_readings(&self) -> Self {
-        Self {
-            tracks: None,
-            topics: None,
-            stations: None,
-            azimuth: None,
-            prism_constant_m: None,
-            ranges_include_prism_constant: None,
-            span_s: None,
-            masked: None,
-            columns: None,
-            ..self.clone()
+        self.about(|subject| matches!(subject, KeySubject::Files | KeySubject::Vehicle))
+    }
+
+    /// Gives the stations other numbers of the files; the masked readings stay the same ones.
+    pub fn renumber(&mut self, before: [i64; 3], after: [i64; 3]) {
+        for mask in self.masked.iter_mut().flatten() {
+            let number = before.get(usize::from(mask.station).wrapping_sub(1));
+            let place = number.and_then(|own| after.iter().position(|new| new == own));
+            if let Some(place) = place {
+                mask.station = place as u8 + 1;
+            }
         }
+        self.stations = Some(after);
     }
 
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The first thing that makes no sense, and what to do about it.
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// The first value that makes no sense, and the remedy.
     pub fn check(&self) -> Result<(), (String, &'static str)> {
         if let Some(constant_m) = self
             .prism_constant_m

@@ -11,11 +11,12 @@ use super::split::Splits;
 use super::study::{Group, Quantiles, Series, Study};
 use crate::analysis::Settings;
 use crate::deployment::Deployment;
+use crate::number_setting::NumberSetting;
 use crate::palette;
-use crate::pipeline::PipelineSettings;
+use crate::pipeline::{PIPELINE_NUMBERS, PipelineSettings};
 use crate::progress::Progress;
 
-/// What can be swept.
+/// The setting of a sweep, in the order of [`PIPELINE_NUMBERS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parameter {
@@ -31,49 +32,9 @@ impl Parameter {
     pub const ALL: [Self; 6] =
         [Self::TauR, Self::TauA, Self::TauE, Self::TauS, Self::TauL, Self::Rate];
 
-    /// The parameter's name as a flag.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::TauR => "tau-r",
-            Self::TauA => "tau-a",
-            Self::TauE => "tau-e",
-            Self::TauS => "tau-s",
-            Self::TauL => "tau-l",
-            Self::Rate => "rate",
-        }
-    }
-
-    /// The parameter as the paper writes it, and in words.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::TauR => "τ_r, range rate",
-            Self::TauA => "τ_a, azimuth rate",
-            Self::TauE => "τ_e, zenith rate",
-            Self::TauS => "τ_s, longest gap",
-            Self::TauL => "τ_l, shortest interval",
-            Self::Rate => "rate of the triplets",
-        }
-    }
-
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::TauR => "m/s",
-            Self::TauA | Self::TauE => "°/s",
-            Self::TauS | Self::TauL => "s",
-            Self::Rate => "Hz",
-        }
-    }
-
-    pub fn of(self, settings: &mut PipelineSettings) -> &mut f64 {
-        let thresholds = &mut settings.thresholds;
-        match self {
-            Self::TauR => &mut thresholds.tau_r_m_per_s,
-            Self::TauA => &mut thresholds.tau_a_deg_per_s,
-            Self::TauE => &mut thresholds.tau_e_deg_per_s,
-            Self::TauS => &mut thresholds.tau_s_seconds,
-            Self::TauL => &mut thresholds.tau_l_seconds,
-            Self::Rate => &mut settings.rate_hz,
-        }
+    /// The setting that is swept.
+    pub fn setting(self) -> &'static NumberSetting<PipelineSettings> {
+        PIPELINE_NUMBERS[self as usize]
     }
 
     /// Whether the module that it belongs to runs.
@@ -113,11 +74,11 @@ impl Sweep {
             return Err(format!("from and to are both {}; give two values", self.from));
         }
         if !parameter.matters(settings) {
-            return Err(format!("{} has no effect while its filter is off", parameter.name()));
+            return Err(format!("{} has no effect while its filter is off", parameter.setting().key));
         }
         for value in [self.from, self.to] {
             let mut variant = *settings;
-            *parameter.of(&mut variant) = value;
+            *(parameter.setting().field)(&mut variant) = value;
             variant.check()?;
         }
         Ok(())
@@ -143,7 +104,7 @@ pub fn sweep(
         .par_iter()
         .map(|value| {
             let mut variant = settings.pipeline;
-            *parameter.of(&mut variant) = *value;
+            *(parameter.setting().field)(&mut variant) = *value;
             let (errors, count) = progress.step(|| reference::pooled(&judges, &variant))?;
             Ok(Group {
                 label: short(*value, values[1] - values[0]),
@@ -153,14 +114,14 @@ pub fn sweep(
         })
         .collect::<Result<Vec<_>, StudyError>>()?;
     Ok(Study {
-        name: format!("sweep-{}", parameter.name()),
-        title: format!("How the errors depend on {}", parameter.title()),
+        name: format!("sweep-{}", parameter.setting().key),
+        title: format!("How the errors depend on {}", parameter.setting().title),
         subtitle: reference::in_words(&judges, splits),
         value_label: "inter-prism error (mm)".to_owned(),
         group_label: format!(
             "{} ({}), set to {}; below it the number of triplets",
-            parameter.title(),
-            parameter.unit(),
+            parameter.setting().title,
+            parameter.setting().unit,
             parameter.of(&mut settings.pipeline.clone())
         ),
         series: vec![Series {

@@ -11,11 +11,13 @@ pub mod interpolation;
 pub mod interval_filter;
 pub mod interval_split;
 pub mod outlier_filter;
+mod numbers;
 mod settings;
 mod staged;
 mod triplets;
 
 pub use interval_split::Interval;
+pub use numbers::{PIPELINE_NUMBERS, RATE, TAU_A, TAU_E, TAU_L, TAU_R, TAU_S};
 pub use outlier_filter::{FilteredTrack, OutlierReason};
 pub use settings::{Interpolation, PipelineSettings, Thresholds};
 pub(crate) use staged::StagedPipeline;

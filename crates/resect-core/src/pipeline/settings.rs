@@ -1,6 +1,9 @@
-//! What a user can change about the pipeline; plain data, the same for sliders, files and flags.
+//! Settings of the pipeline: plain data, the same for sliders, files and flags.
 
 use serde::{Deserialize, Serialize};
+
+use super::numbers::PIPELINE_NUMBERS;
+use crate::number_setting::check_all;
 
 /// Thresholds of the modules, in the units of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,7 +75,7 @@ pub struct PipelineSettings {
     /// Module 3, optional.
     pub interval_filter: bool,
     pub thresholds: Thresholds,
-    /// Module 4: how positions between readings are found.
+    /// Module 4: the interpolation of positions between readings.
     pub interpolation: Interpolation,
     /// Module 4: triplets per second.
     pub rate_hz: f64,
@@ -92,30 +95,11 @@ impl Default for PipelineSettings {
 }
 
 impl PipelineSettings {
-    /// The first setting that makes no sense, as one line; sliders cannot reach it, files and flags can.
+    /// Checks all numbers.
+    ///
+    /// # Errors
+    /// The first number that is not accepted, as one line; sliders cannot reach it, files and flags can.
     pub fn check(&self) -> Result<(), String> {
-        let t = &self.thresholds;
-        for (name, value) in [
-            ("tau-r (m/s)", t.tau_r_m_per_s),
-            ("tau-a (deg/s)", t.tau_a_deg_per_s),
-            ("tau-e (deg/s)", t.tau_e_deg_per_s),
-            ("tau-s (s)", t.tau_s_seconds),
-            ("rate (Hz)", self.rate_hz),
-        ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(format!("{name} is {value}; it must be above zero"));
-            }
-        }
-        if !(t.tau_l_seconds >= 0.0 && t.tau_l_seconds.is_finite()) {
-            return Err(format!("tau-l (s) is {}; it must not be negative", t.tau_l_seconds));
-        }
-        if self.rate_hz > 100.0 {
-            return Err(format!("rate (Hz) is {}; 100 is the most", self.rate_hz));
-        }
-        // A gap is interpolated across: beyond a minute that is no measurement any more.
-        if t.tau_s_seconds > 60.0 {
-            return Err(format!("tau-s (s) is {}; 60 is the most", t.tau_s_seconds));
-        }
-        Ok(())
+        check_all(&PIPELINE_NUMBERS, self)
     }
 }

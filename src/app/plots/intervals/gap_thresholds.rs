@@ -2,31 +2,24 @@
 
 use super::super::threshold::Threshold;
 use resect_core::analysis::Settings;
-use resect_core::pipeline::Thresholds;
+use resect_core::number_setting::NumberSetting;
+use resect_core::pipeline::{PipelineSettings, TAU_L, TAU_S};
 
 pub struct GapThresholds(pub [Threshold<'static>; 2]);
 
 impl GapThresholds {
     pub fn of(settings: &Settings) -> Self {
-        let (set, paper) = (&settings.pipeline.thresholds, Thresholds::default());
+        let threshold = |setting: &NumberSetting<PipelineSettings>, range, enabled| Threshold {
+            symbol: setting.name,
+            value: setting.value(&settings.pipeline),
+            paper: setting.default_shown(),
+            unit: setting.unit,
+            range,
+            enabled,
+        };
         Self([
-            Threshold {
-                symbol: "τ_s",
-                value: set.tau_s_seconds,
-                paper: paper.tau_s_seconds,
-                unit: "s",
-                // What the settings allow.
-                range: 0.05..=60.0,
-                enabled: true,
-            },
-            Threshold {
-                symbol: "τ_l",
-                value: set.tau_l_seconds,
-                paper: paper.tau_l_seconds,
-                unit: "s",
-                range: 0.1..=600.0,
-                enabled: settings.pipeline.interval_filter,
-            },
+            threshold(&TAU_S, 0.05..=TAU_S.most, true),
+            threshold(&TAU_L, 0.1..=600.0, settings.pipeline.interval_filter),
         ])
     }
 }

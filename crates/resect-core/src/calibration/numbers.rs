@@ -1,0 +1,148 @@
+//! The numbers of a calibration's settings: standard deviations of priors.
+
+use std::ops::Bound;
+
+use super::CalibrationSettings;
+use crate::geometry::ARCSECOND_RAD;
+use crate::number_setting::NumberSetting;
+
+/// All of them: the inter-prism distances, then the errors of the instruments.
+pub static CALIBRATION_NUMBERS: [&NumberSetting<CalibrationSettings>; 12] = [
+    &SIGMA_DISTANCES,
+    &SIGMA_CLOCK_OFFSETS,
+    &SIGMA_CLOCK_DRIFTS,
+    &SIGMA_CLOCK_WANDER,
+    &SIGMA_LATENCIES,
+    &SIGMA_LEANS,
+    &SIGMA_RANGE_OFFSETS,
+    &SIGMA_RANGE_SCALES,
+    &SIGMA_INDICES,
+    &SIGMA_COLLIMATIONS,
+    &SIGMA_SETTLING_TURN,
+    &SIGMA_SETTLING_PLACE,
+];
+
+pub static SIGMA_DISTANCES: NumberSetting<CalibrationSettings> = NumberSetting {
+    name: "σ distances",
+    label: "σ distances",
+    title: "σ distances",
+    key: "inter-prism-sigma",
+    meaning: "Standard deviation of the known inter-prism distances",
+    unit: "mm",
+    per_stored: 1e3,
+    least: Bound::Included(0.0),
+    most: 1.0,
+    slider: [0.0, 20.0],
+    field: |settings| &mut settings.inter_prism_sigma_m,
+};
+
+/// Returns the prior of an error of the instruments.
+const fn prior(
+    name: &'static str,
+    key: &'static str,
+    meaning: &'static str,
+    (unit, per_stored): (&'static str, f64),
+    field: fn(&mut CalibrationSettings) -> &mut f64,
+) -> NumberSetting<CalibrationSettings> {
+    NumberSetting {
+        name,
+        label: name,
+        title: name,
+        key,
+        meaning,
+        unit,
+        per_stored,
+        least: Bound::Included(0.0),
+        most: f64::INFINITY,
+        slider: [0.0, 100.0],
+        field,
+    }
+}
+
+static SIGMA_CLOCK_OFFSETS: NumberSetting<CalibrationSettings> = prior(
+    "σ clock offsets",
+    "clock-offset",
+    "Time offset of the clocks of stations 2 and 3",
+    ("s", 1.0),
+    |settings| &mut settings.errors.clock_offset_s,
+);
+
+static SIGMA_CLOCK_DRIFTS: NumberSetting<CalibrationSettings> = prior(
+    "σ clock drifts",
+    "clock-drift",
+    "Drift of the clocks",
+    ("ppm", 1e6),
+    |settings| &mut settings.errors.clock_drift,
+);
+
+static SIGMA_CLOCK_WANDER: NumberSetting<CalibrationSettings> = prior(
+    "σ wandering clocks",
+    "clock-wander",
+    "Random walk of the clocks during a drive",
+    ("ms", 1e3),
+    |settings| &mut settings.errors.clock_wander_s,
+);
+
+static SIGMA_LATENCIES: NumberSetting<CalibrationSettings> = prior(
+    "σ latencies",
+    "latency",
+    "Time between the angles and the range of a reading",
+    ("ms", 1e3),
+    |settings| &mut settings.errors.latency_s,
+);
+
+static SIGMA_LEANS: NumberSetting<CalibrationSettings> = prior(
+    "σ leans",
+    "lean",
+    "Tilt that the compensator leaves",
+    ("″", 1.0 / ARCSECOND_RAD),
+    |settings| &mut settings.errors.lean_rad,
+);
+
+static SIGMA_RANGE_OFFSETS: NumberSetting<CalibrationSettings> = prior(
+    "σ range offsets",
+    "range-offset",
+    "Additive error of the ranges",
+    ("mm", 1e3),
+    |settings| &mut settings.errors.range_offset_m,
+);
+
+static SIGMA_RANGE_SCALES: NumberSetting<CalibrationSettings> = prior(
+    "σ range scales",
+    "range-scale",
+    "Scale error of the ranges",
+    ("ppm", 1e6),
+    |settings| &mut settings.errors.range_scale,
+);
+
+static SIGMA_INDICES: NumberSetting<CalibrationSettings> = prior(
+    "σ vertical indices",
+    "index",
+    "Vertical index error",
+    ("″", 1.0 / ARCSECOND_RAD),
+    |settings| &mut settings.errors.index_rad,
+);
+
+static SIGMA_COLLIMATIONS: NumberSetting<CalibrationSettings> = prior(
+    "σ collimations",
+    "collimation",
+    "Collimation error",
+    ("″", 1.0 / ARCSECOND_RAD),
+    |settings| &mut settings.errors.collimation_rad,
+);
+
+static SIGMA_SETTLING_TURN: NumberSetting<CalibrationSettings> = prior(
+    "σ settling, turn",
+    "settling-turn",
+    "Rotation of a tripod during a drive",
+    ("mrad", 1e3),
+    |settings| &mut settings.errors.settling_rad,
+);
+
+static SIGMA_SETTLING_PLACE: NumberSetting<CalibrationSettings> = prior(
+    "σ settling, place",
+    "settling-place",
+    "Displacement of a tripod during a drive",
+    ("mm", 1e3),
+    |settings| &mut settings.errors.settling_m,
+);
