@@ -75,13 +75,11 @@ pub use layout::Layout;
 pub use model::{
     AngleUnit, Asked, AskedAnswer, Camera, Colouring, Command, DeploymentCommand, DialogCommand,
     JudgingCommand, LayoutDescription, LayoutPreset, LengthUnit, LiveCommand, LiveForm,
-    OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, PlanCommand, Playback, Plotted, Results,
+    OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, PlanCommand, Playback, ChannelPlots, Results,
     ResultsCommand, Ruler, RulerEnd, Run, SceneCommand, SceneOptions, SessionCommand, StudyKind,
-    StudyOptions, StudyResult, TimeCommand, TimeUnit, Timeline, Units, ViewPreset, Visibility,
-    WayPlots, WorkspaceCommand, toasts,
+    StudyOptions, StudyResult, TimeCommand, TimeUnit, Timeline, Units, ViewPreset, Visibility, WorkspaceCommand, toasts,
 };
 pub use picture::{offscreen_renderer, picture};
-pub use prepared::aspects::Aspect;
 pub use prepared::channels::Channel;
 pub use scene::SceneView;
 pub use state::State;

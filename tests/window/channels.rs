@@ -2,18 +2,18 @@
 
 use std::path::Path;
 
-use egui::Theme;
+use egui::{Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable;
 use resect::app::{
-    Channel, LengthUnit, Pane, Plotted, SceneCommand, TimeCommand, Units, WorkspaceCommand,
+    Channel, ChannelPlots, LengthUnit, Pane, SceneCommand, TimeCommand, Units, WorkspaceCommand,
 };
 
 use crate::harness::{
-    LARGE, Part, SMALL, Window, send, settle, shown, snapshot_of, type_and_enter_at_once, window,
+    LARGE, Part, SMALL, Window, click, press, send, settle, shown, snapshot_of, type_and_enter_at_once, window,
 };
 
 fn plot(harness: &mut Window, channel: Channel, against: Option<Channel>) {
-    send(harness, TimeCommand::Plot(Plotted { channel, against }));
+    send(harness, TimeCommand::Plot(ChannelPlots { against, ..ChannelPlots::of(&[channel]) }));
 }
 
 #[test]
@@ -23,7 +23,7 @@ fn every_channel_is_plotted_over_time_and_against_others() {
         plot(&mut harness, channel, None);
         // No file of the sample tells the stations' own clocks.
         if channel == Channel::OwnClock {
-            harness.get_by_label("No file tells the stations' own clocks.");
+            harness.get_by_label("No station clocks in these files.");
             continue;
         }
         harness.get_by_label(&format!("{} over time", channel.name()));
@@ -40,8 +40,8 @@ fn every_channel_is_plotted_over_time_and_against_others() {
 fn channels_are_drawn_with_their_units() {
     let mut harness = window(LARGE, Theme::Dark);
     plot(&mut harness, Channel::Range, None);
-    let (plots, index) = (&shown(&harness).plots, 0);
-    assert!(Channel::Range.series(plots, index).is_some());
+    let sources = shown(&harness).sources();
+    assert!((0..3).all(|station| Channel::Range.series(sources, station).is_some()));
     harness.get_all_by_label_contains("values; at the cursor").next().expect("a station");
     snapshot_of(&mut harness, Part::Pane(Pane::Channels), "channels-dark");
     let units = Units { length: LengthUnit::Millimetre, ..Units::default() };
@@ -53,22 +53,46 @@ fn channels_are_drawn_with_their_units() {
 }
 
 #[test]
-fn a_channel_is_chosen_in_the_menu_where_it_can_stand_against_the_other() {
+fn channels_are_chosen_in_the_menu_and_plotted_against_those_that_they_go_with() {
     let mut harness = window(LARGE, Theme::Dark);
     plot(&mut harness, Channel::DistanceError, Some(Channel::Speed));
-    // Ranges are of stations, speeds of the vehicle: they go together, errors of pairs and ranges do not.
-    plot(&mut harness, Channel::Range, Some(Channel::Speed));
-    harness.get_by_label("range against speed");
-    harness.get_by_label("What is plotted").click();
-    harness.run_steps(3);
-    harness.get_by_label("distance error").click();
-    settle(&mut harness);
-    let plotted = harness.state().state.time.plotted;
-    let expected = Plotted { channel: Channel::DistanceError, against: Some(Channel::Speed) };
-    assert_eq!(plotted, expected);
-    assert_eq!(plotted.with_channel(Channel::Range).against, Some(Channel::Speed));
-    let errors = Plotted { channel: Channel::Range, against: Some(Channel::Height) };
-    assert_eq!(errors.with_channel(Channel::DistanceError).against, None);
+    harness.get_by_label("distance error against prism speed");
+    // Ranges are of stations and errors of pairs: beside each other they are plotted over time, or against the vehicle.
+    click(&mut harness, "Show…");
+    click(&mut harness, "range");
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    let plots = harness.state().state.time.plots;
+    let both = [Channel::Range, Channel::DistanceError];
+    let expected = ChannelPlots { against: Some(Channel::Speed), ..ChannelPlots::of(&both) };
+    assert_eq!(plots, expected);
+    assert!(plots.goes_against(Channel::Pitch) && !plots.goes_against(Channel::Height));
+    let heights = ChannelPlots { against: Some(Channel::Height), ..ChannelPlots::of(&[Channel::Range]) };
+    assert_eq!(heights.toggled(Channel::DistanceError).against, None);
+    assert_eq!(heights.toggled(Channel::X).against, Some(Channel::Height));
+}
+
+#[test]
+fn pitch_is_plotted_against_speed_and_saved_with_its_sigma() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = window(LARGE, Theme::Dark);
+    plot(&mut harness, Channel::Pitch, Some(Channel::VehicleSpeed));
+    harness.get_by_label("pitch against speed");
+    let rows = saved(&mut harness, &folder.path().join("pitch.csv"));
+    assert_eq!(rows[0], vec!["series", "time_s", "vehicle_speed_m_per_s", "pitch_rad", "sigma"]);
+    let way = shown(&harness).way.newest.clone().expect("made");
+    assert_eq!(rows.len() - 1, way.instants.len());
+    let pitch_rad = way.instants[0].attitude.expect("a rig").pitch_rad;
+    assert_eq!(rows[1][3].parse(), Ok(pitch_rad.value));
+    assert_eq!(rows[1][4].parse(), Ok(pitch_rad.sigma));
+    // Several channels are written below each other.
+    send(&mut harness, TimeCommand::Plot(ChannelPlots::of(&[Channel::Roll, Channel::Range])));
+    let rows = saved(&mut harness, &folder.path().join("two.csv"));
+    assert_eq!(rows[0], vec!["series", "time_s", "channel", "value", "sigma"]);
+    let count = |name: &str| rows[1..].iter().filter(|row| &row[2] == name).count();
+    assert_eq!(count("roll_rad"), way.instants.len());
+    assert!(count("range_m") > count("roll_rad"));
+    let has_sigma = |row: &csv::StringRecord| row[4].is_empty() == (&row[2] == "range_m");
+    assert!(rows[1..].iter().all(has_sigma));
 }
 
 fn saved(harness: &mut Window, path: &Path) -> Vec<csv::StringRecord> {

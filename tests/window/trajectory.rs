@@ -11,8 +11,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use resect::app::{
-    Aspect, DeploymentCommand, JudgingCommand, Pane, SceneCommand, TimeCommand, Visibility,
-    WayPlots, WorkspaceCommand,
+    Channel, ChannelPlots, DeploymentCommand, JudgingCommand, Pane, SceneCommand, TimeCommand, Visibility, WorkspaceCommand,
 };
 use resect_core::calibration::Method;
 use resect_core::estimates::{Alignment, Body, Options};
@@ -74,7 +73,7 @@ fn rng_normal(rng: &mut ChaCha8Rng) -> f64 {
 #[test]
 fn the_vehicles_way_is_plotted_with_its_sigma() {
     let mut harness = window(LARGE, Theme::Dark);
-    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Trajectory));
+    send(&mut harness, WorkspaceCommand::ShowPane(Pane::Channels));
     for name in ["height over time", "heading over time", "σ position over time"] {
         harness.get_by_label(name);
     }
@@ -82,18 +81,19 @@ fn the_vehicles_way_is_plotted_with_its_sigma() {
     harness.get_all_by_label_contains(" ± ").next().expect("a value at the cursor with its σ");
     let way = shown(&harness).way.newest.clone().expect("made");
     assert!(way.instants.len() > 2000);
-    snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "trajectory-dark");
-    let all = WayPlots { aspects: [true; Aspect::ALL.len()], ..WayPlots::default() };
-    send(&mut harness, TimeCommand::PlotWay(all));
-    for aspect in Aspect::ALL {
-        harness.get_by_label(&format!("{} over time", aspect.name()));
+    snapshot_of(&mut harness, Part::Pane(Pane::Channels), "trajectory-dark");
+    let all = ChannelPlots::of(&Channel::ALL[..Channel::OF_VEHICLE]);
+    send(&mut harness, TimeCommand::Plot(all));
+    for channel in all.channels() {
+        harness.get_by_label(&format!("{} over time", channel.name()));
     }
     // Another answer is another way; by the paper's D it has no speed.
     set(&mut harness, |settings| {
         settings.calibration = settings.calibration.with_method(Method::InterPrism);
     });
     let by_d = shown(&harness).way.newest.clone().expect("made");
-    assert!(by_d.instants.iter().all(|at| Aspect::Speed.of(at).is_none()));
+    assert!(by_d.instants.iter().all(|at| at.speed_m_per_s.is_none()));
+    harness.get_by_label("This answer does not determine it.");
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn of_two_dropped_trajectories_the_window_says_which_is_better_and_where_one_is_
     let judged: Vec<&str> =
         shown(&harness).judging.judged().map(|(_, one)| &*one.estimate.name).collect();
     assert_eq!(judged, ["lio", "vio"], "by name, whatever the order in which they were dropped");
-    snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "estimates-errors-dark");
+    snapshot_of(&mut harness, Part::Pane(Pane::Channels), "estimates-errors-dark");
     snapshot_of(&mut harness, Part::Pane(Pane::Evaluation), "estimates-evaluation-dark");
     // The span leads there.
     let span = {
@@ -272,8 +272,8 @@ fn what_is_known_of_an_estimate_can_be_given_and_its_errors_shown_by_distance() 
     click(&mut harness, "Show…");
     click(&mut harness, "one scale");
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(harness.state().state.time.way_plots.one_scale);
-    snapshot_of(&mut harness, Part::Pane(Pane::Trajectory), "estimates-by-distance-dark");
+    assert!(harness.state().state.time.plots.one_scale);
+    snapshot_of(&mut harness, Part::Pane(Pane::Channels), "estimates-by-distance-dark");
 }
 
 /// What is done with trajectories is taken back and done again like any other setting, whichever deployment is looked at.
@@ -399,9 +399,9 @@ fn one_prism_judges_positions_and_claims_no_heading() {
         let sigma_m = one.fit.lever_arm_sigma_m.expect("found");
         assert!(off_m.component_div(&sigma_m).amax() < 4.0, "{off_m} {sigma_m}");
     }
-    let all = WayPlots { aspects: [true; Aspect::ALL.len()], ..WayPlots::default() };
-    send(&mut harness, TimeCommand::PlotWay(all));
-    let unknown = harness.get_all_by_label_contains("not known at the cursor").count();
+    let all = ChannelPlots::of(&Channel::ALL[..Channel::OF_VEHICLE]);
+    send(&mut harness, TimeCommand::Plot(all));
+    let unknown = harness.get_all_by_label("This answer does not determine it.").count();
     assert_eq!(unknown, 4, "heading, roll, pitch and their σ");
 }
 

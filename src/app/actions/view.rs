@@ -3,10 +3,10 @@
 use egui::Key;
 
 use super::{Action, Menu};
-use crate::app::model::plotted::APART;
+use crate::app::model::channel_plots::APART;
 use crate::app::model::time_scale::tells_time_of_day;
 use crate::app::model::{
-    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, Plotted, Ruler, SceneCommand,
+    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, ChannelPlots, Ruler, SceneCommand,
     SceneOptions, TimeCommand, TimeUnit, Units, ViewPreset, Visibility, WorkspaceCommand,
 };
 use crate::app::prepared::channels::Channel;
@@ -139,26 +139,27 @@ fn units(state: &State) -> Vec<Action> {
     actions
 }
 
-/// What the pane of channels plots, and against what.
+/// The channels that are plotted, and what they are plotted against.
 fn channels(state: &State) -> Vec<Action> {
-    let plotted = state.time.plotted;
-    let action = |section, name: String, to: Plotted| {
-        Action::new(Menu::View, section, name, TimeCommand::Plot(to)).on(plotted == to)
+    let plots = state.time.plots;
+    let action = |section, name: String, to: ChannelPlots| {
+        Action::new(Menu::View, section, name, TimeCommand::Plot(to)).on(plots == to)
     };
     let mut actions: Vec<Action> = (Channel::ALL.into_iter())
         .map(|channel| {
             let name = format!("Plot the {}", channel.name());
-            let action = action("Channel", name, plotted.with_channel(channel));
-            action.on(plotted.channel == channel).hint(channel.hint())
+            let action = action("Channels", name, plots.toggled(channel));
+            action.on(plots.shows(channel)).hint(channel.describe().hint)
         })
         .collect();
-    let over_time = Plotted { against: None, ..plotted };
-    actions.push(action("Channel against", "Plot it against time".to_owned(), over_time));
+    let over_time = ChannelPlots { against: None, ..plots };
+    actions.push(action("Channels against", "Plot against time".to_owned(), over_time));
     actions.extend(Channel::ALL.into_iter().map(|other| {
-        let name = format!("Plot it against the {}", other.name());
-        let action = action("Channel against", name, Plotted { against: Some(other), ..plotted });
-        let possible = plotted.channel.goes_with(other);
-        action.hint(if possible { other.hint() } else { APART }).possible(possible)
+        let name = format!("Plot against the {}", other.name());
+        let to = ChannelPlots { against: Some(other), ..plots };
+        let possible = plots.goes_against(other);
+        let hint = if possible { other.describe().hint } else { APART };
+        action("Channels against", name, to).hint(hint).possible(possible)
     }));
     actions
 }

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use super::Units;
 use super::studies::StudyOptions;
-use super::{Added, Asked, AskedAnswer, Lookup, Palette, Picked, Plotted, Visibility};
+use super::{Added, Asked, AskedAnswer, Lookup, Palette, Picked, ChannelPlots, Visibility};
 use super::{Colouring, Ruler, SceneOptions, ViewPreset};
-use super::{LayoutPreset, LiveCommand, Pane, PlanCommand, WayPlots};
+use super::{LayoutPreset, LiveCommand, Pane, PlanCommand};
 use crate::app::file_dialog::PromptCommand;
 use resect_core::analysis::Settings;
 use resect_io::sample::Sample;
@@ -90,10 +90,8 @@ pub enum TimeCommand {
     Unpick,
     /// Selects a span of time (s, in the stations' clock) and shows it in the plots and the scene.
     LookAtTimes([f64; 2]),
-    /// Plots a channel in the pane of channels.
-    Plot(Plotted),
-    /// Chooses the plots of the pane of the trajectory.
-    PlotWay(WayPlots),
+    /// Chooses the plots of the pane of channels, and shows it.
+    Plot(ChannelPlots),
     /// Saves every value that the pane of channels shows.
     SaveChannelsDialog,
 }

@@ -5,6 +5,7 @@
 pub mod ago;
 mod asked;
 mod camera;
+pub mod channel_plots;
 mod colouring;
 mod command;
 pub mod estimates;
@@ -21,7 +22,6 @@ mod open_deployment;
 mod overlay;
 pub mod pane;
 pub mod planning;
-pub mod plotted;
 pub mod results;
 mod ruler;
 mod scene_options;
@@ -34,7 +34,6 @@ pub mod units;
 mod validations;
 mod view;
 mod visibility;
-mod way_plots;
 
 pub use asked::{
     Asked, AskedAnswer, AskedColumns, AskedFiles, AskedStations, AskedToml, AskedTracks,
@@ -42,6 +41,7 @@ pub use asked::{
 };
 pub use camera::{Camera, Frame, ViewPreset};
 pub use colouring::Colouring;
+pub use channel_plots::ChannelPlots;
 pub use command::{
     Command, Commands, DeploymentCommand, DialogCommand, JudgingCommand, PictureTo, ResultsCommand,
     SceneCommand, SessionCommand, TimeCommand, WorkspaceCommand,
@@ -55,7 +55,6 @@ pub use open_deployment::{Analysing, OpenDeployment};
 pub use overlay::{Lookup, Overlay, Palette};
 pub use pane::Pane;
 pub use planning::{PlanCommand, Planning};
-pub use plotted::Plotted;
 pub use results::{Pin, Results, Run};
 pub use ruler::{Ruler, RulerEnd};
 pub use scene_options::SceneOptions;
@@ -67,4 +66,3 @@ pub use units::{AngleUnit, LengthUnit, TimeUnit, Units};
 pub use validations::{AnswerOf, Validated};
 pub use view::{Look, View};
 pub use visibility::Visibility;
-pub use way_plots::WayPlots;

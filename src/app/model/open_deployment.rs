@@ -7,6 +7,7 @@ use std::time::Instant;
 use super::{Judging, Made, Timeline};
 use crate::app::prepared::analyser::Answered;
 use crate::app::prepared::beside::RunBeside;
+use crate::app::prepared::channels::Sources;
 use crate::app::prepared::way::Way;
 use crate::app::prepared::{Clouds, PreparedPlots};
 use resect_core::analysis::{Analysis, Settings};
@@ -136,6 +137,11 @@ impl OpenDeployment {
         self.longest_range_m = longest_range_m(&deployment);
         self.timeline.grow(&deployment);
         self.deployment = deployment;
+    }
+
+    /// Returns the data that channels are read from.
+    pub fn sources(&self) -> Sources<'_> {
+        Sources { plots: &self.plots, way: self.way.newest.as_deref(), start_s: self.start_s() }
     }
 
     /// Time of the first measurement (s): what the plots count from.

@@ -19,7 +19,7 @@ pub enum Pane {
     Intervals,
     /// What the stations' own clocks said, and what the calibration estimates of them.
     Clocks,
-    /// Any channel over time, or against another.
+    /// Channels over time or against another one: readings, prisms, the vehicle with σ; errors of other trajectories.
     Channels,
     /// The picked reading, explained.
     Reading,
@@ -29,8 +29,6 @@ pub enum Pane {
     Guide,
     /// What the answer leaves at each control point.
     ControlPoints,
-    /// The vehicle's way over time with its σ, and errors of other trajectories against it.
-    Trajectory,
     /// Which of the trajectories of other systems is better, by how much, and where they are wrong.
     Evaluation,
     /// The numbers of a plan.
@@ -45,7 +43,7 @@ pub enum Pane {
 
 impl Pane {
     /// All panes in the order of the menu.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 23] = [
         Self::Deployment,
         Self::Pipeline,
         Self::Scene,
@@ -58,7 +56,6 @@ impl Pane {
         Self::Intervals,
         Self::Clocks,
         Self::Channels,
-        Self::Trajectory,
         Self::Evaluation,
         Self::Histogram,
         Self::Findings,
@@ -92,7 +89,6 @@ impl Pane {
             Self::Runs => "Runs",
             Self::Guide => "Guide",
             Self::ControlPoints => "Control points",
-            Self::Trajectory => "Trajectory",
             Self::Evaluation => "Evaluation",
             Self::PlanNumbers => "Plan in numbers",
             Self::PlanMap => "Plan",
@@ -122,7 +118,6 @@ impl Pane {
             Self::Runs => "runs",
             Self::Guide => "guide",
             Self::ControlPoints => "control-points",
-            Self::Trajectory => "trajectory",
             Self::Evaluation => "evaluation",
             Self::PlanNumbers => "plan-numbers",
             Self::PlanMap => "plan",

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::hashes::{FileMark, HashCache, used_files};
 use crate::app::model::{
-    Colouring, LayoutDescription, Plotted, SavedEstimate, SceneOptions, StudyOptions, Units,
-    Visibility, WayPlots,
+    ChannelPlots, Colouring, LayoutDescription, SavedEstimate, SceneOptions, StudyOptions, Units,
+    Visibility,
 };
 use resect_core::analysis::Settings;
 use resect_core::deployment::Deployment;
@@ -126,11 +126,10 @@ impl SavedDeployment {
 pub struct SavedView {
     pub colouring: Colouring,
     pub units: Units,
-    pub plotted: Plotted,
+    pub plots: ChannelPlots,
     pub visibility: Visibility,
     pub scene: SceneOptions,
     pub study: StudyOptions,
-    pub way: WayPlots,
 }
 
 /// A pinned result.

@@ -7,7 +7,7 @@ use super::*;
 use crate::app::layout::Layout;
 use crate::app::model::Colouring;
 use crate::app::model::LayoutPreset;
-use crate::app::model::Plotted;
+use crate::app::model::ChannelPlots;
 use crate::app::model::SavedEstimate;
 use crate::app::model::SceneOptions;
 use crate::app::model::{Planning, StudyKind, StudyOptions};
@@ -71,7 +71,10 @@ fn session(folder: &Path) -> Session {
         active: 1,
         view: SavedView {
             colouring: Colouring::Speed,
-            plotted: Plotted { channel: Channel::Height, against: Some(Channel::Speed) },
+            plots: ChannelPlots {
+                against: Some(Channel::Speed),
+                ..ChannelPlots::of(&[Channel::Height])
+            },
             study: StudyOptions {
                 kind: StudyKind::Sensitivity,
                 reference: Some(Method::StaticGcp),

@@ -1,9 +1,13 @@
-//! Any channel over time, or against another one.
+//! Channels over time or against another one, each in a strip, and errors of other systems' trajectories above them.
 
-use egui::{FontId, RichText, Stroke};
-use egui_plot::{AxisHints, HoverPosition, Plot, PlotPoint};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Color32, FontId, PopupCloseBehavior, RichText, Stroke};
+use egui_plot::{
+    AxisHints, FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi,
+};
 
 use super::dimension_units::{per_stored, unit, with_unit};
+use super::estimate_errors;
 use super::marks::Marks;
 use super::strips::{Strip, strips};
 use super::time_plot::{self, TimePlot};
@@ -11,141 +15,219 @@ use super::times::Times;
 use super::{
     LABELS, close_marks, in_the_middle, pair_switches, round_marks, station_switches, with_room,
 };
-use crate::app::model::plotted::{APART, SeenSeries};
-use crate::app::model::{Commands, OpenDeployment, Plotted, TimeCommand, Units};
-use crate::app::prepared::channels::{Channel, Of};
+use crate::app::model::channel_plots::{APART, SeenSeries};
+use crate::app::model::estimates::Shown;
+use crate::app::model::{ChannelPlots, Commands, OpenDeployment, TimeCommand, Units};
+use crate::app::prepared::channels::{Channel, Subject};
+use crate::app::prepared::series::Corner;
 use crate::app::state::State;
 use crate::app::theme;
+use resect_core::estimates::Judged;
 use resect_core::palette;
 use resect_core::palette::Rgb;
 
-/// What stands beside the two boxes of what is plotted (points).
-const BESIDE_BOXES: f32 = 90.0;
-/// Narrower panes have no room for what is plotted beside what of it is shown (points).
+/// Room for the words beside the box of what is plotted against (points).
+const BESIDE_BOX: f32 = 60.0;
+/// Narrower panes have no room for the choice of channels beside the switches of their series (points).
 const NARROW: f32 = 640.0;
+/// Fewest corners of a line.
+const LEAST_CORNERS: usize = 100;
 /// Three times as many dots of a series are all drawn.
 const LEAST_RUNS: usize = 800;
 
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     let Some((open, _)) = state.analysed() else {
-        in_the_middle(ui, "No readings to plot.");
+        in_the_middle(ui, "Nothing open.");
         return;
     };
+    if state.is_stale() {
+        ui.multiply_opacity(0.45);
+    }
     let times = Times::of(open, state);
-    let plotted = state.time.plotted;
+    let plots = state.time.plots;
+    let channels: Vec<Channel> = plots.channels().collect();
+    heads(ui, state, (open, &times), commands);
+    let judged: Vec<(usize, &Judged)> =
+        if plots.errors { open.judging.judged().collect() } else { Vec::new() };
+    if judged.is_empty() && channels.is_empty() {
+        in_the_middle(ui, nothing_shown(open, plots));
+        return;
+    }
+    let sources = open.sources();
+    let seen: Vec<Vec<SeenSeries<'_>>> = (channels.iter())
+        .map(|channel| plots.seen(*channel, sources, &state.scene.visibility))
+        .collect();
+    let lines = seen.iter().map(Vec::len).max().unwrap_or(0).max(2);
+    let places = strips(ui, judged.len() + channels.len(), lines);
+    let (of_errors, of_channels) = places.split_at(judged.len());
+    estimate_errors::show(ui, state, (open, &times), of_errors, &judged, commands);
+    for ((strip, channel), all) in of_channels.iter().zip(channels).zip(seen) {
+        let units = state.workspace.units;
+        let plot = ChannelPlot { open, units, channel, plots, times: &times, all };
+        if plot.all.is_empty() {
+            strip.words(ui, &[RichText::new(channel.name()).strong()], "");
+            let builder = egui::UiBuilder::new().id_salt(channel.name()).max_rect(strip.plot);
+            in_the_middle(&mut ui.new_child(builder), nothing(open, plots, channel));
+            continue;
+        }
+        match plots.against {
+            None => plot.over_time(ui, strip, commands),
+            Some(other) => plot.against(ui, strip, other),
+        }
+        plot.words(ui, strip);
+    }
+}
+
+/// Shows the choice of channels, and the switches of their series, in one line or two.
+fn heads(
+    ui: &mut egui::Ui,
+    state: &State,
+    (open, times): (&OpenDeployment, &Times),
+    commands: &mut Commands,
+) {
+    let plots = state.time.plots;
+    let can_judge = !open.judging.added.is_empty();
     let is_narrow = ui.available_width() < NARROW;
     if is_narrow {
-        time_plot::head(ui, |ui| choice(ui, plotted, commands));
+        time_plot::head(ui, |ui| choice(ui, plots, can_judge, commands));
     }
     time_plot::head(ui, |ui| {
         if !is_narrow {
-            choice(ui, plotted, commands);
+            choice(ui, plots, can_judge, commands);
         }
-        match plotted.channel.of() {
-            Of::Station => station_switches(ui, state, commands),
-            Of::Pair => pair_switches(ui, state, commands),
-            Of::Vehicle => {}
+        let shows = |subject: Subject| plots.channels().any(|channel| channel.subject() == subject);
+        if shows(Subject::Station) {
+            station_switches(ui, state, commands);
         }
-        let name = "Save as CSV…";
-        let button = ui.small_button(name);
+        if shows(Subject::Pair) {
+            pair_switches(ui, state, commands);
+        }
+        let button = ui.small_button("Save as CSV…");
         if button.on_hover_text("Every value of what is shown, not only those drawn").clicked() {
             commands.push(TimeCommand::SaveChannelsDialog.into());
         }
-        time_plot::selection(ui, &times, commands);
-        if plotted.against.is_none() {
+        time_plot::selection(ui, times, commands);
+        let is_over_time = plots.against.is_none() && plots.channels().next().is_some();
+        if is_over_time || (plots.errors && !plots.by_distance) {
             time_plot::hint(ui, "");
         }
     });
-    let all = plotted.seen(&open.plots, &state.scene.visibility);
-    if all.is_empty() {
-        in_the_middle(ui, nothing(plotted));
-        return;
-    }
-    let strip = strips(ui, 1, all.len())[0];
-    let pane = ChannelPlot { open, units: state.workspace.units, plotted, times, all };
-    match plotted.against {
-        None => pane.over_time(ui, &strip, commands),
-        Some(other) => pane.against(ui, &strip, other),
-    }
-    pane.words(ui, &strip);
 }
 
-/// Why there is nothing to see.
-fn nothing(plotted: Plotted) -> &'static str {
-    let is_of = |channels: &[Channel]| {
-        channels.contains(&plotted.channel)
-            || plotted.against.is_some_and(|other| channels.contains(&other))
-    };
-    if is_of(&[Channel::OwnClock]) {
-        "No file tells the stations' own clocks."
-    } else if is_of(&[Channel::X, Channel::Y, Channel::Height]) {
-        "Nothing tells where the stations stand, or all are hidden."
+/// Why the pane is empty.
+fn nothing_shown(open: &OpenDeployment, plots: ChannelPlots) -> &'static str {
+    match open.judging.judgement.is_running() {
+        true => "Judging…",
+        false if plots.errors && !open.judging.added.is_empty() => {
+            "No trajectory could be judged: Evaluation says why."
+        }
+        false => "No channel is chosen: see Show….",
+    }
+}
+
+/// Why a channel has no series to be seen.
+fn nothing(open: &OpenDeployment, plots: ChannelPlots, channel: Channel) -> &str {
+    let both = [Some(channel), plots.against];
+    let is_one_of = |some: &[Channel]| both.iter().flatten().any(|own| some.contains(own));
+    let is_vehicle = both.iter().flatten().any(|own| own.subject() == Subject::Vehicle);
+    let way = open.way.newest.as_deref();
+    if is_vehicle {
+        way.and_then(|way| way.why_not.as_deref()).unwrap_or("This answer does not determine it.")
+    } else if is_one_of(&[Channel::OwnClock]) {
+        "No station clocks in these files."
+    } else if is_one_of(&[Channel::X, Channel::Y, Channel::Height]) {
+        "The places of the stations are not known, or all are hidden."
     } else {
         "The data has none of these, or all are hidden."
     }
 }
 
-/// What is plotted, and against what.
-fn choice(ui: &mut egui::Ui, plotted: Plotted, commands: &mut Commands) {
-    let mut chosen = plotted;
-    let width = (0.5 * (ui.available_width() - BESIDE_BOXES)).clamp(40.0, 130.0);
-    let named = |response: egui::Response, name: &str| {
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
-    };
-    let combo = egui::ComboBox::from_id_salt("channel").selected_text(plotted.channel.name());
-    let combo = combo.width(width).truncate().height(400.0).show_ui(ui, |ui| {
-        for channel in Channel::ALL {
-            let on = channel == plotted.channel;
-            if ui.selectable_label(on, channel.name()).on_hover_text(channel.hint()).clicked() {
-                chosen = plotted.with_channel(channel);
+/// Lets the user choose the channels, what they are plotted against, and how errors are plotted.
+fn choice(ui: &mut egui::Ui, plots: ChannelPlots, can_judge: bool, commands: &mut Commands) {
+    let mut chosen = plots;
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    MenuButton::new("Show…").config(stays).ui(ui, |ui| {
+        if can_judge {
+            error_switches(ui, &mut chosen);
+            ui.separator();
+        }
+        for (index, channel) in Channel::ALL.into_iter().enumerate() {
+            if index == Channel::OF_VEHICLE {
+                ui.separator();
+            }
+            let mut on = plots.shows(channel);
+            let name = if index < Channel::OF_VEHICLE {
+                format!("vehicle: {}", channel.name())
+            } else {
+                channel.name().to_owned()
+            };
+            if ui.checkbox(&mut on, name).on_hover_text(channel.describe().hint).clicked() {
+                chosen = chosen.toggled(channel);
             }
         }
     });
-    named(combo.response, "What is plotted");
     ui.small("against");
-    let against = plotted.against.map_or("time", Channel::name);
+    let width = (ui.available_width() - BESIDE_BOX).clamp(40.0, 130.0);
+    let against = plots.against.map_or("time", Channel::name);
     let combo = egui::ComboBox::from_id_salt("against").selected_text(against);
     let combo = combo.width(width).truncate().height(400.0).show_ui(ui, |ui| {
-        if ui.selectable_label(plotted.against.is_none(), "time").clicked() {
+        if ui.selectable_label(plots.against.is_none(), "time").clicked() {
             chosen.against = None;
         }
         for channel in Channel::ALL {
-            let possible = plotted.channel.goes_with(channel);
-            let on = plotted.against == Some(channel);
+            let possible = plots.goes_against(channel);
+            let on = plots.against == Some(channel);
             let entry = ui.add_enabled(possible, egui::Button::selectable(on, channel.name()));
             let entry = entry.on_disabled_hover_text(APART);
-            if entry.on_hover_text(channel.hint()).clicked() {
+            if entry.on_hover_text(channel.describe().hint).clicked() {
                 chosen.against = Some(channel);
             }
         }
     });
-    named(combo.response, "What it is plotted against");
-    if chosen != plotted {
+    let name = "Plotted against";
+    combo
+        .response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+    if chosen != plots {
         commands.push(TimeCommand::Plot(chosen).into());
     }
+}
+
+fn error_switches(ui: &mut egui::Ui, chosen: &mut ChannelPlots) {
+    ui.checkbox(&mut chosen.errors, "errors").on_hover_text(
+        "Errors of each trajectory that was added, with the σ of the ground truth",
+    );
+    ui.add_enabled_ui(chosen.errors, |ui| {
+        ui.checkbox(&mut chosen.by_distance, "by distance")
+            .on_hover_text("Errors over the way that was driven, instead of over time");
+        ui.checkbox(&mut chosen.one_scale, "one scale")
+            .on_hover_text("All errors on the same scale, so that heights compare");
+    });
 }
 
 struct ChannelPlot<'a> {
     open: &'a OpenDeployment,
     units: Units,
-    plotted: Plotted,
-    times: Times,
+    channel: Channel,
+    plots: ChannelPlots,
+    times: &'a Times,
     all: Vec<SeenSeries<'a>>,
 }
 
 impl ChannelPlot<'_> {
     fn over_time(&self, ui: &mut egui::Ui, strip: &Strip, commands: &mut Commands) {
-        let (channel, units, scale) = (self.plotted.channel, self.units, self.times.scale);
-        let factor = per_stored(channel.dimension(), units);
+        let (channel, units, times) = (self.channel, self.units, self.times);
+        let (scale, factor) = (times.scale, per_stored(channel.dimension(), units));
         let runs = (strip.plot.width() as usize).max(LEAST_RUNS);
-        let dots: Vec<Vec<PlotPoint>> = (self.all.iter())
-            .map(|one| {
-                let dots = one.series.over_time(self.times.window_s, runs).into_iter();
-                dots.map(|dot| PlotPoint::new(dot.x, factor * dot.y)).collect()
+        let corners = (strip.plot.width() as usize).max(LEAST_CORNERS);
+        let drawn: Vec<Drawn> = (self.all.iter())
+            .map(|one| match one.series.has_sigma() {
+                true => Drawn::Lines(one.series.lines(times.window_s, corners)),
+                false => Drawn::Dots(one.series.over_time(times.window_s, runs)),
             })
             .collect();
-        let y_bounds = with_room(dots.iter().flatten().map(|dot| dot.y));
-        let plot = Plot::new(("channels", self.open.id))
+        let y_bounds = with_room(drawn.iter().flat_map(Drawn::extents).map(|y| factor * y));
+        let plot = Plot::new(("channels", self.open.id, channel.name()))
             .y_grid_spacer(close_marks)
             .label_formatter(move |position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
@@ -156,19 +238,19 @@ impl ChannelPlot<'_> {
                 HoverPosition::Elsewhere { .. } => None,
             });
         let axis = strip.value_axis(channel.name(), unit(channel.dimension(), units));
-        let name = self.plotted.in_words();
-        let time_plot = TimePlot { strip, name: &name, times: &self.times, y_bounds };
+        let name = self.plots.name_of(channel);
+        let time_plot = TimePlot { strip, name: &name, times, y_bounds };
         let shown = time_plot.show(ui, plot, axis, commands, |plot_ui| {
-            for (one, dots) in self.all.iter().zip(dots) {
-                plot_ui.add(Marks::dots(&one.name, dots, theme::rgb(colour(one))));
+            for (one, drawn) in self.all.iter().zip(drawn) {
+                drawn.add(plot_ui, &one.name, theme::rgb(colour(one)), factor);
             }
         });
-        shown.paint_times(ui, &self.times);
-        shown.on_click(&self.times, commands, |_| None);
+        shown.paint_times(ui, times);
+        shown.on_click(times, commands, |_| None);
     }
 
     fn against(&self, ui: &mut egui::Ui, strip: &Strip, other: Channel) {
-        let (channel, units) = (self.plotted.channel, self.units);
+        let (channel, units) = (self.channel, self.units);
         let factors = [other, channel].map(|channel| per_stored(channel.dimension(), units));
         let runs = (strip.plot.width() as usize).max(LEAST_RUNS);
         let dots: Vec<Vec<PlotPoint>> = (self.all.iter())
@@ -187,7 +269,7 @@ impl ChannelPlot<'_> {
             .label(RichText::new(title).small())
             .tick_label_font(FontId::proportional(11.0))
             .label_spacing(LABELS);
-        let name = self.plotted.in_words();
+        let name = self.plots.name_of(channel);
         let builder = egui::UiBuilder::new().id_salt(&name).max_rect(strip.plot);
         let ui = &mut ui.new_child(builder);
         let window_s = self.times.window_s.map(f64::to_bits);
@@ -235,28 +317,92 @@ impl ChannelPlot<'_> {
         }
     }
 
-    /// How many values of each are shown, and what it is at the cursor.
+    /// Shows the value at the cursor, with σ if it has one, and of readings and triplets the number of values.
     fn words(&self, ui: &mut egui::Ui, strip: &Strip) {
-        let (channel, dark) = (self.plotted.channel, ui.visuals().dark_mode);
+        let (channel, dark) = (self.channel, ui.visuals().dark_mode);
         let mut lines = Vec::new();
         for one in &self.all {
-            let count = one.series.count(self.times.window_s);
-            let at = self.times.cursor_s.and_then(|cursor_s| one.series.at(cursor_s));
-            let at = at.map(|value| with_unit(channel.dimension(), self.units, value));
-            let at = at.unwrap_or_else(|| "nothing".to_owned());
             let colour = theme::readable(colour(one), dark);
-            let text = format!("{}: {count} values; at the cursor {at}", one.name);
-            lines.push(RichText::new(text).color(colour));
+            let text = if one.series.has_sigma() {
+                lines.push(RichText::new(channel.name()).strong());
+                self.vehicle_at_cursor()
+            } else {
+                let count = one.series.count(self.times.window_s);
+                let at = self.times.cursor_s.and_then(|cursor_s| one.series.at(cursor_s));
+                let at = at.map(|value| with_unit(channel.dimension(), self.units, value));
+                let at = at.unwrap_or_else(|| "nothing".to_owned());
+                format!("{}: {count} values; at the cursor {at}", one.name)
+            };
+            let text = RichText::new(text);
+            lines.push(if one.series.has_sigma() { text } else { text.color(colour) });
         }
-        strip.words(ui, &lines, channel.hint());
+        strip.words(ui, &lines, channel.describe().hint);
+    }
+
+    fn vehicle_at_cursor(&self) -> String {
+        let at = || {
+            let instant = self.open.way.newest.as_deref()?.at(self.open.timeline.cursor_s?)?;
+            self.channel.of_vehicle(&instant)
+        };
+        let dimension = self.channel.dimension();
+        let (factor, unit) = (per_stored(dimension, self.units), unit(dimension, self.units));
+        match at() {
+            None => "not known at the cursor".to_owned(),
+            Some(at) if at.sigma > 0.0 => {
+                Shown::new(factor * at.value, Some(factor * at.sigma), unit, 3).in_words()
+            }
+            Some(at) => format!("{:.2} {unit}", factor * at.value),
+        }
+    }
+}
+
+/// The dots or the lines of a series, in the stored unit.
+enum Drawn {
+    Dots(Vec<PlotPoint>),
+    Lines(Vec<Vec<Corner>>),
+}
+
+impl Drawn {
+    /// Returns values of which the least and the greatest are the bounds.
+    fn extents(&self) -> Vec<f64> {
+        match self {
+            Self::Dots(dots) => dots.iter().map(|dot| dot.y).collect(),
+            Self::Lines(lines) => {
+                lines.iter().flatten().flat_map(|corner| [corner.low, corner.high]).collect()
+            }
+        }
+    }
+
+    fn add<'a>(self, plot_ui: &mut PlotUi<'a>, name: &'a str, colour: Color32, factor: f64) {
+        match self {
+            Self::Dots(dots) => {
+                let dots = dots.into_iter().map(|dot| PlotPoint::new(dot.x, factor * dot.y));
+                plot_ui.add(Marks::dots(name, dots.collect(), colour));
+            }
+            Self::Lines(lines) => {
+                for line in lines {
+                    let scaled = |value: fn(&Corner) -> f64| {
+                        line.iter().map(|corner| factor * value(corner)).collect::<Vec<f64>>()
+                    };
+                    let x: Vec<f64> = line.iter().map(|corner| corner.since_s).collect();
+                    let band = FilledArea::new("", &x, &scaled(|c| c.low), &scaled(|c| c.high));
+                    plot_ui.add(band.fill_color(colour.gamma_multiply(0.35)).allow_hover(false));
+                    let points = x.iter().zip(scaled(|c| c.value));
+                    let points = points.map(|(x, y)| PlotPoint::new(*x, y)).collect();
+                    let line = Line::new(name, PlotPoints::Owned(points));
+                    plot_ui.line(line.color(colour).width(1.6));
+                }
+            }
+        }
     }
 }
 
 fn colour(seen: &SeenSeries<'_>) -> Rgb {
-    match seen.of {
-        (Of::Station, station) => palette::STATIONS[station],
-        (Of::Pair, pair) => palette::PAIRS[pair],
-        (Of::Vehicle, _) => palette::STATIONS[0],
+    match seen.subject {
+        (Subject::Station, station) => palette::STATIONS[station],
+        (Subject::Pair, pair) => palette::PAIRS[pair],
+        (Subject::Prism1, _) => palette::STATIONS[0],
+        (Subject::Vehicle, _) => palette::METRICS[0],
     }
 }
 

@@ -38,7 +38,7 @@ pub fn show(
     judged: &[(usize, &Judged)],
     commands: &mut Commands,
 ) {
-    let plots = state.time.way_plots;
+    let plots = state.time.plots;
     let lines: Vec<ErrorLine> = judged
         .iter()
         .zip(strips)

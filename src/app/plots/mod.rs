@@ -1,4 +1,4 @@
-//! Plots: over time ([`residuals`], [`rates`], [`intervals`], [`clocks`], [`channels`], [`way`], all through [`time_plot`]), and others.
+//! Plots: over time ([`residuals`], [`rates`], [`intervals`], [`clocks`], [`channels`], all through [`time_plot`]), and others.
 //!
 //! What no frame should compute is in [`PreparedPlots`] and [`RawReadings`], made by the worker; of long series a frame
 //! draws what its [`pyramid`] says.
@@ -26,7 +26,6 @@ mod switches;
 mod threshold;
 mod time_plot;
 mod times;
-pub mod way;
 
 pub use axis_marks::{close_marks, round_marks};
 pub use shown_answer::in_the_middle;

@@ -1,15 +1,24 @@
-//! Everything that is measured or computed over time, as series to be plotted against time or against each other.
+//! Values over time, as series to be plotted against time or against each other.
 
 use serde::{Deserialize, Serialize};
 
 use super::dimension::Dimension;
 use super::plots::PreparedPlots;
-use super::series::Series;
+use super::series::{InstantValue, Series};
+use super::way::{Instant, Way};
+use resect_core::calibration::Estimate;
 
-/// What can be plotted.
+/// A value over time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Channel {
+    VehicleHeight,
+    VehicleSpeed,
+    Heading,
+    Roll,
+    Pitch,
+    PositionSigma,
+    RotationSigma,
     #[default]
     Range,
     HorizontalAngle,
@@ -25,17 +34,55 @@ pub enum Channel {
     DistanceError,
 }
 
-/// What the series of a channel are of.
+/// The subject of a channel: there is a series of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
+pub enum Subject {
     /// A station, or the prism that it follows.
     Station,
     Pair,
+    Prism1,
+    /// The vehicle by the answer, with σ.
     Vehicle,
 }
 
+impl Subject {
+    /// Whether there is one series, and not three.
+    pub fn is_single(self) -> bool {
+        matches!(self, Self::Prism1 | Self::Vehicle)
+    }
+}
+
+/// The description of a channel.
+#[derive(Clone, Copy, Debug)]
+pub struct Description {
+    pub name: &'static str,
+    pub subject: Subject,
+    pub dimension: Dimension,
+    /// Name of its column in a file, with the unit that it is stored in.
+    pub column: &'static str,
+    pub hint: &'static str,
+}
+
+/// The data that channels are read from.
+#[derive(Clone, Copy)]
+pub struct Sources<'a> {
+    pub plots: &'a PreparedPlots,
+    /// The way of the vehicle by the answer.
+    pub way: Option<&'a Way>,
+    /// The first measurement (s).
+    pub start_s: f64,
+}
+
 impl Channel {
-    pub const ALL: [Self; 12] = [
+    /// All channels in the order of the menus: first those of the vehicle.
+    pub const ALL: [Self; 19] = [
+        Self::VehicleHeight,
+        Self::VehicleSpeed,
+        Self::Heading,
+        Self::Roll,
+        Self::Pitch,
+        Self::PositionSigma,
+        Self::RotationSigma,
         Self::Range,
         Self::HorizontalAngle,
         Self::VerticalAngle,
@@ -49,105 +96,110 @@ impl Channel {
         Self::Speed,
         Self::DistanceError,
     ];
+    /// The number of channels of the vehicle, which are the first.
+    pub const OF_VEHICLE: usize = 7;
+
+    /// Describes the channel: the one place to add another.
+    #[rustfmt::skip]
+    pub fn describe(self) -> Description {
+        use Dimension::{Angle, AngleRate, AngleSigma, Length, LengthSigma, Other};
+        use Subject::{Pair, Prism1, Station, Vehicle};
+        let row = |name, subject, dimension, column, hint| Description { name, subject, dimension, column, hint };
+        match self {
+            Self::VehicleHeight => row("height", Vehicle, Length, "vehicle_z_m",
+                "z of the vehicle's origin in the frame of station 1, with ±1.96 σ"),
+            Self::VehicleSpeed => row("speed", Vehicle, Other("m/s"), "vehicle_speed_m_per_s",
+                "Length of the velocity of the vehicle's origin, with ±1.96 σ"),
+            Self::Heading => row("heading", Vehicle, Angle, "heading_rad",
+                "Rotation about z from the frame of station 1 to the vehicle's, with ±1.96 σ"),
+            Self::Roll => row("roll", Vehicle, Angle, "roll_rad",
+                "Rotation about the vehicle's own x, with ±1.96 σ"),
+            Self::Pitch => row("pitch", Vehicle, Angle, "pitch_rad",
+                "Rotation about y between heading and roll, with ±1.96 σ"),
+            Self::PositionSigma => row("σ position", Vehicle, LengthSigma, "position_sigma_m",
+                "Root of the mean variance of the position's three axes, from readings, calibration, clocks and rig"),
+            Self::RotationSigma => row("σ rotation", Vehicle, AngleSigma, "rotation_sigma_rad",
+                "Root of the mean variance of the orientation about the three axes"),
+            Self::Range => row("range", Station, Length, "range_m", "The range of each raw reading"),
+            Self::HorizontalAngle => row("horizontal angle", Station, Angle, "azimuth_rad",
+                "The azimuth of each raw reading, clockwise"),
+            Self::VerticalAngle => row("vertical angle", Station, Angle, "zenith_rad",
+                "The zenith angle of each raw reading: zero is straight up"),
+            Self::RangeRate => row("range rate", Station, Other("m/s"), "range_rate_m_per_s",
+                "Change of the range from one raw reading to the next, without its sign"),
+            Self::HorizontalRate => row("horizontal rate", Station, AngleRate, "azimuth_rate_deg_per_s",
+                "Change of the azimuth from one raw reading to the next, without its sign"),
+            Self::VerticalRate => row("vertical rate", Station, AngleRate, "zenith_rate_deg_per_s",
+                "Change of the zenith angle from one raw reading to the next, without its sign"),
+            Self::OwnClock => row("clock offset", Station, Other("ms"), "clock_offset_ms",
+                "A station's own clock minus the synchronised time, less the median"),
+            Self::X => row("prism x", Station, Length, "x_m", "x of each prism in station 1's frame, by the answer"),
+            Self::Y => row("prism y", Station, Length, "y_m", "y of each prism in station 1's frame, by the answer"),
+            Self::Height => row("prism height", Station, Length, "z_m",
+                "z of each prism in station 1's frame, by the answer"),
+            Self::Speed => row("prism speed", Prism1, Other("m/s"), "speed_m_per_s",
+                "Speed of prism 1 at each triplet"),
+            Self::DistanceError => row("distance error", Pair, Other("mm"), "distance_error_mm",
+                "Apparent minus known distance of each pair of prisms, of each triplet"),
+        }
+    }
 
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Range => "range",
-            Self::HorizontalAngle => "horizontal angle",
-            Self::VerticalAngle => "vertical angle",
-            Self::RangeRate => "range rate",
-            Self::HorizontalRate => "horizontal rate",
-            Self::VerticalRate => "vertical rate",
-            Self::OwnClock => "clock offset",
-            Self::X => "prism x",
-            Self::Y => "prism y",
-            Self::Height => "prism height",
-            Self::Speed => "speed",
-            Self::DistanceError => "distance error",
-        }
+        self.describe().name
     }
 
-    /// What it is, in a sentence.
-    pub fn hint(self) -> &'static str {
-        match self {
-            Self::Range => "The range of each raw reading",
-            Self::HorizontalAngle => "The azimuth of each raw reading, clockwise",
-            Self::VerticalAngle => "The zenith angle of each raw reading: zero is straight up",
-            Self::RangeRate => {
-                "How fast the range changes from one raw reading to the next, without its sign"
-            }
-            Self::HorizontalRate => {
-                "How fast the azimuth changes from one raw reading to the next, without its sign"
-            }
-            Self::VerticalRate => {
-                "How fast the zenith angle changes from one raw reading to the next, without its sign"
-            }
-            Self::OwnClock => "A station's own clock minus the synchronised time, less the median",
-            Self::X => "x of each prism in station 1's frame, by the answer",
-            Self::Y => "y of each prism in station 1's frame, by the answer",
-            Self::Height => "z of each prism in station 1's frame, by the answer",
-            Self::Speed => "How fast prism 1 moves, of each triplet",
-            Self::DistanceError => {
-                "Apparent minus known distance of each pair of prisms, of each triplet"
-            }
-        }
-    }
-
-    pub fn of(self) -> Of {
-        match self {
-            Self::Speed => Of::Vehicle,
-            Self::DistanceError => Of::Pair,
-            _ => Of::Station,
-        }
+    pub fn subject(self) -> Subject {
+        self.describe().subject
     }
 
     pub fn dimension(self) -> Dimension {
-        match self {
-            Self::Range | Self::X | Self::Y | Self::Height => Dimension::Length,
-            Self::HorizontalAngle | Self::VerticalAngle => Dimension::Angle,
-            Self::RangeRate | Self::Speed => Dimension::Other("m/s"),
-            Self::HorizontalRate | Self::VerticalRate => Dimension::AngleRate,
-            Self::OwnClock => Dimension::Other("ms"),
-            Self::DistanceError => Dimension::Other("mm"),
-        }
+        self.describe().dimension
     }
 
-    /// The name of its column in a file, with the unit that it is stored in.
-    pub fn column(self) -> &'static str {
-        match self {
-            Self::Range => "range_m",
-            Self::HorizontalAngle => "azimuth_rad",
-            Self::VerticalAngle => "zenith_rad",
-            Self::RangeRate => "range_rate_m_per_s",
-            Self::HorizontalRate => "azimuth_rate_deg_per_s",
-            Self::VerticalRate => "zenith_rate_deg_per_s",
-            Self::OwnClock => "clock_offset_ms",
-            Self::X => "x_m",
-            Self::Y => "y_m",
-            Self::Height => "z_m",
-            Self::Speed => "speed_m_per_s",
-            Self::DistanceError => "distance_error_mm",
-        }
-    }
-
-    /// Whether each of its series has one of the other to stand against.
+    /// Whether each of its series has one of the other to be plotted against.
     pub fn goes_with(self, other: Self) -> bool {
-        self.of() == other.of() || self.of() == Of::Vehicle || other.of() == Of::Vehicle
+        let [own, other] = [self, other].map(Self::subject);
+        own == other || own.is_single() || other.is_single()
     }
 
-    /// The series of a station or a pair, from 0; none where the data has none.
-    pub fn series(self, plots: &PreparedPlots, index: usize) -> Option<Series<'_>> {
+    /// Reads a channel of the vehicle off an instant (m, m/s, rad); σ of a σ is zero.
+    fn of_instant(self) -> Option<InstantValue> {
+        match self {
+            Self::VehicleHeight => Some(|at| Some(at.height_m())),
+            Self::VehicleSpeed => Some(|at| at.speed_m_per_s),
+            Self::Heading => Some(|at| Some(at.attitude?.yaw_rad)),
+            Self::Roll => Some(|at| Some(at.attitude?.roll_rad)),
+            Self::Pitch => Some(|at| Some(at.attitude?.pitch_rad)),
+            Self::PositionSigma => {
+                Some(|at| Some(Estimate { value: at.position_sigma_m(), sigma: 0.0 }))
+            }
+            Self::RotationSigma => Some(|at| at.turn_sigma_rad.map(|value| Estimate { value, sigma: 0.0 })),
+            _ => None,
+        }
+    }
+
+    /// Returns the value of the vehicle at an instant, if the channel is one of the vehicle's and it is determined.
+    pub fn of_vehicle(self, instant: &Instant) -> Option<Estimate> {
+        self.of_instant()?(instant)
+    }
+
+    /// Returns the series of a station or a pair, from 0; `None` where the data has none.
+    pub fn series(self, sources: Sources<'_>, index: usize) -> Option<Series<'_>> {
+        let Sources { plots, way, start_s } = sources;
+        if let Some(value) = self.of_instant() {
+            return Series::of_vehicle(way?, start_s, value, self.dimension() == Dimension::Angle);
+        }
         let readings = plots.readings.stations.get(index)?;
         let place = |first: Self| self as usize - first as usize;
         let track = &plots.track;
         match self {
             Self::Range | Self::HorizontalAngle | Self::VerticalAngle => {
-                let of = &readings.measured[place(Self::Range)];
-                Series::of(&readings.time_s, of, self == Self::HorizontalAngle)
+                let measured = &readings.measured[place(Self::Range)];
+                Series::of(&readings.time_s, measured, self == Self::HorizontalAngle)
             }
             Self::RangeRate | Self::HorizontalRate | Self::VerticalRate => {
-                let of = &readings.rates[place(Self::RangeRate)].values;
-                Series::of(&readings.time_s, of, false)
+                let rates = &readings.rates[place(Self::RangeRate)].values;
+                Series::of(&readings.time_s, rates, false)
             }
             Self::X | Self::Y | Self::Height => {
                 Series::of(&track.since_s, &track.places_m[index][place(Self::X)], false)
@@ -161,6 +213,7 @@ impl Channel {
                 let residuals = &plots.residuals[index];
                 Series::of_dots(&residuals.dots, &residuals.pyramid)
             }
+            _ => None,
         }
     }
 }

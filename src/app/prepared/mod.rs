@@ -2,7 +2,6 @@
 //! the trees that find the point under the pointer.
 
 pub mod analyser;
-pub mod aspects;
 pub mod beside;
 pub mod channels;
 mod clock_series;

@@ -5,39 +5,88 @@ use std::ops::Range;
 use egui_plot::PlotPoint;
 
 use super::pyramid::{Pyramid, Values};
+use super::way::{Instant, Way};
+use resect_core::calibration::Estimate;
+use resect_core::statistics::NORMAL_95;
+
+/// Reads a value with σ off an instant of the vehicle's way, if it is determined.
+pub type InstantValue = fn(&Instant) -> Option<Estimate>;
 
 /// Values in order of time, wherever they are kept.
 #[derive(Clone, Copy, Debug)]
 pub struct Series<'a> {
     data: Data<'a>,
-    pyramid: &'a Pyramid,
+    /// `None` for the few values of a vehicle's way, which are looked at one by one.
+    pyramid: Option<&'a Pyramid>,
     /// Whether its values are angles that begin again after a full turn.
     turns: bool,
+    /// Values further apart than this are not joined (s).
+    longest_step_s: f64,
+}
+
+/// One place of a line with the band of ±1.96 σ, which may sum up several values.
+pub struct Corner {
+    pub since_s: f64,
+    pub value: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// A value in a file.
+pub struct Row {
+    pub since_s: f64,
+    /// The value that it is plotted against at the same time.
+    pub other: Option<f64>,
+    pub value: f64,
+    pub sigma: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Data<'a> {
     Lists { since_s: &'a [f64], values: &'a [f64] },
     Dots(&'a [PlotPoint]),
+    Vehicle { instants: &'a [Instant], start_s: f64, value: InstantValue },
 }
 
-/// Values further apart than this are not joined (s): what was between them nobody knows.
-const FARTHEST_S: f64 = 1.0;
+/// Readings and triplets further apart than this are not joined (s).
+const LONGEST_STEP_S: f64 = 1.0;
 
 impl<'a> Series<'a> {
     pub fn of(since_s: &'a [f64], of: &'a Values, turns: bool) -> Option<Self> {
         let data = Data::Lists { since_s, values: &of.values };
-        (!of.values.is_empty()).then_some(Self { data, pyramid: &of.pyramid, turns })
+        (!of.values.is_empty()).then_some(Self {
+            data,
+            pyramid: Some(&of.pyramid),
+            turns,
+            longest_step_s: LONGEST_STEP_S,
+        })
     }
 
     pub fn of_dots(dots: &'a [PlotPoint], pyramid: &'a Pyramid) -> Option<Self> {
-        (!dots.is_empty()).then_some(Self { data: Data::Dots(dots), pyramid, turns: false })
+        (!dots.is_empty()).then_some(Self {
+            data: Data::Dots(dots),
+            pyramid: Some(pyramid),
+            turns: false,
+            longest_step_s: LONGEST_STEP_S,
+        })
+    }
+
+    /// Returns a value of the vehicle; `None` where it is not determined at any instant.
+    pub fn of_vehicle(way: &'a Way, start_s: f64, value: InstantValue, turns: bool) -> Option<Self> {
+        let instants = &way.instants[..];
+        instants.iter().any(|at| value(at).is_some()).then_some(Self {
+            data: Data::Vehicle { instants, start_s, value },
+            pyramid: None,
+            turns,
+            longest_step_s: way.longest_step_s(),
+        })
     }
 
     fn len(&self) -> usize {
         match self.data {
             Data::Lists { since_s, values } => since_s.len().min(values.len()),
             Data::Dots(dots) => dots.len(),
+            Data::Vehicle { instants, .. } => instants.len(),
         }
     }
 
@@ -45,14 +94,29 @@ impl<'a> Series<'a> {
         match self.data {
             Data::Lists { since_s, .. } => since_s[index],
             Data::Dots(dots) => dots[index].x,
+            Data::Vehicle { instants, start_s, .. } => instants[index].time_s - start_s,
         }
     }
 
+    /// NaN where a value of the vehicle is not determined.
     fn value(&self, index: usize) -> f64 {
         match self.data {
             Data::Lists { values, .. } => values[index],
             Data::Dots(dots) => dots[index].y,
+            Data::Vehicle { .. } => self.estimate(index).map_or(f64::NAN, |value| value.value),
         }
+    }
+
+    fn estimate(&self, index: usize) -> Option<Estimate> {
+        match self.data {
+            Data::Vehicle { instants, value, .. } => value(&instants[index]),
+            Data::Lists { .. } | Data::Dots(_) => None,
+        }
+    }
+
+    /// Whether its values have σ.
+    pub fn has_sigma(&self) -> bool {
+        matches!(self.data, Data::Vehicle { .. })
     }
 
     /// Index of the first value that is not before a time.
@@ -60,6 +124,9 @@ impl<'a> Series<'a> {
         match self.data {
             Data::Lists { since_s: all, .. } => all.partition_point(|t| *t < since_s),
             Data::Dots(dots) => dots.partition_point(|dot| dot.x < since_s),
+            Data::Vehicle { instants, start_s, .. } => {
+                instants.partition_point(|at| at.time_s - start_s < since_s)
+            }
         }
     }
 
@@ -75,17 +142,53 @@ impl<'a> Series<'a> {
 
     /// Dots over time that stand for those within a window.
     pub fn over_time(&self, window_s: [f64; 2], runs: usize) -> Vec<PlotPoint> {
-        let indices = self.pyramid.visible(self.within(window_s), runs);
-        indices.into_iter().map(|i| PlotPoint::new(self.since_s(i), self.value(i))).collect()
+        let indices = self.visible(self.within(window_s), runs).into_iter();
+        indices.map(|i| PlotPoint::new(self.since_s(i), self.value(i))).collect()
+    }
+
+    /// Indices of values that stand for a range of them, extremes included.
+    fn visible(&self, range: Range<usize>, runs: usize) -> Vec<usize> {
+        match self.pyramid {
+            Some(pyramid) => pyramid.visible(range, runs),
+            None => range.collect(),
+        }
+    }
+
+    /// Returns lines with bands that stand for the values within a window and those beside it, at most about so many
+    /// corners. A line ends at a gap, where the value is not determined, and where an angle jumps by a full turn.
+    pub fn lines(&self, window_s: [f64; 2], most_corners: usize) -> Vec<Vec<Corner>> {
+        let within = self.within(window_s);
+        let range = within.start.saturating_sub(1)..(within.end + 1).min(self.len());
+        let stride = range.len().div_ceil(most_corners.max(1)).max(1);
+        let known: Vec<(usize, Estimate)> =
+            range.filter_map(|index| Some((index, self.estimate(index)?))).collect();
+        let is_joined = |a: &(usize, Estimate), b: &(usize, Estimate)| {
+            let jump = (b.1.value - a.1.value).abs();
+            self.since_s(b.0) - self.since_s(a.0) <= self.longest_step_s
+                && !(self.turns && jump >= std::f64::consts::PI)
+        };
+        let corner = |some: &[(usize, Estimate)]| {
+            let (index, middle) = some[some.len() / 2];
+            let bound = |sign: f64| {
+                some.iter().map(move |(_, at)| at.value + sign * NORMAL_95 * at.sigma)
+            };
+            Corner {
+                since_s: self.since_s(index),
+                value: middle.value,
+                low: bound(-1.0).fold(f64::INFINITY, f64::min),
+                high: bound(1.0).fold(f64::NEG_INFINITY, f64::max),
+            }
+        };
+        known.chunk_by(is_joined).map(|line| line.chunks(stride).map(corner).collect()).collect()
     }
 
     /// Dots that stand for those within a window, each against another series at the same time. Extremes of both are
     /// among them.
     pub fn against(&self, other: &Series<'_>, window_s: [f64; 2], runs: usize) -> Vec<PlotPoint> {
         let part = self.within(window_s);
-        let mut indices = self.pyramid.visible(part.clone(), runs);
+        let mut indices = self.visible(part.clone(), runs);
         if other.len() == self.len() {
-            indices.extend(other.pyramid.visible(part, runs));
+            indices.extend(other.visible(part, runs));
             indices.sort_unstable();
             indices.dedup();
         }
@@ -99,27 +202,27 @@ impl<'a> Series<'a> {
     pub fn at(&self, since_s: f64) -> Option<f64> {
         let after = self.first_from(since_s);
         if after < self.len() && self.since_s(after) <= since_s {
-            return Some(self.value(after));
+            return Some(self.value(after)).filter(|value| value.is_finite());
         }
         let before = after.checked_sub(1).filter(|_| after < self.len())?;
         let [from_s, to_s] = [before, after].map(|index| self.since_s(index));
         let [from, to] = [before, after].map(|index| self.value(index));
         let share = (since_s - from_s) / (to_s - from_s);
-        let joined = to_s - from_s <= FARTHEST_S;
+        let joined = to_s - from_s <= self.longest_step_s;
         let turned = self.turns && (to - from).abs() > std::f64::consts::PI;
-        (joined && !turned).then_some(from + share * (to - from))
+        let between = from + share * (to - from);
+        (joined && !turned && between.is_finite()).then_some(between)
     }
 
-    /// Each value within a window: the time, what it stands against, and itself.
-    pub fn rows(
-        &self,
-        other: Option<Self>,
-        window_s: [f64; 2],
-    ) -> impl Iterator<Item = (f64, Option<f64>, f64)> {
-        self.within(window_s).map(move |index| {
+    /// Each value within a window.
+    pub fn rows(&self, other: Option<Self>, window_s: [f64; 2]) -> impl Iterator<Item = Row> {
+        let rows = self.within(window_s).map(move |index| {
             let since_s = self.since_s(index);
-            (since_s, other.and_then(|other| other.at(since_s)), self.value(index))
-        })
+            let other = other.and_then(|other| other.at(since_s));
+            let sigma = self.estimate(index).map(|value| value.sigma);
+            Row { since_s, other, value: self.value(index), sigma }
+        });
+        rows.filter(|row| row.value.is_finite())
     }
 }
 

@@ -1,4 +1,4 @@
-//! The vehicle's way as its plots show it: where it was, how it was turned and how fast, each with σ.
+//! The vehicle's way for plots and scene: position, attitude and speed, each with σ.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -86,6 +86,11 @@ impl Way {
         }
     }
 
+    /// Longest time between neighbours that are not on both sides of a gap (s).
+    pub fn longest_step_s(&self) -> f64 {
+        GAP_STEPS * self.step_s
+    }
+
     fn none(why: String) -> Self {
         Self { why_not: Some(why), ..Self::default() }
     }
@@ -94,7 +99,7 @@ impl Way {
     pub fn at(&self, time_s: f64) -> Option<Instant> {
         let after = self.instants.partition_point(|at| at.time_s < time_s);
         let around = &self.instants[after.saturating_sub(1)..self.instants.len().min(after + 1)];
-        let most_s = GAP_STEPS * self.step_s;
+        let most_s = self.longest_step_s();
         if let [before, after] = around
             && after.time_s - before.time_s <= most_s
         {
@@ -111,12 +116,23 @@ impl Way {
         let from = self.instants.partition_point(|at| at.time_s < span_s[0]).saturating_sub(1);
         let to = self.instants.partition_point(|at| at.time_s <= span_s[1]);
         let seen = &self.instants[from..(to + 1).min(self.instants.len()).max(from)];
-        let most_s = GAP_STEPS * self.step_s;
+        let most_s = self.longest_step_s();
         seen.chunk_by(move |a, b| b.time_s - a.time_s <= most_s)
     }
 }
 
 impl Instant {
+    /// Returns z of the position.
+    pub fn height_m(&self) -> Estimate {
+        let sigma = self.position_covariance_m2[(2, 2)].max(0.0).sqrt();
+        Estimate { value: self.position_m.z, sigma }
+    }
+
+    /// Returns the root of the mean variance of the three axes.
+    pub fn position_sigma_m(&self) -> f64 {
+        (self.position_covariance_m2.trace() / 3.0).max(0.0).sqrt()
+    }
+
     /// So far on the line to a neighbour: 0 here, 1 there.
     fn towards(&self, other: &Self, share: f64) -> Self {
         let between = |from: f64, to: f64| from + share * (to - from);
@@ -162,7 +178,7 @@ impl Instant {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::prepared::aspects::Aspect;
+    use crate::app::prepared::channels::Channel;
     use resect_core::analysis::{Analyst, Settings};
     use resect_core::calibration::Method;
     use resect_core::evaluation::vehicle::vehicle_at;
@@ -182,9 +198,9 @@ mod tests {
         let middle = way.instants[way.instants.len() / 2];
         assert_eq!(way.at(middle.time_s), Some(middle));
         assert!(way.at(way.instants[0].time_s - 60.0).is_none());
-        for aspect in Aspect::ALL {
-            let value = aspect.of(&middle).expect("there");
-            assert!(value.value.is_finite() && value.sigma >= 0.0, "{aspect:?} {value:?}");
+        for channel in &Channel::ALL[..Channel::OF_VEHICLE] {
+            let value = channel.of_vehicle(&middle).expect("there");
+            assert!(value.value.is_finite() && value.sigma >= 0.0, "{channel:?} {value:?}");
         }
         // A few of a long drive see what is around their window too.
         let some = way.pieces([middle.time_s, middle.time_s + 1.0]).map(<[_]>::len).sum::<usize>();
@@ -222,7 +238,7 @@ mod tests {
         let analysis = Analyst::new(deployment.clone().into()).run(&settings);
         let way = Way::of(&deployment, &analysis);
         assert_eq!(way.instants.len(), analysis.triplets().len());
-        assert!(way.instants.iter().all(|at| Aspect::Speed.of(at).is_none()));
+        assert!(way.instants.iter().all(|at| at.speed_m_per_s.is_none()));
         assert!(way.pieces([f64::NEG_INFINITY, f64::INFINITY]).count() > 5);
     }
 }

@@ -7,7 +7,6 @@ use super::ghosts::Ghost;
 use super::legend_rows;
 use super::vehicle::PoseBy;
 use crate::app::model::{OpenDeployment, Ruler, Units};
-use crate::app::prepared::aspects::Aspect;
 use crate::app::prepared::rig_at::LAST_READ_S;
 use crate::app::state::State;
 use resect_core::analysis::Analysis;
@@ -118,7 +117,7 @@ fn cursor(
 fn sigma_by_way(open: &OpenDeployment, time_s: f64) -> Option<PoseSigma> {
     let way = open.way.newest.as_deref().filter(|_| open.way.is_of((open.analysis_run, 0)))?;
     let at = way.at(time_s)?;
-    let position_m = Aspect::PositionSigma.of(&at)?.value;
+    let position_m = at.position_sigma_m();
     Some(PoseSigma { position_m, orientation_rad: at.turn_sigma_rad? })
 }
 

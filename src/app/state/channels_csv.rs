@@ -1,76 +1,98 @@
-//! What the pane of channels shows, as a table for other programs.
+//! The values of the pane of channels, as a table for other programs.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::State;
 use crate::app::file_dialog::Question;
-use crate::app::model::{Plotted, Visibility};
-use crate::app::prepared::PreparedPlots;
-use crate::app::prepared::channels::Channel;
+use crate::app::model::{ChannelPlots, Visibility};
+use crate::app::prepared::channels::{Channel, Sources, Subject};
 use resect_io::atomic;
 use resect_report::csv::io_error;
 
-/// What is written.
-struct Shown {
-    plotted: Plotted,
+/// The values to be written.
+struct Table {
+    plots: ChannelPlots,
     visible: Visibility,
     /// Since the first measurement (s).
     window_s: [f64; 2],
 }
 
 impl State {
-    /// Asks for a file and has every value written that is within the window of time: metres, radians and seconds of the
-    /// stations' clock, as in all files.
+    /// Asks for a file and writes every value within the window of time: metres, radians and seconds of the stations'
+    /// clock, as in all files.
     pub(super) fn save_channels(&mut self) {
         let Some((open, _)) = self.analysed() else {
             self.toasts.error("there is nothing to save yet; open a deployment first");
             return;
         };
-        if self.time.plotted.seen(&open.plots, &self.scene.visibility).is_empty() {
-            let what = self.time.plotted.in_words();
-            self.toasts.error(&format!(
-                "{what}: the data has none, or all are hidden; show another in the pane Channels"
-            ));
+        let (plots, visible) = (self.time.plots, self.scene.visibility);
+        let sources = open.sources();
+        if plots.channels().all(|channel| plots.seen(channel, sources, &visible).is_empty()) {
+            self.toasts.error(
+                "no channel with values is shown; choose one under Show… in the pane Channels",
+            );
             return;
         }
-        let (plots, start_s) = (std::sync::Arc::clone(&open.plots), open.start_s());
+        let (prepared, way) = (Arc::clone(&open.plots), open.way.newest.clone());
+        let start_s = open.start_s();
         let window_s = open.timeline.window_s.map(|time_s| time_s - start_s);
-        let shown = Shown { plotted: self.time.plotted, visible: self.scene.visibility, window_s };
+        let table = Table { plots, visible, window_s };
         // Several of one deployment are saved beside each other.
-        let (what, of) = (self.time.plotted.in_words(), open.deployment.name.clone());
+        let (what, of) = (plots.in_words(), open.deployment.name.clone());
         let title = format!("Save {what} (CSV)");
         let answer = self.ask(Question::new_file(&title, &format!("{of} {what}"), "csv"));
         self.tell_when_done(move || {
             let path = answer.wait()?;
-            let written = write(&path, &plots, &shown, start_s);
+            let sources = Sources { plots: &prepared, way: way.as_deref(), start_s };
+            let written = write(&path, sources, &table);
             Some(written.map(|rows| format!("{rows} rows written to {}", path.display())))
         });
     }
 }
 
-/// Gives how many rows there are below the names of the columns.
-fn write(path: &Path, plots: &PreparedPlots, shown: &Shown, start_s: f64) -> Result<usize, String> {
-    let Plotted { channel, against } = shown.plotted;
+/// Writes one channel under the name of its column, several as rows with their names; returns the number of rows.
+fn write(path: &Path, sources: Sources<'_>, table: &Table) -> Result<usize, String> {
+    let plots = table.plots;
+    let channels: Vec<Channel> = plots.channels().collect();
+    let has_sigma = channels.iter().any(|channel| channel.subject() == Subject::Vehicle);
     let mut rows = 0;
     let written = atomic::write_with(path, |file| {
-        let mut table = csv::Writer::from_writer(file);
+        let mut writer = csv::Writer::from_writer(file);
         let mut header = vec!["series", "time_s"];
-        header.extend(against.map(Channel::column));
-        header.push(channel.column());
-        table.write_record(header).map_err(io_error)?;
-        for seen in shown.plotted.seen(plots, &shown.visible) {
-            for (since_s, other, value) in seen.series.rows(seen.against, shown.window_s) {
-                let mut row = vec![seen.name.clone(), (start_s + since_s).to_string()];
-                if against.is_some() {
-                    // Where the other has no value at that time, its cell is empty.
-                    row.push(other.map_or_else(String::new, |other| other.to_string()));
+        header.extend(plots.against.map(|other| other.describe().column));
+        match channels[..] {
+            [only] => header.push(only.describe().column),
+            _ => header.extend(["channel", "value"]),
+        }
+        header.extend(has_sigma.then_some("sigma"));
+        writer.write_record(header).map_err(io_error)?;
+        for channel in &channels {
+            for seen in plots.seen(*channel, sources, &table.visible) {
+                for values in seen.series.rows(seen.against, table.window_s) {
+                    let time_s = sources.start_s + values.since_s;
+                    let mut row = vec![seen.name.clone(), time_s.to_string()];
+                    if plots.against.is_some() {
+                        row.push(optional(values.other));
+                    }
+                    if channels.len() > 1 {
+                        row.push(channel.describe().column.to_owned());
+                    }
+                    row.push(values.value.to_string());
+                    if has_sigma {
+                        row.push(optional(values.sigma));
+                    }
+                    writer.write_record(row).map_err(io_error)?;
+                    rows += 1;
                 }
-                row.push(value.to_string());
-                table.write_record(row).map_err(io_error)?;
-                rows += 1;
             }
         }
-        table.flush()
+        writer.flush()
     });
     written.map(|()| rows).map_err(|error| error.to_string())
+}
+
+/// An empty cell where there is no value.
+fn optional(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
 }

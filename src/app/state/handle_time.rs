@@ -40,11 +40,10 @@ impl State {
             }
             Command::Unpick => self.with_timeline(|timeline, _| timeline.picked = None),
             Command::LookAtTimes(span_s) => self.look_at_times(span_s),
-            Command::Plot(plotted) => {
-                self.time.plotted = plotted;
+            Command::Plot(plots) => {
+                self.time.plots = plots;
                 self.workspace.layout.show(Pane::Channels);
             }
-            Command::PlotWay(plots) => self.time.way_plots = plots,
             Command::SaveChannelsDialog => self.save_channels(),
         }
     }

@@ -28,7 +28,7 @@ impl State {
     pub(super) fn make_what_is_looked_at(&mut self) {
         let shows_scene = self.workspace.layout.place(Pane::Scene).is_some();
         let shows_tube = self.scene.visibility.tube && shows_scene;
-        let shows_way = shows_tube || self.workspace.layout.place(Pane::Trajectory).is_some();
+        let shows_way = shows_tube || self.workspace.layout.place(Pane::Channels).is_some();
         if self.scene.visibility.runs_beside && shows_scene {
             self.make_beside();
         }
@@ -142,8 +142,8 @@ impl State {
                 return;
             }
             let added = open.judging.with(read);
-            state.time.way_plots = state.time.way_plots.only_errors();
-            state.workspace.layout.show(Pane::Trajectory);
+            state.time.plots = state.time.plots.only_errors();
+            state.workspace.layout.show(Pane::Channels);
             state.workspace.layout.show(Pane::Evaluation);
             state.judge_by(id, added, Moment::NEVER);
         });

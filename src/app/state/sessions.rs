@@ -67,11 +67,10 @@ impl State {
             view: SavedView {
                 colouring: self.scene.colouring,
                 units: self.workspace.units,
-                plotted: self.time.plotted,
+                plots: self.time.plots,
                 visibility: self.scene.visibility,
                 scene: self.scene.options,
                 study: self.results.studies.options,
-                way: self.time.way_plots,
             },
             layout: Some(self.workspace.layout.describe()),
             pins: self.results.pins.iter().map(pin).collect(),
@@ -98,9 +97,8 @@ impl State {
         self.scene.colouring = session.view.colouring;
         self.scene.options = session.view.scene;
         self.workspace.units = session.view.units;
-        self.time.plotted = session.view.plotted;
+        self.time.plots = session.view.plots;
         self.results.studies.options = session.view.study.within_bounds();
-        self.time.way_plots = session.view.way;
         if let Some(plan) = session.plan {
             self.planning.set(*plan);
         }

@@ -2,7 +2,7 @@
 //!
 //! The time cursor and the selection belong to each deployment: `OpenDeployment::timeline`.
 
-use crate::app::model::{Playback, Plotted, WayPlots};
+use crate::app::model::{ChannelPlots, Playback};
 
 #[derive(Default)]
 pub struct TimeState {
@@ -10,7 +10,5 @@ pub struct TimeState {
     /// Time under the pointer in the last frame, in any pane (s, in the stations' clock).
     pub hover_s: Option<f64>,
     /// Plots of the pane of channels.
-    pub plotted: Plotted,
-    /// Plots of the pane of the trajectory.
-    pub way_plots: WayPlots,
+    pub plots: ChannelPlots,
 }
