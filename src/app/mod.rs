@@ -73,11 +73,12 @@ mod words;
 
 pub use layout::Layout;
 pub use model::{
-    AngleUnit, Asked, AskedAnswer, Camera, Colouring, Command, DeploymentCommand, DialogCommand,
-    JudgingCommand, LayoutDescription, LayoutPreset, LengthUnit, LiveCommand, LiveForm,
-    OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, PlanCommand, Playback, ChannelPlots, Results,
-    ResultsCommand, Ruler, RulerEnd, Run, SceneCommand, SceneOptions, SessionCommand, StudyKind,
-    StudyOptions, StudyResult, TimeCommand, TimeUnit, Timeline, Units, ViewPreset, Visibility, WorkspaceCommand, toasts,
+    AngleUnit, Asked, AskedAnswer, Camera, ChannelPlots, Colouring, Command, DeploymentCommand,
+    DialogCommand, JudgingCommand, LayoutDescription, LayoutPreset, LengthUnit, LiveCommand,
+    LiveForm, OpenDeployment, Overlay, Pane, Picked, PictureTo, Pin, PlanCommand, Playback,
+    Results, ResultsCommand, Ruler, RulerEnd, Run, SceneCommand, SceneOptions, SessionCommand,
+    StudyKind, StudyOptions, StudyResult, TimeCommand, TimeUnit, Timeline, Units, ViewPreset,
+    Visibility, WorkspaceCommand, toasts,
 };
 pub use picture::{offscreen_renderer, picture};
 pub use prepared::channels::Channel;

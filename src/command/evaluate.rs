@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::judging_args::JudgingArguments;
 use super::output::{advised, spare};
+use super::remedy_flags::unjudged_flag;
 use super::settings_args::AnswerArguments;
 use super::{Failure, load, print};
 use resect_core::analysis::Analyst;
@@ -58,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let whys: Vec<String> = judgement
             .unjudged
             .iter()
-            .map(|(_, why)| advised(why, why.flag()).to_string())
+            .map(|(_, why)| advised(why, unjudged_flag(why)).to_string())
             .collect();
         return Err(Failure::Input(anyhow::Error::msg(whys.join("; "))));
     }

@@ -27,7 +27,7 @@ impl Args for NumberFlags {
             let (unit, default) = (number.typed_unit(), number.default_shown());
             let argument = Arg::new(number.key)
                 .long(number.key)
-                .value_name(unit.replace('/', "_PER_").to_uppercase())
+                .value_name(number.unit)
                 .help(format!("{} ({unit}) [default: {default}]", number.meaning))
                 .value_parser(value_parser!(f64))
                 .allow_negative_numbers(true);

@@ -2,6 +2,9 @@
 
 use resect_core::calibration::CalibrationError;
 use resect_core::deployment::{Finding, Remedy};
+use resect_core::estimates::Unjudged;
+use resect_core::estimates::unfit::Unfit;
+use resect_core::evaluation::vehicle::NoTrajectory;
 
 /// The flag that applies a remedy; `None` where no flag does.
 fn flag(remedy: &Remedy) -> Option<&'static str> {
@@ -28,6 +31,33 @@ pub fn with_flags(finding: &Finding) -> String {
         line += flag;
     }
     line
+}
+
+/// The flag, or the command, that does what an error about a trajectory advises.
+pub fn trajectory_flag(why: &NoTrajectory) -> Option<&'static str> {
+    match why {
+        NoTrajectory::OnePrism(_) | NoTrajectory::NoMotion(_) => Some("--method joint"),
+        NoTrajectory::NoRig(_) => Some("--rig"),
+        NoTrajectory::NoMotionFits(_) => Some("resect calibrate"),
+        NoTrajectory::PrismsOnALine(_)
+        | NoTrajectory::OtherFrame(_)
+        | NoTrajectory::NoAnswer { .. } => None,
+    }
+}
+
+/// The flag, or the command, that does what an error about an estimate advises.
+pub fn unjudged_flag(why: &Unjudged) -> Option<&'static str> {
+    match why {
+        Unjudged::NoReference(why) => trajectory_flag(why),
+        Unjudged::Unfit { why, .. } => match why {
+            Unfit::NoOverlap => Some("--time-offset"),
+            Unfit::OnALine => Some("--align none"),
+            Unfit::Undetermined => Some("--body same"),
+            Unfit::OtherScale(_) => Some("--align similarity"),
+            Unfit::NoOrientation => Some("--body found"),
+            Unfit::FewEpochs | Unfit::FewPoses(_) => None,
+        },
+    }
 }
 
 /// An error as one line, with the flags of its remedies.

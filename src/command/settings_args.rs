@@ -6,8 +6,8 @@ use clap::Args;
 use nalgebra::Vector3;
 
 use super::Failure;
-use super::number_flags::NumberFlags;
 use super::choice::{ALIGNMENTS, INTERPOLATIONS, METHODS, PRIORS, choice};
+use super::number_flags::NumberFlags;
 use resect_core::analysis::Settings;
 use resect_core::calibration::{Alignment, Method, PriorMethod};
 use resect_core::pipeline::Interpolation;

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use nalgebra::Vector3;
 
 use super::output::{advised, kind_of, spare};
+use super::remedy_flags::trajectory_flag;
 use super::settings_args::{AnswerArguments, metres};
 use super::{Failure, load, print};
 use resect_core::analysis::{Analysis, Analyst};
@@ -92,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         wanted,
         arguments.max_error / 1e3,
     )
-    .map_err(|why| advised(&why, why.flag()))?;
+    .map_err(|why| advised(&why, trajectory_flag(&why)))?;
     if let Some(lever_arm_m) = &arguments.lever_arm {
         trajectory.poses.iter_mut().for_each(|pose| *pose = pose.at_lever_arm(lever_arm_m));
     }
@@ -209,7 +210,7 @@ fn one_prism(
         return Err(Failure::Input(anyhow::anyhow!("{}: {why}", deployment.name)));
     }
     let mut positions = prism_by(deployment, analysis.triplets(), calibration, wanted)
-        .map_err(|why| advised(&why, why.flag()))?;
+        .map_err(|why| advised(&why, trajectory_flag(&why)))?;
     if let Some(site) = site {
         positions.iter_mut().for_each(|at| *at = site.prism(at));
     }

@@ -9,7 +9,8 @@ use resect::app::{
 };
 
 use crate::harness::{
-    LARGE, Part, SMALL, Window, click, press, send, settle, shown, snapshot_of, type_and_enter_at_once, window,
+    LARGE, Part, SMALL, Window, click, press, send, settle, shown, snapshot_of,
+    type_and_enter_at_once, window,
 };
 
 fn plot(harness: &mut Window, channel: Channel, against: Option<Channel>) {
@@ -66,7 +67,8 @@ fn channels_are_chosen_in_the_menu_and_plotted_against_those_that_they_go_with()
     let expected = ChannelPlots { against: Some(Channel::Speed), ..ChannelPlots::of(&both) };
     assert_eq!(plots, expected);
     assert!(plots.goes_against(Channel::Pitch) && !plots.goes_against(Channel::Height));
-    let heights = ChannelPlots { against: Some(Channel::Height), ..ChannelPlots::of(&[Channel::Range]) };
+    let heights =
+        ChannelPlots { against: Some(Channel::Height), ..ChannelPlots::of(&[Channel::Range]) };
     assert_eq!(heights.toggled(Channel::DistanceError).against, None);
     assert_eq!(heights.toggled(Channel::X).against, Some(Channel::Height));
 }

@@ -11,7 +11,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use resect::app::{
-    Channel, ChannelPlots, DeploymentCommand, JudgingCommand, Pane, SceneCommand, TimeCommand, Visibility, WorkspaceCommand,
+    Channel, ChannelPlots, DeploymentCommand, JudgingCommand, Pane, SceneCommand, TimeCommand,
+    Visibility, WorkspaceCommand,
 };
 use resect_core::calibration::Method;
 use resect_core::estimates::{Alignment, Body, Options};

@@ -6,8 +6,9 @@ use super::{Action, Menu};
 use crate::app::model::channel_plots::APART;
 use crate::app::model::time_scale::tells_time_of_day;
 use crate::app::model::{
-    AngleUnit, Colouring, Command, LayoutPreset, LengthUnit, Pane, ChannelPlots, Ruler, SceneCommand,
-    SceneOptions, TimeCommand, TimeUnit, Units, ViewPreset, Visibility, WorkspaceCommand,
+    AngleUnit, ChannelPlots, Colouring, Command, LayoutPreset, LengthUnit, Pane, Ruler,
+    SceneCommand, SceneOptions, TimeCommand, TimeUnit, Units, ViewPreset, Visibility,
+    WorkspaceCommand,
 };
 use crate::app::prepared::channels::Channel;
 use crate::app::state::State;

@@ -12,7 +12,7 @@ use resect_core::deployment::pair_label;
 #[serde(default)]
 pub struct ChannelPlots {
     /// In the order of [`Channel::ALL`].
-    shown: [bool; Channel::ALL.len()],
+    pub shown: [bool; Channel::ALL.len()],
     /// The channel that all are plotted against; `None` is time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<Channel>,
@@ -61,11 +61,7 @@ impl ChannelPlots {
     #[must_use]
     pub fn with_channels(self, channels: &[Channel]) -> Self {
         let all_go = |other: &Channel| channels.iter().all(|channel| channel.goes_with(*other));
-        Self {
-            shown: Self::of(channels).shown,
-            against: self.against.filter(all_go),
-            ..self
-        }
+        Self { shown: Self::of(channels).shown, against: self.against.filter(all_go), ..self }
     }
 
     /// Returns these plots with one channel more, or one less.

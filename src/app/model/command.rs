@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use super::Units;
 use super::studies::StudyOptions;
-use super::{Added, Asked, AskedAnswer, Lookup, Palette, Picked, ChannelPlots, Visibility};
+use super::{Added, Asked, AskedAnswer, ChannelPlots, Lookup, Palette, Picked, Visibility};
 use super::{Colouring, Ruler, SceneOptions, ViewPreset};
 use super::{LayoutPreset, LiveCommand, Pane, PlanCommand};
 use crate::app::file_dialog::PromptCommand;

@@ -4,7 +4,7 @@ use super::layout_description::{Node, column, row, tabs};
 use super::pane::Pane::{
     Channels, Clocks, ControlPoints, Deployment, Evaluation, Findings, Guide, Histogram, Intervals,
     Live, Pipeline, PlanMap, PlanNumbers, Prediction, PriorSearch, Rates, Reading, Residuals,
-    Result, Runs, Scene, SideBySide, Studies, Trajectory,
+    Result, Runs, Scene, SideBySide, Studies,
 };
 
 /// A ready-made layout for one kind of work.
@@ -121,18 +121,7 @@ pub fn first() -> Node {
                 (
                     0.32,
                     row([
-                        (
-                            0.66,
-                            tabs(&[
-                                Residuals,
-                                Rates,
-                                Intervals,
-                                Clocks,
-                                Channels,
-                                Trajectory,
-                                PriorSearch,
-                            ]),
-                        ),
+                        (0.66, tabs(&[Residuals, Rates, Intervals, Clocks, Channels, PriorSearch])),
                         (0.34, tabs(&[Histogram, Findings, Reading, ControlPoints])),
                     ]),
                 ),

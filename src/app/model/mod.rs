@@ -40,8 +40,8 @@ pub use asked::{
     StationsAre, TableHead,
 };
 pub use camera::{Camera, Frame, ViewPreset};
-pub use colouring::Colouring;
 pub use channel_plots::ChannelPlots;
+pub use colouring::Colouring;
 pub use command::{
     Command, Commands, DeploymentCommand, DialogCommand, JudgingCommand, PictureTo, ResultsCommand,
     SceneCommand, SessionCommand, TimeCommand, WorkspaceCommand,

@@ -265,8 +265,7 @@ fn number_slider<S: Copy + Default>(
     let [least, most] = setting.slider;
     let unit = format!(" {unit}");
     let default = setting.default_shown() * per;
-    let response =
-        threshold(ui, (setting.label, term), &mut value, least..=most, &unit, default);
+    let response = threshold(ui, (setting.label, term), &mut value, least..=most, &unit, default);
     if value != before {
         let shown = value / per;
         // No noise from the change of unit.

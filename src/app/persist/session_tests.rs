@@ -5,9 +5,9 @@ use std::sync::{Arc, OnceLock};
 
 use super::*;
 use crate::app::layout::Layout;
+use crate::app::model::ChannelPlots;
 use crate::app::model::Colouring;
 use crate::app::model::LayoutPreset;
-use crate::app::model::ChannelPlots;
 use crate::app::model::SavedEstimate;
 use crate::app::model::SceneOptions;
 use crate::app::model::{Planning, StudyKind, StudyOptions};

@@ -2,9 +2,7 @@
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Color32, FontId, PopupCloseBehavior, RichText, Stroke};
-use egui_plot::{
-    AxisHints, FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi,
-};
+use egui_plot::{AxisHints, FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi};
 
 use super::dimension_units::{per_stored, unit, with_unit};
 use super::estimate_errors;
@@ -185,18 +183,15 @@ fn choice(ui: &mut egui::Ui, plots: ChannelPlots, can_judge: bool, commands: &mu
         }
     });
     let name = "Plotted against";
-    combo
-        .response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+    combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
     if chosen != plots {
         commands.push(TimeCommand::Plot(chosen).into());
     }
 }
 
 fn error_switches(ui: &mut egui::Ui, chosen: &mut ChannelPlots) {
-    ui.checkbox(&mut chosen.errors, "errors").on_hover_text(
-        "Errors of each trajectory that was added, with the σ of the ground truth",
-    );
+    ui.checkbox(&mut chosen.errors, "errors")
+        .on_hover_text("Errors of each trajectory that was added, with the σ of the ground truth");
     ui.add_enabled_ui(chosen.errors, |ui| {
         ui.checkbox(&mut chosen.by_distance, "by distance")
             .on_hover_text("Errors over the way that was driven, instead of over time");

@@ -173,7 +173,9 @@ impl Channel {
             Self::PositionSigma => {
                 Some(|at| Some(Estimate { value: at.position_sigma_m(), sigma: 0.0 }))
             }
-            Self::RotationSigma => Some(|at| at.turn_sigma_rad.map(|value| Estimate { value, sigma: 0.0 })),
+            Self::RotationSigma => {
+                Some(|at| at.turn_sigma_rad.map(|value| Estimate { value, sigma: 0.0 }))
+            }
             _ => None,
         }
     }

@@ -7,7 +7,9 @@ use egui_plot::PlotPoint;
 use super::pyramid::{Pyramid, Values};
 use super::way::{Instant, Way};
 use resect_core::calibration::Estimate;
-use resect_core::statistics::NORMAL_95;
+
+/// Half the width of a 95 % interval of the normal distribution in σ.
+const NORMAL_95: f64 = 1.96;
 
 /// Reads a value with σ off an instant of the vehicle's way, if it is determined.
 pub type InstantValue = fn(&Instant) -> Option<Estimate>;
@@ -72,7 +74,12 @@ impl<'a> Series<'a> {
     }
 
     /// Returns a value of the vehicle; `None` where it is not determined at any instant.
-    pub fn of_vehicle(way: &'a Way, start_s: f64, value: InstantValue, turns: bool) -> Option<Self> {
+    pub fn of_vehicle(
+        way: &'a Way,
+        start_s: f64,
+        value: InstantValue,
+        turns: bool,
+    ) -> Option<Self> {
         let instants = &way.instants[..];
         instants.iter().any(|at| value(at).is_some()).then_some(Self {
             data: Data::Vehicle { instants, start_s, value },
@@ -169,9 +176,8 @@ impl<'a> Series<'a> {
         };
         let corner = |some: &[(usize, Estimate)]| {
             let (index, middle) = some[some.len() / 2];
-            let bound = |sign: f64| {
-                some.iter().map(move |(_, at)| at.value + sign * NORMAL_95 * at.sigma)
-            };
+            let bound =
+                |sign: f64| some.iter().map(move |(_, at)| at.value + sign * NORMAL_95 * at.sigma);
             Corner {
                 since_s: self.since_s(index),
                 value: middle.value,

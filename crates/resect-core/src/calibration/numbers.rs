@@ -67,13 +67,10 @@ static SIGMA_CLOCK_OFFSETS: NumberSetting<CalibrationSettings> = prior(
     |settings| &mut settings.errors.clock_offset_s,
 );
 
-static SIGMA_CLOCK_DRIFTS: NumberSetting<CalibrationSettings> = prior(
-    "σ clock drifts",
-    "clock-drift",
-    "Drift of the clocks",
-    ("ppm", 1e6),
-    |settings| &mut settings.errors.clock_drift,
-);
+static SIGMA_CLOCK_DRIFTS: NumberSetting<CalibrationSettings> =
+    prior("σ clock drifts", "clock-drift", "Drift of the clocks", ("ppm", 1e6), |settings| {
+        &mut settings.errors.clock_drift
+    });
 
 static SIGMA_CLOCK_WANDER: NumberSetting<CalibrationSettings> = prior(
     "σ wandering clocks",
@@ -107,13 +104,10 @@ static SIGMA_RANGE_OFFSETS: NumberSetting<CalibrationSettings> = prior(
     |settings| &mut settings.errors.range_offset_m,
 );
 
-static SIGMA_RANGE_SCALES: NumberSetting<CalibrationSettings> = prior(
-    "σ range scales",
-    "range-scale",
-    "Scale error of the ranges",
-    ("ppm", 1e6),
-    |settings| &mut settings.errors.range_scale,
-);
+static SIGMA_RANGE_SCALES: NumberSetting<CalibrationSettings> =
+    prior("σ range scales", "range-scale", "Scale error of the ranges", ("ppm", 1e6), |settings| {
+        &mut settings.errors.range_scale
+    });
 
 static SIGMA_INDICES: NumberSetting<CalibrationSettings> = prior(
     "σ vertical indices",

@@ -1,6 +1,6 @@
-//! Why an estimate cannot be brought together with the ground truth.
+//! Reasons why an estimate cannot be aligned with the ground truth.
 
-/// Why an estimate could not be brought together with the ground truth.
+/// Reason why an estimate cannot be aligned with the ground truth.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unfit {
     #[error(
@@ -33,18 +33,4 @@ pub enum Unfit {
         "a lever arm needs orientations, of the estimate or of the ground truth; there are none"
     )]
     NoOrientation,
-}
-
-impl Unfit {
-    /// The command line's flag that does what is advised; the window has fields for it.
-    pub fn flag(self) -> Option<&'static str> {
-        match self {
-            Self::NoOverlap => Some("--time-offset"),
-            Self::OnALine => Some("--align none"),
-            Self::Undetermined => Some("--body same"),
-            Self::OtherScale(_) => Some("--align similarity"),
-            Self::NoOrientation => Some("--body found"),
-            Self::FewEpochs | Self::FewPoses(_) => None,
-        }
-    }
 }

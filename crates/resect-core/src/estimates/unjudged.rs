@@ -5,7 +5,7 @@ use crate::deployment::findings::studies::estimate_not_judged;
 use crate::deployment::{Finding, Remedy};
 use crate::evaluation::vehicle::NoTrajectory;
 
-/// Why an estimate cannot be judged.
+/// Reason why an estimate cannot be judged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unjudged {
     #[error(transparent)]
@@ -15,7 +15,7 @@ pub enum Unjudged {
 }
 
 impl Unjudged {
-    /// The same as a finding with what can be done about it.
+    /// Returns the reason as a finding with its remedies.
     pub fn finding(&self) -> Finding {
         let remedy = match self {
             Self::NoReference(NoTrajectory::OnePrism(_) | NoTrajectory::NoMotion(_)) => {
@@ -25,13 +25,5 @@ impl Unjudged {
             Self::NoReference(_) | Self::Unfit { .. } => None,
         };
         estimate_not_judged(&self.to_string(), remedy)
-    }
-
-    /// The flag, or the command, that does what is advised where there is no window with fields for it.
-    pub fn flag(&self) -> Option<&'static str> {
-        match self {
-            Self::NoReference(why) => why.flag(),
-            Self::Unfit { why, .. } => why.flag(),
-        }
     }
 }

@@ -47,19 +47,7 @@ pub enum NoTrajectory {
     NoMotionFits(String),
 }
 
-impl NoTrajectory {
-    /// The flag, or the command, that does what is advised where there is no window with buttons for it.
-    pub fn flag(&self) -> Option<&'static str> {
-        match self {
-            Self::OnePrism(_) | Self::NoMotion(_) => Some("--method joint"),
-            Self::NoRig(_) => Some("--rig"),
-            Self::NoMotionFits(_) => Some("resect calibrate"),
-            Self::PrismsOnALine(_) | Self::OtherFrame(_) | Self::NoAnswer { .. } => None,
-        }
-    }
-}
-
-/// What the vehicle's frame is.
+/// The frame of the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VehicleFrame {
     /// The frame in which `deployment.toml` gives the prisms.

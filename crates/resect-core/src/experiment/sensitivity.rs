@@ -74,7 +74,10 @@ impl Sweep {
             return Err(format!("from and to are both {}; give two values", self.from));
         }
         if !parameter.matters(settings) {
-            return Err(format!("{} has no effect while its filter is off", parameter.setting().key));
+            return Err(format!(
+                "{} has no effect while its filter is off",
+                parameter.setting().key
+            ));
         }
         for value in [self.from, self.to] {
             let mut variant = *settings;
@@ -122,7 +125,7 @@ pub fn sweep(
             "{} ({}), set to {}; below it the number of triplets",
             parameter.setting().title,
             parameter.setting().unit,
-            parameter.of(&mut settings.pipeline.clone())
+            parameter.setting().value(&settings.pipeline)
         ),
         series: vec![Series {
             name: settings.pipeline.interpolation.title().to_owned(),
