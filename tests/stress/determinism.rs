@@ -125,7 +125,7 @@ fn files_for_other_programs() {
         ("report @ --out report.html", 1),
         ("trajectory @ --out drive.tum", 1),
         ("trajectory @ --out drive.csv", 1),
-        ("export @ --csv out", 5),
+        ("export @ --csv out", 6),
         ("simulate --preset field-errors --seed 5 --out out", 12),
     ]);
 }
