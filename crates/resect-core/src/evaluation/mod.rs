@@ -1,7 +1,7 @@
 //! How good an answer is, by the paper's two metrics.
 
-mod evaluation;
 pub mod answer_rows;
+mod evaluation;
 pub mod far_end;
 pub mod gnss;
 pub mod rig_motion;
