@@ -1,12 +1,12 @@
-//! What the window does with [`Overrides`]: keeps what differs from the files, renumbers, and tells changes in words.
+//! Changed overrides in words.
 
 use crate::extras::Extras;
 use resect_core::deployment::{AS_NUMBERED, ColumnMapping, Overrides};
 
-/// Something that is read in another way. Displays as "station numbers 1 2 3 → 1 3 2".
+/// A changed value. Displays as "station numbers 1 2 3 → 1 3 2".
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OverrideChange {
-    /// What the window calls it.
+    /// Name in the window.
     pub name: &'static str,
     pub before: String,
     pub after: String,
@@ -18,7 +18,7 @@ impl std::fmt::Display for OverrideChange {
     }
 }
 
-/// All that is read in another way, by what the window calls it; `as_read` is what counts where neither says anything.
+/// Returns the values that differ; `as_read` has those that neither gives.
 pub fn extras_changes(before: &Extras, after: &Extras, as_read: &Overrides) -> Vec<OverrideChange> {
     let whole = |extras: &Extras| Extras {
         put_right: extras.put_right.clone().over(as_read.clone()),
@@ -32,16 +32,16 @@ pub fn extras_changes(before: &Extras, after: &Extras, as_read: &Overrides) -> V
         .collect()
 }
 
-/// All of what `deployment.toml` can say that is read in another way, by what the window calls it.
+/// Returns the values of `deployment.toml` that differ.
 pub fn override_changes(before: &Overrides, after: &Overrides) -> Vec<OverrideChange> {
     let only = |put_right: &Overrides| Extras { put_right: put_right.clone(), ..Extras::default() };
     extras_changes(&only(before), &only(after), &Overrides::default())
 }
 
-/// What a value is called that nobody gave.
+/// Text of a value that is not given.
 const AS_READ: &str = "as read";
 
-/// The patterns name every field, so that a new one does not compile until it is here.
+/// Returns all values with their names. The patterns have every field, so that a new one does not compile until it is here.
 fn named_values(extras: &Extras) -> Vec<(&'static str, String)> {
     let Extras { rig: rig_path, gcp, gcp_instead, gnss: gnss_paths, drives, put_right } = extras;
     let Overrides {
@@ -125,34 +125,7 @@ fn column_names(columns: &ColumnMapping) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resect_core::deployment::{AzimuthSense, MaskedReading, PrismConstants};
-
-    #[test]
-    fn what_the_folder_says_already_is_not_put_right() {
-        let as_read = Overrides { stations: Some([1, 3, 2]), ..Overrides::default() };
-        let own = Overrides {
-            stations: Some([1, 3, 2]),
-            azimuth: Some(AzimuthSense::Clockwise),
-            prism_constant_m: Some(PrismConstants::Each([0.010; 3])),
-            masked: Some(Vec::new()),
-            ..Overrides::default()
-        };
-        assert!(own.clone().beyond(&as_read).is_empty());
-        // Back to the numbers of the files is something to say where the folder says otherwise.
-        let back = Overrides { stations: Some([1, 2, 3]), ..own }.beyond(&as_read);
-        assert_eq!(back.stations, Some([1, 2, 3]));
-    }
-
-    #[test]
-    fn a_masked_reading_stays_masked_when_stations_are_renumbered() {
-        let mask = |station| MaskedReading { station, time_s: 7.5 };
-        let mut overrides =
-            Overrides { masked: Some(vec![mask(1), mask(2)]), ..Overrides::default() };
-        overrides.renumber([1, 2, 3], [1, 3, 2]);
-        assert_eq!(overrides.masked, Some(vec![mask(1), mask(3)]));
-        overrides.renumber([1, 3, 2], [2, 3, 1]);
-        assert_eq!(overrides.masked, Some(vec![mask(3), mask(1)]));
-    }
+    use resect_core::deployment::PrismConstants;
 
     #[test]
     fn a_change_is_told_from_what_the_folder_says() {

@@ -9,7 +9,7 @@ impl Overrides {
     /// Returns the overrides that differ from those of the folder, `as_read`.
     #[must_use]
     pub fn beyond(self, as_read: &Self) -> Self {
-        /// `silent`: what is meant where neither says anything.
+        /// `silent` is the value where neither gives one.
         fn beyond<T: PartialEq>(own: Option<T>, read: Option<&T>, silent: Option<&T>) -> Option<T> {
             own.filter(|own| read.or(silent) != Some(own))
         }
@@ -60,7 +60,7 @@ impl Overrides {
         }
     }
 
-    /// Gives the stations other numbers of the files; the readings that are masked stay the same ones.
+    /// Renumbers the stations; the same readings stay masked.
     pub fn renumber(&mut self, before: [i64; 3], after: [i64; 3]) {
         for mask in self.masked.iter_mut().flatten() {
             let number = before.get(usize::from(mask.station).wrapping_sub(1));
@@ -70,5 +70,38 @@ impl Overrides {
             }
         }
         self.stations = Some(after);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deployment::MaskedReading;
+
+    #[test]
+    fn what_the_folder_says_already_is_not_put_right() {
+        let as_read = Overrides { stations: Some([1, 3, 2]), ..Overrides::default() };
+        let own = Overrides {
+            stations: Some([1, 3, 2]),
+            azimuth: Some(AzimuthSense::Clockwise),
+            prism_constant_m: Some(PrismConstants::Each([0.010; 3])),
+            masked: Some(Vec::new()),
+            ..Overrides::default()
+        };
+        assert!(own.clone().beyond(&as_read).is_empty());
+        // Back to the numbers of the files is something to say where the folder says otherwise.
+        let back = Overrides { stations: Some([1, 2, 3]), ..own }.beyond(&as_read);
+        assert_eq!(back.stations, Some([1, 2, 3]));
+    }
+
+    #[test]
+    fn a_masked_reading_stays_masked_when_stations_are_renumbered() {
+        let mask = |station| MaskedReading { station, time_s: 7.5 };
+        let mut overrides =
+            Overrides { masked: Some(vec![mask(1), mask(2)]), ..Overrides::default() };
+        overrides.renumber([1, 2, 3], [1, 3, 2]);
+        assert_eq!(overrides.masked, Some(vec![mask(1), mask(3)]));
+        overrides.renumber([1, 3, 2], [2, 3, 1]);
+        assert_eq!(overrides.masked, Some(vec![mask(3), mask(1)]));
     }
 }
