@@ -1,33 +1,9 @@
-//! Findings as data: what a reader, the pipeline or a solver noticed.
+//! Findings of a reader, the pipeline or a solver, as data.
 
 use std::fmt;
 
-use serde::Serialize;
-
-use super::{FindingKind, FindingQuantity, Message, Remedy, ToldAngle, Unit};
+use super::{FindingKind, FindingQuantity, Message, Remedy, Severity, ToldAngle, Unit};
 use crate::statistics::estimate::Estimate;
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Severity {
-    /// Worth knowing; nothing is wrong.
-    Note,
-    /// Something was repaired or left out, or limits how far an answer can be trusted.
-    Warning,
-    /// Something needed is missing; an answer will not come, or must not be used.
-    Problem,
-}
-
-impl Severity {
-    /// The sign before a finding in plain text.
-    pub fn mark(self) -> char {
-        match self {
-            Self::Note => '-',
-            Self::Warning => '!',
-            Self::Problem => 'x',
-        }
-    }
-}
 
 /// The thing that a finding is about.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
