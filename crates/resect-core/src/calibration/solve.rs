@@ -99,16 +99,21 @@ impl Problem<'_> {
         settings: &CalibrationSettings,
     ) -> Result<Calibration, CalibrationError> {
         let Self { deployment, triplets, offer, progress } = self;
-        let answer = match method {
-            Method::TwoPoint => two_point::solve(deployment, triplets, offer),
-            Method::StaticGcp => static_gcp::solve(deployment, triplets, settings, offer),
-            Method::DynamicGcp => dynamic_gcp::solve(deployment, triplets, settings, offer),
+        let started = Stopwatch::start();
+        let answer: Result<Calibration, _> = match method {
+            Method::TwoPoint => two_point::solve(deployment, triplets, offer).map(Into::into),
+            Method::StaticGcp => {
+                static_gcp::solve(deployment, triplets, settings, offer).map(Into::into)
+            }
+            Method::DynamicGcp => {
+                dynamic_gcp::solve(deployment, triplets, settings, offer).map(Into::into)
+            }
             Method::InterPrism => {
-                inter_prism::solve(deployment, triplets, settings, offer, progress)
+                inter_prism::solve(deployment, triplets, settings, offer, progress).map(Into::into)
             }
             Method::Joint => self.estimate_jointly(settings),
         };
-        answer.map_err(|error| match (error, &deployment.rig) {
+        let mut answer = answer.map_err(|error| match (error, &deployment.rig) {
             (CalibrationError::NoTriplets { deployment: name, mut why }, Some(rig)) => {
                 if let Some(misread) = sense::explain_no_triplets(deployment, rig) {
                     why = format!("{why}; {misread}");
@@ -116,7 +121,9 @@ impl Problem<'_> {
                 CalibrationError::NoTriplets { deployment: name, why }
             }
             (error, _) => error,
-        })
+        })?;
+        answer.solve_ms = started.elapsed_ms() - answer.prior_ms;
+        Ok(answer)
     }
 
     /// Calibrates by the joint estimate of one prism or of three, which starts from the published method.
@@ -126,12 +133,15 @@ impl Problem<'_> {
     ) -> Result<Calibration, CalibrationError> {
         let Self { deployment, triplets, offer, progress } = self;
         if offer.targets != Targets::OnePrism {
-            return inter_prism::solve_jointly(deployment, triplets, settings, offer, progress);
+            let answer =
+                inter_prism::solve_jointly(deployment, triplets, settings, offer, progress)?;
+            return Ok(answer.into());
         }
         if offer.lack(Method::Joint).is_some() {
             return Err(CalibrationError::lacking(deployment, Method::Joint, offer));
         }
-        dynamic_gcp::solve_jointly(deployment, triplets, settings, offer, progress)
+        let answer = dynamic_gcp::solve_jointly(deployment, triplets, settings, offer, progress)?;
+        Ok(answer.into())
     }
 
     /// Checks an answer against all data that it does not rest on, and lowers its verdict where one contradicts it.
@@ -167,7 +177,7 @@ impl Problem<'_> {
             return;
         }
         let by_points = static_gcp::solve(deployment, &Triplets::default(), settings, offer);
-        let Ok(by_points) = by_points else { return };
+        let Ok(by_points) = by_points.map(Calibration::from) else { return };
         let disagreements = disagreements(&by_points, calibration, deployment);
         let agrees = calibration.sigma.is_some_and(|sigma| {
             let transforms = &calibration.station1_from_station;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::chain::Columns;
+use super::joint_estimate::{DriveClocks, JointEstimate};
 use super::pass::{Model, Pass, Weigh};
 use super::prisms::Solution;
 use super::strain::Strain;
@@ -13,7 +14,6 @@ use super::unknowns::{
     CLOCKS, COLLIMATIONS, CONSTANTS, DISTANCES, DRIFTS, INDICES, LATENCIES, LEANS, OFFSETS, SCALES,
     SLOW, SLOW_CLOCKS, SLOW_RANGES,
 };
-use super::{DriveClocks, JointEstimate};
 use crate::calibration::Estimate;
 use crate::geometry::LevelTransform;
 
